@@ -1,0 +1,14 @@
+# Flags that every target gets. -ffp-contract=off: a fused multiply-add rounds once where two operations round twice,
+# so letting the compiler choose would give other bits on other machines.
+add_library(troupe_options INTERFACE)
+target_compile_options(troupe_options INTERFACE
+  -ffp-contract=off -fno-fast-math
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wunused
+  $<$<BOOL:${TROUPE_WERROR}>:-Werror>)
+target_include_directories(troupe_options INTERFACE ${PROJECT_SOURCE_DIR})
+
+if(TROUPE_SANITIZER)
+  target_compile_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER})
+endif()

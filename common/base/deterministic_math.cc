@@ -1,0 +1,132 @@
+#include "common/base/deterministic_math.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace troupe {
+namespace {
+
+// pi/2 in three parts. The first two have 33 significant bits, so that their product with an integer below 2^20 is exact
+// (Cody and Waite 1980, chapter 8).
+constexpr double kHalfPiHigh = 0x1.921fb544p+0;
+constexpr double kHalfPiMiddle = 0x1.0b4611a6p-34;
+constexpr double kHalfPiLow = 0x1.3198a2e037073p-69;
+
+// Taylor polynomials: on [-pi/4, pi/4] their first left-out term is below 2^-58.
+double SinPolynomial(double x) {
+  const double z = x * x;
+  double sum = 1.0 / 355687428096000.0;           // 1/17!
+  sum = sum * z - 1.0 / 1307674368000.0;          // 1/15!
+  sum = sum * z + 1.0 / 6227020800.0;             // 1/13!
+  sum = sum * z - 1.0 / 39916800.0;               // 1/11!
+  sum = sum * z + 1.0 / 362880.0;                 // 1/9!
+  sum = sum * z - 1.0 / 5040.0;                   // 1/7!
+  sum = sum * z + 1.0 / 120.0;                    // 1/5!
+  sum = sum * z - 1.0 / 6.0;                      // 1/3!
+  return x + x * z * sum;
+}
+
+double CosPolynomial(double x) {
+  const double z = x * x;
+  double sum = 1.0 / 20922789888000.0;            // 1/16!
+  sum = sum * z - 1.0 / 87178291200.0;            // 1/14!
+  sum = sum * z + 1.0 / 479001600.0;              // 1/12!
+  sum = sum * z - 1.0 / 3628800.0;                // 1/10!
+  sum = sum * z + 1.0 / 40320.0;                  // 1/8!
+  sum = sum * z - 1.0 / 720.0;                    // 1/6!
+  sum = sum * z + 1.0 / 24.0;                     // 1/4!
+  return 1.0 - (0.5 * z - z * z * sum);
+}
+
+// arctan of |x| <= tan(pi/16), by its power series: 15 terms leave an error below 2^-60.
+double AtanSeries(double x) {
+  const double z = x * x;
+  double sum = 0.0;
+  for (int k = 29; k >= 3; k -= 2) sum = ((k % 4 == 3) ? -1.0 : 1.0) / k + sum * z;
+  return x + x * z * sum;
+}
+
+// arctan of x >= 0.
+double AtanPositive(double x) {
+  // arctan(x) = arctan(c) + arctan((x - c) / (1 + x c)); the sectors are pi/8 wide, centred on multiples of pi/8.
+  constexpr double kTan1 = 0.19891236737965800;  // tan(pi/16)
+  constexpr double kTan2 = 0.41421356237309505;  // tan(pi/8)
+  constexpr double kTan3 = 0.66817863791929891;  // tan(3 pi/16)
+  constexpr double kTan5 = 1.49660576266548901;  // tan(5 pi/16)
+  constexpr double kTan6 = 2.41421356237309505;  // tan(3 pi/8)
+  constexpr double kTan7 = 5.02733949212584810;  // tan(7 pi/16)
+  if (x <= kTan1) return AtanSeries(x);
+  if (x <= kTan3) return kPi / 8.0 + AtanSeries((x - kTan2) / (1.0 + x * kTan2));
+  if (x <= kTan5) return kPi / 4.0 + AtanSeries((x - 1.0) / (1.0 + x));
+  if (x <= kTan7) return 3.0 * kPi / 8.0 + AtanSeries((x - kTan6) / (1.0 + x * kTan6));
+  return kPi / 2.0 - AtanSeries(1.0 / x);
+}
+
+}  // namespace
+
+SinCosResult SinCos(double radians) {
+  if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
+  if (std::abs(radians) > 1e5) radians = std::fmod(radians, 2.0 * kPi);
+  const double quadrant = std::nearbyint(radians * (2.0 / kPi));
+  const double reduced = ((radians - quadrant * kHalfPiHigh) - quadrant * kHalfPiMiddle) - quadrant * kHalfPiLow;
+  const double s = SinPolynomial(reduced);
+  const double c = CosPolynomial(reduced);
+  switch (static_cast<std::int64_t>(quadrant) & 3) {
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
+  }
+}
+
+double Atan2(double y, double x) {
+  if (std::isnan(x) || std::isnan(y)) return std::nan("");
+  const double ax = std::abs(x);
+  const double ay = std::abs(y);
+  if (ax == 0.0 && ay == 0.0) return 0.0;
+  double angle;
+  if (std::isinf(ax) && std::isinf(ay)) {
+    angle = kPi / 4.0;
+  } else if (ay <= ax) {
+    angle = AtanPositive(ay / ax);
+  } else {
+    angle = kPi / 2.0 - AtanPositive(ax / ay);
+  }
+  if (x < 0.0) angle = kPi - angle;
+  return y < 0.0 ? -angle : angle;
+}
+
+double Log(double x) {
+  // x = m 2^e with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh((m - 1) / (m + 1)).
+  int exponent = 0;
+  double m = std::frexp(x, &exponent);
+  if (m < 0.70710678118654752) {
+    m *= 2.0;
+    --exponent;
+  }
+  const double s = (m - 1.0) / (m + 1.0);
+  const double z = s * s;
+  double sum = 0.0;
+  for (int k = 23; k >= 3; k -= 2) sum = 1.0 / k + sum * z;
+  constexpr double kLn2High = 0x1.62e42feep-1;
+  constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
+  return exponent * kLn2High + (2.0 * s + (2.0 * s * z * sum + exponent * kLn2Low));
+}
+
+double DegreesToRadians(double degrees) { return degrees * (kPi / 180.0); }
+
+double RadiansToDegrees(double radians) { return radians * (180.0 / kPi); }
+
+double WrapAngle(double radians) {
+  if (radians > -kPi && radians <= kPi) return radians;
+  double wrapped = std::remainder(radians, 2.0 * kPi);  // exact, in [-pi, pi]
+  if (wrapped <= -kPi) wrapped += 2.0 * kPi;
+  return wrapped;
+}
+
+}  // namespace troupe

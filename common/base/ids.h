@@ -1,0 +1,30 @@
+// Ids: indices into the arrays of a world description, one type for each kind so that they cannot be mixed up.
+// "None" is std::optional, never a special value.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+
+namespace troupe {
+
+template <typename Tag>
+class Id {
+ public:
+  constexpr Id() = default;
+  constexpr explicit Id(std::size_t index) : index_(static_cast<std::uint32_t>(index)) {}
+  constexpr std::size_t index() const { return index_; }
+  constexpr auto operator<=>(const Id&) const = default;
+
+ private:
+  std::uint32_t index_ = 0;
+};
+
+using ModelId = Id<struct ModelTag>;  // in WorldDescription::models
+using RobotId = Id<struct RobotTag>;  // in WorldDescription::robots and WorldState::robots
+using ShapeId = Id<struct ShapeTag>;  // in WorldDescription::shapes
+
+// Tick n is simulated time n * interval. Tick 0 is the world as loaded.
+using Tick = std::uint64_t;
+
+}  // namespace troupe

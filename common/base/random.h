@@ -1,0 +1,19 @@
+// Counter-based random numbers: a pure function of a key, so that a draw does not depend on which process makes it, nor
+// on what was drawn before. The key is (seed, stream words..., counter), for instance (seed, robot, sensor, tick, sample).
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+
+namespace troupe {
+
+// 64 random bits for the key.
+std::uint64_t RandomBits(std::initializer_list<std::uint64_t> key);
+
+// Uniform in [0, 1).
+double RandomUniform(std::initializer_list<std::uint64_t> key);
+
+// Standard normal: mean 0, variance 1 (Box and Muller 1958; both uniforms come from the key).
+double RandomNormal(std::initializer_list<std::uint64_t> key);
+
+}  // namespace troupe

@@ -1,0 +1,7 @@
+#include "common/base/version.h"
+
+namespace troupe {
+
+const char* VersionText() { return TROUPE_VERSION; }
+
+}  // namespace troupe

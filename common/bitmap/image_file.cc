@@ -1,0 +1,1 @@
+#include "common/bitmap/image_file.h"

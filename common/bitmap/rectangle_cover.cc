@@ -1,0 +1,1 @@
+#include "common/bitmap/rectangle_cover.h"

@@ -1,0 +1,1 @@
+#include "common/dds/dds_transport.h"

@@ -1,0 +1,24 @@
+// DdsTransport: the tick protocol over Cyclone DDS, between any number of processes and machines.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/protocol/transport.h"
+
+namespace troupe {
+
+struct DdsOptions {
+  std::uint32_t domain = 42;        // simulation domain; ROS 2 uses another one
+  std::string session;              // DDS partition: runs in different sessions never meet
+  std::string network_interface = "lo";  // name of a network interface; "auto": Cyclone's choice
+  std::string service_address;      // agents: where the service is, "host" or "host:port"; empty: on this machine
+  double lease_seconds = 2.0;       // who is silent for longer is gone
+};
+
+// A participant of its own each. Both throw dds::Exception (common/dds/exception.h) when DDS cannot start.
+std::unique_ptr<Transport> MakeDdsServiceTransport(const DdsOptions& options, std::uint16_t* discovery_port);
+std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);
+
+}  // namespace troupe

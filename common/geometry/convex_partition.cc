@@ -1,0 +1,1 @@
+#include "common/geometry/convex_partition.h"

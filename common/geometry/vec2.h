@@ -1,0 +1,13 @@
+// Points and directions in the plane, in metres unless a name says otherwise.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace troupe {
+
+using Vec2 = Eigen::Vector2d;
+
+// z component of the cross product: positive if b lies to the left of a.
+inline double Cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace troupe

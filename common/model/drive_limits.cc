@@ -1,0 +1,1 @@
+#include "common/model/drive_limits.h"

@@ -1,0 +1,167 @@
+// WorldDescription: everything about a world that never changes after loading. Plain values: what a world file said,
+// in SI units, with every default filled in. Together with a WorldState (world_state.h) it is the whole simulation.
+//
+// Invariants (Validate checks them):
+// - a model's parent has a smaller id than the model;
+// - names are unique and not empty; numbers are finite; outlines are normalized polygons (geometry/polygon.h);
+// - robots are in the order of their root models; a robot's root has no parent (its tree moves freely).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/result.h"
+#include "common/geometry/polygon.h"
+#include "common/geometry/pose.h"
+#include "common/geometry/rectangle.h"
+#include "common/geometry/z_range.h"
+
+namespace troupe {
+
+// Red, green, blue, opacity in 0..1.
+struct Color {
+  double r = 1.0;
+  double g = 0.0;
+  double b = 0.0;
+  double a = 1.0;
+  bool operator==(const Color&) const = default;
+};
+
+// A prism: an outline in the model's frame M, extruded over a height interval above the model's base.
+struct Block {
+  Polygon outline;  // normalized, m, frame M
+  ZRange z;         // m above the model's pose
+  bool operator==(const Block&) const = default;
+};
+
+// The solid body of one or more models of the same geometry.
+struct Shape {
+  std::vector<Block> blocks;
+  // The occupied area of a bitmap: rectangles that do not overlap, m, frame M, all of one height interval.
+  std::vector<Rectangle> rectangles;
+  ZRange rectangles_z;
+  bool operator==(const Shape&) const = default;
+};
+
+struct ModelDescription {
+  std::string name;              // unique, children as "parent.child"
+  std::string type;              // as in the world file: "model", "position", "ranger", ...
+  std::optional<ModelId> parent;
+  Pose X_PM;                     // pose at load in the parent's frame (the world's without parent); stacking is included
+  ShapeId shape;
+  double size_x = 0.0;           // m, as declared
+  double size_y = 0.0;           // m
+  double size_z = 0.0;           // m
+  Color color;
+  bool obstacle_return = true;   // takes part in collisions
+  double ranger_return = 1.0;    // intensity of a ranger's hit; negative: rangers look through it
+  bool gripper_return = false;   // may be gripped, moved and dropped
+  std::int32_t fiducial_return = 0;
+  bool show_nose = false;        // pictures show its heading
+};
+
+enum class DriveType : std::uint8_t {
+  kDifferential,  // vx, wz
+  kOmni,          // vx, vy, wz
+  kCar,           // speed and steering angle; the twist is vx, wz
+};
+
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+  double Clamp(double value) const { return value < min ? min : (value > max ? max : value); }
+  bool operator==(const Interval&) const = default;
+};
+
+// Bounds of each component of a twist (m/s, m/s, rad/s) or of its rate of change (m/s^2, m/s^2, rad/s^2).
+struct TwistBounds {
+  Interval x;
+  Interval y;
+  Interval heading;
+  bool operator==(const TwistBounds&) const = default;
+};
+
+struct DriveDescription {
+  DriveType type = DriveType::kDifferential;
+  double wheelbase = 1.0;    // m, car only
+  TwistBounds velocity;
+  TwistBounds acceleration;  // min: strongest braking or reversing (<= 0); max: strongest speeding up (>= 0)
+};
+
+enum class LocalizationType : std::uint8_t {
+  kGps,       // the pose estimate is the true pose
+  kOdometry,  // the pose estimate adds up motion, with errors
+};
+
+struct LocalizationDescription {
+  LocalizationType type = LocalizationType::kGps;
+  Pose origin;             // odometry starts here (frame: odom)
+  // Odometry's relative errors of x, y and heading: a motion d is read as d * (1 + error).
+  double error_x = 0.0;
+  double error_y = 0.0;
+  double error_heading = 0.0;
+};
+
+// One fan of rays.
+struct RaySensorDescription {
+  Pose X_MS;                      // in the ranger model's frame; rays leave from here, at this height
+  Interval range{0.0, 5.0};       // m
+  double fov = 0.1;               // rad; the fan spans -fov/2 .. +fov/2, both ends included
+  std::uint32_t samples = 1;      // 1: a single ray straight ahead
+  double noise_variance = 0.0;    // m^2, added to a hit's range
+  double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
+  double noise_angle = 0.0;       // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
+};
+
+// A ranger model: one or more ray sensors (a laser scanner has one, a sonar ring many).
+struct RangerDescription {
+  std::string name;               // the model's name without the robot's: "ranger:0"
+  ModelId model;                  // in the robot's tree
+  std::uint32_t period_ticks = 1;  // due at every tick that is a multiple of this
+  std::vector<RaySensorDescription> sensors;
+};
+
+struct ControllerDescription {
+  std::string name = "idle";       // a built-in controller, or the path of a shared library
+  std::string parameters = "{}";   // a JSON object
+};
+
+struct RobotDescription {
+  std::string name;                // the root model's name
+  ModelId root;
+  DriveDescription drive;
+  LocalizationDescription localization;
+  std::vector<RangerDescription> rangers;
+  ControllerDescription controller;
+};
+
+struct WorldDescription {
+  std::string name;
+  std::uint64_t seed = 0;
+  std::int64_t interval_ns = 100'000'000;  // length of a tick
+  std::vector<Shape> shapes;
+  std::vector<ModelDescription> models;
+  std::vector<RobotDescription> robots;
+
+  double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
+  const ModelDescription& model(ModelId id) const { return models[id.index()]; }
+  const Shape& shape(ShapeId id) const { return shapes[id.index()]; }
+  const RobotDescription& robot(RobotId id) const { return robots[id.index()]; }
+};
+
+// Poses of all models at load, frame W, in id order.
+std::vector<Pose> InitialModelPoses(const WorldDescription& world);
+
+// The robot called `name`, if there is one.
+std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name);
+
+// Checks the invariants above. For input from a peer; loaders guarantee them.
+Status Validate(const WorldDescription& world);
+
+// A hash of everything in the description: peers that agree on it simulate the same world.
+std::uint64_t Hash(const WorldDescription& world);
+
+}  // namespace troupe

@@ -1,0 +1,1 @@
+#include "common/protocol/faulty_transport.h"

@@ -1,0 +1,31 @@
+// FaultyTransport: another transport, made worse, for tests: it loses, delays, doubles and reorders what it delivers.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/protocol/transport.h"
+
+namespace troupe {
+
+// Probabilities are of each message. Joins, admissions, frames and proposals are affected; the session message, which a
+// transport keeps for latecomers, only by delay.
+struct Faults {
+  double loss = 0.0;
+  double duplicate = 0.0;
+  double reorder = 0.0;          // delivered after the next message of its kind
+  double delay_probability = 0.0;
+  double delay_seconds = 0.0;    // a delayed message waits uniform(0, this)
+  std::uint64_t seed = 1;
+
+  bool any() const { return loss > 0 || duplicate > 0 || reorder > 0 || delay_probability > 0; }
+};
+
+// From "loss=0.1,duplicate=0.05,reorder=0.1,delay=0.2:0.005,seed=7" (delay is probability:seconds).
+Result<Faults> ParseFaults(const std::string& text);
+
+std::unique_ptr<Transport> MakeFaultyTransport(std::unique_ptr<Transport> inner, const Faults& faults);
+
+}  // namespace troupe

@@ -1,0 +1,1 @@
+#include "common/protocol/memory_transport.h"

@@ -1,0 +1,83 @@
+// What the world service and its agents say to each other: plain values, independent of how they travel. The IDL files
+// in idl/ give the same on the wire; common/dds converts.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/model/event.h"
+#include "common/model/proposal.h"
+#include "common/model/world_description.h"
+#include "common/model/world_state.h"
+
+namespace troupe {
+
+// Random, made at the start of a program; tells two runs of a session, or two agents, apart.
+using RunId = std::uint64_t;
+using AgentId = std::uint64_t;
+
+// Service to agents and tools, kept for latecomers: the world, and who runs it.
+struct SessionMessage {
+  RunId run = 0;
+  std::uint32_t protocol_version = 0;
+  std::string host;
+  std::uint32_t pid = 0;
+  double lease_seconds = 0.0;  // an agent that is silent for longer is lost
+  WorldDescription world;
+};
+
+// Agent to service: takes up robots by name. Repeated until answered.
+struct JoinMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  std::uint32_t protocol_version = 0;
+  std::uint64_t world_hash = 0;  // Hash of the description that the agent works with
+  std::string host;
+  std::uint32_t pid = 0;
+  std::vector<std::string> robots;
+};
+
+// Service to one agent: the answer to its JoinMessage.
+struct AdmissionMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  bool admitted = false;
+  std::string reason;  // why not
+};
+
+// Service to all: tick n is committed. Holds the whole state, so that any single frame brings any replica up to date.
+// A repeated frame is equal to the first one.
+struct FrameMessage {
+  RunId run = 0;
+  WorldState state;
+  std::uint64_t state_hash = 0;  // StateHash(state)
+  bool last = false;             // the run is over: answer nothing, leave
+  std::vector<Event> events;     // of this tick
+};
+
+// Agent to service: exactly one for each frame, for all robots of the agent.
+struct ProposalMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
+  std::vector<Proposal> proposals;   // in robot-id order
+  std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
+};
+
+// Service to tools, now and then: how the run goes.
+struct StatusMessage {
+  RunId run = 0;
+  Tick tick = 0;
+  std::uint64_t target_ticks = 0;        // 0: no end
+  double sim_seconds = 0.0;
+  double wall_seconds = 0.0;             // since the first tick
+  double real_time_factor = 0.0;         // over the last period
+  std::uint32_t robots = 0;
+  std::uint32_t agents = 0;
+  std::vector<std::string> waiting_for;  // robots whose proposals are missing for longer than a moment
+  double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
+};
+
+}  // namespace troupe

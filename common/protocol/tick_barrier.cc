@@ -1,0 +1,1 @@
+#include "common/protocol/tick_barrier.h"

@@ -1,0 +1,1 @@
+#include "common/spatial/convex_piece.h"

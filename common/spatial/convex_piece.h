@@ -1,0 +1,28 @@
+// ConvexPiece: the unit of all geometric tests, a convex prism with the properties of the model that it belongs to.
+#pragma once
+
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/geometry/polygon.h"
+#include "common/geometry/pose.h"
+#include "common/geometry/z_range.h"
+#include "common/model/world_description.h"
+
+namespace troupe {
+
+struct ConvexPiece {
+  std::vector<Vec2> vertices;  // counter-clockwise; frame: W for static pieces, R for a robot's
+  ZRange z;                    // m, in the same frame
+  ModelId model;
+  bool obstacle = true;
+  double ranger_return = 1.0;  // negative: transparent
+};
+
+// The pieces of a model's shape, moved by X_FM into frame F.
+std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId model, const Pose& X_FM);
+
+// `piece` moved by X_WF.
+ConvexPiece Transformed(const ConvexPiece& piece, const Pose& X_WF);
+
+}  // namespace troupe

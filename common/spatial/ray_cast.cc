@@ -1,0 +1,1 @@
+#include "common/spatial/ray_cast.h"

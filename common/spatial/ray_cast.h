@@ -1,0 +1,34 @@
+// Ray casting: exact distances to the first piece that a ray meets in a horizontal plane.
+//
+// A ray at height z sees the pieces whose z range contains z and whose ranger_return is not negative, except those of
+// the robot that casts it. A ray that starts inside such a piece meets it at distance 0.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/geometry/vec2.h"
+#include "common/spatial/robot_index.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+struct RayHit {
+  double distance = 0.0;       // m, 0 <= distance <= max_distance
+  ModelId model;               // what was met
+};
+
+// REQUIRES: direction has length 1; max_distance >= 0 and finite. Of pieces at the same distance the one with the
+// lowest model id counts.
+std::optional<RayHit> CastRay(const Scene& scene, const RobotIndex& robots, const Vec2& origin, const Vec2& direction,
+                              double z, double max_distance, std::optional<RobotId> caster);
+
+// A fan of rays from one point: ray i leaves at heading + bearings[i] (radians, any order). The same as a CastRay for
+// each, found together. `hits` gets one entry for each bearing.
+void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, double heading,
+             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
+             std::vector<std::optional<RayHit>>& hits);
+
+}  // namespace troupe

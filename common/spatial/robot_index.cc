@@ -1,0 +1,1 @@
+#include "common/spatial/robot_index.h"

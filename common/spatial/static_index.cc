@@ -1,0 +1,1 @@
+#include "common/spatial/static_index.h"

@@ -1,0 +1,1 @@
+#include "common/worldfile/load_world.h"

@@ -1,0 +1,20 @@
+// The Stage worldfile language: `.world` and `.inc` files to a WorldTree. docs/world-files.md describes it.
+#pragma once
+
+#include <string>
+
+#include "common/base/result.h"
+#include "common/worldfile/world_tree.h"
+
+namespace troupe {
+
+// Reads `path` and all that it includes.
+Result<WorldTree> ParseStageWorld(const std::string& path);
+
+// The same from text; `path` names it in messages and says where relative includes start.
+Result<WorldTree> ParseStageText(const std::string& text, const std::string& path);
+
+// An entity of type or macro `name` with nothing in its body, as `name ( )` in the file would give.
+Result<Entity> Instantiate(const WorldTree& tree, const std::string& name, const SourceLocation& where);
+
+}  // namespace troupe

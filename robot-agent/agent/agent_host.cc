@@ -1,0 +1,1 @@
+#include "robot-agent/agent/agent_host.h"

@@ -1,0 +1,26 @@
+// AgentHost: one or more robots in one agent process, around one replica of the world. It joins, answers each frame with
+// one proposal message, and leaves when the run is over.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/transport.h"
+
+namespace troupe {
+
+struct AgentOptions {
+  AgentId agent = 0;
+  std::vector<std::string> robots;      // names; empty: every robot of the world
+  std::string scan_log;                 // file for all scans; empty: none
+  double session_timeout_seconds = 60;  // for a session to appear; 0: wait for ever
+};
+
+// Runs until the service ends the run (true), `stop` (false), or a failure: no session, refused (the service's reason),
+// another protocol version, a controller that cannot be made, the service gone, a scan log that cannot be written.
+Result<bool> RunAgent(AgentEndpoint& endpoint, const AgentOptions& options, const std::atomic<bool>& stop);
+
+}  // namespace troupe

@@ -1,0 +1,46 @@
+// Robot: one simulated robot inside its agent: sensors, odometry, controller and drive around a shared replica.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/model/proposal.h"
+#include "common/model/world_state.h"
+#include "robot-agent/controller/controller.h"
+#include "robot-agent/drive/odometry.h"
+
+namespace troupe {
+
+class RobotIndex;
+class Scene;
+class ScanLog;
+
+class Robot {
+ public:
+  // The scene must outlive the robot. `scan_log` may be null; with one, all rangers are measured and written there.
+  static Result<std::unique_ptr<Robot>> Create(const Scene& scene, RobotId id, ScanLog* scan_log);
+
+  RobotId id() const { return id_; }
+
+  // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
+  // in order; ticks may be missing after the agent was away.
+  Proposal Decide(const WorldState& state, const RobotIndex& robots);
+
+  // Why the controller failed, once it has; then the robot stands still.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  Robot(const Scene& scene, RobotId id, ScanLog* scan_log);
+
+  const Scene* scene_;
+  RobotId id_;
+  ScanLog* scan_log_;
+  std::unique_ptr<Controller> controller_;
+  Odometry odometry_;
+  std::vector<bool> subscribed_;          // by ranger
+  std::vector<RangerReading> readings_;   // by ranger
+  std::string failure_;
+};
+
+}  // namespace troupe

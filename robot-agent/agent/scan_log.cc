@@ -1,0 +1,1 @@
+#include "robot-agent/agent/scan_log.h"

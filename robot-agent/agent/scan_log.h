@@ -1,0 +1,33 @@
+// ScanLog: a file of JSON lines {"tick","robot","sensor","ranges"}, one for each reading of each ray sensor, in the
+// order of ticks, robots and sensors.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include "common/base/result.h"
+#include "robot-agent/controller/controller.h"
+
+namespace troupe {
+
+class ScanLog {
+ public:
+  ~ScanLog();
+  ScanLog(const ScanLog&) = delete;
+  ScanLog& operator=(const ScanLog&) = delete;
+
+  static Result<std::unique_ptr<ScanLog>> Open(const std::string& path);
+
+  // Sensors are named "<ranger>.<index>", for instance "ranger:0.3".
+  void Write(Tick tick, const RobotDescription& robot, const RangerDescription& ranger, const RangerReading& reading);
+
+  // Forces everything out; the error is the first that any write had (a full disk).
+  Status Flush();
+
+ private:
+  explicit ScanLog(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
+  std::FILE* file_;
+  std::string path_;
+};
+
+}  // namespace troupe

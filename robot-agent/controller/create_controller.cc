@@ -1,0 +1,1 @@
+#include "robot-agent/controller/create_controller.h"

@@ -1,0 +1,1 @@
+#include "world-service/core/step.h"

@@ -1,0 +1,15 @@
+// Whether a proposal from the network may enter a step.
+#pragma once
+
+#include <string>
+
+#include "common/model/proposal.h"
+#include "common/model/world_state.h"
+
+namespace troupe {
+
+// "" if the proposal is for an existing robot, finite, and within the robot's declared velocity bounds and (from the
+// velocity it has in `state`) acceleration bounds; else what is wrong with it, for an event.
+std::string ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal);
+
+}  // namespace troupe

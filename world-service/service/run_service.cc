@@ -1,0 +1,1 @@
+#include "world-service/service/run_service.h"
