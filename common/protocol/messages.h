@@ -48,7 +48,7 @@ struct AdmissionMessage {
 };
 
 // Service to all: tick n is committed. Holds the whole state, so that any single frame brings any replica up to date.
-// A repeated frame is equal to the first one.
+// A repeated frame is equal to the first one, but for `last`: a run that is stopped repeats its frame with it set.
 struct FrameMessage {
   RunId run = 0;
   WorldState state;

@@ -21,6 +21,7 @@ struct AgentOptions {
 
 // Runs until the service ends the run (true), `stop` (false), or a failure: no session, refused (the service's reason),
 // another protocol version, a controller that cannot be made, the service gone, a scan log that cannot be written.
-Result<bool> RunAgent(AgentEndpoint& endpoint, const AgentOptions& options, const std::atomic<bool>& stop);
+// Takes the endpoint because its deliveries must end before this returns.
+Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options, const std::atomic<bool>& stop);
 
 }  // namespace troupe

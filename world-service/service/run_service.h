@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -58,11 +59,15 @@ class RunObserver {
   virtual void OnStarted(double startup_seconds) = 0;         // all robots are there; the first tick follows
   virtual void OnStatus(const StatusMessage& status) = 0;     // about twice a second
   virtual void OnEvent(const Event& event, const std::string& text) = 0;  // text: one line for people
+  // Anything else worth a line: what a controller reported, that a mode is not deterministic.
+  virtual void OnNotice(const std::string& text) { (void)text; }
 };
 
 // Runs until the settings' number of ticks, `stop`, or a failure. The error is for people: agents that did not come
 // (named), an agent lost with on_agent_loss abort, a rival service in the session, an output file that cannot be written.
-Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options, ServiceEndpoint& endpoint,
-                              RunObserver& observer, const std::atomic<bool>& stop);
+// Takes the endpoint because its deliveries must end before this returns.
+Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
+                              std::unique_ptr<ServiceEndpoint> endpoint, RunObserver& observer,
+                              const std::atomic<bool>& stop);
 
 }  // namespace troupe
