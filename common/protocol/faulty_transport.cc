@@ -1,1 +1,218 @@
 #include "common/protocol/faulty_transport.h"
+
+#include <charconv>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "common/base/random.h"
+#include "common/protocol/delivery_thread.h"
+
+namespace troupe {
+namespace {
+
+enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kProposal };
+
+// The faults on the way to one endpoint. Called from one thread at a time.
+class FaultyLine {
+ public:
+  FaultyLine(DeliveryThread& delivery, const Faults& faults, std::uint64_t stream)
+      : delivery_(delivery), faults_(faults), stream_(stream), target_(delivery.AddTarget()) {}
+
+  // No delivery runs any more when it returns.
+  void Close() { delivery_.RemoveTarget(target_); }
+
+  // Delivers in some time, or not, or twice.
+  void Pass(Kind kind, std::function<void()> deliver) {
+    if (Happens(faults_.loss)) return;
+    if (Happens(faults_.duplicate)) delivery_.Post(target_, deliver, Delay());
+    std::function<void()>& held = held_[kind];
+    if (!held && Happens(faults_.reorder)) {
+      held = std::move(deliver);
+      return;
+    }
+    delivery_.Post(target_, std::move(deliver), Delay());
+    if (held) delivery_.Post(target_, std::exchange(held, nullptr), Delay());
+  }
+  void PassDelayed(std::function<void()> deliver) { delivery_.Post(target_, std::move(deliver), Delay()); }
+  void PassIntact(std::function<void()> deliver) { delivery_.Post(target_, std::move(deliver)); }
+
+ private:
+  double Draw() { return RandomUniform({faults_.seed, stream_, draws_++}); }
+  bool Happens(double probability) { return probability > 0.0 && Draw() < probability; }
+  double Delay() { return Happens(faults_.delay_probability) ? Draw() * faults_.delay_seconds : 0.0; }
+
+  DeliveryThread& delivery_;
+  const Faults faults_;
+  const std::uint64_t stream_;
+  const DeliveryThread::Target target_;
+  std::uint64_t draws_ = 0;
+  std::map<Kind, std::function<void()>> held_;  // waits for the next message of its kind
+};
+
+template <typename Handler, typename Message>
+std::function<void()> Delivery(Handler* handler, void (Handler::*receive)(const Message&), const Message& message) {
+  return [handler, receive, shared = std::make_shared<const Message>(message)] { (handler->*receive)(*shared); };
+}
+
+class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandler {
+ public:
+  FaultyServiceEndpoint(std::unique_ptr<ServiceEndpoint> inner, DeliveryThread& delivery, const Faults& faults)
+      : line_(delivery, faults, 0), inner_(std::move(inner)) {}
+  ~FaultyServiceEndpoint() override {
+    inner_.reset();
+    line_.Close();
+  }
+
+  void Start(ServiceHandler& handler) override {
+    handler_ = &handler;
+    inner_->Start(*this);
+  }
+  void SendSession(const SessionMessage& session) override { inner_->SendSession(session); }
+  void SendAdmission(const AdmissionMessage& admission) override { inner_->SendAdmission(admission); }
+  void SendFrame(const FrameMessage& frame) override { inner_->SendFrame(frame); }
+  void SendStatus(const StatusMessage& status) override { inner_->SendStatus(status); }
+  void Flush(double seconds) override { inner_->Flush(seconds); }
+
+ private:
+  void OnJoin(const JoinMessage& join) override {
+    line_.Pass(Kind::kJoin, Delivery(handler_, &ServiceHandler::OnJoin, join));
+  }
+  void OnProposal(const ProposalMessage& proposal) override {
+    line_.Pass(Kind::kProposal, Delivery(handler_, &ServiceHandler::OnProposal, proposal));
+  }
+  void OnAgentGone(AgentId agent) override {
+    line_.PassIntact([handler = handler_, agent] { handler->OnAgentGone(agent); });
+  }
+  void OnRivalService(const SessionMessage& rival) override {
+    line_.PassDelayed(Delivery(handler_, &ServiceHandler::OnRivalService, rival));
+  }
+
+  FaultyLine line_;
+  ServiceHandler* handler_ = nullptr;
+  std::unique_ptr<ServiceEndpoint> inner_;
+};
+
+class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
+ public:
+  FaultyAgentEndpoint(std::unique_ptr<AgentEndpoint> inner, DeliveryThread& delivery, const Faults& faults,
+                      AgentId agent)
+      : line_(delivery, faults, agent), inner_(std::move(inner)) {}
+  ~FaultyAgentEndpoint() override {
+    inner_.reset();
+    line_.Close();
+  }
+
+  void Start(AgentHandler& handler) override {
+    handler_ = &handler;
+    inner_->Start(*this);
+  }
+  void SendJoin(const JoinMessage& join) override { inner_->SendJoin(join); }
+  void SendProposal(const ProposalMessage& proposal) override { inner_->SendProposal(proposal); }
+
+ private:
+  void OnSession(const SessionMessage& session) override {
+    line_.PassDelayed(Delivery(handler_, &AgentHandler::OnSession, session));
+  }
+  void OnAdmission(const AdmissionMessage& admission) override {
+    line_.Pass(Kind::kAdmission, Delivery(handler_, &AgentHandler::OnAdmission, admission));
+  }
+  void OnFrame(const FrameMessage& frame) override {
+    line_.Pass(Kind::kFrame, Delivery(handler_, &AgentHandler::OnFrame, frame));
+  }
+  void OnServiceGone() override {
+    line_.PassIntact([handler = handler_] { handler->OnServiceGone(); });
+  }
+
+  FaultyLine line_;
+  AgentHandler* handler_ = nullptr;
+  std::unique_ptr<AgentEndpoint> inner_;
+};
+
+class FaultyTransport final : public Transport {
+ public:
+  FaultyTransport(std::unique_ptr<Transport> inner, const Faults& faults) : faults_(faults), inner_(std::move(inner)) {}
+
+  std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
+    return std::make_unique<FaultyServiceEndpoint>(inner_->MakeServiceEndpoint(), delivery_, faults_);
+  }
+  std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) override {
+    return std::make_unique<FaultyAgentEndpoint>(inner_->MakeAgentEndpoint(agent), delivery_, faults_, agent);
+  }
+
+ private:
+  const Faults faults_;
+  std::unique_ptr<Transport> inner_;
+  DeliveryThread delivery_;
+};
+
+template <typename Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<double> ParseProbability(std::string_view text) {
+  const std::optional<double> number = ParseNumber<double>(text);
+  return number && *number >= 0.0 && *number <= 1.0 ? number : std::nullopt;
+}
+
+Error FaultError(std::string_view found, const char* expected) {
+  return {{}, "faults: found \"" + std::string(found) + "\", expected " + expected};
+}
+
+// One "name=value" into `faults`.
+Status ParseFault(std::string_view item, Faults& faults) {
+  const std::size_t equals = item.find('=');
+  const std::string_view name = item.substr(0, equals);
+  const std::string_view value = equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1);
+  if (name == "seed") {
+    const auto seed = ParseNumber<std::uint64_t>(value);
+    if (!seed) return FaultError(item, "seed=N with a whole number N");
+    faults.seed = *seed;
+    return std::nullopt;
+  }
+  if (name == "delay") {
+    const std::size_t colon = value.find(':');
+    const auto probability = ParseProbability(value.substr(0, colon));
+    const auto seconds = colon == std::string_view::npos ? std::nullopt : ParseNumber<double>(value.substr(colon + 1));
+    if (!probability || !seconds || !(*seconds >= 0.0 && *seconds <= 60.0)) {
+      return FaultError(item, "delay=PROBABILITY:SECONDS with a probability from 0 to 1 and seconds from 0 to 60");
+    }
+    faults.delay_probability = *probability;
+    faults.delay_seconds = *seconds;
+    return std::nullopt;
+  }
+  double* const probability = name == "loss"        ? &faults.loss
+                              : name == "duplicate" ? &faults.duplicate
+                              : name == "reorder"   ? &faults.reorder
+                                                    : nullptr;
+  if (probability == nullptr) return FaultError(item, "loss, duplicate, reorder, delay or seed");
+  const auto parsed = ParseProbability(value);
+  if (!parsed) return FaultError(item, "a probability from 0 to 1 after the equals sign");
+  *probability = *parsed;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Faults> ParseFaults(const std::string& text) {
+  Faults faults;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    if (Status error = ParseFault(rest.substr(0, comma), faults)) return *error;
+    rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
+  }
+  return faults;
+}
+
+std::unique_ptr<Transport> MakeFaultyTransport(std::unique_ptr<Transport> inner, const Faults& faults) {
+  return std::make_unique<FaultyTransport>(std::move(inner), faults);
+}
+
+}  // namespace troupe

@@ -1,6 +1,8 @@
 // TickBarrier: collects one proposal message from each member for the next tick, and knows who is missing.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <vector>
 
@@ -10,10 +12,11 @@ namespace troupe {
 
 class TickBarrier {
  public:
+  // Adding a member or removing a stranger twice changes nothing. A new member is waited for at once.
   void AddMember(AgentId agent);
   void RemoveMember(AgentId agent);
 
-  // Forgets all proposals and waits for those of `tick`.
+  // Forgets all answers and waits for those of `tick`.
   void Open(Tick tick);
   Tick tick() const { return tick_; }
 
@@ -21,11 +24,15 @@ class TickBarrier {
   bool Arrive(AgentId agent);
 
   bool complete() const { return missing_ == 0; }
+  std::size_t members() const { return last_round_.size(); }
+  std::size_t missing() const { return missing_; }
   // The members that have not answered, in id order.
   std::vector<AgentId> Missing() const;
 
  private:
-  std::map<AgentId, bool> arrived_;
+  // Every Open begins a new round, so that opening costs nothing for each member.
+  std::map<AgentId, std::uint64_t> last_round_;  // in which the member answered; 0: in none
+  std::uint64_t round_ = 1;
   std::size_t missing_ = 0;
   Tick tick_ = 0;
 };
