@@ -1,1 +1,261 @@
 #include "robot-agent/agent/agent_host.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "common/base/version.h"
+#include "robot-agent/agent/replica.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// How often a join is repeated until it is answered, and how often `stop` is looked at.
+constexpr auto kPeriod = std::chrono::milliseconds(100);
+
+// Where an agent is in its life. Messages that belong to another stage change nothing.
+enum class Stage : std::uint8_t {
+  kWaiting,    // for a session
+  kPreparing,  // building the replica of run_
+  kJoining,    // joins are sent
+  kRunning,    // admitted: frames are answered
+  kRunOver,    // the service said so
+  kFailed,     // failure_ says why
+};
+
+std::string HostName() {
+  char name[256] = "";
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+// Run() works on the caller's thread until the agent is admitted, and then only waits: frames are answered on the
+// transport's thread that brings them, without a hand-over.
+class AgentHost final : public AgentHandler {
+ public:
+  AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const std::atomic<bool>& stop)
+      : endpoint_(endpoint), options_(options), stop_(stop) {}
+
+  Result<bool> Run();
+  bool bad_request() const { return bad_request_; }
+
+  void OnSession(const SessionMessage& session) override;
+  void OnAdmission(const AdmissionMessage& admission) override;
+  void OnFrame(const FrameMessage& frame) override;
+  void OnServiceGone() override;
+
+ private:
+  Status OpenScanLog();
+  // Waits for a session and makes the replica for it; an error, or nothing (also when told to stop).
+  Status Prepare();
+  // Sends joins until something else happens.
+  void Join();
+  void WaitUntilOver();
+  bool stopping() const { return stop_.load(std::memory_order_relaxed); }
+
+  // With mutex_ held:
+  void Answer(const FrameMessage& frame);
+  void Fail(std::string message);
+
+  AgentEndpoint& endpoint_;
+  const AgentOptions& options_;
+  const std::atomic<bool>& stop_;
+  std::unique_ptr<ScanLog> scan_log_;
+  std::mutex mutex_;                 // guards everything below
+  std::condition_variable changed_;  // the stage changed, or a session came
+  Stage stage_ = Stage::kWaiting;
+  std::unique_ptr<SessionMessage> session_;  // came, and was not yet taken up
+  RunId run_ = 0;                            // from preparing on
+  JoinMessage join_;                         // from joining on
+  std::unique_ptr<Replica> replica_;         // from joining on
+  std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission
+  std::optional<Tick> answered_;             // tick of the frame that answer_ answers
+  ProposalMessage answer_;
+  std::string failure_;
+  bool bad_request_ = false;  // as in RunAgent
+};
+
+Result<bool> AgentHost::Run() {
+  if (Status status = OpenScanLog()) {
+    bad_request_ = true;
+    return *status;
+  }
+  endpoint_.Start(*this);
+  while (!stopping()) {
+    if (Status status = Prepare()) return *status;
+    Join();
+    WaitUntilOver();
+    const std::lock_guard lock(mutex_);
+    if (stage_ == Stage::kFailed) return Error{{}, failure_};
+    if (stage_ == Stage::kRunOver) break;
+  }
+  const std::lock_guard lock(mutex_);
+  if (scan_log_) {
+    if (Status status = scan_log_->Flush()) return *status;
+  }
+  return stage_ == Stage::kRunOver;
+}
+
+Status AgentHost::OpenScanLog() {
+  if (options_.scan_log.empty()) return {};
+  Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(options_.scan_log);
+  if (!log.ok()) return log.error();
+  scan_log_ = std::move(log).value();
+  return {};
+}
+
+Status AgentHost::Prepare() {
+  std::unique_ptr<SessionMessage> session;
+  {
+    const auto deadline = Clock::now() + std::chrono::duration<double>(options_.session_timeout_seconds);
+    std::unique_lock lock(mutex_);
+    while (!session_) {
+      if (stopping()) return {};
+      if (options_.session_timeout_seconds > 0.0 && Clock::now() >= deadline) {
+        return Error{{}, fmt::format("no world service appeared within {} s", options_.session_timeout_seconds)};
+      }
+      changed_.wait_for(lock, kPeriod);
+    }
+    session = std::move(session_);
+    run_ = session->run;
+    stage_ = Stage::kPreparing;
+  }
+  if (session->protocol_version != kProtocolVersion) {
+    return Error{{},
+                 fmt::format("the world service on {} speaks protocol version {}, expected {}", session->host,
+                             session->protocol_version, kProtocolVersion)};
+  }
+  if (Status status = Validate(session->world)) {
+    return Error{{}, fmt::format("the world service on {} sent a bad world: {}", session->host, status->message)};
+  }
+  JoinMessage join{.run = session->run,
+                   .agent = options_.agent,
+                   .protocol_version = kProtocolVersion,
+                   .world_hash = Hash(session->world),
+                   .host = HostName(),
+                   .pid = static_cast<std::uint32_t>(getpid()),
+                   .robots = {}};
+  Result<std::unique_ptr<Replica>> replica =
+      Replica::Create(std::move(session->world), options_.robots, scan_log_.get());
+  const std::lock_guard lock(mutex_);
+  if (!replica.ok()) {
+    bad_request_ = true;
+    return replica.error();
+  }
+  if (stage_ != Stage::kPreparing) return {};  // the run ended meanwhile
+  join.robots = replica.value()->RobotNames();
+  replica_ = std::move(replica).value();
+  join_ = std::move(join);
+  answered_.reset();
+  stage_ = Stage::kJoining;
+  return {};
+}
+
+void AgentHost::Join() {
+  std::unique_lock lock(mutex_);
+  while (stage_ == Stage::kJoining && !stopping()) {
+    const JoinMessage join = join_;
+    lock.unlock();  // sending may wait for a delivery that waits for the lock
+    endpoint_.SendJoin(join);
+    lock.lock();
+    changed_.wait_for(lock, kPeriod, [this] { return stage_ != Stage::kJoining; });
+  }
+}
+
+void AgentHost::WaitUntilOver() {
+  std::unique_lock lock(mutex_);
+  while (stage_ == Stage::kRunning && !stopping()) changed_.wait_for(lock, kPeriod);
+}
+
+void AgentHost::OnSession(const SessionMessage& session) {
+  const std::lock_guard lock(mutex_);
+  const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining;
+  if (chosen ? session.run == run_ : stage_ != Stage::kWaiting) return;
+  // Once one was chosen, this is the next run in the place of one that ended before it answered.
+  session_ = std::make_unique<SessionMessage>(session);
+  stage_ = Stage::kWaiting;
+  early_frame_.reset();
+  changed_.notify_all();
+}
+
+void AgentHost::OnAdmission(const AdmissionMessage& admission) {
+  const std::lock_guard lock(mutex_);
+  if (stage_ != Stage::kJoining || admission.run != run_ || admission.agent != options_.agent) return;
+  if (!admission.admitted) {
+    bad_request_ = true;
+    return Fail("the world service refused: " + admission.reason);
+  }
+  stage_ = Stage::kRunning;
+  changed_.notify_all();
+  if (early_frame_) Answer(*early_frame_);
+  early_frame_.reset();
+}
+
+void AgentHost::OnFrame(const FrameMessage& frame) {
+  const std::lock_guard lock(mutex_);
+  const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining || stage_ == Stage::kRunning;
+  if (!chosen || frame.run != run_) return;
+  if (frame.last) {
+    stage_ = Stage::kRunOver;
+    changed_.notify_all();
+  } else if (stage_ == Stage::kRunning) {
+    Answer(frame);
+  } else if (!early_frame_ || frame.state.tick > early_frame_->state.tick) {
+    early_frame_ = frame;
+  }
+}
+
+void AgentHost::OnServiceGone() {
+  const std::lock_guard lock(mutex_);
+  if (stage_ == Stage::kRunning) {
+    Fail("the world service is gone");
+  } else if (stage_ == Stage::kWaiting || stage_ == Stage::kPreparing || stage_ == Stage::kJoining) {
+    // A service that left before it answered may be replaced by another one.
+    session_.reset();
+    early_frame_.reset();
+    stage_ = Stage::kWaiting;
+    changed_.notify_all();
+  }
+}
+
+void AgentHost::Answer(const FrameMessage& frame) {
+  const Tick tick = frame.state.tick;
+  if (answered_ && tick < *answered_) return;
+  if (!answered_ || tick > *answered_) {
+    if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
+      return Fail("the world service sent a bad frame: " + problem);
+    }
+    answer_.run = run_;
+    answer_.agent = options_.agent;
+    replica_->Answer(frame.state, answer_);
+    answered_ = tick;
+    if (scan_log_ && scan_log_->status()) return Fail(scan_log_->status()->ToString());
+  }
+  endpoint_.SendProposal(answer_);
+}
+
+void AgentHost::Fail(std::string message) {
+  stage_ = Stage::kFailed;
+  failure_ = std::move(message);
+  changed_.notify_all();
+}
+
+}  // namespace
+
+Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
+                      const std::atomic<bool>& stop, bool* bad_request) {
+  AgentHost host(*endpoint, options, stop);
+  Result<bool> result = host.Run();
+  endpoint.reset();  // while the host that it delivers to is there
+  if (bad_request != nullptr) *bad_request = host.bad_request();
+  return result;
+}
+
+}  // namespace troupe

@@ -1,5 +1,5 @@
-// AgentHost: one or more robots in one agent process, around one replica of the world. It joins, answers each frame with
-// one proposal message, and leaves when the run is over.
+// AgentHost: one or more robots in one agent process, around one replica of the world. It joins, answers each frame
+// with one proposal message, and leaves when the run is over.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,9 @@ struct AgentOptions {
 
 // Runs until the service ends the run (true), `stop` (false), or a failure: no session, refused (the service's reason),
 // another protocol version, a controller that cannot be made, the service gone, a scan log that cannot be written.
-// Takes the endpoint because its deliveries must end before this returns.
-Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options, const std::atomic<bool>& stop);
+// Takes the endpoint because its deliveries must end before this returns. `bad_request`, if given, is set when the
+// failure is for whoever started the agent to mend: a robot that is unknown or taken, a controller that cannot be made.
+Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
+                      const std::atomic<bool>& stop, bool* bad_request = nullptr);
 
 }  // namespace troupe

@@ -1,1 +1,111 @@
 #include "robot-agent/agent/robot.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "common/base/random.h"
+#include "common/spatial/robot_index.h"
+#include "common/spatial/scene.h"
+#include "robot-agent/agent/scan_log.h"
+#include "robot-agent/controller/create_controller.h"
+#include "robot-agent/drive/drive.h"
+#include "robot-agent/sensors/ranger.h"
+
+namespace troupe {
+namespace {
+
+// Keeps a controller's random numbers apart from the sensors', which have the same seed and robot in their keys.
+constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
+
+double TimeOf(const WorldDescription& world, Tick tick) {
+  return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
+}
+
+}  // namespace
+
+Robot::Robot(const Scene& scene, RobotId id, ScanLog* scan_log)
+    : scene_(&scene), id_(id), scan_log_(scan_log), odometry_(scene.world().robot(id).localization) {
+  subscribed_.resize(description().rangers.size(), false);
+  readings_.resize(description().rangers.size());
+}
+
+Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, ScanLog* scan_log) {
+  std::unique_ptr<Robot> robot(new Robot(scene, id, scan_log));
+  if (const std::string problem = robot->StartController(); !problem.empty()) {
+    return Error{{}, fmt::format("robot {}: {}", robot->description().name, problem)};
+  }
+  return robot;
+}
+
+const RobotDescription& Robot::description() const {
+  return scene_->world().robot(id_);
+}
+
+std::string Robot::StartController() {
+  RobotInfo info{.robot = &description(), .parameters = description().controller.parameters, .X_RM = {}};
+  for (const RangerDescription& ranger : description().rangers) info.X_RM.push_back(scene_->X_RM(ranger.model));
+  Result<std::unique_ptr<Controller>> controller = CreateController(info);
+  if (!controller.ok()) return controller.error().message;
+  controller_ = std::move(controller).value();
+  const std::string& name = description().controller.name;
+  try {
+    for (std::size_t ranger : controller_->Subscriptions()) {
+      if (ranger >= subscribed_.size()) {
+        return fmt::format("controller {} subscribes to ranger {}, but the robot has {}", name, ranger,
+                           subscribed_.size());
+      }
+      subscribed_[ranger] = true;
+    }
+  } catch (const std::exception& exception) {
+    return fmt::format("controller {}: {}", name, exception.what());
+  } catch (...) {
+    return fmt::format("controller {} threw something that is not a std::exception", name);
+  }
+  return "";
+}
+
+Proposal Robot::Decide(const WorldState& state, const RobotIndex& robots) {
+  const RobotState& own = state.robots[id_.index()];
+  odometry_.Update(own.X_WR);
+  Sense(state.tick, robots);
+  const Command command = failure_.empty() ? AskController(state) : Command{};
+  return {id_, DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds())};
+}
+
+void Robot::Sense(Tick tick, const RobotIndex& robots) {
+  const std::vector<RangerDescription>& rangers = description().rangers;
+  for (std::size_t i = 0; i < rangers.size(); ++i) {
+    if (tick % rangers[i].period_ticks != 0 || (!subscribed_[i] && scan_log_ == nullptr)) continue;
+    // A controller sees what it subscribed to and no more, so that it decides the same with and without a scan log.
+    RangerReading& reading = subscribed_[i] ? readings_[i] : unread_;
+    MeasureRanger(*scene_, robots, id_, i, tick, reading);
+    if (scan_log_ != nullptr) scan_log_->Write(tick, description(), rangers[i], reading);
+  }
+}
+
+Command Robot::AskController(const WorldState& state) {
+  const WorldDescription& world = scene_->world();
+  const RobotState& own = state.robots[id_.index()];
+  Observation observation;
+  observation.tick = state.tick;
+  observation.time = TimeOf(world, state.tick);
+  observation.interval = world.interval_seconds();
+  observation.pose_estimate = odometry_.estimate();
+  observation.twist = own.twist;
+  observation.stalled = own.stalled;
+  observation.rangers = readings_;
+  observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
+  try {
+    return controller_->Update(observation);
+  } catch (const std::exception& exception) {
+    failure_ = exception.what();
+  } catch (...) {
+    failure_ = "threw something that is not a std::exception";
+  }
+  failure_ = fmt::format("robot {}: controller {} failed at tick {}: {}", description().name,
+                         description().controller.name, state.tick, failure_);
+  return {};
+}
+
+}  // namespace troupe

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/model/proposal.h"
@@ -33,13 +34,20 @@ class Robot {
  private:
   Robot(const Scene& scene, RobotId id, ScanLog* scan_log);
 
+  const RobotDescription& description() const;
+  // Makes the controller and asks for its subscriptions; "" or what went wrong.
+  std::string StartController();
+  void Sense(Tick tick, const RobotIndex& robots);
+  Command AskController(const WorldState& state);
+
   const Scene* scene_;
   RobotId id_;
   ScanLog* scan_log_;
   std::unique_ptr<Controller> controller_;
   Odometry odometry_;
-  std::vector<bool> subscribed_;          // by ranger
-  std::vector<RangerReading> readings_;   // by ranger
+  std::vector<bool> subscribed_;         // by ranger
+  std::vector<RangerReading> readings_;  // by ranger; empty where not subscribed
+  RangerReading unread_;                 // what only the scan log wants
   std::string failure_;
 };
 

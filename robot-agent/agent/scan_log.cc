@@ -1,1 +1,58 @@
 #include "robot-agent/agent/scan_log.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace troupe {
+namespace {
+
+// The shortest decimal that reads back as the same number.
+void AppendNumber(std::string& line, double value) {
+  char digits[32];
+  line.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
+}
+
+std::string Quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "we");
+  if (file == nullptr) return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno)};
+  return std::unique_ptr<ScanLog>(new ScanLog(file, path));
+}
+
+ScanLog::~ScanLog() {
+  std::fclose(file_);
+}
+
+void ScanLog::Write(Tick tick, const RobotDescription& robot, const RangerDescription& ranger,
+                    const RangerReading& reading) {
+  if (status_) return;
+  for (std::size_t sensor = 0; sensor < reading.scans.size(); ++sensor) {
+    line_ = "{\"tick\":" + std::to_string(tick) + ",\"robot\":" + Quoted(robot.name) +
+            ",\"sensor\":" + Quoted(ranger.name + "." + std::to_string(sensor)) + ",\"ranges\":[";
+    for (double range : reading.scans[sensor].ranges) {
+      AppendNumber(line_, range);
+      line_ += ',';
+    }
+    if (line_.back() == ',') line_.pop_back();
+    line_ += "]}\n";
+    if (std::fwrite(line_.data(), 1, line_.size(), file_) != line_.size()) return Fail();
+  }
+}
+
+Status ScanLog::Flush() {
+  if (!status_ && std::fflush(file_) != 0) Fail();
+  return status_;
+}
+
+void ScanLog::Fail() {
+  status_ = Error{{path_}, std::string("cannot write scans: ") + std::strerror(errno)};
+}
+
+}  // namespace troupe

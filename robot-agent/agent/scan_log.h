@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "common/base/result.h"
@@ -21,13 +22,19 @@ class ScanLog {
   // Sensors are named "<ranger>.<index>", for instance "ranger:0.3".
   void Write(Tick tick, const RobotDescription& robot, const RangerDescription& ranger, const RangerReading& reading);
 
-  // Forces everything out; the error is the first that any write had (a full disk).
+  // The first error that any write had (a full disk); nothing is written after it.
+  const Status& status() const { return status_; }
+  // Forces everything out, and says how it went.
   Status Flush();
 
  private:
   explicit ScanLog(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
+  void Fail();
+
   std::FILE* file_;
   std::string path_;
+  std::string line_;
+  Status status_;
 };
 
 }  // namespace troupe

@@ -2,8 +2,8 @@
 // docs/controllers.md and examples/own_controller.
 //
 // A controller runs in its robot's agent process. Each tick it gets an Observation of the world at tick n and answers
-// with the Command for tick n + 1. To keep runs repeatable it must depend on nothing but its observations and parameters:
-// no clock, no own random seed (Observation::Random gives repeatable draws).
+// with the Command for tick n + 1. To keep runs repeatable it must depend on nothing but its observations and
+// parameters: no clock, no own random seed (Observation::Random gives repeatable draws).
 #pragma once
 
 #include <cstdint>
@@ -28,19 +28,19 @@ struct RangeScan {
 
 // What one ranger of the robot measured: one scan for each of its sensors, in the order of the world file.
 struct RangerReading {
-  Tick tick = 0;                    // when it was measured; a slow ranger keeps its last reading
+  Tick tick = 0;  // when it was measured; a slow ranger keeps its last reading
   std::vector<RangeScan> scans;
 };
 
 struct Observation {
   Tick tick = 0;
-  double time = 0.0;                // s, simulated
-  double interval = 0.0;            // s, length of a tick
-  Pose pose_estimate;               // by the robot's localization: frame world (gps) or odom (odometry)
-  Twist twist;                      // executed during the last tick, in R
+  double time = 0.0;      // s, simulated
+  double interval = 0.0;  // s, length of a tick
+  Pose pose_estimate;     // by the robot's localization: frame world (gps) or odom (odometry)
+  Twist twist;            // executed during the last tick, in R
   bool stalled = false;
   std::span<const RangerReading> rangers;  // by ranger, as in RobotDescription; empty scans where not subscribed
-  std::uint64_t random_key = 0;     // of this robot and tick
+  std::uint64_t random_key = 0;            // of this robot and tick
 
   // The i-th of this tick's uniform random numbers in [0, 1), the same in every run with the same seed.
   double Random(std::uint64_t i) const { return RandomUniform({random_key, i}); }
@@ -48,15 +48,16 @@ struct Observation {
 
 // What a controller asks its drive for. The drive bounds it (common/model/drive_limits.h).
 struct Command {
-  Twist twist;                      // differential and omni drives, in R
-  double speed = 0.0;               // m/s, car drive: speed of the steered wheel
-  double steering = 0.0;            // rad, car drive
+  Twist twist;            // differential and omni drives, in R
+  double speed = 0.0;     // m/s, car drive: speed of the steered wheel
+  double steering = 0.0;  // rad, car drive
 };
 
 // What a controller may know of its robot before the first tick.
 struct RobotInfo {
   const RobotDescription* robot = nullptr;  // never null; lives as long as the controller
-  std::string parameters;                   // a JSON object
+  std::string parameters = "{}";            // a JSON object
+  std::vector<Pose> X_RM;                   // by ranger: where it is mounted on the robot
 };
 
 class Controller {
@@ -77,8 +78,11 @@ class Controller {
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
 #define TROUPE_CONTROLLER_ABI 1
-#define TROUPE_CONTROLLER(Type)                                                             \
-  extern "C" int troupe_controller_abi() { return TROUPE_CONTROLLER_ABI; }                  \
-  extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info) {  \
-    return new Type(info);                                                                  \
+#define TROUPE_CONTROLLER(Type)                                                                   \
+  extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
+    return TROUPE_CONTROLLER_ABI;                                                                 \
+  }                                                                                               \
+  extern "C" __attribute__((visibility("default"))) troupe::Controller* troupe_create_controller( \
+      const troupe::RobotInfo& info) {                                                            \
+    return new Type(info);                                                                        \
   }

@@ -1,1 +1,56 @@
 #include "robot-agent/controller/create_controller.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "robot-agent/controller/built_in.h"
+#include "robot-agent/controller/library_controller.h"
+#include "robot-agent/controller/parameters.h"
+
+namespace troupe {
+namespace {
+
+std::array<BuiltInController, 4> BuiltIns() {
+  return {Expand(), Idle(), Script(), Wander()};
+}
+
+bool IsLibrary(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".so");
+}
+
+std::string UnknownName(const std::string& name) {
+  return fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so)", name,
+                     fmt::join(BuiltInControllers(), ", "));
+}
+
+}  // namespace
+
+std::vector<std::string> BuiltInControllers() {
+  std::vector<std::string> names;
+  for (const BuiltInController& built_in : BuiltIns()) names.emplace_back(built_in.name);
+  return names;
+}
+
+Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info) {
+  const std::string& name = info.robot->controller.name;
+  if (IsLibrary(name)) return CreateLibraryController(name, info);
+  for (const BuiltInController& built_in : BuiltIns()) {
+    if (name == built_in.name) return built_in.create(info);
+  }
+  return Error{{}, UnknownName(name)};
+}
+
+std::string CheckController(const std::string& name, const std::string& parameters) {
+  if (IsLibrary(name)) {
+    // What keys it knows is the library's own business.
+    Parameters reader(fmt::format("controller library {}", name), parameters);
+    return reader.error();
+  }
+  for (const BuiltInController& built_in : BuiltIns()) {
+    if (name == built_in.name) return built_in.check(parameters);
+  }
+  return UnknownName(name);
+}
+
+}  // namespace troupe

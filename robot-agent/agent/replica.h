@@ -1,0 +1,42 @@
+// Replica: an agent's copy of the world, with the robots that it runs in it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/messages.h"
+#include "common/spatial/robot_index.h"
+#include "common/spatial/scene.h"
+#include "robot-agent/agent/robot.h"
+#include "robot-agent/agent/scan_log.h"
+
+namespace troupe {
+
+class Replica {
+ public:
+  // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null.
+  // The error is a robot that is unknown or named twice, or a controller that cannot be made.
+  static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
+                                                 ScanLog* scan_log);
+
+  // Names of the agent's own robots, in the order of their ids.
+  std::vector<std::string> RobotNames() const;
+
+  // "" if the state has as many robots as the world, all at finite poses; else what is wrong with it.
+  std::string CheckState(const WorldState& state) const;
+
+  // What the agent's robots ask for after `state`: proposals in robot-id order, and controllers that failed just now.
+  // REQUIRES: CheckState(state) is "".
+  void Answer(const WorldState& state, ProposalMessage& answer);
+
+ private:
+  explicit Replica(WorldDescription world) : scene_(std::move(world)), index_(scene_) {}
+
+  Scene scene_;
+  RobotIndex index_;
+  std::vector<std::unique_ptr<Robot>> robots_;  // by id
+};
+
+}  // namespace troupe

@@ -1,0 +1,16 @@
+// Controllers from shared libraries.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "robot-agent/controller/controller.h"
+
+namespace troupe {
+
+// Opens the library (a relative path counts from the working directory) and lets it make its controller. The library
+// stays open until the program ends, because exceptions and objects of its types may live as long.
+Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info);
+
+}  // namespace troupe
