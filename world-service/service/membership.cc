@@ -1,1 +1,132 @@
-namespace troupe {}
+#include "world-service/service/membership.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/version.h"
+
+namespace troupe {
+namespace {
+
+JoinDecision Refuse(std::string reason) {
+  return {JoinDecision::Outcome::kRefused, nullptr, std::move(reason)};
+}
+
+}  // namespace
+
+std::string Describe(const Member& member) {
+  return member.host + ", pid " + std::to_string(member.pid);
+}
+
+Membership::Membership(const WorldDescription& world, double lease_seconds)
+    : world_(world),
+      world_hash_(Hash(world)),
+      lease_seconds_(lease_seconds),
+      owners_(world.robots.size()),
+      contests_(world.robots.size()),
+      waits_of_forgotten_(world.robots.size()) {
+  for (std::size_t i = 0; i < world.robots.size(); ++i) robot_by_name_.emplace(world.robots[i].name, RobotId(i));
+}
+
+JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double now) {
+  if (join.protocol_version != kProtocolVersion) {
+    return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
+                  ", the world service version " + std::to_string(kProtocolVersion));
+  }
+  if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
+  if (Member* member = Find(join.agent); member != nullptr && member->present) {
+    return {JoinDecision::Outcome::kRepeated, member, {}};
+  }
+
+  std::vector<RobotId> robots;
+  for (const std::string& name : join.robots) {
+    const auto robot = robot_by_name_.find(name);
+    if (robot == robot_by_name_.end()) return Refuse("the world has no robot \"" + name + "\"");
+    robots.push_back(robot->second);
+  }
+  if (robots.empty()) return Refuse("the agent names no robots");
+  std::sort(robots.begin(), robots.end());
+  if (const auto twice = std::adjacent_find(robots.begin(), robots.end()); twice != robots.end()) {
+    return Refuse("the agent names robot \"" + world_.robot(*twice).name + "\" twice");
+  }
+  for (RobotId robot : robots) {
+    const std::optional<AgentId> owner = owners_[robot.index()];
+    if (owner && members_.at(*owner).present) return Contend(robot, join.agent, next_tick, now);
+  }
+
+  for (RobotId robot : robots) {
+    if (const std::optional<AgentId> lost = owners_[robot.index()]) Forget(*lost);
+  }
+  Forget(join.agent);  // it was lost, and comes back for other robots
+  for (RobotId robot : robots) owners_[robot.index()] = join.agent;
+  present_robots_ += robots.size();
+  ++present_members_;
+  Member& member = members_[join.agent];
+  member.id = join.agent;
+  member.host = join.host;
+  member.pid = join.pid;
+  member.robots = std::move(robots);
+  return {JoinDecision::Outcome::kAdmitted, &member, {}};
+}
+
+// A robot's agent that died is known to be dead only after its lease. Until then one that comes to replace it must not
+// be refused; once the old one shows that it lives, or the lease would long have run out, it must.
+JoinDecision Membership::Contend(RobotId robot, AgentId contender, Tick next_tick, double now) {
+  const Member& owner = members_.at(*owners_[robot.index()]);
+  Contest& contest = contests_[robot.index()];
+  if (contest.contender != contender) contest = {contender, next_tick, now};
+  const bool owner_lives = owner.last_answered > contest.tick || now - contest.since > 2.0 * lease_seconds_;
+  if (!owner_lives) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
+  return Refuse("robot \"" + world_.robot(robot).name + "\" has an agent already (" + Describe(owner) + ")");
+}
+
+Member* Membership::Find(AgentId agent) {
+  const auto member = members_.find(agent);
+  return member == members_.end() ? nullptr : &member->second;
+}
+
+void Membership::Lose(Member& member) {
+  TROUPE_CHECK(member.present);
+  member.present = false;
+  --present_members_;
+  present_robots_ -= member.robots.size();
+}
+
+void Membership::Restore(Member& member) {
+  TROUPE_CHECK(!member.present);
+  member.present = true;
+  ++present_members_;
+  present_robots_ += member.robots.size();
+}
+
+std::vector<RobotId> Membership::AbsentRobots() const {
+  std::vector<RobotId> absent;
+  for (std::size_t i = 0; i < owners_.size(); ++i) {
+    if (!owners_[i] || !members_.at(*owners_[i]).present) absent.emplace_back(i);
+  }
+  return absent;
+}
+
+void Membership::Forget(AgentId agent) {
+  const auto member = members_.find(agent);
+  if (member == members_.end()) return;
+  AddWaits(member->second, waits_of_forgotten_);
+  for (RobotId robot : member->second.robots) owners_[robot.index()].reset();
+  members_.erase(member);
+}
+
+void Membership::AddWaits(const Member& member, std::vector<Waits>& waits) {
+  for (RobotId robot : member.robots) {
+    waits[robot.index()].times_last += member.times_last;
+    waits[robot.index()].waited_seconds += member.waited_seconds;
+  }
+}
+
+std::vector<Membership::Waits> Membership::WaitsOfRobots() const {
+  std::vector<Waits> waits = waits_of_forgotten_;
+  for (const auto& [agent, member] : members_) AddWaits(member, waits);
+  return waits;
+}
+
+}  // namespace troupe

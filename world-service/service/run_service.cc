@@ -1,1 +1,174 @@
 #include "world-service/service/run_service.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <random>
+#include <utility>
+
+#include "common/base/version.h"
+#include "world-service/service/event_text.h"
+#include "world-service/service/tick_coordinator.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Phase = TickCoordinator::Phase;
+
+// Wall times, s.
+constexpr double kStatusPeriod = 0.5;
+constexpr double kLongestWait = 0.05;  // so that `stop`, and what there is to tell, need not wait for longer
+constexpr double kFlushTime = 0.5;
+
+double Now() {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+Clock::time_point TimePoint(double seconds) {
+  return Clock::time_point(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+}
+
+// Later runs get larger ids: of two services in one session, that tells which one is the intruder.
+RunId MakeRunId() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  const auto microseconds = std::chrono::duration_cast<std::chrono::microseconds>(since_epoch).count();
+  return (static_cast<RunId>(microseconds) << 12) | (std::random_device()() & 0xfff);
+}
+
+std::string HostName() {
+  char name[256] = "";
+  if (gethostname(name, sizeof name - 1) != 0 || name[0] == '\0') return "localhost";
+  return name;
+}
+
+// Brings the transport's threads and the one that waits for time to pass together at one coordinator.
+class Driver final : private ServiceHandler {
+ public:
+  Driver(const Scene& scene, const CoordinatorOptions& options, std::unique_ptr<ServiceEndpoint> endpoint,
+         Recorder& recorder, RunObserver& observer)
+      : scene_(scene),
+        observer_(observer),
+        coordinator_(scene, options, *endpoint, recorder, Now()),
+        endpoint_(std::move(endpoint)) {}
+
+  void Start(const SessionMessage& session) {
+    endpoint_->Start(*this);
+    endpoint_->SendSession(session);
+  }
+
+  // Until the run is over.
+  void Run(const std::atomic<bool>& stop) {
+    std::unique_lock lock(mutex_);
+    double next_status = Now() + kStatusPeriod;
+    while (coordinator_.phase() != Phase::kOver) {
+      const double now = Now();
+      if (stop) coordinator_.Stop(now);
+      coordinator_.Poll(now);
+      const bool status_due = now >= next_status;
+      if (status_due) next_status = now + kStatusPeriod;
+      Tell(status_due, lock);
+
+      wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
+      wake_.wait_until(lock, TimePoint(wake_at_));
+    }
+    Tell(true, lock);
+  }
+
+  // REQUIRES: Run has returned.
+  Result<RunSummary> Finish() {
+    endpoint_->Flush(kFlushTime);
+    const std::lock_guard lock(mutex_);
+    if (coordinator_.error()) return *coordinator_.error();
+    return coordinator_.MakeSummary();
+  }
+
+ private:
+  void OnJoin(const JoinMessage& join) override {
+    Handle([&](double now) { coordinator_.OnJoin(join, now); });
+  }
+  void OnProposal(const ProposalMessage& proposal) override {
+    Handle([&](double now) { coordinator_.OnProposal(proposal, now); });
+  }
+  void OnAgentGone(AgentId agent) override {
+    Handle([&](double now) { coordinator_.OnAgentGone(agent, now); });
+  }
+  void OnRivalService(const SessionMessage& rival) override {
+    Handle([&](double now) { coordinator_.OnRivalService(rival, now); });
+  }
+
+  template <typename Call>
+  void Handle(const Call& call) {
+    bool wake = false;
+    {
+      const std::lock_guard lock(mutex_);
+      call(Now());
+      wake = coordinator_.NextPoll() < wake_at_;
+    }
+    if (wake) wake_.notify_one();
+  }
+
+  // Tells the observer what is new. The lock is open meanwhile: ticks do not wait for an observer.
+  void Tell(bool with_status, std::unique_lock<std::mutex>& lock) {
+    const std::vector<std::string> notices = coordinator_.TakeNotices();
+    const std::vector<Event> events = coordinator_.TakeEvents();
+    const std::optional<double> startup = started_ ? std::nullopt : coordinator_.startup_seconds();
+    std::optional<StatusMessage> status;
+    if (with_status) status = coordinator_.MakeStatus(Now());
+    if (startup) started_ = true;
+
+    lock.unlock();
+    for (const std::string& notice : notices) observer_.OnNotice(notice);
+    if (startup) observer_.OnStarted(*startup);
+    for (const Event& event : events) observer_.OnEvent(event, EventText(scene_.world(), event));
+    if (status) {
+      endpoint_->SendStatus(*status);
+      observer_.OnStatus(*status);
+    }
+    lock.lock();
+  }
+
+  const Scene& scene_;
+  RunObserver& observer_;
+  bool started_ = false;  // the observer knows
+  std::mutex mutex_;      // for what follows
+  std::condition_variable wake_;
+  double wake_at_ = 0.0;  // when Run wakes up by itself
+  TickCoordinator coordinator_;
+  std::unique_ptr<ServiceEndpoint> endpoint_;  // last, so that it is gone before what its deliveries use
+};
+
+}  // namespace
+
+Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
+                              std::unique_ptr<ServiceEndpoint> endpoint, RunObserver& observer,
+                              const std::atomic<bool>& stop) {
+  Result<Recorder> recorder = Recorder::Create(scene.world(), options.outputs);
+  if (!recorder.ok()) return recorder.error();
+
+  CoordinatorOptions coordinator;
+  coordinator.settings = options.settings;
+  coordinator.run = MakeRunId();
+  coordinator.lease_seconds = options.lease_seconds;
+  coordinator.start_timeout_seconds = options.start_timeout_seconds;
+
+  SessionMessage session;
+  session.run = coordinator.run;
+  session.protocol_version = kProtocolVersion;
+  session.host = HostName();
+  session.pid = static_cast<std::uint32_t>(getpid());
+  session.lease_seconds = options.lease_seconds;
+  session.world = scene.world();
+
+  Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), observer);
+  driver.Start(session);
+  driver.Run(stop);
+  Result<RunSummary> summary = driver.Finish();
+  if (Status error = recorder.value().Close(); error && summary.ok()) return *error;
+  return summary;
+}
+
+}  // namespace troupe

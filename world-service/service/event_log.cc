@@ -1,0 +1,52 @@
+#include "world-service/service/event_log.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+constexpr int kToldPerSecond = 10;
+
+}  // namespace
+
+void EventLog::Add(EventType type, Tick tick, std::optional<RobotId> robot, std::string detail) {
+  untold_.push_back({tick, type, robot, std::nullopt, std::move(detail)});
+  between_frames_.push_back(untold_.back());
+}
+
+void EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now) {
+  ++rejected_;
+  if (now - second_began_ >= 1.0) {
+    second_began_ = now;
+    rejected_this_second_ = 0;
+    if (const std::uint64_t count = std::exchange(silent_, 0); count > 0) {
+      Add(EventType::kProposalRejected, tick, std::nullopt, std::to_string(count) + " more, not shown");
+    }
+  }
+  if (++rejected_this_second_ > kToldPerSecond) {
+    ++silent_;
+  } else {
+    Add(EventType::kProposalRejected, tick, robot, std::move(reason));
+  }
+}
+
+std::vector<Event> EventLog::TakeForFrame(Tick tick, std::vector<Event> of_step) {
+  for (const Event& event : of_step) stalls_ += event.type == EventType::kStallBegan;
+  untold_.insert(untold_.end(), of_step.begin(), of_step.end());
+  if (between_frames_.empty()) return of_step;
+  // They came in the order of the network; by robot, records of two runs are easier to compare.
+  std::stable_sort(between_frames_.begin(), between_frames_.end(),
+                   [](const Event& a, const Event& b) { return a.robot < b.robot; });
+  for (Event& event : between_frames_) event.tick = tick;
+  between_frames_.insert(between_frames_.end(), std::make_move_iterator(of_step.begin()),
+                         std::make_move_iterator(of_step.end()));
+  return std::exchange(between_frames_, {});
+}
+
+std::vector<Event> EventLog::TakeUntold() {
+  return std::exchange(untold_, {});
+}
+
+}  // namespace troupe

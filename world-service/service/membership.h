@@ -1,0 +1,97 @@
+// Membership: which agent works for which robots, and which robots have nobody.
+//
+// A member that is lost keeps its robots until another agent takes one of them up, so that it can come back by itself.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/protocol/messages.h"
+
+namespace troupe {
+
+// An agent that was admitted. Times are wall times in s, of the coordinator's clock.
+struct Member {
+  AgentId id = 0;
+  std::string host;
+  std::uint32_t pid = 0;
+  std::vector<RobotId> robots;         // in id order, never empty
+  bool present = true;                 // false: lost
+  Tick last_answered = 0;              // the newest tick that it sent a proposal for
+  std::optional<double> silent_since;  // of the first frame that it left unanswered, when that is not the current one
+  std::uint64_t times_last = 0;        // ticks in which it was the last to answer
+  double waited_seconds = 0.0;         // that the barrier waited for it alone
+};
+
+// "host, pid 123"
+std::string Describe(const Member& member);
+
+// What a join comes to.
+struct JoinDecision {
+  enum class Outcome : std::uint8_t {
+    kAdmitted,   // `member` has taken its robots up
+    kRepeated,   // `member` was admitted before; the answer got lost
+    kRefused,    // `reason` says why
+    kUndecided,  // the robot's agent may be dead or not; the joining agent will ask again
+  };
+  Outcome outcome = Outcome::kRefused;
+  Member* member = nullptr;  // kAdmitted, kRepeated
+  std::string reason;
+};
+
+class Membership {
+ public:
+  // The world must outlive the membership.
+  Membership(const WorldDescription& world, double lease_seconds);
+
+  // `next_tick` is the tick that proposals are collected for.
+  JoinDecision Join(const JoinMessage& join, Tick next_tick, double now);
+
+  // nullptr for strangers. Pointers stay good until the member's robots are taken up by another.
+  Member* Find(AgentId agent);
+  // REQUIRES: no stranger.
+  const Member& Get(AgentId agent) const { return members_.at(agent); }
+  // REQUIRES: the member is present (Lose) or lost (Restore).
+  void Lose(Member& member);
+  void Restore(Member& member);
+
+  std::size_t present_members() const { return present_members_; }
+  bool all_robots_present() const { return present_robots_ == owners_.size(); }
+  std::vector<RobotId> AbsentRobots() const;
+
+  struct Waits {
+    std::uint64_t times_last = 0;
+    double waited_seconds = 0.0;
+  };
+  // What the barrier waited for each robot, by robot id, all its agents together.
+  std::vector<Waits> WaitsOfRobots() const;
+
+ private:
+  // An agent that wants a robot which has another one.
+  struct Contest {
+    AgentId contender = 0;
+    Tick tick = 0;       // that was next when it first asked
+    double since = 0.0;  // when it first asked
+  };
+
+  JoinDecision Contend(RobotId robot, AgentId contender, Tick next_tick, double now);
+  void Forget(AgentId agent);
+  static void AddWaits(const Member& member, std::vector<Waits>& waits);
+
+  const WorldDescription& world_;
+  const std::uint64_t world_hash_;
+  const double lease_seconds_;
+  std::map<std::string_view, RobotId> robot_by_name_;
+  std::map<AgentId, Member> members_;
+  std::vector<std::optional<AgentId>> owners_;  // by robot; also lost ones
+  std::vector<Contest> contests_;               // by robot
+  std::vector<Waits> waits_of_forgotten_;       // by robot
+  std::size_t present_members_ = 0;
+  std::size_t present_robots_ = 0;
+};
+
+}  // namespace troupe

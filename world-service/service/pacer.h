@@ -1,0 +1,36 @@
+// Pacer: when a tick may be committed, so that simulated time keeps a fixed speed. Times in s, of any clock.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "common/base/ids.h"
+
+namespace troupe {
+
+class Pacer {
+ public:
+  // `speed`: multiple of real time; nothing: no pacing. `interval`: length of a tick in simulated s.
+  Pacer(std::optional<double> speed, double interval) : period_(speed ? interval / *speed : 0.0) {}
+
+  void Start(double now) { start_ = now; }
+
+  double Due(Tick tick) const {
+    if (period_ == 0.0) return -std::numeric_limits<double>::infinity();
+    return start_ + static_cast<double>(tick) * period_;
+  }
+
+  // Call when a tick was committed. What a short hiccup cost is caught up; a long stop is not, it shifts what follows.
+  void Committed(Tick tick, double now) {
+    const double late = now - Due(tick);
+    if (period_ > 0.0 && late > kCatchUp) start_ += late;
+  }
+
+ private:
+  static constexpr double kCatchUp = 0.5;  // s
+
+  double period_;  // wall time of a tick
+  double start_ = 0.0;
+};
+
+}  // namespace troupe

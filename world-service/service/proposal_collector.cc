@@ -1,0 +1,57 @@
+#include "world-service/service/proposal_collector.h"
+
+#include <utility>
+
+#include "world-service/core/validate_proposal.h"
+
+namespace troupe {
+
+ProposalCollector::ProposalCollector(const WorldDescription& world, Mode mode)
+    : world_(world), mode_(mode), newest_(world.robots.size()) {}
+
+std::span<const Rejection> ProposalCollector::Take(const Member& member, const ProposalMessage& message,
+                                                   const WorldState& state) {
+  rejections_.clear();
+  // Both are in robot-id order, so that one pass finds what is missing and what is too much.
+  auto proposal = message.proposals.begin();
+  const auto end = message.proposals.end();
+  const auto reject_stranger = [&] {
+    const bool known = proposal->robot.index() < newest_.size();
+    rejections_.push_back({known ? std::optional(proposal->robot) : std::nullopt,
+                           "robot " + std::to_string(proposal->robot.index()) + " in a message of " + Describe(member) +
+                               " is not one of its robots, or comes twice or out of order"});
+    ++proposal;
+  };
+  for (RobotId robot : member.robots) {
+    while (proposal != end && proposal->robot < robot) reject_stranger();
+    if (proposal == end || proposal->robot != robot) {
+      rejections_.push_back({robot, "the message of " + Describe(member) + " has no proposal for it"});
+      continue;
+    }
+    std::string wrong = ValidateProposal(world_, state, *proposal);
+    if (wrong.empty()) {
+      newest_[robot.index()] = {proposal->twist, message.tick};
+    } else {
+      rejections_.push_back({robot, std::move(wrong)});
+    }
+    ++proposal;
+  }
+  while (proposal != end) reject_stranger();
+  return rejections_;
+}
+
+std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
+  const Tick next = state.tick + 1;
+  for_step_.clear();
+  for (std::size_t i = 0; i < newest_.size(); ++i) {
+    const Newest& newest = newest_[i];
+    const Proposal proposal{RobotId(i), newest.twist};
+    const bool in_time = newest.tick == next;
+    // What was within the limits a tick ago need not be now: the robot may have stalled.
+    const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
+    if (in_time || (kept && ValidateProposal(world_, state, proposal).empty())) for_step_.push_back(proposal);
+  }
+  return for_step_;
+}
+
+}  // namespace troupe

@@ -1,0 +1,44 @@
+// Recorder: writes the files that a run leaves behind, one line or more for each frame.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/messages.h"
+#include "world-service/service/output_file.h"
+
+namespace troupe {
+
+// Files to write while running; empty: none. docs/running.md has their formats.
+struct OutputFiles {
+  std::string hash_log;  // "tick hash" a line
+  std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled
+  std::string record;    // JSON lines: header, then a line for each tick
+};
+
+class Recorder {
+ public:
+  // Creates the files. The world must outlive the recorder.
+  static Result<Recorder> Create(const WorldDescription& world, const OutputFiles& files);
+
+  // The error is the first that a file had (a full disk); what follows is not written.
+  Status Write(const FrameMessage& frame);
+  Status Close();
+
+ private:
+  explicit Recorder(const WorldDescription& world) : world_(&world) {}
+  Status WriteRecordHeader();
+  Status WriteHash(const FrameMessage& frame);
+  Status WritePoses(const FrameMessage& frame);
+  Status WriteRecord(const FrameMessage& frame);
+
+  const WorldDescription* world_;
+  std::vector<std::string> csv_names_;  // by robot, quoted where CSV needs it
+  std::optional<OutputFile> hash_log_;
+  std::optional<OutputFile> poses_;
+  std::optional<OutputFile> record_;
+};
+
+}  // namespace troupe

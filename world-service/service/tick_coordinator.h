@@ -1,0 +1,127 @@
+// TickCoordinator: drives a run. It admits agents, publishes frames, collects proposals, steps when all are there,
+// repeats a frame that somebody missed, and does what the settings say when an agent is lost. docs/tick-protocol.md has
+// its states and what it does in each.
+//
+// Passive: it acts only inside the calls below, which must come one at a time, and knows the time only from `now`: wall
+// time in s, of a clock that never goes back. So whoever delivers the last proposal of a tick also makes the step.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/protocol/tick_barrier.h"
+#include "common/protocol/transport.h"
+#include "common/spatial/scene.h"
+#include "common/worldfile/load_world.h"
+#include "world-service/service/event_log.h"
+#include "world-service/service/membership.h"
+#include "world-service/service/pacer.h"
+#include "world-service/service/proposal_collector.h"
+#include "world-service/service/recorder.h"
+#include "world-service/service/repeat_timer.h"
+#include "world-service/service/run_summary.h"
+
+namespace troupe {
+
+struct CoordinatorOptions {
+  RunSettings settings;
+  RunId run = 0;  // grows with the time at which the run was started
+  double lease_seconds = 2.0;
+  double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
+};
+
+class TickCoordinator {
+ public:
+  enum class Phase : std::uint8_t {
+    kGathering,  // waiting for an agent for every robot
+    kRunning,    // ticking
+    kEnding,     // the last frame is out; waiting for the agents to leave
+    kOver,
+  };
+
+  // Scene, endpoint and recorder must outlive the coordinator. The recorder gets every frame.
+  TickCoordinator(const Scene& scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint, Recorder& recorder,
+                  double now);
+
+  // What arrives from the transport.
+  void OnJoin(const JoinMessage& join, double now);
+  void OnProposal(const ProposalMessage& proposal, double now);
+  void OnAgentGone(AgentId agent, double now);
+  void OnRivalService(const SessionMessage& rival, double now);
+
+  // Does what is due by time; call at NextPoll(), or earlier.
+  void Poll(double now);
+  double NextPoll() const;
+
+  // Both end the run in order; after the run has ended by itself they change nothing.
+  void Stop(double now);
+  void Fail(Error error, double now);
+
+  Phase phase() const { return phase_; }
+  const Status& error() const { return error_; }
+  // From the beginning to the first frame, once that is out.
+  std::optional<double> startup_seconds() const {
+    return started_at_ ? std::optional(*started_at_ - created_at_) : std::nullopt;
+  }
+  StatusMessage MakeStatus(double now);
+  RunSummary MakeSummary() const;
+  // Events and notices that were not returned before.
+  std::vector<Event> TakeEvents() { return events_.TakeUntold(); }
+  std::vector<std::string> TakeNotices();
+
+ private:
+  Tick next_tick() const { return frame_.state.tick + 1; }
+  bool realtime() const { return options_.settings.mode == Mode::kRealtime; }
+  // A robot has no agent, and so nothing goes on.
+  bool halted() const;
+  bool ReadyToCommit(double now) const;
+
+  void Begin(double now);
+  void Commit(double now);
+  void Publish(double now);
+  void End(double now);
+
+  void Answer(const JoinMessage& join, bool admitted, const std::string& reason);
+  void TakeUp(Member& member, double now);
+  void TakeProposals(Member& member, const ProposalMessage& message, double now);
+  void Lose(Member& member, const std::string& why, double now);
+  void LoseSilentMembers(double now);
+  void Reject(std::string reason, double now);
+  std::vector<std::string> MissingRobots(double now) const;
+  std::string ListNames(const std::vector<RobotId>& robots) const;
+
+  const Scene& scene_;
+  const CoordinatorOptions options_;
+  ServiceEndpoint& endpoint_;
+  Recorder& recorder_;
+
+  Phase phase_ = Phase::kGathering;
+  Status error_;
+  bool interrupted_ = false;
+  FrameMessage frame_;  // the newest; before the first tick, the one to begin with
+
+  Membership members_;
+  TickBarrier barrier_;
+  ProposalCollector proposals_;
+  EventLog events_;
+  std::vector<std::string> notices_;
+  Pacer pacer_;
+  RepeatTimer repeat_timer_;
+  std::uint64_t frames_repeated_ = 0;
+  std::vector<std::string> lost_at_end_;
+  std::optional<RunId> known_rival_;
+
+  // Wall times.
+  const double created_at_;
+  std::optional<double> started_at_;  // frame 0, once it is out
+  double committed_at_ = 0.0;         // of the newest frame
+  double arrived_at_ = 0.0;           // of the newest answer, or the frame
+  double halted_since_ = 0.0;         // since nobody was left to go on
+  double end_at_ = 0.0;               // when the last frame need not be repeated any more
+  // When and where the last status was made.
+  double status_at_ = 0.0;
+  Tick status_tick_ = 0;
+};
+
+}  // namespace troupe
