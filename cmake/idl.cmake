@@ -1,5 +1,11 @@
-# troupe_idl_library(NAME FILES a.idl ...): C types of the IDL files, made by Cyclone's idlc at build time.
+# troupe_idl_library(NAME FILES a.idl ...): the C types of IDL files, made by Cyclone's idlc at build time, as a static
+# library. The generated header of idl/frame.idl is "idl/frame.h".
 function(troupe_idl_library name)
   cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
-  idlc_generate(TARGET ${name} FILES ${arg_FILES} WARNINGS no-implicit-extensibility)
+  idlc_generate(TARGET ${name}_types BASE_DIR ${PROJECT_SOURCE_DIR} FILES ${arg_FILES} WARNINGS no-implicit-extensibility)
+  add_library(${name} STATIC)
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_link_libraries(${name} PRIVATE ${name}_types PUBLIC CycloneDDS::ddsc)
+  target_include_directories(${name} SYSTEM PUBLIC ${CMAKE_CURRENT_BINARY_DIR})
+  add_dependencies(${name} ${name}_types_generate)
 endfunction()

@@ -1,0 +1,28 @@
+#include "common/dds/convert_session.h"
+
+#include "common/dds/convert_world.h"
+
+namespace troupe::dds {
+
+troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
+  troupe_wire_Session wire{};
+  wire.run = message.run;
+  wire.protocol_version = message.protocol_version;
+  wire.host = arena.Copy(message.host);
+  wire.pid = message.pid;
+  wire.lease = message.lease_seconds;
+  wire.world = ToWire(message.world, arena);
+  return wire;
+}
+
+Status FromWire(const troupe_wire_Session& wire, SessionMessage& message) {
+  message.run = wire.run;
+  message.protocol_version = wire.protocol_version;
+  message.host = Text(wire.host);
+  message.pid = wire.pid;
+  message.lease_seconds = wire.lease;
+  if (!(wire.lease > 0.0)) return Error{{}, "session with a lease that is not positive"};
+  return FromWire(wire.world, message.world);
+}
+
+}  // namespace troupe::dds

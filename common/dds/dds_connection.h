@@ -1,0 +1,130 @@
+// What the endpoints of a DdsTransport have in common: the participant, and how messages are sent and received.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/dds/convert.h"
+#include "common/dds/data_reader.h"
+#include "common/dds/data_writer.h"
+#include "common/dds/domain_participant.h"
+#include "common/dds/publisher.h"
+#include "common/dds/qos_profiles.h"
+
+namespace troupe::dds {
+
+struct DdsConnection {
+  DdsConnection(const DomainConfig& config, const std::string& session,
+                std::function<void(const std::string&)> problem_handler)
+      : participant(config),
+        publisher(participant, qos_profiles::Session(session)),
+        subscriber(participant, qos_profiles::Session(session)),
+        on_problem(std::move(problem_handler)),
+        lease_seconds(config.lease_seconds) {}
+
+  void Report(const std::string& problem) const {
+    if (on_problem) on_problem(problem);
+  }
+
+  DomainParticipant participant;
+  Publisher publisher;
+  Subscriber subscriber;
+  std::function<void(const std::string&)> on_problem;
+  double lease_seconds;
+};
+
+// A topic's writer that takes messages. A message that cannot be written is lost, as it could be on any network.
+template <typename Wire>
+class Outbox {
+ public:
+  Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
+      : connection_(connection),
+        topic_(connection.participant, topic),
+        writer_(connection.publisher, topic_, qos) {}
+
+  template <typename Message>
+  void Send(const Message& message) {
+    try {
+      WireArena arena;
+      writer_.write(ToWire(message, arena));
+    } catch (const Exception& failure) {
+      connection_.Report(topic_.name() + ": not sent: " + failure.what());
+    }
+  }
+
+  DataWriter<Wire>& writer() { return writer_; }
+
+ private:
+  const DdsConnection& connection_;
+  Topic<Wire> topic_;
+  DataWriter<Wire> writer_;
+};
+
+// A topic's reader that gives messages to a function. It keeps one message to fill again and again.
+template <typename Wire, typename Message>
+class Inbox {
+ public:
+  Inbox(const DdsConnection& connection, const char* topic, const Qos& qos)
+      : connection_(connection),
+        topic_(connection.participant, topic),
+        reader_(connection.subscriber, topic_, qos) {}
+
+  // Calls `drain`, on a thread of Cyclone's, whenever there may be something to take.
+  void Listen(const std::function<void()>& drain) {
+    DataReaderListener listener;
+    listener.on_data_available = drain;
+    listener.on_liveliness_changed = [drain](const LivelinessChangedStatus&) { drain(); };
+    listener.on_subscription_matched = [drain](const SubscriptionMatchedStatus&) { drain(); };
+    listener.on_exception = [this](std::exception_ptr exception) { ReportException(exception); };
+    reader_.set_listener(std::move(listener));
+  }
+  // No call of `drain` runs any more when it returns.
+  void Close() { reader_.clear_listener(); }
+
+  // Takes all there is: on_message gets each well-formed message, on_end the last sample of each instance that ended (its
+  // key fields only).
+  template <typename OnMessage, typename OnEnd>
+  void Drain(OnMessage on_message, OnEnd on_end) {
+    for (;;) {
+      const LoanedSamples<Wire> samples = reader_.take();
+      if (samples.empty()) return;
+      for (const auto& sample : samples) {
+        if (!sample.info().instance_alive()) {
+          on_end(sample.data());
+        } else if (sample.info().valid()) {
+          if (Status malformed = FromWire(sample.data(), message_)) {
+            connection_.Report(topic_.name() + ": ignored: " + malformed->message);
+          } else {
+            on_message(message_);
+          }
+        }
+      }
+    }
+  }
+  template <typename OnMessage>
+  void Drain(OnMessage on_message) {
+    Drain(on_message, [](const Wire&) {});
+  }
+
+  DataReader<Wire>& reader() { return reader_; }
+
+ private:
+  void ReportException(std::exception_ptr exception) const {
+    try {
+      std::rethrow_exception(exception);
+    } catch (const std::exception& failure) {
+      connection_.Report(topic_.name() + ": " + failure.what());
+    } catch (...) {
+      connection_.Report(topic_.name() + ": an exception of an unknown type");
+    }
+  }
+
+  const DdsConnection& connection_;
+  Topic<Wire> topic_;
+  DataReader<Wire> reader_;
+  Message message_;
+};
+
+}  // namespace troupe::dds

@@ -1,0 +1,74 @@
+#include "common/dds/dds_service_endpoint.h"
+
+#include <chrono>
+
+#include "common/dds/topics.h"
+
+namespace troupe::dds {
+
+DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
+    : sessions_(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds)),
+      admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
+      frames_(connection, topics::kFrame, qos_profiles::Frame()),
+      statuses_(connection, topics::kStatus, qos_profiles::Status()),
+      joins_(connection, topics::kJoin, qos_profiles::Join()),
+      proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
+      rivals_(connection, topics::kSession, qos_profiles::Description() << IgnoreLocal::Participant()) {}
+
+DdsServiceEndpoint::~DdsServiceEndpoint() {
+  joins_.Close();
+  proposals_.Close();
+  rivals_.Close();
+}
+
+void DdsServiceEndpoint::Start(ServiceHandler& handler) {
+  {
+    const std::lock_guard lock(mutex_);
+    TROUPE_CHECK(handler_ == nullptr);
+    handler_ = &handler;
+  }
+  joins_.Listen([this] { DrainJoins(); });
+  proposals_.Listen([this] { DrainProposals(); });
+  rivals_.Listen([this] { DrainSessions(); });
+  DrainSessions();
+  DrainJoins();
+  DrainProposals();
+}
+
+void DdsServiceEndpoint::DrainJoins() {
+  const std::lock_guard lock(mutex_);
+  joins_.Drain(
+      [this](const JoinMessage& join) {
+        agents_.insert(join.agent);
+        handler_->OnJoin(join);
+      },
+      [this](const troupe_wire_Join& ended) {
+        if (agents_.erase(ended.agent) > 0) handler_->OnAgentGone(ended.agent);
+      });
+}
+
+void DdsServiceEndpoint::DrainProposals() {
+  const std::lock_guard lock(mutex_);
+  proposals_.Drain([this](const ProposalMessage& proposal) { handler_->OnProposal(proposal); });
+}
+
+void DdsServiceEndpoint::DrainSessions() {
+  const std::lock_guard lock(mutex_);
+  rivals_.Drain([this](const SessionMessage& session) { handler_->OnRivalService(session); });
+}
+
+void DdsServiceEndpoint::SendSession(const SessionMessage& session) { sessions_.Send(session); }
+void DdsServiceEndpoint::SendAdmission(const AdmissionMessage& admission) { admissions_.Send(admission); }
+void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) { frames_.Send(frame); }
+void DdsServiceEndpoint::SendStatus(const StatusMessage& status) { statuses_.Send(status); }
+
+void DdsServiceEndpoint::Flush(double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
+  sessions_.writer().wait_for_acknowledgments(remaining());
+  admissions_.writer().wait_for_acknowledgments(remaining());
+  frames_.writer().wait_for_acknowledgments(remaining());
+}
+
+}  // namespace troupe::dds

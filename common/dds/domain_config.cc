@@ -1,0 +1,77 @@
+#include "common/dds/domain_config.h"
+
+namespace troupe::dds {
+namespace {
+
+// As text inside a quoted attribute. Cyclone expands ${...} in values, which a name from the command line never means.
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else if (c == '$') {
+      escaped += "\\$";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string NetworkInterface(const DomainConfig& config) {
+  if (config.network_interface == "auto") return R"(<NetworkInterface autodetermine="true"/>)";
+  // Cyclone takes the loopback interface for one without multicast unless told.
+  const char* multicast = config.network_interface == "lo" ? R"( multicast="true")" : "";
+  return R"(<NetworkInterface name=")" + Escaped(config.network_interface) + "\"" + multicast + "/>";
+}
+
+// A datagram on the loopback interface may be 64 KiB long; elsewhere Cyclone's default, which fits an Ethernet packet,
+// keeps the network from cutting datagrams up.
+std::string MessageSizes(const DomainConfig& config) {
+  if (config.network_interface != "lo") return "";
+  return "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
+}
+
+std::string Peers(const DomainConfig& config) {
+  std::string peers;
+  for (const std::string& peer : config.peers) peers += R"(<Peer address=")" + Escaped(peer) + R"("/>)";
+  return peers.empty() ? "" : "<Peers>" + peers + "</Peers>";
+}
+
+}  // namespace
+
+std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index) {
+  return static_cast<std::uint16_t>(7400 + 250 * domain + 10 + 2 * participant_index);
+}
+
+std::string ToXml(const DomainConfig& config) {
+  const std::string index = config.participant_index ? std::to_string(*config.participant_index) : "none";
+  const std::string lease = std::to_string(config.lease_seconds) + "s";
+  std::string xml = R"(<CycloneDDS><Domain Id="any">)";
+  xml += "<General><Interfaces>" + NetworkInterface(config) + "</Interfaces>";
+  xml += config.discovery_multicast ? "<AllowMulticast>spdp,asm</AllowMulticast>" : "<AllowMulticast>asm</AllowMulticast>";
+  xml += MessageSizes(config) + "</General>";
+  xml += "<Discovery><ExternalDomainId>" + std::to_string(config.domain) + "</ExternalDomainId>";
+  xml += "<ParticipantIndex>" + index + "</ParticipantIndex>";
+  xml += "<MaxAutoParticipantIndex>" + std::to_string(kPeerPortsTried - 1) + "</MaxAutoParticipantIndex>";
+  xml += Peers(config) + "<LeaseDuration>" + lease + "</LeaseDuration></Discovery>";
+  // In lockstep the next message acknowledges the one before, so DDS's own acknowledgments may take their time.
+  xml +=
+      "<Internal>"
+      R"(<HeartbeatInterval min="200ms" minsched="200ms" max="1s">200ms</HeartbeatInterval>)"
+      "<AckDelay>100ms</AckDelay>"
+      "<NackDelay>10ms</NackDelay>"
+      "<MultipleReceiveThreads>false</MultipleReceiveThreads>"
+      "<Watermarks><WhcHigh>64MB</WhcHigh><WhcAdaptive>false</WhcAdaptive></Watermarks>"
+      "</Internal>";
+  // Buffers for receiving: Cyclone's default of 1 MiB at a time is most of a robot's memory.
+  xml += "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize><ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></Sizing>";
+  xml += "</Domain></CycloneDDS>";
+  return xml;
+}
+
+}  // namespace troupe::dds

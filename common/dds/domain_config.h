@@ -1,0 +1,29 @@
+// DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. docs/qos.md gives the reasons.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe::dds {
+
+struct DomainConfig {
+  std::uint32_t domain = 0;               // 0..230
+  std::string network_interface = "lo";   // a name; "auto": Cyclone's choice
+  // A number fixes the ports, so that others can name this participant as a peer; without one it takes any free port.
+  std::optional<std::uint32_t> participant_index;
+  bool discovery_multicast = true;        // announce itself to everybody; otherwise only to the peers
+  std::vector<std::string> peers;         // "host" or "host:port" of discovery; a host alone: its first ports
+  double lease_seconds = 10.0;            // others forget a participant that is silent for longer
+};
+
+// The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).
+std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index);
+
+// Peers without a port are looked for at the discovery ports of this many participant indices.
+inline constexpr std::uint32_t kPeerPortsTried = 10;
+
+std::string ToXml(const DomainConfig& config);
+
+}  // namespace troupe::dds

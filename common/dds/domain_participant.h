@@ -1,0 +1,21 @@
+// DomainParticipant: a process' presence in a DDS domain, with a configuration of its own.
+#pragma once
+
+#include "common/dds/domain_config.h"
+#include "common/dds/entity.h"
+
+namespace troupe::dds {
+
+class DomainParticipant {
+ public:
+  // Throws Exception: no such network interface, ports taken, out of resources.
+  explicit DomainParticipant(const DomainConfig& config);
+
+  dds_entity_t handle() const { return participant_.handle(); }
+
+ private:
+  Entity domain_;       // Cyclone's threads and sockets; ends after the participant
+  Entity participant_;
+};
+
+}  // namespace troupe::dds

@@ -1,0 +1,28 @@
+#include "common/dds/qos_profiles.h"
+
+namespace troupe::dds::qos_profiles {
+namespace {
+
+Qos ReliableLatest() { return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1); }
+
+Qos KeptForLatecomers() {
+  return ReliableLatest() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
+}
+
+}  // namespace
+
+Qos Session(const std::string& session) { return Qos() << Partition{session}; }
+
+Qos Description(double lease_seconds) { return KeptForLatecomers() << Liveliness::Automatic(lease_seconds); }
+
+Qos Join(double lease_seconds) { return ReliableLatest() << Liveliness::Automatic(lease_seconds); }
+
+Qos Admission() { return ReliableLatest(); }
+
+Qos Frame() { return ReliableLatest() << Durability::Volatile(); }
+
+Qos Proposal() { return ReliableLatest() << Durability::Volatile(); }
+
+Qos Status() { return KeptForLatecomers(); }
+
+}  // namespace troupe::dds::qos_profiles

@@ -1,0 +1,123 @@
+#include "common/dds/session_monitor.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "common/dds/builtin_topic.h"
+#include "common/dds/condition.h"
+#include "common/dds/convert_status.h"
+#include "common/dds/data_reader.h"
+#include "common/dds/domain_participant.h"
+#include "common/dds/publisher.h"
+#include "common/dds/qos_profiles.h"
+#include "common/dds/topic_types.h"
+#include "common/dds/topics.h"
+#include "common/dds/wait_set.h"
+
+namespace troupe {
+namespace {
+
+dds::DomainConfig MonitorConfig(std::uint32_t domain, const std::string& network_interface,
+                                const std::string& service_address) {
+  dds::DomainConfig config;
+  config.domain = domain;
+  config.network_interface = network_interface;
+  config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
+  return config;
+}
+
+}  // namespace
+
+class SessionMonitor::Implementation {
+ public:
+  explicit Implementation(const dds::DomainConfig& config)
+      : participant_(config),
+        subscriber_(participant_, dds::qos_profiles::Session("*")),
+        session_topic_(participant_, dds::topics::kSession),
+        status_topic_(participant_, dds::topics::kStatus),
+        sessions_(subscriber_, session_topic_, dds::qos_profiles::Description()),
+        statuses_(subscriber_, status_topic_, dds::qos_profiles::Status()),
+        session_condition_(sessions_),
+        status_condition_(statuses_),
+        wait_set_(participant_) {
+    wait_set_.attach(session_condition_, 0);
+    wait_set_.attach(status_condition_, 1);
+  }
+
+  std::vector<SessionInfo> Sessions() {
+    TakeSessions();
+    TakeStatuses();
+    std::vector<SessionInfo> list;
+    for (const auto& [run, info] : runs_) {
+      if (info.pid != 0) list.push_back(info);
+    }
+    std::sort(list.begin(), list.end(), [](const SessionInfo& a, const SessionInfo& b) {
+      return std::tie(a.session, a.run) < std::tie(b.session, b.run);
+    });
+    return list;
+  }
+
+  void WaitForChange(double seconds) { wait_set_.wait(seconds); }
+
+ private:
+  void TakeSessions() {
+    for (;;) {
+      const auto samples = sessions_.take();
+      if (samples.empty()) return;
+      for (const auto& sample : samples) {
+        const troupe_wire_Session& session = sample.data();
+        if (!sample.info().instance_alive()) {
+          runs_.erase(session.run);
+          continue;
+        }
+        if (!sample.info().valid()) continue;
+        const auto publication = dds::MatchedPublicationData(sessions_.handle(), sample.info().publication_handle());
+        if (!publication) continue;
+        SessionInfo& info = runs_[session.run];
+        info.session = publication->partitions.empty() ? "" : publication->partitions.front();
+        info.run = session.run;
+        info.host = dds::Text(session.host);
+        info.pid = session.pid;
+        info.world = dds::Text(session.world.name);
+        info.robots = session.world.robots._length;
+      }
+    }
+  }
+
+  void TakeStatuses() {
+    for (;;) {
+      const auto samples = statuses_.take();
+      if (samples.empty()) return;
+      for (const auto& sample : samples) {
+        StatusMessage status;
+        if (!sample.info().instance_alive() || !sample.info().valid()) continue;
+        if (dds::FromWire(sample.data(), status)) continue;
+        runs_[status.run].status = std::move(status);
+      }
+    }
+  }
+
+  dds::DomainParticipant participant_;
+  dds::Subscriber subscriber_;
+  dds::Topic<troupe_wire_Session> session_topic_;
+  dds::Topic<troupe_wire_Status> status_topic_;
+  dds::DataReader<troupe_wire_Session> sessions_;
+  dds::DataReader<troupe_wire_Status> statuses_;
+  dds::ReadCondition session_condition_;
+  dds::ReadCondition status_condition_;
+  dds::WaitSet wait_set_;
+  std::map<RunId, SessionInfo> runs_;  // those without a pid have told their status only, so far
+};
+
+SessionMonitor::SessionMonitor(std::uint32_t domain, const std::string& network_interface,
+                               const std::string& service_address)
+    : implementation_(std::make_unique<Implementation>(MonitorConfig(domain, network_interface, service_address))) {}
+
+SessionMonitor::~SessionMonitor() = default;
+
+std::vector<SessionInfo> SessionMonitor::Sessions() { return implementation_->Sessions(); }
+
+void SessionMonitor::WaitForChange(double seconds) { implementation_->WaitForChange(seconds); }
+
+}  // namespace troupe

@@ -1,0 +1,17 @@
+// The types of our topics (idl/), made known to the binding.
+#pragma once
+
+#include "common/dds/topic.h"
+#include "idl/admission.h"
+#include "idl/frame.h"
+#include "idl/join.h"
+#include "idl/proposal.h"
+#include "idl/session.h"
+#include "idl/status.h"
+
+TROUPE_DDS_TYPE(troupe_wire_Admission);
+TROUPE_DDS_TYPE(troupe_wire_Frame);
+TROUPE_DDS_TYPE(troupe_wire_Join);
+TROUPE_DDS_TYPE(troupe_wire_Proposal);
+TROUPE_DDS_TYPE(troupe_wire_Session);
+TROUPE_DDS_TYPE(troupe_wire_Status);
