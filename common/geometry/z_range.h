@@ -1,6 +1,8 @@
 // A height interval [min, max), in metres.
 #pragma once
 
+#include <algorithm>
+
 namespace troupe {
 
 // Lengths and depths up to this count as touching, not as overlapping: it absorbs rounding, and is far below anything
@@ -12,9 +14,9 @@ struct ZRange {
   double max = 0.0;  // m
 
   bool Contains(double z) const { return z >= min && z < max; }
-  // True if the intervals share a length (touching is not sharing).
+  // True if the intervals share a length (touching is not sharing, and what has no height shares nothing).
   bool Overlaps(const ZRange& other) const {
-    return min + kTouchTolerance < other.max && other.min + kTouchTolerance < max;
+    return std::min(max, other.max) - std::max(min, other.min) > kTouchTolerance;
   }
   ZRange operator+(double dz) const { return {min + dz, max + dz}; }
   bool operator==(const ZRange&) const = default;

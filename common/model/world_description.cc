@@ -1,1 +1,140 @@
 #include "common/model/world_description.h"
+
+
+#include "common/base/hash.h"
+
+namespace troupe {
+
+std::vector<Pose> InitialModelPoses(const WorldDescription& world) {
+  std::vector<Pose> X_WM;
+  X_WM.reserve(world.models.size());
+  for (const ModelDescription& model : world.models) {
+    X_WM.push_back(model.parent ? X_WM[model.parent->index()] * model.X_PM : model.X_PM);
+  }
+  return X_WM;
+}
+
+std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name) {
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (world.robots[i].name == name) return RobotId(i);
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+class DescriptionHasher {
+ public:
+  void Add(double value) { hasher_.Add(value); }
+  void Add(std::uint64_t value) { hasher_.Add(value); }
+  void Add(const std::string& text) { hasher_.Add(std::string_view(text)); }
+  void Add(const Vec2& p) {
+    Add(p.x());
+    Add(p.y());
+  }
+  void Add(const Pose& pose) {
+    Add(pose.x);
+    Add(pose.y);
+    Add(pose.z);
+    Add(pose.heading);
+  }
+  void Add(const ZRange& z) {
+    Add(z.min);
+    Add(z.max);
+  }
+  void Add(const Interval& interval) {
+    Add(interval.min);
+    Add(interval.max);
+  }
+  void Add(const TwistBounds& bounds) {
+    Add(bounds.x);
+    Add(bounds.y);
+    Add(bounds.heading);
+  }
+  void Add(const Rectangle& r) {
+    Add(r.min_x);
+    Add(r.min_y);
+    Add(r.max_x);
+    Add(r.max_y);
+  }
+  void Add(const Block& block) {
+    AddAll(block.outline);
+    Add(block.z);
+  }
+  void Add(const Shape& shape) {
+    AddAll(shape.blocks);
+    AddAll(shape.rectangles);
+    Add(shape.rectangles_z);
+  }
+  void Add(const ModelDescription& model) {
+    Add(model.name);
+    Add(model.type);
+    Add(std::uint64_t{model.parent ? model.parent->index() + 1 : 0});
+    Add(model.X_PM);
+    Add(std::uint64_t{model.shape.index()});
+    for (double value : {model.size_x, model.size_y, model.size_z}) Add(value);
+    for (double value : {model.color.r, model.color.g, model.color.b, model.color.a}) Add(value);
+    Add(std::uint64_t{model.obstacle_return});
+    Add(model.ranger_return);
+    Add(std::uint64_t{model.gripper_return});
+    Add(static_cast<std::uint64_t>(model.fiducial_return));
+    Add(std::uint64_t{model.show_nose});
+  }
+  void Add(const DriveDescription& drive) {
+    Add(static_cast<std::uint64_t>(drive.type));
+    Add(drive.wheelbase);
+    Add(drive.velocity);
+    Add(drive.acceleration);
+  }
+  void Add(const LocalizationDescription& localization) {
+    Add(static_cast<std::uint64_t>(localization.type));
+    Add(localization.origin);
+    for (double error : {localization.error_x, localization.error_y, localization.error_heading}) Add(error);
+  }
+  void Add(const RaySensorDescription& sensor) {
+    Add(sensor.X_MS);
+    Add(sensor.range);
+    Add(sensor.fov);
+    Add(std::uint64_t{sensor.samples});
+    for (double noise : {sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) Add(noise);
+  }
+  void Add(const RangerDescription& ranger) {
+    Add(ranger.name);
+    Add(std::uint64_t{ranger.model.index()});
+    Add(std::uint64_t{ranger.period_ticks});
+    AddAll(ranger.sensors);
+  }
+  void Add(const RobotDescription& robot) {
+    Add(robot.name);
+    Add(std::uint64_t{robot.root.index()});
+    Add(robot.drive);
+    Add(robot.localization);
+    AddAll(robot.rangers);
+    Add(robot.controller.name);
+    Add(robot.controller.parameters);
+  }
+  template <typename T>
+  void AddAll(const std::vector<T>& values) {
+    Add(std::uint64_t{values.size()});
+    for (const T& value : values) Add(value);
+  }
+  std::uint64_t value() const { return hasher_.value(); }
+
+ private:
+  Hasher hasher_;
+};
+
+}  // namespace
+
+std::uint64_t Hash(const WorldDescription& world) {
+  DescriptionHasher hasher;
+  hasher.Add(world.name);
+  hasher.Add(world.seed);
+  hasher.Add(static_cast<std::uint64_t>(world.interval_ns));
+  hasher.AddAll(world.shapes);
+  hasher.AddAll(world.models);
+  hasher.AddAll(world.robots);
+  return hasher.value();
+}
+
+}  // namespace troupe

@@ -1,1 +1,76 @@
 #include "common/spatial/static_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+constexpr double kCellsPerPiece = 2.0;
+// A piece may reach over several cells; if all together do so more than this often, the cells are too small.
+constexpr std::size_t kMaxEntriesPerPiece = 12;
+constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance along a ray
+
+}  // namespace
+
+StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pieces)) {
+  if (pieces_.empty()) return;
+  for (const ConvexPiece& piece : pieces_) bounds_.Extend(BoundingBox(piece.vertices));
+
+  const Rectangle area = bounds_.Inflated(kMargin);
+  const double max_cells = kCellsPerPiece * static_cast<double>(pieces_.size()) + 64.0;
+  double cell_size = std::sqrt(area.width() * area.height() / max_cells);
+  for (;;) {
+    grid_ = Grid(area, cell_size, 2.0 * max_cells);
+    const std::size_t entries =
+        std::accumulate(pieces_.begin(), pieces_.end(), std::size_t{0},
+                        [this](std::size_t sum, const ConvexPiece& piece) { return sum + CellsOf(piece).count(); });
+    if (entries <= kMaxEntriesPerPiece * pieces_.size() + 64 || grid_.cell_count() == 1) break;
+    cell_size = 1.5 * grid_.cell_size();
+  }
+
+  const auto for_each_entry = [this](auto&& take) {
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const CellRange range = CellsOf(pieces_[i]);
+      for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+        for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+          take(grid_.CellAt(column, row), static_cast<std::uint32_t>(i));
+        }
+      }
+    }
+  };
+  cell_start_.assign(grid_.cell_count() + 1, 0);
+  for_each_entry([this](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
+  std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
+  cell_pieces_.resize(cell_start_.back());
+  std::vector<std::uint32_t> filled(cell_start_.begin(), cell_start_.end() - 1);
+  for_each_entry([&](std::size_t cell, std::uint32_t piece) { cell_pieces_[filled[cell]++] = piece; });
+}
+
+CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
+  return grid_.CellsOf(BoundingBox(piece.vertices).Inflated(kMargin));
+}
+
+void StaticIndex::Query(const Rectangle& box, std::vector<std::uint32_t>& result) const {
+  if (pieces_.empty() || !bounds_.Overlaps(box)) return;
+  const auto take = [&](std::uint32_t piece) {
+    if (BoundingBox(pieces_[piece].vertices).Overlaps(box)) result.push_back(piece);
+  };
+  const CellRange range = grid_.CellsOf(box);
+  if (range.count() >= pieces_.size()) {
+    for (std::size_t i = 0; i < pieces_.size(); ++i) take(static_cast<std::uint32_t>(i));
+    return;
+  }
+  const auto first = static_cast<std::ptrdiff_t>(result.size());
+  for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+    for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+      for (std::uint32_t piece : PiecesInCell(grid_.CellAt(column, row))) take(piece);
+    }
+  }
+  std::sort(result.begin() + first, result.end());
+  result.erase(std::unique(result.begin() + first, result.end()), result.end());
+}
+
+}  // namespace troupe

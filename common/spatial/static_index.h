@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/geometry/rectangle.h"
 #include "common/spatial/convex_piece.h"
+#include "common/spatial/grid.h"
 
 namespace troupe {
 
@@ -17,13 +19,34 @@ class StaticIndex {
   const std::vector<ConvexPiece>& pieces() const { return pieces_; }
   const Rectangle& bounds() const { return bounds_; }
 
-  // Indices of the pieces whose bounding boxes may overlap `box`: ascending, without repeats. Appends to `result`.
+  // Indices of the pieces whose bounding boxes overlap `box` (touching counts): ascending, without repeats. Appends to
+  // `result`.
   void Query(const Rectangle& box, std::vector<std::uint32_t>& result) const;
 
+  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes, in order, with the distance
+  // at which it enters each part, until `visit` returns false. Every piece that the ray meets within `max_distance` is
+  // among those visited at a distance not beyond the meeting; pieces may come several times.
+  // REQUIRES: |direction| = 1
+  template <typename Visit>
+  void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
+    if (pieces_.empty()) return;
+    grid_.WalkRay(origin, direction, max_distance,
+                  [&](std::size_t cell, double distance) { return visit(PiecesInCell(cell), distance); });
+  }
+
  private:
-  // (an implementation's own members)
+  std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
+    return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
+  }
+  // The cells whose neighbourhood the piece touches. The margin makes up for rounding where a ray passes between cells.
+  CellRange CellsOf(const ConvexPiece& piece) const;
+
   std::vector<ConvexPiece> pieces_;
   Rectangle bounds_ = Rectangle::Nothing();
+  Grid grid_;
+  // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
+  std::vector<std::uint32_t> cell_start_;
+  std::vector<std::uint32_t> cell_pieces_;
 };
 
 }  // namespace troupe

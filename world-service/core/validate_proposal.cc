@@ -1,1 +1,38 @@
 #include "world-service/core/validate_proposal.h"
+
+#include <cstdio>
+
+#include "common/base/check.h"
+#include "common/model/drive_limits.h"
+
+namespace troupe {
+namespace {
+
+std::string ToText(const Twist& twist) {
+  char text[128];
+  std::snprintf(text, sizeof text, "(%.6g m/s, %.6g m/s, %.6g rad/s)", twist.vx, twist.vy, twist.wz);
+  return text;
+}
+
+}  // namespace
+
+std::string ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
+  TROUPE_CHECK(state.robots.size() == world.robots.size());
+  const std::size_t index = proposal.robot.index();
+  if (index >= world.robots.size()) {
+    return "found robot " + std::to_string(index) + ", expected one of " + std::to_string(world.robots.size()) +
+           " robots";
+  }
+  if (!IsFinite(proposal.twist)) return "found a twist that is not finite: " + ToText(proposal.twist);
+  const DriveDescription& drive = world.robots[index].drive;
+  const Twist& current = state.robots[index].twist;
+  const double seconds = world.interval_seconds();
+  if (!WithinLimits(drive, current, proposal.twist, seconds)) {
+    return "found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
+           ", expected one within the drive's bounds: " +
+           ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest";
+  }
+  return "";
+}
+
+}  // namespace troupe

@@ -1,0 +1,85 @@
+#include "common/spatial/sweep_events.h"
+
+#include <cmath>
+
+#include "common/base/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+// Edges are taken to be longer by this at both ends: one event too many costs a look, one too few a wall.
+constexpr double kEdgeMargin = 1e-6;  // m
+
+Vec2 QuarterTurn(const Vec2& v) { return {-v.y(), v.x()}; }
+
+// Vertices that move with a constant twist, against edges that stand.
+class EventFinder {
+ public:
+  EventFinder(const Twist& twist, double duration, std::vector<double>& times)
+      : velocity_(twist.vx, twist.vy), rate_(twist.wz), duration_(duration), times_(times) {}
+
+  // Adds the times at which the vertex that starts at p meets the edge.
+  //
+  // With c = cos(wt), s = sin(wt), J a quarter turn to the left and v the velocity, p moves to
+  //   c p + s Jp + (s/w) v + ((1-c)/w) Jv.
+  // The condition that it lies on the edge's line becomes, with r = (2/w) tan(wt/2), a quadratic without a singularity
+  // at w = 0, where r = t.
+  void Add(const Vec2& p, const Vec2& start, const Vec2& end) {
+    const Vec2 along = end - start;
+    const Vec2 normal(along.y(), -along.x());
+    const double c = normal.dot(p - start);
+    const double b = rate_ * normal.dot(QuarterTurn(p)) + normal.dot(velocity_);
+    const double a = 0.5 * rate_ * normal.dot(QuarterTurn(velocity_)) - 0.25 * rate_ * rate_ * normal.dot(p + start);
+    const double discriminant = b * b - 4.0 * a * c;
+    if (!(discriminant >= 0.0)) return;
+    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+    if (a != 0.0) AddRoot(q / a, p, start, along);
+    if (q != 0.0) AddRoot(c / q, p, start, along);
+  }
+
+ private:
+  void AddRoot(double r, const Vec2& p, const Vec2& start, const Vec2& along) {
+    const double half_tangent = 0.5 * rate_ * r;  // tan(wt/2)
+    if (!std::isfinite(half_tangent)) return;     // half a turn, which is always looked at
+    double time = r;
+    if (std::abs(half_tangent) > 1e-8) {
+      time = 2.0 * Atan2(half_tangent, 1.0) / rate_;
+      if (time < 0.0) time += 2.0 * kPi / std::abs(rate_);
+    }
+    if (!(time >= 0.0 && time <= duration_)) return;
+    // On the line; now between the edge's ends? With u = tan(wt/2): c = (1-u^2)/(1+u^2), s = 2u/(1+u^2).
+    const double scale = 1.0 / (1.0 + half_tangent * half_tangent);
+    const double cosine = 2.0 * scale - 1.0;
+    const Vec2 at = cosine * p + (rate_ * r * scale) * QuarterTurn(p) + (r * scale) * velocity_ +
+                    (half_tangent * r * scale) * QuarterTurn(velocity_);
+    const double length = std::sqrt(along.squaredNorm());
+    const double place = along.dot(at - start);  // times the length
+    if (place >= -kEdgeMargin * length && place <= (length + kEdgeMargin) * length) times_.push_back(time);
+  }
+
+  Vec2 velocity_;
+  double rate_;
+  double duration_;
+  std::vector<double>& times_;
+};
+
+void AppendMeetings(std::span<const Vec2> moving, std::span<const Vec2> standing, const Twist& twist, double duration,
+                    std::vector<double>& times) {
+  EventFinder finder(twist, duration, times);
+  for (std::size_t i = 0; i < standing.size(); ++i) {
+    const Vec2& end = standing[i + 1 < standing.size() ? i + 1 : 0];
+    for (const Vec2& vertex : moving) finder.Add(vertex, standing[i], end);
+  }
+}
+
+}  // namespace
+
+void AppendEvents(std::span<const Vec2> a, std::span<const Vec2> b, const Twist& twist, double duration,
+                  std::vector<double>& times) {
+  AppendMeetings(a, b, twist, duration, times);
+  // Seen from the moving body, what stands moves with the opposite twist.
+  AppendMeetings(b, a, {-twist.vx, -twist.vy, -twist.wz}, duration, times);
+  if (std::abs(twist.wz) * duration > kPi) times.push_back(kPi / std::abs(twist.wz));  // where tan(wt/2) is infinite
+}
+
+}  // namespace troupe
