@@ -12,15 +12,12 @@
 
 namespace troupe {
 
-// A number, with its text for messages.
-struct NumberValue {
-  double value = 0.0;
-  std::string text;
-};
-
-// A number, a string, or a tuple of them.
+// A number, a string, or a tuple of them; numbers keep their text for messages.
 struct Value {
-  using Number = NumberValue;
+  struct Number {
+    double value = 0.0;
+    std::string text;
+  };
   using Scalar = std::variant<Number, std::string>;
 
   std::variant<Number, std::string, std::vector<Scalar>> content;
@@ -46,9 +43,6 @@ struct Entity {
   // Replaces the property of that name, or adds it.
   void Set(Property property);
 };
-
-// Of properties with one name the last counts, at the place of the first.
-void KeepLastOfEachName(std::vector<Property>& properties);
 
 // `define NAME BASE ( body )`, not yet applied.
 struct Define {

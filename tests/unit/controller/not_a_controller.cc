@@ -1,4 +1,0 @@
-// A shared library without a controller.
-extern "C" int something_else() {
-  return 1;
-}
