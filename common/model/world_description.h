@@ -61,6 +61,7 @@ struct ModelDescription {
   bool gripper_return = false;   // may be gripped, moved and dropped
   std::int32_t fiducial_return = 0;
   bool show_nose = false;        // pictures show its heading
+  bool operator==(const ModelDescription&) const = default;
 };
 
 enum class DriveType : std::uint8_t {
@@ -89,6 +90,7 @@ struct DriveDescription {
   double wheelbase = 1.0;    // m, car only
   TwistBounds velocity;
   TwistBounds acceleration;  // min: strongest braking or reversing (<= 0); max: strongest speeding up (>= 0)
+  bool operator==(const DriveDescription&) const = default;
 };
 
 enum class LocalizationType : std::uint8_t {
@@ -103,6 +105,7 @@ struct LocalizationDescription {
   double error_x = 0.0;
   double error_y = 0.0;
   double error_heading = 0.0;
+  bool operator==(const LocalizationDescription&) const = default;
 };
 
 // One fan of rays.
@@ -114,6 +117,7 @@ struct RaySensorDescription {
   double noise_variance = 0.0;    // m^2, added to a hit's range
   double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
   double noise_angle = 0.0;       // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
+  bool operator==(const RaySensorDescription&) const = default;
 };
 
 // A ranger model: one or more ray sensors (a laser scanner has one, a sonar ring many).
@@ -122,11 +126,13 @@ struct RangerDescription {
   ModelId model;                  // in the robot's tree
   std::uint32_t period_ticks = 1;  // due at every tick that is a multiple of this
   std::vector<RaySensorDescription> sensors;
+  bool operator==(const RangerDescription&) const = default;
 };
 
 struct ControllerDescription {
   std::string name = "idle";       // a built-in controller, or the path of a shared library
   std::string parameters = "{}";   // a JSON object
+  bool operator==(const ControllerDescription&) const = default;
 };
 
 struct RobotDescription {
@@ -136,6 +142,7 @@ struct RobotDescription {
   LocalizationDescription localization;
   std::vector<RangerDescription> rangers;
   ControllerDescription controller;
+  bool operator==(const RobotDescription&) const = default;
 };
 
 struct WorldDescription {
@@ -150,6 +157,7 @@ struct WorldDescription {
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
   const Shape& shape(ShapeId id) const { return shapes[id.index()]; }
   const RobotDescription& robot(RobotId id) const { return robots[id.index()]; }
+  bool operator==(const WorldDescription&) const = default;
 };
 
 // Poses of all models at load, frame W, in id order.

@@ -26,6 +26,7 @@ struct SessionMessage {
   std::uint32_t pid = 0;
   double lease_seconds = 0.0;  // an agent that is silent for longer is lost
   WorldDescription world;
+  bool operator==(const SessionMessage&) const = default;
 };
 
 // Agent to service: takes up robots by name. Repeated until answered.
@@ -37,6 +38,7 @@ struct JoinMessage {
   std::string host;
   std::uint32_t pid = 0;
   std::vector<std::string> robots;
+  bool operator==(const JoinMessage&) const = default;
 };
 
 // Service to one agent: the answer to its JoinMessage.
@@ -45,6 +47,7 @@ struct AdmissionMessage {
   AgentId agent = 0;
   bool admitted = false;
   std::string reason;  // why not
+  bool operator==(const AdmissionMessage&) const = default;
 };
 
 // Service to all: tick n is committed. Holds the whole state, so that any single frame brings any replica up to date.
@@ -55,6 +58,7 @@ struct FrameMessage {
   std::uint64_t state_hash = 0;  // StateHash(state)
   bool last = false;             // the run is over: answer nothing, leave
   std::vector<Event> events;     // of this tick
+  bool operator==(const FrameMessage&) const = default;
 };
 
 // Agent to service: exactly one for each frame, for all robots of the agent.
@@ -64,6 +68,7 @@ struct ProposalMessage {
   Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
   std::vector<Proposal> proposals;   // in robot-id order
   std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
+  bool operator==(const ProposalMessage&) const = default;
 };
 
 // Service to tools, now and then: how the run goes.
@@ -78,6 +83,7 @@ struct StatusMessage {
   std::uint32_t agents = 0;
   std::vector<std::string> waiting_for;  // robots whose proposals are missing for longer than a moment
   double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
+  bool operator==(const StatusMessage&) const = default;
 };
 
 }  // namespace troupe
