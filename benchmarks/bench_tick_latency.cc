@@ -1,6 +1,6 @@
-// What lockstep costs: a service and N agent processes that only answer, over DDS and, beside it, over a plain UDP barrier
-// (send to each, receive from each). Prints microseconds per robot and tick, the time until all had met, and an agent's
-// memory.
+// What lockstep costs: a service and N agent processes that only answer, over DDS and, beside it, over a plain UDP
+// barrier (send to each, receive from each). Prints microseconds per robot and tick, the time until all had met, and an
+// agent's memory.
 //   bench_tick_latency [agents=100] [ticks=1000] [domain=77]
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -31,7 +31,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double Since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double Since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 struct Options {
   int agents = 100;

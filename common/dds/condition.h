@@ -13,8 +13,8 @@ class ReadCondition {
  public:
   template <typename T>
   explicit ReadCondition(const DataReader<T>& reader)
-      : entity_(Check(dds_create_readcondition(reader.handle(), DDS_NOT_READ_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
-                                                                    DDS_ANY_INSTANCE_STATE),
+      : entity_(Check(dds_create_readcondition(reader.handle(),
+                                               DDS_NOT_READ_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE),
                       "creating a read condition")) {}
   dds_entity_t handle() const { return entity_.handle(); }
 

@@ -85,8 +85,9 @@ Status EventsFromWire(const troupe_wire_Frame& wire, std::size_t robots, std::ve
   for (std::size_t i = 0; i < count; ++i) {
     if (type[i] > kLastEventType) return Error{{}, "frame with an event of unknown type " + std::to_string(type[i])};
     if (robot[i] < kNone || (robot[i] >= 0 && static_cast<std::size_t>(robot[i]) >= robots) || other[i] < kNone) {
-      return Error{{}, "frame with an event of robot " + std::to_string(robot[i]) + " and model " +
-                           std::to_string(other[i]) + ", expected ids of this world or -1"};
+      return Error{{},
+                   "frame with an event of robot " + std::to_string(robot[i]) + " and model " +
+                       std::to_string(other[i]) + ", expected ids of this world or -1"};
     }
     events[i].tick = wire.tick;
     events[i].type = static_cast<EventType>(type[i]);

@@ -38,7 +38,8 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   message.proposals.clear();
   message.proposals.reserve(robot.size());
   for (std::size_t i = 0; i < robot.size(); ++i) {
-    if (i > 0 && robot[i] <= robot[i - 1]) return Error{{}, "proposal with robots out of order, expected ascending ids"};
+    if (i > 0 && robot[i] <= robot[i - 1])
+      return Error{{}, "proposal with robots out of order, expected ascending ids"};
     message.proposals.push_back({RobotId(robot[i]), {vx[i], vy[i], wz[i]}});
   }
   message.reports = Strings(wire.reports);

@@ -21,7 +21,7 @@ Status FromWire(const troupe_wire_Session& wire, SessionMessage& message) {
   message.host = Text(wire.host);
   message.pid = wire.pid;
   message.lease_seconds = wire.lease;
-  if (!(wire.lease > 0.0)) return Error{{}, "session with a lease that is not positive"};
+  if (!(wire.lease >= 0.0)) return Error{{}, "session with a lease that is negative or not a number"};
   return FromWire(wire.world, message.world);
 }
 

@@ -9,8 +9,12 @@ constexpr std::uint8_t kLastLocalizationType = static_cast<std::uint8_t>(Localiz
 constexpr std::size_t kNumbersOfPoint = 2;
 constexpr std::size_t kNumbersOfRectangle = 4;
 
-troupe_wire_Pose ToWire(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
-Pose FromWire(const troupe_wire_Pose& wire) { return {wire.x, wire.y, wire.z, wire.heading}; }
+troupe_wire_Pose ToWire(const Pose& pose) {
+  return {pose.x, pose.y, pose.z, pose.heading};
+}
+Pose FromWire(const troupe_wire_Pose& wire) {
+  return {wire.x, wire.y, wire.z, wire.heading};
+}
 
 troupe_wire_TwistBounds ToWire(const TwistBounds& bounds) {
   return {bounds.x.min, bounds.x.max, bounds.y.min, bounds.y.max, bounds.heading.min, bounds.heading.max};
@@ -33,9 +37,11 @@ troupe_wire_Block ToWire(const Block& block, WireArena& arena) {
 Status FromWire(const troupe_wire_Block& wire, Block& block) {
   const auto numbers = Elements(wire.outline);
   if (numbers.size() % kNumbersOfPoint != 0 || numbers.size() < 3 * kNumbersOfPoint) {
-    return Error{{}, "outline of " + std::to_string(numbers.size()) + " numbers, expected x and y of at least 3 points"};
+    return Error{{},
+                 "outline of " + std::to_string(numbers.size()) + " numbers, expected x and y of at least 3 points"};
   }
-  for (std::size_t i = 0; i < numbers.size(); i += kNumbersOfPoint) block.outline.emplace_back(numbers[i], numbers[i + 1]);
+  for (std::size_t i = 0; i < numbers.size(); i += kNumbersOfPoint)
+    block.outline.emplace_back(numbers[i], numbers[i + 1]);
   block.z = {wire.z_min, wire.z_max};
   return {};
 }
@@ -110,12 +116,12 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
 }
 
 troupe_wire_RaySensor ToWire(const RaySensorDescription& sensor) {
-  return {ToWire(sensor.X_MS), sensor.range.min,       sensor.range.max,           sensor.fov,
+  return {ToWire(sensor.X_MS), sensor.range.min,      sensor.range.max,          sensor.fov,
           sensor.samples,      sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle};
 }
 RaySensorDescription FromWire(const troupe_wire_RaySensor& wire) {
-  return {FromWire(wire.pose_in_model), {wire.range_min, wire.range_max}, wire.fov, wire.samples, wire.noise_variance,
-          wire.noise_proportional,      wire.noise_angle};
+  return {FromWire(wire.pose_in_model), {wire.range_min, wire.range_max}, wire.fov,        wire.samples,
+          wire.noise_variance,          wire.noise_proportional,          wire.noise_angle};
 }
 
 troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
@@ -144,8 +150,9 @@ Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
   robot.name = Text(wire.name);
   robot.root = ModelId(wire.root);
   if (wire.drive.type > kLastDriveType || wire.localization.type > kLastLocalizationType) {
-    return Error{{}, "robot '" + robot.name + "' with drive type " + std::to_string(wire.drive.type) +
-                         " and localization type " + std::to_string(wire.localization.type) + ", expected known types"};
+    return Error{{},
+                 "robot '" + robot.name + "' with drive type " + std::to_string(wire.drive.type) +
+                     " and localization type " + std::to_string(wire.localization.type) + ", expected known types"};
   }
   robot.drive = {static_cast<DriveType>(wire.drive.type), wire.drive.wheelbase, FromWire(wire.drive.velocity),
                  FromWire(wire.drive.acceleration)};

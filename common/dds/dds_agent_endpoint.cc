@@ -61,6 +61,8 @@ void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {
   joins_.Send(join);
 }
 
-void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) { proposals_.Send(proposal); }
+void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
+  proposals_.Send(proposal);
+}
 
 }  // namespace troupe::dds

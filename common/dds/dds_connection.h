@@ -40,9 +40,7 @@ template <typename Wire>
 class Outbox {
  public:
   Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection),
-        topic_(connection.participant, topic),
-        writer_(connection.publisher, topic_, qos) {}
+      : connection_(connection), topic_(connection.participant, topic), writer_(connection.publisher, topic_, qos) {}
 
   template <typename Message>
   void Send(const Message& message) {
@@ -67,9 +65,7 @@ template <typename Wire, typename Message>
 class Inbox {
  public:
   Inbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection),
-        topic_(connection.participant, topic),
-        reader_(connection.subscriber, topic_, qos) {}
+      : connection_(connection), topic_(connection.participant, topic), reader_(connection.subscriber, topic_, qos) {}
 
   // Calls `drain`, on a thread of Cyclone's, whenever there may be something to take.
   void Listen(const std::function<void()>& drain) {
@@ -83,8 +79,8 @@ class Inbox {
   // No call of `drain` runs any more when it returns.
   void Close() { reader_.clear_listener(); }
 
-  // Takes all there is: on_message gets each well-formed message, on_end the last sample of each instance that ended (its
-  // key fields only).
+  // Takes all there is: on_message gets each well-formed message, on_end the last sample of each instance that ended
+  // (its key fields only).
   template <typename OnMessage, typename OnEnd>
   void Drain(OnMessage on_message, OnEnd on_end) {
     for (;;) {

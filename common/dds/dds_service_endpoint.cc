@@ -57,10 +57,18 @@ void DdsServiceEndpoint::DrainSessions() {
   rivals_.Drain([this](const SessionMessage& session) { handler_->OnRivalService(session); });
 }
 
-void DdsServiceEndpoint::SendSession(const SessionMessage& session) { sessions_.Send(session); }
-void DdsServiceEndpoint::SendAdmission(const AdmissionMessage& admission) { admissions_.Send(admission); }
-void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) { frames_.Send(frame); }
-void DdsServiceEndpoint::SendStatus(const StatusMessage& status) { statuses_.Send(status); }
+void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
+  sessions_.Send(session);
+}
+void DdsServiceEndpoint::SendAdmission(const AdmissionMessage& admission) {
+  admissions_.Send(admission);
+}
+void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
+  frames_.Send(frame);
+}
+void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
+  statuses_.Send(status);
+}
 
 void DdsServiceEndpoint::Flush(double seconds) {
   using Clock = std::chrono::steady_clock;

@@ -53,7 +53,8 @@ std::string ToXml(const DomainConfig& config) {
   const std::string lease = std::to_string(config.lease_seconds) + "s";
   std::string xml = R"(<CycloneDDS><Domain Id="any">)";
   xml += "<General><Interfaces>" + NetworkInterface(config) + "</Interfaces>";
-  xml += config.discovery_multicast ? "<AllowMulticast>spdp,asm</AllowMulticast>" : "<AllowMulticast>asm</AllowMulticast>";
+  xml +=
+      config.discovery_multicast ? "<AllowMulticast>spdp,asm</AllowMulticast>" : "<AllowMulticast>asm</AllowMulticast>";
   xml += MessageSizes(config) + "</General>";
   xml += "<Discovery><ExternalDomainId>" + std::to_string(config.domain) + "</ExternalDomainId>";
   xml += "<ParticipantIndex>" + index + "</ParticipantIndex>";
@@ -66,10 +67,12 @@ std::string ToXml(const DomainConfig& config) {
       "<AckDelay>100ms</AckDelay>"
       "<NackDelay>10ms</NackDelay>"
       "<MultipleReceiveThreads>false</MultipleReceiveThreads>"
-      "<Watermarks><WhcHigh>64MB</WhcHigh><WhcAdaptive>false</WhcAdaptive></Watermarks>"
+      "<Watermarks><WhcHigh>64MB</WhcHigh><WhcHighInit>64MB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
       "</Internal>";
   // Buffers for receiving: Cyclone's default of 1 MiB at a time is most of a robot's memory.
-  xml += "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize><ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></Sizing>";
+  xml +=
+      "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize><ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></"
+      "Sizing>";
   xml += "</Domain></CycloneDDS>";
   return xml;
 }

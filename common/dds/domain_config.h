@@ -1,4 +1,5 @@
-// DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. docs/qos.md gives the reasons.
+// DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. docs/qos.md gives the
+// reasons.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +10,13 @@
 namespace troupe::dds {
 
 struct DomainConfig {
-  std::uint32_t domain = 0;               // 0..230
-  std::string network_interface = "lo";   // a name; "auto": Cyclone's choice
+  std::uint32_t domain = 0;              // 0..230
+  std::string network_interface = "lo";  // a name; "auto": Cyclone's choice
   // A number fixes the ports, so that others can name this participant as a peer; without one it takes any free port.
   std::optional<std::uint32_t> participant_index;
-  bool discovery_multicast = true;        // announce itself to everybody; otherwise only to the peers
-  std::vector<std::string> peers;         // "host" or "host:port" of discovery; a host alone: its first ports
-  double lease_seconds = 10.0;            // others forget a participant that is silent for longer
+  bool discovery_multicast = true;  // announce itself to everybody; otherwise only to the peers
+  std::vector<std::string> peers;   // "host" or "host:port" of discovery; a host alone: its first ports
+  double lease_seconds = 10.0;      // others forget a participant that is silent for longer
 };
 
 // The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).

@@ -14,7 +14,7 @@ class DomainParticipant {
   dds_entity_t handle() const { return participant_.handle(); }
 
  private:
-  Entity domain_;       // Cyclone's threads and sockets; ends after the participant
+  Entity domain_;  // Cyclone's threads and sockets; ends after the participant
   Entity participant_;
 };
 

@@ -84,6 +84,8 @@ void SetListener(dds_entity_t entity, const DataWriterListener& listener) {
   Check(dds_set_listener(entity, handle.get()), "setting a writer's listener");
 }
 
-void ClearListener(dds_entity_t entity) noexcept { dds_set_listener(entity, nullptr); }
+void ClearListener(dds_entity_t entity) noexcept {
+  dds_set_listener(entity, nullptr);
+}
 
 }  // namespace troupe::dds

@@ -4,7 +4,9 @@ namespace troupe::dds {
 
 Qos::Qos() : qos_(dds_create_qos()) {}
 
-Qos::Qos(const Qos& other) : Qos() { dds_copy_qos(qos_.get(), other.qos_.get()); }
+Qos::Qos(const Qos& other) : Qos() {
+  dds_copy_qos(qos_.get(), other.qos_.get());
+}
 
 Qos& Qos::operator=(const Qos& other) {
   if (this != &other) *this = Qos(other);
@@ -52,6 +54,8 @@ Qos& Qos::operator<<(const IgnoreLocal& policy) {
   return *this;
 }
 
-bool operator==(const Qos& a, const Qos& b) { return dds_qos_equal(a.get(), b.get()); }
+bool operator==(const Qos& a, const Qos& b) {
+  return dds_qos_equal(a.get(), b.get());
+}
 
 }  // namespace troupe::dds

@@ -3,7 +3,9 @@
 namespace troupe::dds::qos_profiles {
 namespace {
 
-Qos ReliableLatest() { return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1); }
+Qos ReliableLatest() {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1);
+}
 
 Qos KeptForLatecomers() {
   return ReliableLatest() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
@@ -11,18 +13,32 @@ Qos KeptForLatecomers() {
 
 }  // namespace
 
-Qos Session(const std::string& session) { return Qos() << Partition{session}; }
+Qos Session(const std::string& session) {
+  return Qos() << Partition{session};
+}
 
-Qos Description(double lease_seconds) { return KeptForLatecomers() << Liveliness::Automatic(lease_seconds); }
+Qos Description(double lease_seconds) {
+  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds);
+}
 
-Qos Join(double lease_seconds) { return ReliableLatest() << Liveliness::Automatic(lease_seconds); }
+Qos Join(double lease_seconds) {
+  return ReliableLatest() << Liveliness::Automatic(lease_seconds);
+}
 
-Qos Admission() { return ReliableLatest(); }
+Qos Admission() {
+  return ReliableLatest();
+}
 
-Qos Frame() { return ReliableLatest() << Durability::Volatile(); }
+Qos Frame() {
+  return ReliableLatest() << Durability::Volatile();
+}
 
-Qos Proposal() { return ReliableLatest() << Durability::Volatile(); }
+Qos Proposal() {
+  return ReliableLatest() << Durability::Volatile();
+}
 
-Qos Status() { return KeptForLatecomers(); }
+Qos Status() {
+  return KeptForLatecomers();
+}
 
 }  // namespace troupe::dds::qos_profiles

@@ -1,5 +1,5 @@
-// The QoS of every topic, by role. One profile serves writers and readers, so that they always match; docs/qos.md has the
-// reasons. Lease durations are in seconds and of the writer: a reader asks for none, so that it accepts any.
+// The QoS of every topic, by role. One profile serves writers and readers, so that they always match; docs/qos.md has
+// the reasons. Lease durations are in seconds and of the writer: a reader asks for none, so that it accepts any.
 #pragma once
 
 #include <string>

@@ -116,8 +116,12 @@ SessionMonitor::SessionMonitor(std::uint32_t domain, const std::string& network_
 
 SessionMonitor::~SessionMonitor() = default;
 
-std::vector<SessionInfo> SessionMonitor::Sessions() { return implementation_->Sessions(); }
+std::vector<SessionInfo> SessionMonitor::Sessions() {
+  return implementation_->Sessions();
+}
 
-void SessionMonitor::WaitForChange(double seconds) { implementation_->WaitForChange(seconds); }
+void SessionMonitor::WaitForChange(double seconds) {
+  implementation_->WaitForChange(seconds);
+}
 
 }  // namespace troupe

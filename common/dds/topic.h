@@ -18,8 +18,9 @@ class Topic {
  public:
   Topic(const DomainParticipant& participant, const std::string& name)
       : name_(name),
-        entity_(Check(dds_create_topic(participant.handle(), TopicTraits<T>::descriptor(), name.c_str(), nullptr, nullptr),
-                      "creating topic '" + name + "'")) {}
+        entity_(
+            Check(dds_create_topic(participant.handle(), TopicTraits<T>::descriptor(), name.c_str(), nullptr, nullptr),
+                  "creating topic '" + name + "'")) {}
 
   const std::string& name() const { return name_; }
   std::string type_name() const { return TopicTraits<T>::descriptor()->m_typename; }
@@ -33,8 +34,8 @@ class Topic {
 }  // namespace troupe::dds
 
 // Makes a type of idlc's known to Topic, DataWriter and DataReader. Use outside of namespaces.
-#define TROUPE_DDS_TYPE(type)                                                          \
-  template <>                                                                          \
-  struct troupe::dds::TopicTraits<type> {                                              \
-    static const dds_topic_descriptor_t* descriptor() { return &type##_desc; }         \
+#define TROUPE_DDS_TYPE(type)                                                  \
+  template <>                                                                  \
+  struct troupe::dds::TopicTraits<type> {                                      \
+    static const dds_topic_descriptor_t* descriptor() { return &type##_desc; } \
   }

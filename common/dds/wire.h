@@ -49,7 +49,9 @@ auto Elements(const Sequence& sequence) {
   return std::span<const Element>(sequence._buffer, sequence._buffer == nullptr ? 0 : sequence._length);
 }
 
-inline std::string Text(const char* text) { return text == nullptr ? std::string() : std::string(text); }
+inline std::string Text(const char* text) {
+  return text == nullptr ? std::string() : std::string(text);
+}
 
 template <typename Sequence>
 std::vector<std::string> Strings(const Sequence& sequence) {

@@ -1,0 +1,27 @@
+// ChildProcess: a program started by a test and surely ended with it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <csignal>
+#include <string>
+#include <vector>
+
+namespace troupe::test {
+
+class ChildProcess {
+ public:
+  // `arguments[0]` is the program's path.
+  explicit ChildProcess(const std::vector<std::string>& arguments);
+  ~ChildProcess() { End(SIGKILL); }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // Sends the signal and waits until the process is gone.
+  void End(int signal);
+
+ private:
+  pid_t pid_ = -1;
+};
+
+}  // namespace troupe::test

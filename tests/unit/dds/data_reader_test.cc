@@ -1,0 +1,231 @@
+#include "common/dds/data_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "common/dds/data_writer.h"
+#include "common/dds/topic_types.h"
+#include "tests/unit/dds/test_domain.h"
+
+namespace troupe::dds {
+namespace {
+
+using test::Eventually;
+using Sample = troupe_wire_Status;  // keyed by `run`
+
+Sample Make(std::uint64_t run, std::uint64_t tick) {
+  Sample sample{};
+  sample.run = run;
+  sample.tick = tick;
+  return sample;
+}
+
+Qos Reliable() {
+  return Qos() << Reliability::Reliable(1.0) << History::KeepAll();
+}
+
+// A writer and a reader in participants of their own, in a partition of the test's own.
+class DataReaderTest : public testing::Test {
+ protected:
+  DataReaderTest()
+      : session_(test::TestSession(testing::UnitTest::GetInstance()->current_test_info()->name())),
+        publisher_(here_, Qos() << Partition{session_}),
+        subscriber_(there_, Qos() << Partition{session_}) {}
+
+  static bool Matched(const DataWriter<Sample>& writer, std::uint32_t readers = 1) {
+    return Eventually([&] { return writer.publication_matched_status().current_count == readers; });
+  }
+
+  std::string session_;
+  DomainParticipant here_{test::TestConfig()};
+  DomainParticipant there_{test::TestConfig()};
+  Publisher publisher_;
+  Subscriber subscriber_;
+  Topic<Sample> topic_here_{here_, "test/status"};
+  Topic<Sample> topic_there_{there_, "test/status"};
+};
+
+TEST_F(DataReaderTest, TakesWhatWasWrittenOnce) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  std::string first = "r0";
+  std::string second = "r1";
+  char* names[] = {first.data(), second.data()};
+  Sample sample = Make(5, 77);
+  sample.real_time_factor = 1.25;
+  sample.waiting_for = {2, 2, names, false};
+  writer.write(sample);
+
+  std::optional<LoanedSamples<Sample>> loan;
+  ASSERT_TRUE(Eventually([&] {
+    loan.emplace(reader.take());
+    return !loan->empty();
+  }));
+  ASSERT_EQ(1u, loan->length());
+  for (const auto& taken : *loan) {
+    EXPECT_TRUE(taken.info().valid());
+    EXPECT_TRUE(taken.info().instance_alive());
+    EXPECT_EQ(5u, taken.data().run);
+    EXPECT_EQ(77u, taken.data().tick);
+    EXPECT_EQ(1.25, taken.data().real_time_factor);
+    ASSERT_EQ(2u, taken.data().waiting_for._length);
+    EXPECT_STREQ("r1", taken.data().waiting_for._buffer[1]);
+  }
+  EXPECT_TRUE(reader.take().empty());
+}
+
+TEST_F(DataReaderTest, ReadingLeavesTheSample) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  writer.write(Make(1, 1));
+  ASSERT_TRUE(Eventually([&] { return !reader.read().empty(); }));
+  EXPECT_EQ(1u, reader.read().length());
+  EXPECT_EQ(1u, reader.take().length());
+}
+
+TEST_F(DataReaderTest, SeveralLoansAreOutAtATime) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  constexpr std::size_t kMany = 2 * LoanedSamples<Sample>::kMaxSamples;
+  for (std::size_t i = 0; i < kMany; ++i) writer.write(Make(1, i));
+  ASSERT_TRUE(writer.wait_for_acknowledgments(10.0));
+  const auto first = reader.take();
+  LoanedSamples<Sample> moved_from = reader.take();
+  const LoanedSamples<Sample> second = std::move(moved_from);
+  EXPECT_EQ(kMany, first.length() + second.length());
+  EXPECT_EQ(0u, first[0].data().tick);
+  EXPECT_EQ(kMany - 1, second[second.length() - 1].data().tick);
+  EXPECT_TRUE(reader.take().empty());
+}
+
+TEST_F(DataReaderTest, KeepLastKeepsTheLatestOfEachInstance) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Qos() << Reliability::Reliable(1.0) << History::KeepLast(1));
+  ASSERT_TRUE(Matched(writer));
+  for (std::uint64_t tick = 0; tick < 5; ++tick) {
+    writer.write(Make(1, tick));
+    writer.write(Make(2, 10 + tick));
+  }
+  ASSERT_TRUE(writer.wait_for_acknowledgments(10.0));
+  const auto samples = reader.take();
+  ASSERT_EQ(2u, samples.length());
+  for (const auto& sample : samples) EXPECT_EQ(sample.data().run == 1 ? 4u : 14u, sample.data().tick);
+}
+
+TEST_F(DataReaderTest, TellsThatAnInstanceWasDisposed) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  writer.write(Make(9, 1));
+  ASSERT_TRUE(Eventually([&] { return !reader.take().empty(); }));
+  writer.dispose(Make(9, 0));
+  std::optional<LoanedSamples<Sample>> loan;
+  ASSERT_TRUE(Eventually([&] {
+    loan.emplace(reader.take());
+    return !loan->empty();
+  }));
+  EXPECT_FALSE((*loan)[0].info().valid());
+  EXPECT_TRUE((*loan)[0].info().instance_disposed());
+  EXPECT_EQ(9u, (*loan)[0].data().run);
+}
+
+TEST_F(DataReaderTest, DeletingTheWriterEndsItsInstances) {
+  std::optional<DataWriter<Sample>> writer(std::in_place, publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(*writer));
+  writer->write(Make(9, 1));
+  ASSERT_TRUE(Eventually([&] { return !reader.take().empty(); }));
+  writer.reset();
+  EXPECT_TRUE(Eventually([&] {
+    const auto samples = reader.take();
+    return !samples.empty() && !samples[0].info().instance_alive() && samples[0].data().run == 9;
+  }));
+}
+
+TEST_F(DataReaderTest, LatecomersGetWhatATransientLocalWriterKept) {
+  const Qos kept = Reliable() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
+  DataWriter<Sample> writer(publisher_, topic_here_, kept);
+  writer.write(Make(1, 1));
+  writer.write(Make(1, 2));
+  DataReader<Sample> reader(subscriber_, topic_there_, kept);
+  std::optional<LoanedSamples<Sample>> loan;
+  ASSERT_TRUE(Eventually([&] {
+    loan.emplace(reader.take());
+    return !loan->empty();
+  }));
+  EXPECT_EQ(1u, loan->length());
+  EXPECT_EQ(2u, (*loan)[0].data().tick);
+}
+
+TEST_F(DataReaderTest, LatecomersGetNothingOfAVolatileWriter) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  writer.write(Make(1, 1));
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  ASSERT_TRUE(Eventually([&] { return reader.subscription_matched_status().current_count == 1; }));
+  writer.write(Make(1, 2));
+  std::optional<LoanedSamples<Sample>> loan;
+  ASSERT_TRUE(Eventually([&] {
+    loan.emplace(reader.take());
+    return !loan->empty();
+  }));
+  EXPECT_EQ(2u, (*loan)[0].data().tick);
+}
+
+TEST_F(DataReaderTest, PartitionsSeparateAndWildcardsJoin) {
+  const Subscriber elsewhere(there_, Qos() << Partition{session_ + "-elsewhere"});
+  const Subscriber everywhere(there_, Qos() << Partition{session_ + "*"});
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> other(elsewhere, topic_there_, Reliable());
+  DataReader<Sample> same(subscriber_, topic_there_, Reliable());
+  DataReader<Sample> all(everywhere, topic_there_, Reliable());
+  // The last reader was made after the first one, and discovery keeps the order.
+  ASSERT_TRUE(Matched(writer, 2));
+  writer.write(Make(1, 1));
+  EXPECT_TRUE(Eventually([&] { return !same.take().empty(); }));
+  EXPECT_TRUE(Eventually([&] { return !all.take().empty(); }));
+  EXPECT_EQ(0u, other.subscription_matched_status().total_count);
+  EXPECT_TRUE(other.take().empty());
+}
+
+TEST_F(DataReaderTest, IncompatibleQosIsToldOnBothSides) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Qos() << Reliability::BestEffort());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  EXPECT_TRUE(Eventually([&] { return writer.offered_incompatible_qos_status().total_count == 1; }));
+  EXPECT_TRUE(Eventually([&] { return reader.requested_incompatible_qos_status().total_count == 1; }));
+  EXPECT_EQ(static_cast<std::uint32_t>(DDS_RELIABILITY_QOS_POLICY_ID),
+            reader.requested_incompatible_qos_status().last_policy_id);
+  EXPECT_EQ(0u, writer.publication_matched_status().total_count);
+}
+
+TEST_F(DataReaderTest, AnotherTypeOfTheSameTopicNameDoesNotMatch) {
+  const Topic<troupe_wire_Join> imposter(here_, topic_there_.name());
+  DataWriter<troupe_wire_Join> wrong(publisher_, imposter, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<Sample> right(publisher_, topic_here_, Reliable());
+  ASSERT_TRUE(Matched(right));  // discovered after the wrong one
+  EXPECT_EQ(0u, wrong.publication_matched_status().total_count);
+}
+
+TEST_F(DataReaderTest, AReaderAndItsWriterCanBeMoved) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  ASSERT_TRUE(Matched(writer));
+  DataWriter<Sample> moved_writer = std::move(writer);
+  DataReader<Sample> moved_reader = std::move(reader);
+  moved_writer.write(Make(1, 1));
+  EXPECT_TRUE(Eventually([&] { return !moved_reader.take().empty(); }));
+}
+
+TEST_F(DataReaderTest, WaitingForAcknowledgmentsTakesAsLongAsItIsGiven) {
+  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  EXPECT_TRUE(writer.wait_for_acknowledgments(0.0));  // nobody has to
+}
+
+}  // namespace
+}  // namespace troupe::dds

@@ -1,0 +1,87 @@
+#include "common/dds/domain_participant.h"
+
+#include <gtest/gtest.h>
+
+#include "common/dds/data_reader.h"
+#include "common/dds/data_writer.h"
+#include "common/dds/topic_types.h"
+#include "tests/unit/dds/test_domain.h"
+
+namespace troupe::dds {
+namespace {
+
+using test::Eventually;
+using test::TestConfig;
+
+TEST(DomainParticipantTest, SaysWhatIsWrongWithADomain) {
+  DomainConfig config = TestConfig();
+  config.domain = 231;
+  try {
+    DomainParticipant participant(config);
+    FAIL() << "expected an exception";
+  } catch (const Exception& exception) {
+    EXPECT_EQ(DDS_RETCODE_BAD_PARAMETER, exception.code());
+    EXPECT_NE(std::string::npos, std::string(exception.what()).find("domain 231"));
+    EXPECT_NE(std::string::npos, std::string(exception.what()).find("0 to 230"));
+  }
+}
+
+TEST(DomainParticipantTest, NamesANetworkInterfaceThatDoesNotExist) {
+  DomainConfig config = TestConfig();
+  config.network_interface = "no-such-\"<&$interface";
+  try {
+    DomainParticipant participant(config);
+    FAIL() << "expected an exception";
+  } catch (const Exception& exception) {
+    EXPECT_NE(std::string::npos, std::string(exception.what()).find(config.network_interface));
+  }
+}
+
+TEST(DomainParticipantTest, SeveralInOneProcessMeetOverTheNetwork) {
+  const DomainParticipant here(TestConfig());
+  const DomainParticipant there(TestConfig());
+  const Qos session = Qos() << Partition{test::TestSession("meet")};
+  const Publisher publisher(here, session);
+  const Subscriber subscriber(there, session);
+  const Topic<troupe_wire_Status> topic_here(here, "test/meet");
+  const Topic<troupe_wire_Status> topic_there(there, "test/meet");
+  const DataWriter<troupe_wire_Status> writer(publisher, topic_here, Qos());
+  const DataReader<troupe_wire_Status> reader(subscriber, topic_there, Qos());
+  EXPECT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
+  EXPECT_TRUE(Eventually([&] { return reader.subscription_matched_status().current_count == 1; }));
+}
+
+TEST(DomainParticipantTest, WithoutMulticastFindsItsPeerByPort) {
+  DomainConfig known = TestConfig();
+  known.discovery_multicast = false;
+  known.participant_index = 50;
+  DomainConfig searching = TestConfig();
+  searching.discovery_multicast = false;
+  searching.peers = {"127.0.0.1:" + std::to_string(DiscoveryPort(known.domain, 50))};
+  const DomainParticipant here(known);
+  const DomainParticipant there(searching);
+  const Topic<troupe_wire_Status> topic_here(here, "test/peer");
+  const Topic<troupe_wire_Status> topic_there(there, "test/peer");
+  const Publisher publisher(here);
+  const Subscriber subscriber(there);
+  const DataWriter<troupe_wire_Status> writer(publisher, topic_here, Qos());
+  const DataReader<troupe_wire_Status> reader(subscriber, topic_there, Qos());
+  EXPECT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
+}
+
+TEST(DomainConfigTest, DiscoveryPortsFollowTheStandard) {
+  EXPECT_EQ(7410, DiscoveryPort(0, 0));
+  EXPECT_EQ(7412, DiscoveryPort(0, 1));
+  EXPECT_EQ(7400 + 250 * 42 + 10 + 2 * 7, DiscoveryPort(42, 7));
+}
+
+TEST(DomainConfigTest, TextFromUsersStaysInsideItsAttribute) {
+  DomainConfig config;
+  config.peers = {"host\"/><Evil a=\"<&"};
+  const std::string xml = ToXml(config);
+  EXPECT_EQ(std::string::npos, xml.find("<Evil"));
+  EXPECT_NE(std::string::npos, xml.find("host&quot;/>&lt;Evil a=&quot;&lt;&amp;"));
+}
+
+}  // namespace
+}  // namespace troupe::dds

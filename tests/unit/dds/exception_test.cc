@@ -1,0 +1,24 @@
+#include "common/dds/exception.h"
+
+#include <gtest/gtest.h>
+
+namespace troupe::dds {
+namespace {
+
+TEST(ExceptionTest, SaysTheCodeInWordsAndWhatWasBeingDone) {
+  const Exception exception(DDS_RETCODE_TIMEOUT, "writing a sample");
+  EXPECT_STREQ("DDS: Timeout while writing a sample", exception.what());
+  EXPECT_EQ(DDS_RETCODE_TIMEOUT, exception.code());
+}
+
+TEST(CheckTest, ReturnsWhatIsNoFailure) {
+  EXPECT_EQ(0, Check(DDS_RETCODE_OK, "nothing"));
+  EXPECT_EQ(7, Check(7, "counting"));
+}
+
+TEST(CheckTest, ThrowsFailures) {
+  EXPECT_THROW(Check(DDS_RETCODE_BAD_PARAMETER, "trying"), Exception);
+}
+
+}  // namespace
+}  // namespace troupe::dds

@@ -1,0 +1,178 @@
+#include "tests/unit/dds/random_messages.h"
+
+namespace troupe::test {
+
+std::string RandomMessages::Text() {
+  std::string text(Below(12), ' ');
+  for (char& c : text) c = static_cast<char>(1 + Below(255));
+  return text;
+}
+
+std::vector<std::string> RandomMessages::Texts() {
+  std::vector<std::string> texts(Below(4));
+  for (std::string& text : texts) text = Text();
+  return texts;
+}
+
+Pose RandomMessages::RandomPose() {
+  return {Number(), Number(), Number(), Number(-3.0, 3.0)};
+}
+
+Interval RandomMessages::RandomInterval(double min, double max) {
+  const double middle = 0.5 * (min + max);
+  return {Number(min, middle), Number(middle, max)};
+}
+
+TwistBounds RandomMessages::RandomBounds(double min, double max) {
+  return {RandomInterval(min, max), RandomInterval(min, max), RandomInterval(min, max)};
+}
+
+// A triangle or a quadrilateral, as a loader would leave it.
+Polygon RandomMessages::RandomPolygon() {
+  Polygon polygon = {{Number(-2.0, -1.0), Number(-2.0, -1.0)},
+                     {Number(1.0, 2.0), Number(-2.0, -1.0)},
+                     {Number(1.0, 2.0), Number(1.0, 2.0)}};
+  if (Coin()) polygon.push_back({Number(-2.0, -1.0), Number(1.0, 2.0)});
+  Normalize(polygon);
+  return polygon;
+}
+
+Shape RandomMessages::RandomShape() {
+  Shape shape;
+  shape.blocks.resize(Below(4));
+  for (Block& block : shape.blocks) {
+    block.outline = RandomPolygon();
+    block.z = {Number(0.0, 1.0), Number(1.0, 2.0)};
+  }
+  shape.rectangles.resize(Below(4));
+  for (Rectangle& r : shape.rectangles)
+    r = {Number(-2.0, -1.0), Number(-2.0, -1.0), Number(1.0, 2.0), Number(1.0, 2.0)};
+  shape.rectangles_z = {Number(0.0, 1.0), Number(1.0, 2.0)};
+  return shape;
+}
+
+ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shapes) {
+  ModelDescription model;
+  model.name = "m" + std::to_string(index) + Text();
+  model.type = Text();
+  model.X_PM = RandomPose();
+  model.shape = ShapeId(Below(shapes));
+  model.size_x = Number(0.0);
+  model.size_y = Number(0.0);
+  model.size_z = Number(0.0);
+  model.color = {Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0)};
+  model.obstacle_return = Coin();
+  model.ranger_return = Number();
+  model.gripper_return = Coin();
+  model.fiducial_return = static_cast<std::int32_t>(Bits());
+  model.show_nose = Coin();
+  return model;
+}
+
+RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& name) {
+  RobotDescription robot;
+  robot.name = name;
+  robot.root = root;
+  robot.drive = {static_cast<DriveType>(Below(3)), Number(0.1, 2.0), RandomBounds(-9.0, 9.0), {}};
+  robot.drive.acceleration.x = {Number(-9.0, 0.0), Number(0.0, 9.0)};
+  robot.drive.acceleration.y = {Number(-9.0, 0.0), Number(0.0, 9.0)};
+  robot.drive.acceleration.heading = {Number(-9.0, 0.0), Number(0.0, 9.0)};
+  robot.localization = {static_cast<LocalizationType>(Below(2)), RandomPose(), Number(), Number(), Number()};
+  robot.rangers.resize(Below(3));
+  for (RangerDescription& ranger : robot.rangers) {
+    ranger.name = Text();
+    ranger.model = root;
+    ranger.period_ticks = 1 + static_cast<std::uint32_t>(Below(1000));
+    ranger.sensors.resize(Below(4));
+    for (RaySensorDescription& sensor : ranger.sensors) {
+      sensor = {
+          RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
+          Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};
+    }
+  }
+  robot.controller = {Text(), Text()};
+  return robot;
+}
+
+WorldDescription RandomMessages::RandomWorld() {
+  WorldDescription world;
+  world.name = Text();
+  world.seed = Bits();
+  world.interval_ns = 1 + static_cast<std::int64_t>(Below(1'000'000'000));
+  world.shapes.resize(1 + Below(5));
+  for (Shape& shape : world.shapes) shape = RandomShape();
+  const std::size_t models = Below(12);
+  for (std::size_t i = 0; i < models; ++i) {
+    world.models.push_back(RandomModel(i, world.shapes.size()));
+    if (i > 0 && Coin()) {
+      world.models[i].parent = ModelId(Below(i));
+    } else if (Coin()) {
+      world.robots.push_back(RandomRobot(ModelId(i), world.models[i].name));
+    }
+  }
+  return world;
+}
+
+SessionMessage RandomMessages::Session() {
+  return {Bits(),       static_cast<std::uint32_t>(Bits()), Text(), static_cast<std::uint32_t>(Bits()), Number(0.0),
+          RandomWorld()};
+}
+
+JoinMessage RandomMessages::Join() {
+  return {Bits(), Bits(), static_cast<std::uint32_t>(Bits()), Bits(), Text(), static_cast<std::uint32_t>(Bits()),
+          Texts()};
+}
+
+AdmissionMessage RandomMessages::Admission() {
+  return {Bits(), Bits(), Coin(), Text()};
+}
+
+FrameMessage RandomMessages::Frame() {
+  FrameMessage frame;
+  frame.run = Bits();
+  frame.state.tick = Bits();
+  frame.state.robots.resize(Below(20));
+  for (RobotState& robot : frame.state.robots) {
+    robot = {RandomPose(), {Number(), Number(), Number()}, Coin()};
+  }
+  frame.state_hash = Bits();
+  frame.last = Coin();
+  frame.events.resize(Below(5));
+  for (Event& event : frame.events) {
+    event.tick = frame.state.tick;
+    event.type = static_cast<EventType>(Below(5));
+    if (Coin() && !frame.state.robots.empty()) event.robot = RobotId(Below(frame.state.robots.size()));
+    if (Coin()) event.other = ModelId(Below(1000));
+    event.detail = Text();
+  }
+  return frame;
+}
+
+ProposalMessage RandomMessages::Proposal() {
+  ProposalMessage message;
+  message.run = Bits();
+  message.agent = Bits();
+  message.tick = Bits();
+  std::size_t robot = Below(10);
+  for (std::size_t count = Below(5); count > 0; --count) {
+    message.proposals.push_back({RobotId(robot), {Number(), Number(), Number()}});
+    robot += 1 + Below(10);
+  }
+  message.reports = Texts();
+  return message;
+}
+
+StatusMessage RandomMessages::Status() {
+  return {Bits(),
+          Bits(),
+          Bits(),
+          Number(),
+          Number(),
+          Number(),
+          static_cast<std::uint32_t>(Bits()),
+          static_cast<std::uint32_t>(Bits()),
+          Texts(),
+          Number()};
+}
+
+}  // namespace troupe::test

@@ -1,0 +1,42 @@
+// Messages with every field filled in at random, for round trips.
+#pragma once
+
+#include <random>
+
+#include "common/protocol/messages.h"
+
+namespace troupe::test {
+
+class RandomMessages {
+ public:
+  explicit RandomMessages(std::uint64_t seed) : engine_(seed) {}
+
+  SessionMessage Session();
+  JoinMessage Join();
+  AdmissionMessage Admission();
+  FrameMessage Frame();
+  ProposalMessage Proposal();
+  StatusMessage Status();
+
+ private:
+  std::uint64_t Bits() { return engine_(); }
+  std::uint64_t Below(std::uint64_t count) { return engine_() % count; }
+  bool Coin() { return Below(2) == 1; }
+  double Number(double min = -100.0, double max = 100.0) {
+    return std::uniform_real_distribution<double>(min, max)(engine_);
+  }
+  std::string Text();
+  std::vector<std::string> Texts();
+  Pose RandomPose();
+  Interval RandomInterval(double min, double max);
+  TwistBounds RandomBounds(double min, double max);
+  Polygon RandomPolygon();
+  Shape RandomShape();
+  ModelDescription RandomModel(std::size_t index, std::size_t shapes);
+  RobotDescription RandomRobot(ModelId root, const std::string& name);
+  WorldDescription RandomWorld();
+
+  std::mt19937_64 engine_;
+};
+
+}  // namespace troupe::test

@@ -1,0 +1,74 @@
+#include "common/dds/session_monitor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/dds/dds_transport.h"
+#include "tests/unit/dds/test_domain.h"
+
+namespace troupe {
+namespace {
+
+using test::Eventually;
+
+TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
+  DdsOptions options;
+  options.domain = test::TestDomain();
+  const std::string prefix = test::TestSession("monitor");
+  SessionMonitor monitor(options.domain, "lo");
+  // Sessions of other tests may be around.
+  std::vector<SessionInfo> seen;
+  const auto sees = [&](std::size_t count) {
+    return Eventually([&] {
+      monitor.WaitForChange(0.1);
+      seen = monitor.Sessions();
+      seen.erase(std::remove_if(seen.begin(), seen.end(),
+                                [&](const SessionInfo& info) { return info.session.rfind(prefix, 0) != 0; }),
+                 seen.end());
+      return seen.size() == count &&
+             std::all_of(seen.begin(), seen.end(), [](const SessionInfo& info) { return info.status.has_value(); });
+    });
+  };
+  const auto start = [&](const std::string& name, RunId run) {
+    options.session = prefix + name;
+    auto transport = MakeDdsServiceTransport(options, nullptr);
+    auto endpoint = transport->MakeServiceEndpoint();
+    SessionMessage session;
+    session.run = run;
+    session.host = "machine";
+    session.pid = 77;
+    session.world.name = "world of " + name;
+    endpoint->SendSession(session);
+    StatusMessage status;
+    status.run = run;
+    status.tick = 10 * run;
+    endpoint->SendStatus(status);
+    return std::pair(std::move(transport), std::move(endpoint));
+  };
+  auto second = start("b", 1);
+  auto first = start("a", 2);
+  ASSERT_TRUE(sees(2));
+  EXPECT_EQ(prefix + "a", seen[0].session);
+  EXPECT_EQ(2u, seen[0].run);
+  EXPECT_EQ("machine", seen[0].host);
+  EXPECT_EQ(77u, seen[0].pid);
+  EXPECT_EQ("world of a", seen[0].world);
+  EXPECT_EQ(20u, seen[0].status->tick);
+  EXPECT_EQ(prefix + "b", seen[1].session);
+
+  StatusMessage status;
+  status.run = 2;
+  status.tick = 21;
+  status.waiting_for = {"r7"};
+  first.second->SendStatus(status);
+  EXPECT_TRUE(Eventually([&] { return sees(2) && seen[0].status->tick == 21; }));
+  EXPECT_EQ(std::vector<std::string>{"r7"}, seen[0].status->waiting_for);
+
+  first.second.reset();
+  ASSERT_TRUE(sees(1));
+  EXPECT_EQ(prefix + "b", seen[0].session);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,42 @@
+// A DDS domain and sessions of this test process' own, and waiting for what DDS does in its own time.
+#pragma once
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "common/dds/domain_config.h"
+
+namespace troupe::test {
+
+// Processes with the same domain do not disturb each other either, because their sessions differ.
+inline std::uint32_t TestDomain() {
+  return 100 + static_cast<std::uint32_t>(getpid()) % 120;
+}
+
+inline std::string TestSession(const std::string& name) {
+  return name + "-" + std::to_string(getpid());
+}
+
+// Participants that find each other by multicast on the loopback interface.
+inline dds::DomainConfig TestConfig() {
+  dds::DomainConfig config;
+  config.domain = TestDomain();
+  return config;
+}
+
+// True as soon as `condition` is; false if it is not within a time that is long for the slowest machine.
+template <typename Condition>
+bool Eventually(Condition condition, double seconds = 20.0) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace troupe::test
