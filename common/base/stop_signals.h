@@ -1,0 +1,32 @@
+// StopSignals: SIGINT, SIGTERM and SIGHUP as a flag. While one lives they do not end the process by themselves. Make it
+// before any other thread starts, so that all threads leave these signals alone.
+#pragma once
+
+#include <signal.h>
+
+#include <atomic>
+#include <thread>
+
+namespace troupe {
+
+class StopSignals {
+ public:
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  // True from the first of these signals on.
+  const std::atomic<bool>& requested() const { return requested_; }
+
+ private:
+  void Watch();
+
+  sigset_t before_;
+  int signals_ = -1;  // readable when a signal came
+  int end_ = -1;      // readable when the watch is to end
+  std::atomic<bool> requested_ = false;
+  std::thread watch_;
+};
+
+}  // namespace troupe

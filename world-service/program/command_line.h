@@ -1,0 +1,43 @@
+// The command line of the program world-service.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "common/protocol/faulty_transport.h"
+#include "common/worldfile/load_world.h"
+#include "world-service/service/run_service.h"
+
+namespace troupe {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitBadInput = 2;
+inline constexpr int kExitFailed = 3;
+inline constexpr int kExitInterrupted = 130;
+
+struct CommandLine {
+  std::string file;
+  LoadOverrides overrides;
+  std::string session = "troupe";
+  std::uint32_t domain = 42;
+  std::string network_interface = "lo";
+  ServiceOptions service;  // without the settings: those come from the world, and then from here
+  std::optional<int> report_fd;
+  Faults faults;
+
+  // Nothing: what the scenario says.
+  std::optional<std::uint64_t> ticks;
+  std::optional<Mode> mode;
+  std::optional<double> speed;
+  bool speed_max = false;  // as fast as possible, whatever the scenario says
+  std::optional<OnAgentLoss> on_agent_loss;
+
+  void ApplyTo(RunSettings& settings) const;
+};
+
+// What to run, or the exit status of a program that has nothing to run: it has said why, or printed what was asked for.
+std::variant<CommandLine, int> ParseCommandLine(int argc, const char* const* argv);
+
+}  // namespace troupe
