@@ -36,6 +36,7 @@ int Run(const CommandLine& line, Reporter& reporter) {
   dds.session = line.session;
   dds.network_interface = line.network_interface;
   dds.lease_seconds = options.lease_seconds;
+  dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   std::uint16_t port = 0;
   std::unique_ptr<Transport> transport = MakeDdsServiceTransport(dds, &port);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
