@@ -1,0 +1,25 @@
+// FakeServiceEndpoint: remembers what a world service sends, and delivers nothing.
+#pragma once
+
+#include <vector>
+
+#include "common/protocol/transport.h"
+
+namespace troupe::test {
+
+class FakeServiceEndpoint final : public ServiceEndpoint {
+ public:
+  void Start(ServiceHandler&) override {}
+  void SendSession(const SessionMessage& session) override { sessions.push_back(session); }
+  void SendAdmission(const AdmissionMessage& admission) override { admissions.push_back(admission); }
+  void SendFrame(const FrameMessage& frame) override { frames.push_back(frame); }
+  void SendStatus(const StatusMessage& status) override { statuses.push_back(status); }
+  void Flush(double) override {}
+
+  std::vector<SessionMessage> sessions;
+  std::vector<AdmissionMessage> admissions;
+  std::vector<FrameMessage> frames;
+  std::vector<StatusMessage> statuses;
+};
+
+}  // namespace troupe::test

@@ -1,0 +1,148 @@
+#include "common/protocol/faulty_transport.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "common/protocol/memory_transport.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr Tick kFrames = 1000;
+
+// The ticks of the frames that arrive, until the service is gone.
+class FrameCounter final : public AgentHandler {
+ public:
+  void OnSession(const SessionMessage&) override { ++sessions; }
+  void OnAdmission(const AdmissionMessage&) override {}
+  void OnFrame(const FrameMessage& frame) override {
+    const std::lock_guard lock(mutex_);
+    ticks_.push_back(frame.state.tick);
+    changed_.notify_all();
+  }
+  void OnServiceGone() override {}
+
+  std::vector<Tick> WaitFor(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(30), [&] { return ticks_.size() >= count; });
+    return ticks_;
+  }
+
+  int sessions = 0;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Tick> ticks_;
+};
+
+class NoService final : public ServiceHandler {
+ public:
+  void OnJoin(const JoinMessage&) override {}
+  void OnProposal(const ProposalMessage&) override {}
+  void OnAgentGone(AgentId) override {}
+  void OnRivalService(const SessionMessage&) override {}
+};
+
+// What arrives of kFrames frames, sent without a pause; waits for `count` of them.
+std::vector<Tick> Send(const Faults& faults, std::size_t count) {
+  const auto transport = MakeFaultyTransport(MakeMemoryTransport(), faults);
+  FrameCounter counter;
+  NoService handler;
+  const auto service = transport->MakeServiceEndpoint();
+  service->Start(handler);
+  const auto agent = transport->MakeAgentEndpoint(1);
+  agent->Start(counter);
+  FrameMessage frame;
+  for (Tick tick = 1; tick <= kFrames; ++tick) {
+    frame.state.tick = tick;
+    service->SendFrame(frame);
+  }
+  service->Flush(30.0);
+  return counter.WaitFor(count);
+}
+
+TEST(FaultyTransport, WithoutFaultsChangesNothing) {
+  const std::vector<Tick> ticks = Send({}, kFrames);
+  ASSERT_EQ(ticks.size(), kFrames);
+  EXPECT_TRUE(std::is_sorted(ticks.begin(), ticks.end()));
+}
+
+TEST(FaultyTransport, LosesTheShareThatItIsTold) {
+  Faults faults;
+  faults.loss = 0.3;
+  const std::vector<Tick> ticks = Send(faults, 600);
+  EXPECT_GE(ticks.size(), 600u);
+  EXPECT_LE(ticks.size(), 800u);
+}
+
+TEST(FaultyTransport, LosesTheSameMessagesForTheSameSeed) {
+  Faults faults;
+  faults.loss = 0.3;
+  faults.seed = 5;
+  const std::size_t count = Send(faults, 600).size();
+  EXPECT_EQ(Send(faults, count), Send(faults, count));
+}
+
+TEST(FaultyTransport, DoublesMessages) {
+  Faults faults;
+  faults.duplicate = 0.5;
+  EXPECT_GE(Send(faults, 1400).size(), 1400u);
+}
+
+TEST(FaultyTransport, ReordersMessages) {
+  Faults faults;
+  faults.reorder = 0.5;
+  const std::vector<Tick> ticks = Send(faults, kFrames - 1);  // the last one may be held for ever
+  EXPECT_GE(ticks.size(), kFrames - 1);
+  EXPECT_FALSE(std::is_sorted(ticks.begin(), ticks.end()));
+}
+
+TEST(FaultyTransport, DelaysMessagesAndDeliversAllOfThem) {
+  Faults faults;
+  faults.delay_probability = 0.5;
+  faults.delay_seconds = 0.01;
+  std::vector<Tick> ticks = Send(faults, kFrames);
+  EXPECT_FALSE(std::is_sorted(ticks.begin(), ticks.end()));
+  std::sort(ticks.begin(), ticks.end());
+  ASSERT_EQ(ticks.size(), kFrames);
+  EXPECT_EQ(ticks.front(), 1u);
+  EXPECT_EQ(ticks.back(), kFrames);
+}
+
+TEST(ParseFaults, ReadsEveryField) {
+  const Result<Faults> faults = ParseFaults("loss=0.1,duplicate=0.05,reorder=0.2,delay=0.3:0.005,seed=7");
+  ASSERT_TRUE(faults.ok());
+  EXPECT_EQ(faults.value().loss, 0.1);
+  EXPECT_EQ(faults.value().duplicate, 0.05);
+  EXPECT_EQ(faults.value().reorder, 0.2);
+  EXPECT_EQ(faults.value().delay_probability, 0.3);
+  EXPECT_EQ(faults.value().delay_seconds, 0.005);
+  EXPECT_EQ(faults.value().seed, 7u);
+}
+
+TEST(ParseFaults, OfNothingIsNoFaults) {
+  const Result<Faults> faults = ParseFaults("");
+  ASSERT_TRUE(faults.ok());
+  EXPECT_FALSE(faults.value().any());
+}
+
+TEST(ParseFaults, SaysWhatWasFoundAndWhatWasExpected) {
+  for (const char* bad :
+       {"loss", "loss=", "loss=2", "loss=-0.1", "loss=nan", "loss=0.1x", "delay=0.1", "delay=0.1:", "delay=0.1:-1",
+        "delay=2:0.1", "delay=0.1:nan", "seed=-1", "seed=x", "speed=1", "loss=0.1,,"}) {
+    const Result<Faults> faults = ParseFaults(bad);
+    ASSERT_FALSE(faults.ok()) << bad;
+    EXPECT_THAT(faults.error().message, HasSubstr("expected")) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace troupe
