@@ -1,0 +1,75 @@
+// Handlers that keep what they are told, and let a test wait for it.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "common/protocol/transport.h"
+
+namespace troupe::test {
+
+// A list that one thread fills and another waits at.
+template <typename T>
+class Inbox {
+ public:
+  void Put(const T& item) {
+    const std::lock_guard lock(mutex_);
+    items_.push_back(item);
+    changed_.notify_all();
+  }
+  std::vector<T> items() const {
+    const std::lock_guard lock(mutex_);
+    return items_;
+  }
+  // Waits for an item that `is_wanted`, at most `seconds`.
+  template <typename Predicate>
+  bool WaitFor(double seconds, const Predicate& is_wanted) const {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+      for (const T& item : items_) {
+        if (is_wanted(item)) return true;
+      }
+      return false;
+    });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::vector<T> items_;
+};
+
+class CollectingService final : public ServiceHandler {
+ public:
+  void OnJoin(const JoinMessage& join) override { joins.Put(join); }
+  void OnProposal(const ProposalMessage& proposal) override { proposals.Put(proposal); }
+  void OnAgentGone(AgentId agent) override { gone.Put(agent); }
+  void OnRivalService(const SessionMessage& rival) override { rivals.Put(rival); }
+
+  Inbox<JoinMessage> joins;
+  Inbox<ProposalMessage> proposals;
+  Inbox<AgentId> gone;
+  Inbox<SessionMessage> rivals;
+};
+
+class CollectingAgent final : public AgentHandler {
+ public:
+  void OnSession(const SessionMessage& session) override { sessions.Put(session); }
+  void OnAdmission(const AdmissionMessage& admission) override { admissions.Put(admission); }
+  void OnFrame(const FrameMessage& frame) override {
+    frames.Put(frame);
+    if (on_frame) on_frame(frame);
+  }
+  void OnServiceGone() override { service_gone.Put(true); }
+
+  std::function<void(const FrameMessage&)> on_frame;  // set before the start
+  Inbox<SessionMessage> sessions;
+  Inbox<AdmissionMessage> admissions;
+  Inbox<FrameMessage> frames;
+  Inbox<bool> service_gone;
+};
+
+}  // namespace troupe::test

@@ -1,0 +1,124 @@
+#include "tests/contract/whole_run.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <future>
+#include <sstream>
+#include <thread>
+
+#include "robot-agent/agent/agent_host.h"
+#include "tests/support/test_world.h"
+
+namespace troupe::test {
+namespace {
+
+class SilentObserver final : public RunObserver {
+ public:
+  void OnStarted(double) override {}
+  void OnStatus(const StatusMessage&) override {}
+  void OnEvent(const Event&, const std::string&) override {}
+};
+
+class TemporaryFile {
+ public:
+  TemporaryFile() {
+    const int descriptor = mkstemp(path_.data());
+    EXPECT_GE(descriptor, 0);
+    close(descriptor);
+  }
+  ~TemporaryFile() { std::remove(path_.c_str()); }
+  const std::string& path() const { return path_; }
+  std::string Read() const {
+    std::ostringstream text;
+    text << std::ifstream(path_).rdbuf();
+    return text.str();
+  }
+
+ private:
+  std::string path_ = testing::TempDir() + "troupe-hash-log-XXXXXX";
+};
+
+Result<RunSummary> Serve(TransportRig& rig, const Scene& scene, std::uint64_t ticks, const std::string& hash_log) {
+  ServiceOptions options;
+  options.settings.ticks = ticks;
+  options.outputs.hash_log = hash_log;
+  SilentObserver observer;
+  const std::atomic<bool> stop = false;
+  return RunService(scene, options, rig.ForService().MakeServiceEndpoint(), observer, stop);
+}
+
+}  // namespace
+
+WorldDescription BusyWorld() {
+  TestWorld test;
+  test.AddModel(Box(-3.0, -3.2, 3.0, -3.0));
+  test.AddModel(Box(-3.0, 3.0, 3.0, 3.2));
+  test.AddModel(Box(-3.2, -3.0, -3.0, 3.0));
+  test.AddModel(Box(3.0, -3.0, 3.2, 3.0));
+  for (int i = 0; i < 4; ++i) {
+    const RobotId robot = test.AddRobot(Square(0.4), {0.0, 0.5}, {-1.5 + i, 0.3 * i, 0.0, 1.3 * i});
+    RobotDescription& description = test.world.robots[robot.index()];
+    description.name = "r" + std::to_string(i);
+    test.model(description.root).name = description.name;
+
+    ModelDescription eye;
+    eye.name = description.name + ".ranger:0";
+    eye.type = "ranger";
+    eye.parent = description.root;
+    eye.shape = ShapeId(test.world.shapes.size());
+    test.world.shapes.emplace_back();
+    test.world.models.push_back(eye);
+    RangerDescription ranger;
+    ranger.name = "ranger:0";
+    ranger.model = ModelId(test.world.models.size() - 1);
+    ranger.sensors.push_back({.X_MS = {0.0, 0.0, 0.25, 0.0}, .range = {0.0, 4.0}, .fov = 3.0, .samples = 30});
+    description.rangers.push_back(ranger);
+    description.controller = {"wander", R"({"speed": 1.5})"};
+  }
+  test.world.name = "busy";
+  return test.world;
+}
+
+WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
+  const Scene scene(BusyWorld());
+  const TemporaryFile hash_log;
+  const auto serve = [&] { return Serve(rig, scene, run.ticks, hash_log.path()); };
+
+  std::atomic<bool> stop = false;
+  std::vector<std::future<Result<bool>>> agents;
+  std::future<Result<RunSummary>> service;
+  if (run.service_first) service = std::async(std::launch::async, serve);
+  AgentId next_agent = 100;
+  for (const std::vector<std::string>& robots : run.agents) {
+    AgentOptions options;
+    options.agent = ++next_agent;
+    options.robots = robots;
+    options.session_timeout_seconds = 30.0;
+    Transport& transport = rig.ForAgent();
+    agents.push_back(std::async(std::launch::async, [&stop, &transport, options] {
+      return RunAgent(transport.MakeAgentEndpoint(options.agent), options, stop);
+    }));
+  }
+  if (!run.service_first) service = std::async(std::launch::async, serve);
+
+  const Result<RunSummary> summary = service.get();
+  // All agents end by the last frame, or because the service is gone. Neither is a matter of the flag.
+  for (std::future<Result<bool>>& agent : agents) {
+    if (agent.wait_for(std::chrono::seconds(30)) == std::future_status::ready) continue;
+    ADD_FAILURE() << "an agent did not notice that the run is over";
+    stop = true;
+  }
+  for (std::future<Result<bool>>& agent : agents) {
+    const Result<bool> ended = agent.get();
+    EXPECT_TRUE(ended.ok()) << ended.error().ToString();
+  }
+  EXPECT_TRUE(summary.ok()) << summary.error().ToString();
+  if (!summary.ok()) return {};
+  return {summary.value(), hash_log.Read()};
+}
+
+}  // namespace troupe::test
