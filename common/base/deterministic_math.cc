@@ -69,9 +69,15 @@ SinCosResult SinCos(double radians) {
   if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
   if (std::abs(radians) > 1e5) radians = std::fmod(radians, 2.0 * kPi);
   const double quadrant = std::nearbyint(radians * (2.0 / kPi));
-  const double reduced = ((radians - quadrant * kHalfPiHigh) - quadrant * kHalfPiMiddle) - quadrant * kHalfPiLow;
-  const double s = SinPolynomial(reduced);
-  const double c = CosPolynomial(reduced);
+  // The reduced angle as a sum: `rest` is what rounding cut off `reduced`, and turns the result by a last bit or two.
+  const double high = radians - quadrant * kHalfPiHigh;
+  const double middle = quadrant * kHalfPiMiddle;
+  const double reduced = high - middle;
+  const double rest = ((high - reduced) - middle) - quadrant * kHalfPiLow;
+  const double sin = SinPolynomial(reduced);
+  const double cos = CosPolynomial(reduced);
+  const double s = sin + rest * cos;
+  const double c = cos - rest * sin;
   switch (static_cast<std::int64_t>(quadrant) & 3) {
     case 0:
       return {s, c};

@@ -3,7 +3,7 @@
 //
 // Invariants (Validate checks them):
 // - a model's parent has a smaller id than the model;
-// - names are unique and not empty; numbers are finite; outlines are normalized polygons (geometry/polygon.h);
+// - names are unique and not empty; numbers are finite and within +-1e6; outlines are normalized (geometry/polygon.h);
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely).
 #pragma once
 

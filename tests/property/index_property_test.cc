@@ -1,0 +1,118 @@
+// Index queries against going through everything.
+#include <gtest/gtest.h>
+
+#include "common/spatial/robot_index.h"
+#include "tests/support/random_world.h"
+
+namespace troupe {
+namespace {
+
+using test::RandomStream;
+
+Rectangle RandomBox(RandomStream& random, double half_width) {
+  const double x = random.Uniform(-1.5, 1.5) * half_width;
+  const double y = random.Uniform(-1.5, 1.5) * half_width;
+  const double size = random.Chance(0.2) ? 0.0 : random.Uniform(0.0, half_width);
+  return {x, y, x + size, y + random.Uniform(0.0, 1.0) * size};
+}
+
+TEST(StaticIndexProperty, QueryFindsExactlyThePiecesWhoseBoxesOverlap) {
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    RandomStream random(seed + 4'000'000);
+    const double half_width = random.Uniform(0.5, 30.0);
+    const Scene scene(test::RandomWorld(seed, half_width, random.Index(60), 0));
+    const StaticIndex& index = scene.static_index();
+    for (int query = 0; query < 20; ++query) {
+      const Rectangle box = RandomBox(random, half_width);
+      std::vector<std::uint32_t> expected{77};  // stays: queries append
+      for (std::size_t i = 0; i < index.pieces().size(); ++i) {
+        if (BoundingBox(index.pieces()[i].vertices).Overlaps(box)) expected.push_back(static_cast<std::uint32_t>(i));
+      }
+      std::vector<std::uint32_t> found{77};
+      index.Query(box, found);
+      ASSERT_EQ(found, expected) << "seed " << seed << " query " << query;
+    }
+  }
+}
+
+TEST(RobotIndexProperty, QueryMissesNoRobotWhileTheyMove) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    RandomStream random(seed + 5'000'000);
+    double half_width = random.Uniform(2.0, 30.0);
+    test::TestWorld test;
+    for (std::size_t i = 0; i < 1 + random.Index(80); ++i) {
+      test.AddRobot(test::RandomStar(random, Vec2::Zero(), 0.1, 0.4), {0.0, 1.0}, RandomPose(random, half_width));
+    }
+    const Scene scene(test.world);
+    WorldState state = InitialState(scene.world());
+    RobotIndex index(scene);
+    for (int round = 0; round < 12; ++round) {
+      index.Assign(state);
+      for (int query = 0; query < 10; ++query) {
+        if (random.Chance(0.5)) {
+          const RobotId robot(random.Index(state.robots.size()));
+          state.robots[robot.index()].X_WR = RandomPose(random, half_width);
+          index.Move(robot, state.robots[robot.index()].X_WR);
+        }
+        const Rectangle box = RandomBox(random, half_width);
+        std::vector<RobotId> found;
+        index.Query(box, found);
+        ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));
+        ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+        for (std::size_t i = 0; i < state.robots.size(); ++i) {
+          const RobotId robot(i);
+          Rectangle bounds = Rectangle::Nothing();
+          for (const ConvexPiece& piece : scene.body(robot).pieces) {
+            const ConvexPiece in_world = Transformed(piece, state.robots[i].X_WR);
+            bounds.Extend(BoundingBox(in_world.vertices));
+          }
+          const bool is_found = std::binary_search(found.begin(), found.end(), robot);
+          if (bounds.Overlaps(box)) {
+            ASSERT_TRUE(is_found) << "seed " << seed;
+          }
+          if (!bounds.Inflated(2.0 * scene.max_body_radius() + 1e-6).Overlaps(box)) {
+            ASSERT_FALSE(is_found) << "seed " << seed << ": far away";
+          }
+        }
+      }
+      // They huddle, or spread out.
+      half_width *= random.Uniform(0.2, 3.0);
+      for (RobotState& robot : state.robots) {
+        if (random.Chance(0.7)) robot.X_WR = RandomPose(random, half_width);
+      }
+    }
+  }
+}
+
+TEST(RobotIndexProperty, PiecesInWorldFollowTheRobot) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    RandomStream random(seed + 6'000'000);
+    const Scene scene(test::RandomWorld(seed, 10.0, 0, 5));
+    WorldState state = InitialState(scene.world());
+    RobotIndex index(scene);
+    index.Assign(state);
+    for (int round = 0; round < 20; ++round) {
+      const RobotId robot(random.Index(state.robots.size()));
+      if (random.Chance(0.7)) {
+        state.robots[robot.index()].X_WR = RandomPose(random, 10.0);
+        state.robots[robot.index()].X_WR.z = random.Uniform(0.0, 1.0);
+        if (random.Chance(0.5)) {
+          index.Assign(state);
+        } else {
+          index.Move(robot, state.robots[robot.index()].X_WR);
+        }
+      }
+      ASSERT_EQ(index.X_WR(robot), state.robots[robot.index()].X_WR);
+      const std::vector<ConvexPiece>& pieces = index.pieces_in_world(robot);
+      ASSERT_EQ(pieces.size(), scene.body(robot).pieces.size());
+      for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const ConvexPiece expected = Transformed(scene.body(robot).pieces[i], state.robots[robot.index()].X_WR);
+        ASSERT_EQ(pieces[i].vertices, expected.vertices);
+        ASSERT_EQ(pieces[i].z, expected.z);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace troupe

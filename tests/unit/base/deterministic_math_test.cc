@@ -1,0 +1,138 @@
+#include "common/base/deterministic_math.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "common/base/hash.h"
+#include "common/base/random.h"
+
+namespace troupe {
+namespace {
+
+// Distance of `value` from the exact result, in units of the last place of a double of that size.
+double ErrorInUlps(double value, long double exact) {
+  const double rounded = static_cast<double>(exact);
+  const double ulp = std::max(std::nextafter(std::abs(rounded), std::numeric_limits<double>::infinity()) -
+                                  std::abs(rounded),
+                              std::numeric_limits<double>::denorm_min());
+  return static_cast<double>(std::abs(static_cast<long double>(value) - exact) / ulp);
+}
+
+double Draw(std::uint64_t stream, std::uint64_t i, double low, double high) {
+  return low + (high - low) * RandomUniform({stream, i});
+}
+
+TEST(SinCos, IsWithinTwoUlps) {
+  double worst = 0.0;
+  for (double range : {1e-6, 1.0, 4.0, 100.0, 1e4, 1e5}) {
+    for (std::uint64_t i = 0; i < 50'000; ++i) {
+      const double x = Draw(1, i, -range, range);
+      const SinCosResult result = SinCos(x);
+      const long double s = std::sin(static_cast<long double>(x));
+      const long double c = std::cos(static_cast<long double>(x));
+      worst = std::max({worst, ErrorInUlps(result.sin, s), ErrorInUlps(result.cos, c)});
+    }
+  }
+  EXPECT_LE(worst, 2.0);
+}
+
+TEST(SinCos, IsExactWhereItMatters) {
+  EXPECT_EQ(SinCos(0.0).sin, 0.0);
+  EXPECT_EQ(SinCos(0.0).cos, 1.0);
+  EXPECT_NEAR(SinCos(kPi / 2.0).cos, 0.0, 1e-16);
+  EXPECT_EQ(SinCos(kPi / 2.0).sin, 1.0);
+  EXPECT_EQ(SinCos(kPi).cos, -1.0);
+  EXPECT_NEAR(SinCos(kPi).sin, 0.0, 2e-16);
+  EXPECT_EQ(SinCos(-kPi / 2.0).sin, -1.0);
+}
+
+TEST(SinCos, CopesWithAnyNumber) {
+  for (double x : {1e6, 1e15, -1e100, std::numeric_limits<double>::max()}) {
+    const SinCosResult result = SinCos(x);
+    EXPECT_NEAR(result.sin * result.sin + result.cos * result.cos, 1.0, 1e-15);
+  }
+  for (double x : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(std::isnan(SinCos(x).sin));
+    EXPECT_TRUE(std::isnan(SinCos(x).cos));
+  }
+}
+
+TEST(Atan2, IsWithinTwoUlps) {
+  double worst = 0.0;
+  for (double range : {1e-3, 1.0, 1e3, 1e6}) {
+    for (std::uint64_t i = 0; i < 50'000; ++i) {
+      const double y = Draw(2, i, -range, range);
+      const double x = Draw(3, i, -1.0, 1.0);
+      worst = std::max(worst, ErrorInUlps(Atan2(y, x), std::atan2(static_cast<long double>(y),
+                                                                   static_cast<long double>(x))));
+    }
+  }
+  EXPECT_LE(worst, 2.0);
+}
+
+TEST(Atan2, KnowsTheAxes) {
+  EXPECT_EQ(Atan2(0.0, 0.0), 0.0);
+  EXPECT_EQ(Atan2(0.0, 1.0), 0.0);
+  EXPECT_EQ(Atan2(0.0, -1.0), kPi);
+  EXPECT_EQ(Atan2(-0.0, -1.0), kPi) << "the result is in (-pi, pi]";
+  EXPECT_EQ(Atan2(1.0, 0.0), kPi / 2.0);
+  EXPECT_EQ(Atan2(-1.0, 0.0), -kPi / 2.0);
+  EXPECT_EQ(Atan2(1.0, 1.0), kPi / 4.0);
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(Atan2(infinity, 1.0), kPi / 2.0);
+  EXPECT_EQ(Atan2(1.0, infinity), 0.0);
+  EXPECT_EQ(Atan2(infinity, -infinity), 3.0 * kPi / 4.0);
+  EXPECT_TRUE(std::isnan(Atan2(std::nan(""), 1.0)));
+}
+
+TEST(Log, IsWithinTwoUlps) {
+  double worst = 0.0;
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    const double mantissa = Draw(4, i, 0.5, 2.0);
+    const int exponent = static_cast<int>(RandomBits({5, i}) % 2000) - 1000;
+    for (double x : {mantissa, std::ldexp(mantissa, exponent)}) {
+      worst = std::max(worst, ErrorInUlps(Log(x), std::log(static_cast<long double>(x))));
+    }
+  }
+  EXPECT_LE(worst, 2.0);
+  EXPECT_EQ(Log(1.0), 0.0);
+}
+
+TEST(WrapAngle, StaysInRangeAndKeepsTheDirection) {
+  EXPECT_EQ(WrapAngle(kPi), kPi);
+  EXPECT_EQ(WrapAngle(-kPi), kPi);
+  EXPECT_EQ(WrapAngle(0.5), 0.5);
+  EXPECT_NEAR(WrapAngle(3.0 * kPi), kPi, 1e-15);
+  for (std::uint64_t i = 0; i < 10'000; ++i) {
+    const double x = Draw(6, i, -100.0, 100.0);
+    const double wrapped = WrapAngle(x);
+    ASSERT_GT(wrapped, -kPi);
+    ASSERT_LE(wrapped, kPi);
+    ASSERT_NEAR(SinCos(wrapped).sin, SinCos(x).sin, 1e-13);
+    ASSERT_NEAR(SinCos(wrapped).cos, SinCos(x).cos, 1e-13);
+    ASSERT_EQ(WrapAngle(wrapped), wrapped) << "wrapping twice changes nothing";
+  }
+}
+
+TEST(DeterministicMath, GivesTheSameBitsEverywhere) {
+  Hasher hasher;
+  for (std::uint64_t i = 0; i < 20'000; ++i) {
+    const double x = Draw(7, i, -50.0, 50.0);
+    const double y = Draw(8, i, -5.0, 5.0);
+    const SinCosResult trig = SinCos(x);
+    hasher.Add(trig.sin);
+    hasher.Add(trig.cos);
+    hasher.Add(Atan2(y, x));
+    hasher.Add(Log(std::abs(x) + 1e-3));
+    hasher.Add(WrapAngle(x));
+  }
+  EXPECT_EQ(hasher.value(), 0xb4b8eafc0eb46ea1u);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,75 @@
+#include "common/spatial/static_index.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_world.h"
+
+namespace troupe {
+namespace {
+
+ConvexPiece PieceAt(const Rectangle& r) { return {test::Box(r.min_x, r.min_y, r.max_x, r.max_y), {0.0, 1.0}, {}, true, 1.0}; }
+
+std::vector<std::uint32_t> Find(const StaticIndex& index, const Rectangle& box) {
+  std::vector<std::uint32_t> result;
+  index.Query(box, result);
+  return result;
+}
+
+TEST(StaticIndex, IsEmptyWithoutPieces) {
+  for (const StaticIndex& index : {StaticIndex(), StaticIndex(std::vector<ConvexPiece>{})}) {
+    EXPECT_TRUE(Find(index, {-1e6, -1e6, 1e6, 1e6}).empty());
+    EXPECT_TRUE(index.bounds().empty());
+    index.WalkRay({0, 0}, {1, 0}, 10.0, [](std::span<const std::uint32_t>, double) {
+      ADD_FAILURE();
+      return true;
+    });
+  }
+}
+
+TEST(StaticIndex, FindsAFewPieces) {
+  const StaticIndex index({PieceAt({0, 0, 1, 1}), PieceAt({5, 5, 6, 6}), PieceAt({0.5, 0.5, 5.5, 5.5})});
+  EXPECT_EQ(index.bounds(), (Rectangle{0, 0, 6, 6}));
+  EXPECT_EQ(Find(index, {0.2, 0.2, 0.3, 0.3}), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(Find(index, {0.7, 0.7, 0.8, 0.8}), (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(Find(index, {1.0, 0.0, 2.0, 0.1}), (std::vector<std::uint32_t>{0})) << "touching counts";
+  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_TRUE(Find(index, {7, 0, 8, 1}).empty());
+}
+
+TEST(StaticIndex, CopesWithManyRectangles) {
+  std::vector<ConvexPiece> pieces;
+  for (int y = 0; y < 400; ++y) {
+    for (int x = 0; x < 500; ++x) pieces.push_back(PieceAt({x * 0.1, y * 0.1, x * 0.1 + 0.05, y * 0.1 + 0.05}));
+  }
+  const StaticIndex index(std::move(pieces));
+  EXPECT_EQ(Find(index, {10.01, 10.01, 10.02, 10.02}), (std::vector<std::uint32_t>{100 * 500 + 100}));
+  EXPECT_EQ(Find(index, {0.0, 0.0, 0.31, 0.01}).size(), 4u);
+  EXPECT_EQ(Find(index, {-1, -1, 100, 100}).size(), 200'000u);
+}
+
+TEST(StaticIndex, CopesWithManyPiecesInOnePlace) {
+  std::vector<ConvexPiece> pieces(20'000, PieceAt({0, 0, 10, 10}));
+  pieces.push_back(PieceAt({1000, 1000, 1000.1, 1000.1}));
+  const StaticIndex index(std::move(pieces));
+  EXPECT_EQ(Find(index, {5, 5, 5, 5}).size(), 20'000u);
+  EXPECT_EQ(Find(index, {999, 999, 1001, 1001}), (std::vector<std::uint32_t>{20'000}));
+}
+
+TEST(StaticIndex, RayWalkVisitsWhatTheRayMeetsInTime) {
+  const StaticIndex index({PieceAt({0, 0, 1, 1}), PieceAt({3, 0, 4, 1}), PieceAt({0, 7, 1, 8})});
+  double first_distance = -1.0;
+  bool saw_second = false;
+  index.WalkRay({-1.0, 0.5}, {1.0, 0.0}, 20.0, [&](std::span<const std::uint32_t> pieces, double distance) {
+    for (std::uint32_t piece : pieces) {
+      if (piece == 0 && first_distance < 0.0) first_distance = distance;
+      saw_second |= piece == 1;
+    }
+    return true;
+  });
+  EXPECT_GE(first_distance, 0.0);
+  EXPECT_LE(first_distance, 1.0);
+  EXPECT_TRUE(saw_second);
+}
+
+}  // namespace
+}  // namespace troupe
