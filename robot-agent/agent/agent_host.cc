@@ -187,11 +187,13 @@ void AgentHost::OnSession(const SessionMessage& session) {
 
 void AgentHost::OnAdmission(const AdmissionMessage& admission) {
   const std::lock_guard lock(mutex_);
-  if (stage_ != Stage::kJoining || admission.run != run_ || admission.agent != options_.agent) return;
+  const bool joined = stage_ == Stage::kJoining || stage_ == Stage::kRunning;
+  if (!joined || admission.run != run_ || admission.agent != options_.agent) return;
   if (!admission.admitted) {
     bad_request_ = true;
     return Fail("the world service refused: " + admission.reason);
   }
+  if (stage_ == Stage::kRunning) return;
   stage_ = Stage::kRunning;
   changed_.notify_all();
   if (early_frame_) Answer(*early_frame_);

@@ -1,0 +1,111 @@
+// SmallWorld: builds a world description from boxes and robots, for tests.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/model/world_description.h"
+
+namespace troupe {
+
+class SmallWorld {
+ public:
+  SmallWorld() {
+    world_.name = "small";
+    world_.seed = 1;
+  }
+
+  // A standing box of the given size (m) with its centre at (x, y), and its material over `z`.
+  ModelDescription& AddBox(const std::string& name, double x, double y, double size_x, double size_y, ZRange z) {
+    return AddModel(name, std::nullopt, {x, y, 0.0, 0.0}, size_x, size_y, z);
+  }
+
+  // A box on a robot, posed in its root model's frame.
+  ModelDescription& AddPart(RobotId robot, const std::string& name, const Pose& X_RM, double size_x, double size_y,
+                            ZRange z) {
+    return AddModel(world_.robot(robot).name + "." + name, world_.robot(robot).root, X_RM, size_x, size_y, z);
+  }
+
+  // A robot with a cube of 0.4 m as its body, a differential drive of at most 1 m/s and 2 rad/s, and strong motors.
+  RobotId AddRobot(const std::string& name, const Pose& X_WR) {
+    const ModelId root(world_.models.size());
+    AddModel(name, std::nullopt, X_WR, 0.4, 0.4, {0.0, 0.4}).type = "position";
+    RobotDescription robot;
+    robot.name = name;
+    robot.root = root;
+    robot.drive.velocity = {{-1.0, 1.0}, {-1.0, 1.0}, {-2.0, 2.0}};
+    robot.drive.acceleration = {{-100.0, 100.0}, {-100.0, 100.0}, {-100.0, 100.0}};
+    world_.robots.push_back(robot);
+    return RobotId(world_.robots.size() - 1);
+  }
+
+  // A ranger mounted at X_RM. Returns its index among the robot's rangers.
+  std::size_t AddRanger(RobotId robot, const Pose& X_RM, std::vector<RaySensorDescription> sensors) {
+    RobotDescription& description = world_.robots[robot.index()];
+    const std::size_t index = description.rangers.size();
+    ModelDescription model;
+    model.name = description.name + ".ranger:" + std::to_string(index);
+    model.type = "ranger";
+    model.parent = description.root;
+    model.X_PM = X_RM;
+    model.shape = ShapeId(world_.shapes.size());
+    world_.shapes.emplace_back();  // a ranger has no body
+    RangerDescription ranger;
+    ranger.name = "ranger:" + std::to_string(index);
+    ranger.model = ModelId(world_.models.size());
+    ranger.sensors = std::move(sensors);
+    world_.models.push_back(model);
+    description.rangers.push_back(ranger);
+    return index;
+  }
+
+  void SetController(RobotId robot, const std::string& name, const std::string& parameters = "{}") {
+    world_.robots[robot.index()].controller = {name, parameters};
+  }
+
+  RobotDescription& robot(RobotId id) { return world_.robots[id.index()]; }
+  WorldDescription& world() { return world_; }
+
+ private:
+  ModelDescription& AddModel(const std::string& name, std::optional<ModelId> parent, const Pose& X_PM, double size_x,
+                             double size_y, ZRange z) {
+    const double x = 0.5 * size_x;
+    const double y = 0.5 * size_y;
+    Shape shape;
+    shape.blocks.push_back({.outline = {{-x, -y}, {x, -y}, {x, y}, {-x, y}}, .z = z});
+    ModelDescription model;
+    model.name = name;
+    model.type = "model";
+    model.parent = parent;
+    model.X_PM = X_PM;
+    model.shape = ShapeId(world_.shapes.size());
+    model.size_x = size_x;
+    model.size_y = size_y;
+    model.size_z = z.max;
+    world_.shapes.push_back(shape);
+    world_.models.push_back(model);
+    return world_.models.back();
+  }
+
+  WorldDescription world_;
+};
+
+// One ray straight ahead, of at most `range` m.
+inline RaySensorDescription OneRay(double range = 5.0) {
+  RaySensorDescription sensor;
+  sensor.range = {0.0, range};
+  sensor.samples = 1;
+  return sensor;
+}
+
+// A fan of rays over `fov` rad.
+inline RaySensorDescription Fan(double fov, std::uint32_t samples, double range = 5.0) {
+  RaySensorDescription sensor;
+  sensor.range = {0.0, range};
+  sensor.fov = fov;
+  sensor.samples = samples;
+  return sensor;
+}
+
+}  // namespace troupe

@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/controller/controlled_robot.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(CheckControllerTest, BuiltInNamesAreSorted) {
+  EXPECT_THAT(BuiltInControllers(), ElementsAre("expand", "idle", "script", "wander"));
+}
+
+struct Case {
+  const char* name;
+  const char* parameters;
+  const char* message;  // "": good
+};
+
+class CheckControllerTableTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(CheckControllerTableTest, AcceptsGoodAndNamesWhatIsBad) {
+  const Case& c = GetParam();
+  EXPECT_EQ(CheckController(c.name, c.parameters), c.message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, CheckControllerTableTest,
+    ::testing::Values(
+        Case{"idle", "{}", ""},  //
+        Case{"wander", "{}", ""},
+        Case{"wander", R"({"speed": 1, "turn_rate": 0.5, "min_distance": 0.7, "front_angle": 0.3, "back_off_time": 0,
+                           "steering_angle": 0.4})",
+             ""},
+        Case{"expand", R"({"speed": 0.2, "turn_gain": 2, "clear_distance": 1, "clear_angle": 0.2})", ""},
+        Case{"script", R"({"commands": [{"at": 0, "vx": 0.5, "wz": 0}, {"at": 2.5}]})", ""},
+        Case{"script", R"({"commands": [{"at": 0, "speed": 0.5}], "repeat": true, "period": 3})", ""},
+        Case{"./my.so", R"({"anything": [1, 2]})", ""},  //
+        Case{"my.so", "{}", ""},
+        Case{"fly", "{}",
+             "unknown controller 'fly', expected one of: expand, idle, script, wander, or the path of a shared library "
+             "(.so)"},
+        Case{"idle", "", "idle: the parameters are not JSON"},  //
+        Case{"idle", "{", "idle: the parameters are not JSON"},
+        Case{"idle", "7", "idle: found 7 as parameters, expected a JSON object"},
+        Case{"my.so", "[1]", "controller library my.so: found a list as parameters, expected a JSON object"},
+        Case{"idle", R"({"speed": 1})", "idle: unknown parameter \"speed\", expected none"},
+        Case{"wander", R"({"sped": 1})",
+             "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
+             "steering_angle, turn_rate"},
+        Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
+        Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},
+        Case{"wander", R"({"speed": 1e999})", "wander: the parameters are not JSON"},
+        Case{"expand", R"({"turn_gain": null})", "expand: 'turn_gain' is null, expected a number between 0 and 100"},
+        Case{"expand", R"({"clear_angle": [1]})",
+             "expand: 'clear_angle' is a list, expected a number between 0 and 3.141592653589793"},
+        Case{"script", "{}", "script: 'commands' is missing or empty, expected a list of {\"at\": seconds, ...}"},
+        Case{"script", R"({"commands": {}})", "script: 'commands' is an object, expected a list"},
+        Case{"script", R"({"commands": [5]})", "script: command 1: found 5, expected a JSON object"},
+        Case{"script", R"({"commands": [{"vx": 1}]})",
+             "script: command 1: 'at' is missing, expected a time in seconds"},
+        Case{"script", R"({"commands": [{"at": -1}]})",
+             "script: command 1: 'at' is -1, expected a number of at least 0"},
+        Case{"script", R"({"commands": [{"at": 1}, {"at": 1}]})",
+             "script: command 2: 'at' is 1, expected a time after that of the command before it, 1"},
+        Case{"script", R"({"commands": [{"at": 0, "vz": 1}]})",
+             "script: command 1: unknown parameter \"vz\", expected one of: at, speed, steering, vx, vy, wz"},
+        Case{
+            "script", R"({"commands": [{"at": 0, "vx": 1, "steering": 0}]})",
+            "script: command 1: gives both a twist (vx, vy, wz) and a car's command (speed, steering), expected one of "
+            "them"},
+        Case{"script", R"({"commands": [{"at": 0}], "repeat": 1})", "script: 'repeat' is 1, expected true or false"},
+        Case{"script", R"({"commands": [{"at": 0}], "period": 1})",
+             "script: 'period' is given without \"repeat\": true"},
+        Case{"script", R"({"commands": [{"at": 2}], "repeat": true, "period": 1})",
+             "script: 'period' is 1, expected at least 2, the time of the last command"},
+        Case{"script", R"({"commands": [{"at": 0}], "repeat": true})",
+             "script: nothing to repeat: the last command is at 0 and there is no 'period', expected one of them above "
+             "0"}));
+
+TEST(CheckControllerTest, ValuesInMessagesAreShortAndOnOneLine) {
+  const std::string message = CheckController("wander", "{\"speed\": \"" + std::string(1000, 'x') + "\\n\"}");
+  EXPECT_LT(message.size(), 120u);
+  EXPECT_THAT(message, HasSubstr("..."));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST(CheckControllerTest, DeepNestingIsNoTrouble) {
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_EQ(CheckController("wander", "{\"speed\": " + deep + "}"),
+            "wander: 'speed' is a list, expected a number between 0 and 100");
+}
+
+TEST(CheckControllerTest, CreatingReportsTheSameError) {
+  const RobotDescription robot = MakeRobot("wander", R"({"speed": -1})");
+  const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
+  ASSERT_FALSE(controller.ok());
+  EXPECT_EQ(controller.error().message, "wander: 'speed' is -1, expected a number between 0 and 100");
+}
+
+TEST(IdleTest, StandsStill) {
+  const RobotDescription robot = MakeRobot("idle", "{}");
+  const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
+  ASSERT_TRUE(controller.ok());
+  EXPECT_TRUE(controller.value()->Subscriptions().empty());
+  EXPECT_TRUE(controller.value()->Update(At(0, {})).twist.IsZero());
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,96 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/controller/controlled_robot.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+
+class ExpandTest : public ::testing::Test {
+ protected:
+  void Make(std::vector<RangerDescription> rangers, DriveType drive = DriveType::kDifferential) {
+    robot_ = MakeRobot("expand", R"({"speed": 0.5, "turn_gain": 2})", std::move(rangers), drive);
+    Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
+    ASSERT_TRUE(controller.ok());
+    controller_ = std::move(controller).value();
+  }
+
+  template <typename RangeAtBearing>
+  Command See(RangeAtBearing range, bool stalled = false) {
+    std::vector<RangerReading> readings;
+    for (const RangerDescription& ranger : robot_.rangers) readings.push_back(Read(ranger, range));
+    return controller_->Update(At(0, readings, stalled));
+  }
+
+  RobotDescription robot_;
+  std::unique_ptr<Controller> controller_;
+};
+
+// The only room is around `bearing`.
+auto RoomAt(double at, double elsewhere) {
+  return [=](double bearing) { return std::abs(WrapAngle(bearing - at)) < 0.1 ? 5.0 : elsewhere; };
+}
+
+TEST_F(ExpandTest, TurnsToTheVectorSumOfTheRanges) {
+  Make({MakeSonar()});
+  EXPECT_NEAR(See(RoomAt(kPi / 2, 1.0)).twist.wz, 2.0 * kPi / 2, 1e-9);
+  EXPECT_NEAR(See(RoomAt(-kPi / 4, 1.0)).twist.wz, -2.0 * kPi / 4, 1e-9);
+  // Ahead 2 m, to the left 3 m, in other directions 1 m: the sum is (1, 2).
+  const Command command = See(
+      [](double bearing) { return std::abs(bearing) < 0.1 ? 2.0 : (std::abs(bearing - kPi / 2) < 0.1 ? 3.0 : 1.0); });
+  EXPECT_NEAR(command.twist.wz, 2.0 * std::atan2(2.0, 1.0), 1e-9);
+}
+
+TEST_F(ExpandTest, DrivesOnlyWhenTheFrontIsClear) {
+  Make({MakeSonar()});
+  EXPECT_EQ(See(RoomAt(0.0, 1.0)).twist.vx, 0.5);
+  EXPECT_EQ(See(RoomAt(kPi / 2, 1.0)).twist.vx, 0.5);
+  EXPECT_EQ(See(RoomAt(kPi / 2, 0.5)).twist.vx, 0.0);
+  EXPECT_EQ(See(RoomAt(0.0, 0.5)).twist.vx, 0.5);  // what is near lies beside it
+}
+
+TEST_F(ExpandTest, PrefersSonarToScanner) {
+  Make({MakeScanner(), MakeSonar()});
+  EXPECT_THAT(controller_->Subscriptions(), ElementsAre(1u));
+  Make({MakeScanner()});
+  EXPECT_THAT(controller_->Subscriptions(), ElementsAre(0u));
+  EXPECT_GT(See([](double bearing) { return bearing > 0 ? 8.0 : 1.0; }).twist.wz, 0.5);
+}
+
+TEST_F(ExpandTest, BacksOffOnceAfterAStall) {
+  Make({MakeSonar()});
+  EXPECT_LT(See(RoomAt(0.0, 1.0), true).twist.vx, 0.0);
+  EXPECT_GE(See(RoomAt(0.0, 1.0), true).twist.vx, 0.0);  // it cannot go back either
+  EXPECT_EQ(See(RoomAt(0.0, 1.0)).twist.vx, 0.5);
+}
+
+TEST_F(ExpandTest, StandsStillBeforeTheFirstReading) {
+  Make({MakeSonar()});
+  const std::vector<RangerReading> unread(1);
+  EXPECT_TRUE(controller_->Update(At(1, unread)).twist.IsZero());
+}
+
+TEST_F(ExpandTest, ACarSteersToTheRoom) {
+  Make({MakeSonar()}, DriveType::kCar);
+  const Command ahead = See(RoomAt(kPi / 4, 1.0));
+  EXPECT_EQ(ahead.speed, 0.5);
+  EXPECT_GT(ahead.steering, 0.0);
+  const Command blocked = See(RoomAt(kPi / 2, 0.5));
+  EXPECT_LT(blocked.speed, 0.0);
+  EXPECT_LT(blocked.steering, 0.0);
+}
+
+TEST(ExpandWithoutRangerTest, IsAnError) {
+  const RobotDescription robot = MakeRobot("expand", "{}");
+  const auto controller = CreateFor(robot);
+  ASSERT_FALSE(controller.ok());
+  EXPECT_EQ(controller.error().message,
+            "expand: the robot has no ranger with several rays, expected a sonar ring or a scanner");
+}
+
+}  // namespace
+}  // namespace troupe

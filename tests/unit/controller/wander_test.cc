@@ -1,0 +1,127 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/controller/controlled_robot.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// Distance along `bearing` to a wall `ahead` metres before the robot that spans the bearings [from, to].
+auto WallAhead(double ahead, double from, double to) {
+  return [=](double bearing) { return bearing >= from && bearing <= to ? ahead / std::cos(bearing) : 100.0; };
+}
+
+class WanderTest : public ::testing::Test {
+ protected:
+  void Make(std::vector<RangerDescription> rangers, DriveType drive = DriveType::kDifferential,
+            const std::string& parameters = R"({"speed": 0.5, "turn_rate": 0.7, "min_distance": 1})") {
+    robot_ = MakeRobot("wander", parameters, std::move(rangers), drive);
+    Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
+    ASSERT_TRUE(controller.ok());
+    controller_ = std::move(controller).value();
+  }
+
+  template <typename RangeAtBearing>
+  Command See(RangeAtBearing range, bool stalled = false) {
+    std::vector<RangerReading> readings;
+    for (const RangerDescription& ranger : robot_.rangers) readings.push_back(Read(ranger, range));
+    return controller_->Update(At(tick_++, readings, stalled));
+  }
+
+  RobotDescription robot_;
+  std::unique_ptr<Controller> controller_;
+  Tick tick_ = 0;
+};
+
+const auto kNothing = [](double) { return 100.0; };
+
+TEST_F(WanderTest, DrivesAheadWhereNothingIs) {
+  Make({MakeScanner()});
+  EXPECT_EQ(See(kNothing).twist, (Twist{0.5, 0.0, 0.0}));
+}
+
+TEST_F(WanderTest, IgnoresWhatIsBesideIt) {
+  Make({MakeScanner()});
+  EXPECT_EQ(See([](double bearing) { return std::abs(bearing) > 1.2 ? 0.3 : 100.0; }).twist.vx, 0.5);
+}
+
+TEST_F(WanderTest, TurnsToTheSideWithMoreRoom) {
+  Make({MakeScanner()});
+  EXPECT_EQ(See(WallAhead(0.8, -0.2, 1.5)).twist, (Twist{0.0, 0.0, -0.7}));
+  Make({MakeScanner()});
+  EXPECT_EQ(See(WallAhead(0.8, -1.5, 0.2)).twist, (Twist{0.0, 0.0, 0.7}));
+}
+
+TEST_F(WanderTest, KeepsItsTurnUntilTheWayIsClear) {
+  Make({MakeScanner()});
+  EXPECT_EQ(See(WallAhead(0.8, -1.5, 0.2)).twist.wz, 0.7);
+  EXPECT_EQ(See(WallAhead(0.8, -0.2, 1.5)).twist.wz, 0.7);  // the other side has more room now
+  EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+  EXPECT_EQ(See(WallAhead(0.8, -0.2, 1.5)).twist.wz, -0.7);
+}
+
+TEST_F(WanderTest, UsesTheRangerWithMostSamples) {
+  Make({MakeSonar(), MakeScanner()});
+  EXPECT_THAT(controller_->Subscriptions(), ElementsAre(1u));
+  Make({MakeSonar()});
+  EXPECT_THAT(controller_->Subscriptions(), ElementsAre(0u));
+  EXPECT_EQ(See(WallAhead(0.8, -0.5, 0.5)).twist.vx, 0.0);
+}
+
+TEST_F(WanderTest, LooksAheadThroughAScannerMountedBackwards) {
+  robot_ = MakeRobot("wander", "{}", {MakeScanner()});
+  Result<std::unique_ptr<Controller>> controller =
+      CreateController({.robot = &robot_, .parameters = "{}", .X_RM = {Pose{0, 0, 0, kPi}}});
+  ASSERT_TRUE(controller.ok());
+  controller_ = std::move(controller).value();
+  EXPECT_GT(See(WallAhead(0.8, -0.5, 0.5)).twist.vx, 0.0);  // that wall is behind the robot
+}
+
+TEST_F(WanderTest, AShortSightedScannerThatSeesNothingIsClear) {
+  RangerDescription scanner = MakeScanner();
+  scanner.sensors[0].range.max = 0.5;
+  Make({scanner});
+  EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+  EXPECT_EQ(See(WallAhead(0.4, -1.0, 1.0)).twist.vx, 0.0);
+}
+
+TEST_F(WanderTest, BacksOffAndTurnsAfterAStall) {
+  Make({MakeScanner()});
+  EXPECT_LT(See(kNothing, true).twist.vx, 0.0);
+  for (int i = 1; i < 10; ++i) EXPECT_LT(See(kNothing).twist.vx, 0.0) << i;
+  EXPECT_NE(See(kNothing).twist.wz, 0.0);
+  int turning = 1;
+  while (See(kNothing).twist.wz != 0.0 && turning < 100) ++turning;
+  EXPECT_GE(turning, 11);  // at least pi/4 at 0.7 rad/s
+  EXPECT_LE(turning, 35);
+  EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+}
+
+TEST_F(WanderTest, WithoutRangersGoesByStalls) {
+  Make({});
+  EXPECT_THAT(controller_->Subscriptions(), IsEmpty());
+  EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+  EXPECT_LT(See(kNothing, true).twist.vx, 0.0);
+}
+
+TEST_F(WanderTest, BeforeTheFirstReadingDrivesAsIfNothingWereThere) {
+  Make({MakeScanner()});
+  const std::vector<RangerReading> unread(1);
+  EXPECT_EQ(controller_->Update(At(1, unread)).twist.vx, 0.5);
+}
+
+TEST_F(WanderTest, ACarTurnsWhileReversing) {
+  Make({MakeScanner()}, DriveType::kCar);
+  EXPECT_EQ(See(kNothing).speed, 0.5);
+  const Command command = See(WallAhead(0.8, -1.5, 0.2));
+  EXPECT_LT(command.speed, 0.0);
+  EXPECT_LT(command.steering, 0.0);  // backwards, this turns the nose to the left
+}
+
+}  // namespace
+}  // namespace troupe
