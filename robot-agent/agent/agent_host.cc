@@ -62,7 +62,7 @@ class AgentHost final : public AgentHandler {
 
   // With mutex_ held:
   void Answer(const FrameMessage& frame);
-  void Fail(std::string message);
+  void Fail(Error error);
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
@@ -78,7 +78,7 @@ class AgentHost final : public AgentHandler {
   std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission
   std::optional<Tick> answered_;             // tick of the frame that answer_ answers
   ProposalMessage answer_;
-  std::string failure_;
+  Error failure_;
   bool bad_request_ = false;  // as in RunAgent
 };
 
@@ -93,7 +93,7 @@ Result<bool> AgentHost::Run() {
     Join();
     WaitUntilOver();
     const std::lock_guard lock(mutex_);
-    if (stage_ == Stage::kFailed) return Error{{}, failure_};
+    if (stage_ == Stage::kFailed) return failure_;
     if (stage_ == Stage::kRunOver) break;
   }
   const std::lock_guard lock(mutex_);
@@ -191,7 +191,7 @@ void AgentHost::OnAdmission(const AdmissionMessage& admission) {
   if (!joined || admission.run != run_ || admission.agent != options_.agent) return;
   if (!admission.admitted) {
     bad_request_ = true;
-    return Fail("the world service refused: " + admission.reason);
+    return Fail({{}, "the world service refused: " + admission.reason});
   }
   if (stage_ == Stage::kRunning) return;
   stage_ = Stage::kRunning;
@@ -217,7 +217,7 @@ void AgentHost::OnFrame(const FrameMessage& frame) {
 void AgentHost::OnServiceGone() {
   const std::lock_guard lock(mutex_);
   if (stage_ == Stage::kRunning) {
-    Fail("the world service is gone");
+    Fail({{}, "the world service is gone"});
   } else if (stage_ == Stage::kWaiting || stage_ == Stage::kPreparing || stage_ == Stage::kJoining) {
     // A service that left before it answered may be replaced by another one.
     session_.reset();
@@ -232,20 +232,20 @@ void AgentHost::Answer(const FrameMessage& frame) {
   if (answered_ && tick < *answered_) return;
   if (!answered_ || tick > *answered_) {
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
-      return Fail("the world service sent a bad frame: " + problem);
+      return Fail({{}, "the world service sent a bad frame: " + problem});
     }
     answer_.run = run_;
     answer_.agent = options_.agent;
     replica_->Answer(frame.state, answer_);
     answered_ = tick;
-    if (scan_log_ && scan_log_->status()) return Fail(scan_log_->status()->ToString());
+    if (scan_log_ && scan_log_->status()) return Fail(*scan_log_->status());
   }
   endpoint_.SendProposal(answer_);
 }
 
-void AgentHost::Fail(std::string message) {
+void AgentHost::Fail(Error error) {
   stage_ = Stage::kFailed;
-  failure_ = std::move(message);
+  failure_ = std::move(error);
   changed_.notify_all();
 }
 

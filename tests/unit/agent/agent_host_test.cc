@@ -1,0 +1,317 @@
+#include "robot-agent/agent/agent_host.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "tests/support/small_world.h"
+#include "tests/unit/agent/scripted_service.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+std::string Library(const std::string& variant) {
+  const char* binary = std::getenv("TROUPE_BINARY_DIR");
+  return std::string(binary != nullptr ? binary : ".") + "/lib/libcontroller_" + variant + ".so";
+}
+
+// Two robots: r0 drives by a script, r1 stands.
+WorldDescription TwoRobots(const std::string& controller = "script",
+                           const std::string& parameters = R"({"commands": [{"at": 0, "vx": 0.5}]})") {
+  SmallWorld world;
+  const RobotId r0 = world.AddRobot("r0", {});
+  world.AddRobot("r1", {2.0, 0.0, 0.0, 0.0});
+  world.SetController(r0, controller, parameters);
+  return world.world();
+}
+
+TEST(AgentHostTest, JoinsWithItsRobotsAndTheHashOfTheWorld) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent({"r1", "r0"});
+  service.SendSession();
+  const JoinMessage join = service.AwaitJoin();
+  EXPECT_EQ(join.run, 1u);
+  EXPECT_EQ(join.agent, 7u);
+  EXPECT_EQ(join.protocol_version, kProtocolVersion);
+  EXPECT_EQ(join.world_hash, Hash(TwoRobots()));
+  EXPECT_THAT(join.robots, ElementsAre("r0", "r1"));
+}
+
+TEST(AgentHostTest, WithoutNamesTakesAllRobots) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession();
+  EXPECT_THAT(service.AwaitJoin().robots, ElementsAre("r0", "r1"));
+}
+
+TEST(AgentHostTest, RepeatsItsJoinUntilAnswered) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession();
+  EXPECT_EQ(service.AwaitJoin(3).run, 1u);
+}
+
+TEST(AgentHostTest, AnswersAFrameWithOneProposalForTheNextTick) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(0);
+  ASSERT_THAT(service.proposals(), SizeIs(1));
+  const ProposalMessage answer = service.proposals()[0];
+  EXPECT_EQ(answer.run, 1u);
+  EXPECT_EQ(answer.agent, 7u);
+  EXPECT_EQ(answer.tick, 1u);
+  EXPECT_THAT(answer.proposals, ElementsAre(Proposal{RobotId(0), {0.5, 0.0, 0.0}}, Proposal{RobotId(1), {}}));
+  EXPECT_THAT(answer.reports, IsEmpty());
+}
+
+TEST(AgentHostTest, ProposesForItsOwnRobotsOnly) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp({"r1"});
+  service.SendFrame(0);
+  EXPECT_THAT(service.proposals().at(0).proposals, ElementsAre(Proposal{RobotId(1), {}}));
+}
+
+TEST(AgentHostTest, ARepeatedFrameGetsTheSameAnswerAgain) {
+  // Each decision of this controller differs from the one before.
+  ScriptedService service(TwoRobots(Library("throws_later"), "{}"));
+  service.TakeUp();
+  service.SendFrame(3);
+  service.SendFrame(3);
+  const std::vector<ProposalMessage> answers = service.proposals();
+  ASSERT_THAT(answers, SizeIs(2));
+  EXPECT_EQ(answers[0].tick, answers[1].tick);
+  EXPECT_EQ(answers[0].proposals, answers[1].proposals);
+  EXPECT_EQ(answers[0].reports, answers[1].reports);
+}
+
+TEST(AgentHostTest, AnOlderFrameIsNotAnswered) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(5);
+  service.SendFrame(4);
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+}
+
+TEST(AgentHostTest, AfterMissedFramesItGoesOnFromTheNewest) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(0);
+  service.SendFrame(17);
+  EXPECT_EQ(service.proposals().at(1).tick, 18u);
+}
+
+TEST(AgentHostTest, AFrameOfAnotherRunIsNotAnswered) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(0, 2);
+  EXPECT_THAT(service.proposals(), IsEmpty());
+  service.SendFrame(0);
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+}
+
+TEST(AgentHostTest, AFrameThatOvertakesTheAdmissionIsAnsweredAfterIt) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession();
+  service.AwaitJoin();
+  service.SendFrame(0);
+  EXPECT_THAT(service.proposals(), IsEmpty());
+  service.Admit();
+  EXPECT_EQ(service.proposals().at(0).tick, 1u);
+  service.Admit();  // the answer to a repeated join
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+}
+
+TEST(AgentHostTest, AdmissionsOfOthersAreNotItsOwn) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession();
+  service.AwaitJoin();
+  service.Send(&AgentHandler::OnAdmission, AdmissionMessage{1, 8, false, "not you"});
+  service.Send(&AgentHandler::OnAdmission, AdmissionMessage{2, 7, false, "not this run"});
+  service.SendFrame(0);
+  EXPECT_THAT(service.proposals(), IsEmpty());
+  service.Admit();
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+}
+
+TEST(AgentHostTest, EndsWhenTheRunIsOver) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(0);
+  service.SendLast(1);
+  const Result<bool> end = service.AwaitEnd();
+  ASSERT_TRUE(end.ok());
+  EXPECT_TRUE(end.value());
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+}
+
+TEST(AgentHostTest, EndsWhenTheFrameThatItAnsweredTurnsOutToBeTheLast) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(4);
+  service.SendLast(4);
+  const Result<bool> end = service.AwaitEnd();
+  ASSERT_TRUE(end.ok());
+  EXPECT_TRUE(end.value());
+}
+
+TEST(AgentHostTest, EndsWhenToldToStop) {
+  ScriptedService waiting(TwoRobots());
+  waiting.StartAgent();
+  waiting.Stop();
+  ASSERT_TRUE(waiting.AwaitEnd().ok());
+  EXPECT_FALSE(waiting.AwaitEnd().value());
+
+  ScriptedService running(TwoRobots());
+  running.TakeUp();
+  running.Stop();
+  ASSERT_TRUE(running.AwaitEnd().ok());
+  EXPECT_FALSE(running.AwaitEnd().value());
+}
+
+TEST(AgentHostTest, ARefusalIsTheUsersToMend) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession();
+  service.AwaitJoin();
+  service.Admit(1, false, "robot r0 is taken");
+  EXPECT_EQ(service.AwaitError(), "error: the world service refused: robot r0 is taken");
+  EXPECT_TRUE(service.bad_request());
+}
+
+TEST(AgentHostTest, AnUnknownRobotIsNamedWithTheKnownOnes) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent({"r0", "r7"});
+  service.SendSession();
+  EXPECT_EQ(service.AwaitError(), "error: the world has no robot 'r7', expected one of: r0, r1");
+  EXPECT_TRUE(service.bad_request());
+}
+
+TEST(AgentHostTest, ARobotNamedTwiceIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent({"r0", "r0"});
+  service.SendSession();
+  EXPECT_EQ(service.AwaitError(), "error: robot 'r0' is named twice");
+  EXPECT_TRUE(service.bad_request());
+}
+
+TEST(AgentHostTest, AControllerThatCannotBeMadeIsAnError) {
+  ScriptedService service(TwoRobots("wander", R"({"speed": "fast"})"));
+  service.StartAgent();
+  service.SendSession();
+  EXPECT_EQ(service.AwaitError(), "error: robot r0: wander: 'speed' is \"fast\", expected a number between 0 and 100");
+  EXPECT_TRUE(service.bad_request());
+}
+
+TEST(AgentHostTest, AnotherProtocolVersionIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  SessionMessage session = service.Session();
+  session.protocol_version = kProtocolVersion + 1;
+  service.Send(&AgentHandler::OnSession, session);
+  EXPECT_THAT(service.AwaitError(), HasSubstr("protocol version"));
+  EXPECT_FALSE(service.bad_request());
+}
+
+TEST(AgentHostTest, AWorldThatBreaksItsRulesIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  SessionMessage session = service.Session();
+  session.world.models[0].X_PM.x = std::nan("");
+  service.Send(&AgentHandler::OnSession, session);
+  EXPECT_THAT(service.AwaitError(), StartsWith("error: the world service on here sent a bad world: "));
+}
+
+TEST(AgentHostTest, AFrameThatDoesNotFitTheWorldIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  FrameMessage frame = service.Frame(0);
+  frame.state.robots.pop_back();
+  service.Send(&AgentHandler::OnFrame, frame);
+  EXPECT_EQ(service.AwaitError(), "error: the world service sent a bad frame: found a state of 1 robots, expected 2");
+}
+
+TEST(AgentHostTest, WithoutASessionItGivesUp) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent({}, "", 0.05);
+  EXPECT_EQ(service.AwaitError(), "error: no world service appeared within 0.05 s");
+}
+
+TEST(AgentHostTest, AServiceThatGoesInMidRunIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.SendFrame(0);
+  service.Leave();
+  EXPECT_EQ(service.AwaitError(), "error: the world service is gone");
+  EXPECT_FALSE(service.bad_request());
+}
+
+TEST(AgentHostTest, AServiceThatGoesBeforeItAnswersMayBeReplaced) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession(1);
+  service.AwaitJoinOf(1);
+  service.Leave();
+  service.SendSession(2);
+  service.AwaitJoinOf(2);
+  service.Admit(2);
+  service.SendFrame(0, 2);
+  EXPECT_EQ(service.proposals().at(0).run, 2u);
+}
+
+TEST(AgentHostTest, ANewRunReplacesOneThatDidNotAnswer) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent();
+  service.SendSession(1);
+  service.AwaitJoinOf(1);
+  service.SendSession(2);
+  service.AwaitJoinOf(2);
+}
+
+TEST(AgentHostTest, AFailingControllerIsReportedOnceAndItsRobotStands) {
+  ScriptedService service(TwoRobots(Library("throws_later"), "{}"));
+  service.TakeUp();
+  for (Tick tick = 0; tick < 6; ++tick) service.SendFrame(tick);
+  const std::vector<ProposalMessage> answers = service.proposals();
+  ASSERT_THAT(answers, SizeIs(6));
+  EXPECT_EQ(answers[2].proposals[0].twist.vx, 0.25);
+  EXPECT_THAT(answers[2].reports, IsEmpty());
+  EXPECT_THAT(answers[3].reports, ElementsAre(HasSubstr("failed at tick 3: out of ideas")));
+  EXPECT_THAT(answers[4].reports, IsEmpty());
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_TRUE(answers[i].proposals[0].twist.IsZero());
+}
+
+TEST(AgentHostTest, ASubscriptionToARangerThatIsNotThereIsAnError) {
+  ScriptedService service(TwoRobots(Library("bad_subscription"), "{}"));
+  service.StartAgent();
+  service.SendSession();
+  EXPECT_THAT(service.AwaitError(), HasSubstr("subscribes to ranger 7, but the robot has 0"));
+}
+
+TEST(AgentHostTest, AScanLogThatCannotBeOpenedIsAnError) {
+  ScriptedService service(TwoRobots());
+  service.StartAgent({}, "/nowhere/scans");
+  EXPECT_EQ(service.AwaitError(), "/nowhere/scans: error: cannot write scans here: No such file or directory");
+  EXPECT_TRUE(service.bad_request());
+}
+
+TEST(AgentHostTest, AFullDiskEndsItWithAnError) {
+  SmallWorld world;
+  world.AddRanger(world.AddRobot("r0", {}), {}, {Fan(1.0, 100)});
+  ScriptedService service(world.world());
+  service.TakeUp({}, "/dev/full");
+  for (Tick tick = 0; tick < 100; ++tick) service.SendFrame(tick);
+  EXPECT_EQ(service.AwaitError(), "/dev/full: error: cannot write scans: No space left on device");
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,122 @@
+// Agents and the real world service, over the memory transport.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "common/protocol/faulty_transport.h"
+#include "common/protocol/memory_transport.h"
+#include "robot-agent/agent/agent_host.h"
+#include "tests/support/small_world.h"
+#include "world-service/service/run_service.h"
+
+namespace troupe {
+namespace {
+
+class QuietObserver final : public RunObserver {
+ public:
+  void OnStarted(double) override {}
+  void OnStatus(const StatusMessage&) override {}
+  void OnEvent(const Event&, const std::string&) override {}
+  void OnNotice(const std::string& text) override { notices.push_back(text); }
+  std::vector<std::string> notices;
+};
+
+// Six robots with noisy sonars that wander and expand in a walled yard.
+WorldDescription Yard() {
+  SmallWorld world;
+  for (int side = 0; side < 4; ++side) {
+    const bool along_x = side % 2 == 0;
+    const double at = side < 2 ? -4.0 : 4.0;
+    world.AddBox("wall" + std::to_string(side), along_x ? 0.0 : at, along_x ? at : 0.0, along_x ? 9.0 : 0.2,
+                 along_x ? 0.2 : 9.0, {0.0, 1.0});
+  }
+  for (int i = 0; i < 6; ++i) {
+    const RobotId robot = world.AddRobot("r" + std::to_string(i), {0.9 * i - 2.2, 0.3 * i, 0.0, 0.5 * i});
+    std::vector<RaySensorDescription> ring;
+    for (int k = 0; k < 8; ++k) {
+      RaySensorDescription sonar = OneRay();
+      sonar.X_MS.heading = WrapAngle(k * kPi / 4);
+      sonar.noise_variance = 1e-4;
+      ring.push_back(sonar);
+    }
+    world.AddRanger(robot, {0.0, 0.0, 0.2, 0.0}, ring);
+    world.SetController(robot, i % 2 == 0 ? "wander" : "expand");
+    world.robot(robot).localization.type = LocalizationType::kOdometry;
+  }
+  return world.world();
+}
+
+struct Outcome {
+  Result<RunSummary> summary = Error{};
+  std::vector<Result<bool>> agents;
+  std::vector<std::string> notices;
+};
+
+Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<std::string>>& packing,
+                 const Faults& faults = {}) {
+  std::unique_ptr<Transport> transport = MakeMemoryTransport();
+  if (faults.any()) transport = MakeFaultyTransport(std::move(transport), faults);
+  const std::atomic<bool> stop = false;
+  Outcome outcome;
+  outcome.agents.assign(packing.size(), false);
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < packing.size(); ++i) {
+    threads.emplace_back([&, i] {
+      const AgentOptions options{.agent = i + 1, .robots = packing[i], .scan_log = "", .session_timeout_seconds = 60.0};
+      outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
+    });
+  }
+  const Scene scene(world);
+  QuietObserver observer;
+  ServiceOptions options;
+  options.settings.ticks = 200;
+  outcome.summary = RunService(scene, options, transport->MakeServiceEndpoint(), observer, stop);
+  for (std::thread& thread : threads) thread.join();
+  outcome.notices = observer.notices;
+  return outcome;
+}
+
+std::uint64_t HashAtTheEnd(const Outcome& outcome) {
+  EXPECT_TRUE(outcome.summary.ok()) << outcome.summary.error().ToString();
+  if (!outcome.summary.ok()) return 0;
+  EXPECT_EQ(outcome.summary.value().ticks, 200u);
+  EXPECT_EQ(outcome.summary.value().rejected, 0u);
+  for (const Result<bool>& agent : outcome.agents) {
+    EXPECT_TRUE(agent.ok() && agent.value()) << (agent.ok() ? "stopped" : agent.error().ToString());
+  }
+  return outcome.summary.value().state_hash;
+}
+
+TEST(AgentRunTest, TheResultDoesNotDependOnThePacking) {
+  const std::uint64_t one_agent = HashAtTheEnd(Simulate(Yard(), {{}}));
+  EXPECT_NE(one_agent, 0u);
+  EXPECT_EQ(HashAtTheEnd(Simulate(Yard(), {{"r3", "r0"}, {"r5", "r1", "r2", "r4"}})), one_agent);
+  EXPECT_EQ(HashAtTheEnd(Simulate(Yard(), {{"r0"}, {"r1"}, {"r2"}, {"r3"}, {"r4"}, {"r5"}})), one_agent);
+}
+
+TEST(AgentRunTest, TheResultDoesNotDependOnFaultsOfTheTransport) {
+  const std::uint64_t expected = HashAtTheEnd(Simulate(Yard(), {{}}));
+  const Faults faults{
+      .loss = 0.05, .duplicate = 0.1, .reorder = 0.1, .delay_probability = 0.1, .delay_seconds = 0.002, .seed = 3};
+  const Outcome outcome = Simulate(Yard(), {{"r0", "r1", "r2"}, {"r3", "r4", "r5"}}, faults);
+  ASSERT_TRUE(outcome.summary.ok()) << outcome.summary.error().ToString();
+  EXPECT_EQ(outcome.summary.value().state_hash, expected);
+}
+
+TEST(AgentRunTest, TheSeedMatters) {
+  WorldDescription other = Yard();
+  other.seed = 2;
+  EXPECT_NE(HashAtTheEnd(Simulate(Yard(), {{}})), HashAtTheEnd(Simulate(other, {{}})));
+}
+
+TEST(AgentRunTest, AnAgentForAnUnknownRobotDoesNotDisturbTheOthers) {
+  const Outcome outcome = Simulate(Yard(), {{}, {"nobody"}});
+  HashAtTheEnd({outcome.summary, {outcome.agents[0]}, {}});
+  ASSERT_FALSE(outcome.agents[1].ok());
+  EXPECT_THAT(outcome.agents[1].error().message, ::testing::HasSubstr("no robot 'nobody'"));
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,148 @@
+#include "robot-agent/agent/robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/spatial/robot_index.h"
+#include "common/spatial/scene.h"
+#include "robot-agent/agent/scan_log.h"
+#include "tests/support/small_world.h"
+
+namespace troupe {
+namespace {
+
+// One robot in front of a wall, alone in its agent.
+class RobotTest : public ::testing::Test {
+ protected:
+  RobotTest() {
+    id_ = world_.AddRobot("r0", {});
+    world_.AddBox("wall", 3.0, 0.0, 1.0, 9.0, {0.0, 1.0});
+  }
+  ~RobotTest() override { std::filesystem::remove(log_path_); }
+
+  void Make(bool with_log = false) {
+    if (with_log) {
+      Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(log_path_);
+      ASSERT_TRUE(log.ok());
+      log_ = std::move(log).value();
+    }
+    scene_ = std::make_unique<Scene>(world_.world());
+    index_ = std::make_unique<RobotIndex>(*scene_);
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, log_.get());
+    ASSERT_TRUE(robot.ok()) << robot.error().message;
+    robot_ = std::move(robot).value();
+    state_ = InitialState(world_.world());
+  }
+  Twist Decide(Tick tick) {
+    state_.tick = tick;
+    index_->Assign(state_);
+    return robot_->Decide(state_, *index_).twist;
+  }
+  std::vector<std::string> LogLines() {
+    EXPECT_FALSE(log_->Flush());
+    std::vector<std::string> lines;
+    std::ifstream file(log_path_);
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+  }
+
+  std::string log_path_ = ::testing::TempDir() + "/troupe_robot_test_" + std::to_string(getpid());
+  SmallWorld world_;
+  RobotId id_;
+  std::unique_ptr<ScanLog> log_;
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<RobotIndex> index_;
+  std::unique_ptr<Robot> robot_;
+  WorldState state_;
+};
+
+TEST_F(RobotTest, StaysWithinItsDrivesLimits) {
+  world_.robot(id_).drive.acceleration.x = {-2.0, 1.0};
+  world_.SetController(id_, "script", R"({"commands": [{"at": 0, "vx": 9}]})");
+  Make();
+  EXPECT_NEAR(Decide(0).vx, 0.1, 1e-12);
+  state_.robots[0].twist.vx = 0.95;
+  EXPECT_EQ(Decide(1).vx, 1.0);
+}
+
+TEST_F(RobotTest, TimeIsCountedInTicks) {
+  world_.world().interval_ns = 20'000'000;
+  world_.SetController(id_, "script", R"({"commands": [{"at": 0.5, "vx": 0.4}]})");
+  Make();
+  EXPECT_EQ(Decide(24).vx, 0.0);
+  EXPECT_EQ(Decide(25).vx, 0.4);
+}
+
+TEST_F(RobotTest, TheControllerSeesItsRanger) {
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 11)});
+  world_.SetController(id_, "wander", R"({"min_distance": 1})");
+  Make();
+  EXPECT_GT(Decide(0).vx, 0.0);
+  state_.robots[0].X_WR.x = 2.0;  // half a metre before the wall
+  EXPECT_EQ(Decide(1).vx, 0.0);
+}
+
+TEST_F(RobotTest, AScannerMountedBackwardsLooksBack) {
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, kPi}, {Fan(1.0, 11)});
+  world_.SetController(id_, "wander");
+  Make();
+  state_.robots[0].X_WR.x = 2.0;
+  EXPECT_GT(Decide(0).vx, 0.0);
+}
+
+TEST_F(RobotTest, ASlowRangerKeepsItsReadingUntilItIsDue) {
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 11)});
+  world_.robot(id_).rangers[0].period_ticks = 5;
+  world_.SetController(id_, "wander");
+  Make();
+  EXPECT_GT(Decide(0).vx, 0.0);
+  state_.robots[0].X_WR.x = 2.0;
+  for (Tick tick = 1; tick < 5; ++tick) EXPECT_GT(Decide(tick).vx, 0.0) << tick;
+  EXPECT_EQ(Decide(5).vx, 0.0);
+}
+
+TEST_F(RobotTest, TheScanLogHasEveryRangerWhenDue) {
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {OneRay(), OneRay(1.0)});
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {OneRay()});
+  world_.robot(id_).rangers[1].period_ticks = 2;
+  Make(true);
+  Decide(0);
+  Decide(1);
+  EXPECT_THAT(LogLines(), ::testing::ElementsAre(R"({"tick":0,"robot":"r0","sensor":"ranger:0.0","ranges":[2.5]})",
+                                                 R"({"tick":0,"robot":"r0","sensor":"ranger:0.1","ranges":[1]})",
+                                                 R"({"tick":0,"robot":"r0","sensor":"ranger:1.0","ranges":[2.5]})",
+                                                 R"({"tick":1,"robot":"r0","sensor":"ranger:0.0","ranges":[2.5]})",
+                                                 R"({"tick":1,"robot":"r0","sensor":"ranger:0.1","ranges":[1]})"));
+}
+
+TEST_F(RobotTest, DecidesTheSameWithAndWithoutAScanLog) {
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 11), OneRay()});
+  world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 5)});
+  world_.robot(id_).rangers[0].sensors[0].noise_variance = 0.1;
+  world_.SetController(id_, "expand");
+  std::vector<Twist> decisions[2];
+  for (bool with_log : {false, true}) {
+    Make(with_log);
+    for (Tick tick = 0; tick < 50; ++tick) {
+      state_.robots[0].X_WR = state_.robots[0].X_WR * Integrate(state_.robots[0].twist, 0.1);
+      state_.robots[0].twist = Decide(tick);
+      decisions[with_log].push_back(state_.robots[0].twist);
+    }
+  }
+  EXPECT_EQ(decisions[0], decisions[1]);
+}
+
+TEST_F(RobotTest, AnErrorNamesTheRobot) {
+  world_.SetController(id_, "fly");
+  const Scene scene(world_.world());
+  const auto robot = Robot::Create(scene, id_, nullptr);
+  ASSERT_FALSE(robot.ok());
+  EXPECT_THAT(robot.error().message, ::testing::StartsWith("robot r0: unknown controller 'fly'"));
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,172 @@
+// ScriptedService: the other end of an agent under test. The test says what the service sends, and awaits what the
+// agent sends.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "common/base/version.h"
+#include "robot-agent/agent/agent_host.h"
+
+namespace troupe {
+
+class ScriptedService {
+ public:
+  explicit ScriptedService(WorldDescription world) : world_(std::move(world)) {}
+  ~ScriptedService() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // Runs an agent on a thread of its own, and waits until it listens.
+  void StartAgent(std::vector<std::string> robots = {}, const std::string& scan_log = "", double timeout = 30.0) {
+    options_ = {.agent = 7, .robots = std::move(robots), .scan_log = scan_log, .session_timeout_seconds = timeout};
+    thread_ = std::thread([this] {
+      Result<bool> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_, &bad_request_);
+      const std::lock_guard lock(mutex_);
+      result_ = std::move(result);
+      changed_.notify_all();
+    });
+    EXPECT_TRUE(Await([this] { return handler_ != nullptr || result_; }));
+  }
+
+  SessionMessage Session(RunId run = 1) const {
+    return {.run = run,
+            .protocol_version = kProtocolVersion,
+            .host = "here",
+            .pid = 1,
+            .lease_seconds = 2.0,
+            .world = world_};
+  }
+  FrameMessage Frame(Tick tick, RunId run = 1) const {
+    FrameMessage frame;
+    frame.run = run;
+    frame.state = InitialState(world_);
+    frame.state.tick = tick;
+    return frame;
+  }
+
+  // Messages do nothing once the agent has ended.
+  template <typename Message>
+  void Send(void (AgentHandler::*receive)(const Message&), const Message& message) {
+    Deliver([&](AgentHandler& handler) { (handler.*receive)(message); });
+  }
+  void SendSession(RunId run = 1) { Send(&AgentHandler::OnSession, Session(run)); }
+  void SendFrame(Tick tick, RunId run = 1) { Send(&AgentHandler::OnFrame, Frame(tick, run)); }
+  void SendLast(Tick tick) {
+    FrameMessage frame = Frame(tick);
+    frame.last = true;
+    Send(&AgentHandler::OnFrame, frame);
+  }
+  void Admit(RunId run = 1, bool admitted = true, const std::string& reason = "") {
+    Send(&AgentHandler::OnAdmission, AdmissionMessage{run, 7, admitted, reason});
+  }
+  void Leave() {
+    Deliver([](AgentHandler& handler) { handler.OnServiceGone(); });
+  }
+  void Stop() { stop_ = true; }
+
+  // The n-th join, from 1 on; it has to come.
+  JoinMessage AwaitJoin(std::size_t n = 1) {
+    EXPECT_TRUE(Await([&] { return joins_.size() >= n; })) << "no join came";
+    const std::lock_guard lock(mutex_);
+    return joins_.size() >= n ? joins_[n - 1] : JoinMessage{};
+  }
+  // Waits for a join of the given run.
+  void AwaitJoinOf(RunId run) {
+    EXPECT_TRUE(Await([&] { return !joins_.empty() && joins_.back().run == run; })) << "no join came";
+  }
+  // Session, join and admission.
+  void TakeUp(std::vector<std::string> robots = {}, const std::string& scan_log = "") {
+    StartAgent(std::move(robots), scan_log);
+    SendSession();
+    AwaitJoin();
+    Admit();
+  }
+
+  std::vector<ProposalMessage> proposals() {
+    const std::lock_guard lock(mutex_);
+    return proposals_;
+  }
+
+  // How the agent ended; it has to.
+  Result<bool> AwaitEnd() {
+    EXPECT_TRUE(Await([this] { return result_.has_value(); })) << "the agent did not end";
+    const std::lock_guard lock(mutex_);
+    return result_ ? *result_ : Result<bool>(Error{{}, "did not end"});
+  }
+  std::string AwaitError() {
+    const Result<bool> end = AwaitEnd();
+    return end.ok() ? "" : end.error().ToString();
+  }
+  bool bad_request() {
+    if (thread_.joinable()) thread_.join();
+    return bad_request_;
+  }
+
+ private:
+  class Endpoint final : public AgentEndpoint {
+   public:
+    explicit Endpoint(ScriptedService& service) : service_(service) {}
+    ~Endpoint() override { SetHandler(nullptr); }
+    void Start(AgentHandler& handler) override { SetHandler(&handler); }
+    void SendJoin(const JoinMessage& join) override { Add(service_.joins_, join); }
+    void SendProposal(const ProposalMessage& proposal) override { Add(service_.proposals_, proposal); }
+
+   private:
+    void SetHandler(AgentHandler* handler) {
+      // The test's thread may be inside a call; deliveries end before the endpoint does.
+      const std::lock_guard delivery(service_.delivery_);
+      const std::lock_guard lock(service_.mutex_);
+      service_.handler_ = handler;
+      service_.changed_.notify_all();
+    }
+    template <typename Message>
+    void Add(std::vector<Message>& messages, const Message& message) {
+      const std::lock_guard lock(service_.mutex_);
+      messages.push_back(message);
+      service_.changed_.notify_all();
+    }
+    ScriptedService& service_;
+  };
+
+  // Calls the handler, if the agent is there.
+  template <typename Call>
+  void Deliver(Call call) {
+    const std::lock_guard delivery(delivery_);
+    AgentHandler* handler = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      handler = handler_;
+    }
+    if (handler != nullptr) call(*handler);
+  }
+
+  template <typename Condition>
+  bool Await(Condition condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(30), condition);
+  }
+
+  WorldDescription world_;
+  AgentOptions options_;
+  std::atomic<bool> stop_ = false;
+  bool bad_request_ = false;  // of the agent's thread until it ends
+  std::mutex delivery_;       // held during calls of the handler
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  AgentHandler* handler_ = nullptr;
+  std::vector<JoinMessage> joins_;
+  std::vector<ProposalMessage> proposals_;
+  std::optional<Result<bool>> result_;
+  std::thread thread_;
+};
+
+}  // namespace troupe
