@@ -4,9 +4,10 @@
 
 namespace troupe {
 
-Bitmap::Bitmap(int width, int height) : width_(width), height_(height), stride_((width + 63) / 64 * 64) {
+Bitmap::Bitmap(int width, int height)
+    : width_(width), height_(height), stride_((static_cast<std::int64_t>(width) + 63) / 64 * 64) {
   TROUPE_CHECK(width >= 0 && height >= 0);
-  words_.resize(static_cast<std::size_t>(stride_) / 64 * static_cast<std::size_t>(height));
+  words_.resize(words_per_row() * static_cast<std::size_t>(height));
 }
 
 void Bitmap::set_occupied(int x, int y, bool value) {

@@ -1,7 +1,9 @@
 // Bitmap: a grid of occupied and free pixels, the one type behind every kind of map file.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace troupe {
@@ -20,13 +22,20 @@ class Bitmap {
   }
   void set_occupied(int x, int y, bool value);
 
+  // The pixels of a row, 64 to a word: column x is bit x % 64 of word x / 64. Bits beyond the width are zero, and have
+  // to stay so.
+  std::span<const std::uint64_t> row(int y) const { return {words_.data() + WordIndex(y), words_per_row()}; }
+  std::span<std::uint64_t> row(int y) { return {words_.data() + WordIndex(y), words_per_row()}; }
+
  private:
+  std::size_t words_per_row() const { return static_cast<std::size_t>(stride_) >> 6; }
+  std::size_t WordIndex(int y) const { return static_cast<std::size_t>(y) * words_per_row(); }
   std::size_t Index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride_) + static_cast<std::size_t>(x);
   }
   int width_ = 0;
   int height_ = 0;
-  int stride_ = 0;  // width rounded up to whole 64-bit words: rows start on a word
+  std::int64_t stride_ = 0;  // width rounded up to whole 64-bit words: rows start on a word
   std::vector<std::uint64_t> words_;
 };
 

@@ -1,30 +1,37 @@
-// Reading map images: PNG and PGM, as grey values.
+// Reading map images: PNG and PGM, straight to occupied and free pixels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "common/base/result.h"
 #include "common/bitmap/bitmap.h"
 
 namespace troupe {
 
-// The first channel of an image (grey, or red) and its opacity, rows from the top.
-struct GreyImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> grey;   // width * height
-  std::vector<std::uint8_t> alpha;  // the same size; empty: opaque
+// Which pixels of an image are occupied. Only the grey value of a pixel counts, reduced to 0..255.
+struct PixelRule {
+  std::array<bool, 256> occupied{};  // by grey value
+  // A colour image's grey value is the mean of red, green and blue; otherwise it is red alone.
+  bool mean_of_channels = false;
+  // A pixel that is not fully opaque is free; otherwise opacity does not matter.
+  bool transparent_is_free = false;
+  bool operator==(const PixelRule&) const = default;
 };
+
+// Stage's rule: a pixel is occupied if its grey (or red) value is at most 127; opacity does not matter.
+PixelRule StagePixelRule();
 
 // Images larger than this are refused before anything is allocated: a small file can unpack to any size.
 inline constexpr std::int64_t kMaxImagePixels = 4'000'000'000;
+// The same for the unpacked size in bytes, which colour and 16-bit samples multiply.
+inline constexpr std::int64_t kMaxImageBytes = 8'000'000'000;
+// Interlaced PNG images have to be unpacked as a whole, so they have to be smaller.
+inline constexpr std::int64_t kMaxInterlacedBytes = 400'000'000;
 
-// Format by content, not by file name. 16-bit samples are reduced to 8; palettes are looked up.
-Result<GreyImage> ReadImage(const std::string& path);
-
-// Stage's rule: a pixel is occupied if its grey value is at most 127; opacity does not matter.
-Bitmap BitmapByStageRule(const GreyImage& image);
+// Reads an image row by row, so that memory is one bit for each pixel. Format by content, not by file name: PNG of any
+// kind, PGM text (P2) and binary (P5). 16-bit samples are reduced to 8; palettes are looked up.
+Result<Bitmap> ReadBitmap(const std::string& path, const PixelRule& rule);
 
 }  // namespace troupe

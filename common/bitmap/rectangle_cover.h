@@ -16,8 +16,8 @@ struct PixelRectangle {
   bool operator==(const PixelRectangle&) const = default;
 };
 
-// An exact cover of the occupied pixels by disjoint rectangles: every occupied pixel is in exactly one, no free pixel in
-// any. Few, in a fixed order (by y0, then x0).
+// An exact cover of the occupied pixels by disjoint rectangles: every occupied pixel is in exactly one, no free pixel
+// in any. Few, in a fixed order (by y0, then x0).
 std::vector<PixelRectangle> CoverByRectangles(const Bitmap& bitmap);
 
 }  // namespace troupe

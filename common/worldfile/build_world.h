@@ -7,8 +7,13 @@
 
 namespace troupe {
 
+struct BuildOptions {
+  bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk
+};
+
 // Every property of every entity is either honoured or named in a warning with its place; models of types whose
 // behaviour is not simulated load as bodies, with a warning.
-Result<LoadedWorld> BuildWorld(const WorldTree& tree);
+Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
+                               const BuildOptions& options = {});
 
 }  // namespace troupe

@@ -1,18 +1,27 @@
 // The Stage worldfile language: `.world` and `.inc` files to a WorldTree. docs/world-files.md describes it.
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 
 #include "common/base/result.h"
+#include "common/worldfile/macro_expander.h"
 #include "common/worldfile/world_tree.h"
 
 namespace troupe {
+
+struct ParseOptions {
+  // If not null: the only files that includes find, by name. The disk is not touched.
+  const std::map<std::string, std::string>* memory_files = nullptr;
+  std::size_t max_items = kMaxItems;
+};
 
 // Reads `path` and all that it includes.
 Result<WorldTree> ParseStageWorld(const std::string& path);
 
 // The same from text; `path` names it in messages and says where relative includes start.
-Result<WorldTree> ParseStageText(const std::string& text, const std::string& path);
+Result<WorldTree> ParseStageText(const std::string& text, const std::string& path, const ParseOptions& options = {});
 
 // An entity of type or macro `name` with nothing in its body, as `name ( )` in the file would give.
 Result<Entity> Instantiate(const WorldTree& tree, const std::string& name, const SourceLocation& where);

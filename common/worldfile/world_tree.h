@@ -12,12 +12,15 @@
 
 namespace troupe {
 
-// A number, a string, or a tuple of them; numbers keep their text for messages.
+// A number, with its text for messages.
+struct NumberValue {
+  double value = 0.0;
+  std::string text;
+};
+
+// A number, a string, or a tuple of them.
 struct Value {
-  struct Number {
-    double value = 0.0;
-    std::string text;
-  };
+  using Number = NumberValue;
   using Scalar = std::variant<Number, std::string>;
 
   std::variant<Number, std::string, std::vector<Scalar>> content;
@@ -43,6 +46,9 @@ struct Entity {
   // Replaces the property of that name, or adds it.
   void Set(Property property);
 };
+
+// Of properties with one name the last counts, at the place of the first.
+void KeepLastOfEachName(std::vector<Property>& properties);
 
 // `define NAME BASE ( body )`, not yet applied.
 struct Define {

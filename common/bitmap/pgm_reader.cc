@@ -1,0 +1,106 @@
+// PGM: a header of text (P2 or P5, width, height, maximum; comments from # to the end of a line), then samples as text
+// (P2) or bytes, two for each sample where the maximum is above 255 (P5).
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "common/bitmap/image_reader.h"
+
+namespace troupe {
+namespace {
+
+class PgmReader {
+ public:
+  PgmReader(const ImageFile& file, const PixelRule& rule) : file_(file), rule_(rule) {}
+
+  Result<Bitmap> Read() {
+    Get();  // 'P'
+    const bool binary = Get() == '5';
+    const std::optional<std::int64_t> width = Number(1'000'000'000);
+    const std::optional<std::int64_t> height = Number(1'000'000'000);
+    const std::optional<std::int64_t> maximum = Number(65535);
+    if (!width || !height || !maximum || *width == 0 || *height == 0 || *maximum == 0) {
+      return Fail("found a damaged PGM header, expected width, height and maximum as whole numbers above 0");
+    }
+    const std::string text = std::to_string(*width) + " x " + std::to_string(*height) + " pixels";
+    if (*width > kMaxImagePixels / *height) {
+      return Fail("found an image of " + text + ", expected at most 4000000000 pixels");
+    }
+    const std::int64_t bytes_per_sample = binary && *maximum <= 255 ? 1 : 2;
+    if (*width * *height > (file_.size + 1) / bytes_per_sample) {
+      return Fail("found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text);
+    }
+    for (std::size_t value = 0; value < lookup_.size(); ++value) {
+      const std::int64_t clamped = std::min(static_cast<std::int64_t>(value), *maximum);
+      lookup_[value] = rule_.occupied[static_cast<std::size_t>(clamped * 255 / *maximum)];
+    }
+    Bitmap bitmap(static_cast<int>(*width), static_cast<int>(*height));
+    for (int y = bitmap.height() - 1; y >= 0; --y) {
+      if (!(binary ? ReadBinaryRow(bitmap, y, bytes_per_sample) : ReadTextRow(bitmap, y))) {
+        return Fail("found a damaged PGM image, expected " + text + " of values up to " + std::to_string(*maximum));
+      }
+    }
+    return bitmap;
+  }
+
+ private:
+  Error Fail(const std::string& message) const { return Error{{file_.path}, message}; }
+  int Get() { return std::getc(file_.stream.get()); }
+
+  // The next number after blanks and comments; takes one more character, which must be a blank or the end.
+  std::optional<std::int64_t> Number(std::int64_t maximum) {
+    int c = Get();
+    while (c == '#' || IsBlank(c)) {
+      if (c == '#') {
+        while (c != '\n' && c != '\r' && c != EOF) c = Get();
+      } else {
+        c = Get();
+      }
+    }
+    if (c < '0' || c > '9') return std::nullopt;
+    std::int64_t value = 0;
+    for (; c >= '0' && c <= '9'; c = Get()) {
+      value = value * 10 + (c - '0');
+      if (value > maximum) return std::nullopt;
+    }
+    if (c == '#') std::ungetc(c, file_.stream.get());
+    if (c != '#' && c != EOF && !IsBlank(c)) return std::nullopt;
+    return value;
+  }
+
+  static bool IsBlank(int c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
+
+  bool ReadTextRow(Bitmap& bitmap, int y) {
+    for (int x = 0; x < bitmap.width(); ++x) {
+      const std::optional<std::int64_t> value = Number(65535);
+      if (!value) return false;
+      if (lookup_[static_cast<std::size_t>(*value)]) bitmap.set_occupied(x, y, true);
+    }
+    return true;
+  }
+
+  bool ReadBinaryRow(Bitmap& bitmap, int y, std::int64_t bytes_per_sample) {
+    const std::size_t step = static_cast<std::size_t>(bytes_per_sample);
+    row_.resize(static_cast<std::size_t>(bitmap.width()) * step);
+    if (std::fread(row_.data(), 1, row_.size(), file_.stream.get()) != row_.size()) return false;
+    for (int x = 0; x < bitmap.width(); ++x) {
+      const unsigned char* sample = row_.data() + static_cast<std::size_t>(x) * step;
+      const std::size_t value = step == 1 ? sample[0] : static_cast<std::size_t>(sample[0]) * 256 + sample[1];
+      if (lookup_[value]) bitmap.set_occupied(x, y, true);
+    }
+    return true;
+  }
+
+  const ImageFile& file_;
+  const PixelRule& rule_;
+  std::vector<bool> lookup_ = std::vector<bool>(65536);  // occupied, by sample
+  std::vector<unsigned char> row_;
+};
+
+}  // namespace
+
+Result<Bitmap> ReadPgm(const ImageFile& file, const PixelRule& rule) {
+  return PgmReader(file, rule).Read();
+}
+
+}  // namespace troupe

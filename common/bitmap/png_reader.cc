@@ -1,0 +1,173 @@
+// PNG by libpng. libpng reports errors by longjmp, which must not pass a frame with destructors: every call into it
+// goes through Guarded, whose frame has none, and which turns the jump into `false`.
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <span>
+#include <vector>
+
+#include "common/bitmap/image_reader.h"
+
+namespace troupe {
+namespace {
+
+class PngReader {
+ public:
+  PngReader(const ImageFile& file, const PixelRule& rule) : file_(file), rule_(rule) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, OnError, OnWarning);
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
+  }
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+
+  Result<Bitmap> Read() {
+    if (png_ == nullptr || info_ == nullptr) return Fail("libpng cannot be started");
+    if (!Guarded([this] { ReadHeader(); })) return Fail(message_.data());
+    if (Status error = CheckSize()) return *error;
+    if (!Guarded([this] { SetTransformations(); })) return Fail(message_.data());
+    Bitmap bitmap(static_cast<int>(png_get_image_width(png_, info_)),
+                  static_cast<int>(png_get_image_height(png_, info_)));
+    const bool ok = passes_ > 1 ? ReadInterlaced(bitmap) : ReadRows(bitmap);
+    if (!ok) return Fail(message_.data());
+    return bitmap;
+  }
+
+ private:
+  // The calls must be of trivial frames: no object with a destructor between the jump and here.
+  template <typename Calls>
+  bool Guarded(Calls calls) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    calls();
+    return true;
+  }
+
+  static void OnError(png_structp png, png_const_charp text) {
+    PngReader* self = static_cast<PngReader*>(png_get_error_ptr(png));
+    std::snprintf(self->message_.data(), self->message_.size(), "%s", text);
+    png_longjmp(png, 1);
+  }
+  static void OnWarning(png_structp, png_const_charp) {}
+
+  Error Fail(const std::string& what) const {
+    return Error{{file_.path}, "found a damaged PNG image (" + what + "), expected a whole one"};
+  }
+
+  void ReadHeader() {
+    png_set_user_limits(png_, 0x7fffffff, 0x7fffffff);
+    png_set_chunk_cache_max(png_, 100);
+    png_set_chunk_malloc_max(png_, 1 << 20);
+    png_init_io(png_, file_.stream.get());
+    png_read_info(png_, info_);
+  }
+
+  Status CheckSize() const {
+    const std::int64_t width = png_get_image_width(png_, info_);
+    const std::int64_t height = png_get_image_height(png_, info_);
+    const std::string text = std::to_string(width) + " x " + std::to_string(height) + " pixels";
+    const std::int64_t bits_per_pixel =
+        std::int64_t{png_get_channels(png_, info_)} * std::int64_t{png_get_bit_depth(png_, info_)};
+    // Divisions, because the products could overflow.
+    if (width > kMaxImagePixels / height) {
+      return Error{{file_.path}, "found an image of " + text + ", expected at most 4000000000 pixels"};
+    }
+    const std::int64_t row_bytes = (width * bits_per_pixel + 7) / 8;
+    if (row_bytes > kMaxImageBytes / height) {
+      return Error{{file_.path},
+                   "found an image of " + text + " that unpacks to more than 8 GB, expected a smaller one"};
+    }
+    if (png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE && width * height > kMaxInterlacedBytes / 4) {
+      return Error{{file_.path}, "found an interlaced image of " + text + ", expected one that is not interlaced"};
+    }
+    // Deflate shrinks by at most 1032 to 1: a file that is too short for its pixels is cut off, or made to mislead.
+    if (row_bytes * height / 1040 > file_.size) {
+      return Error{{file_.path},
+                   "found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text};
+    }
+    return std::nullopt;
+  }
+
+  void SetTransformations() {
+    png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_WARN_DISCARD);
+    if (png_get_bit_depth(png_, info_) == 16) png_set_strip_16(png_);
+    const png_byte type = png_get_color_type(png_, info_);
+    if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png_);
+    if (type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8) png_set_expand_gray_1_2_4_to_8(png_);
+    if (png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) png_set_tRNS_to_alpha(png_);
+    passes_ = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    channels_ = png_get_channels(png_, info_);
+    row_bytes_ = png_get_rowbytes(png_, info_);
+  }
+
+  bool ReadRows(Bitmap& bitmap) {
+    std::vector<png_byte> row(row_bytes_);
+    png_byte* const data = row.data();
+    for (int y = bitmap.height() - 1; y >= 0; --y) {
+      if (!Guarded([this, data] { png_read_row(png_, data, nullptr); })) return false;
+      SetRow(data, bitmap, y);
+    }
+    return ReadEnd();
+  }
+
+  bool ReadInterlaced(Bitmap& bitmap) {
+    const std::size_t height = static_cast<std::size_t>(bitmap.height());
+    std::vector<png_byte> pixels(row_bytes_ * height);
+    for (int pass = 0; pass < passes_; ++pass) {
+      for (std::size_t row = 0; row < height; ++row) {
+        png_byte* const data = pixels.data() + row * row_bytes_;
+        if (!Guarded([this, data] { png_read_row(png_, data, nullptr); })) return false;
+      }
+    }
+    for (std::size_t row = 0; row < height; ++row) {
+      SetRow(pixels.data() + row * row_bytes_, bitmap, static_cast<int>(height - 1 - row));
+    }
+    return ReadEnd();
+  }
+
+  bool ReadEnd() {
+    return Guarded([this] { png_read_end(png_, nullptr); });
+  }
+
+  bool Occupied(const png_byte* pixel) const {
+    const bool has_alpha = channels_ == 2 || channels_ == 4;
+    if (has_alpha && rule_.transparent_is_free && pixel[channels_ - 1] != 255) return false;
+    if (channels_ >= 3 && rule_.mean_of_channels) {
+      return rule_.occupied[(static_cast<std::size_t>(pixel[0]) + pixel[1] + pixel[2] + 1) / 3];
+    }
+    return rule_.occupied[pixel[0]];
+  }
+
+  void SetRow(const png_byte* samples, Bitmap& bitmap, int y) const {
+    const std::span<std::uint64_t> words = bitmap.row(y);
+    const std::size_t width = static_cast<std::size_t>(bitmap.width());
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const std::size_t count = std::min<std::size_t>(64, width - 64 * i);
+      std::uint64_t word = 0;
+      for (std::size_t bit = 0; bit < count; ++bit) {
+        word |= std::uint64_t{Occupied(samples)} << bit;
+        samples += channels_;
+      }
+      words[i] = word;
+    }
+  }
+
+  const ImageFile& file_;
+  const PixelRule& rule_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  std::array<char, 200> message_{};
+  int passes_ = 1;
+  std::size_t channels_ = 1;
+  std::size_t row_bytes_ = 0;
+};
+
+}  // namespace
+
+Result<Bitmap> ReadPng(const ImageFile& file, const PixelRule& rule) {
+  return PngReader(file, rule).Read();
+}
+
+}  // namespace troupe

@@ -1,0 +1,241 @@
+#include "common/picture/canvas.h"
+
+#include <cairo-svg.h>
+#include <cairo.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace troupe {
+namespace {
+
+// Cairo keeps coordinates as fixed-point numbers with 24 bits before the point, so a zoomed picture of a large world
+// must be cut before it is handed over. The margin keeps cut edges and their strokes out of sight.
+constexpr double kClipMargin = 64.0;  // px
+
+cairo_status_t Append(void* closure, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+// Cairo numbers its surfaces through the life of the process, which would make two equal pictures differ.
+void RemoveSurfaceIds(std::string& svg) {
+  const std::string start = " id=\"surface";
+  for (std::size_t at = svg.find(start); at != std::string::npos; at = svg.find(start, at)) {
+    const std::size_t end = svg.find('"', at + start.size());
+    if (end == std::string::npos) return;
+    svg.erase(at, end + 1 - at);
+  }
+}
+
+// Length of the valid UTF-8 sequence at `at`, 0 if there is none.
+std::size_t SequenceLength(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(at);
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : (first & 0xF0) == 0xE0        ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  if (length == 0 || at + length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(at + i) & 0xC0) != 0x80) return 0;
+  }
+  if (length > 1) {
+    const unsigned char second = byte(at + 1);
+    const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+    const bool surrogate = first == 0xED && second > 0x9F;
+    const bool beyond = first == 0xF4 && second > 0x8F;
+    if (overlong || surrogate || beyond) return 0;
+  }
+  return length;
+}
+
+}  // namespace
+
+std::string PrintableUtf8(const std::string& text) {
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = SequenceLength(text, at);
+    const auto first = static_cast<unsigned char>(text[at]);
+    if (length == 0 || first < 0x20 || first == 0x7F) {
+      result += '?';
+      ++at;
+    } else {
+      result.append(text, at, length);
+      at += length;
+    }
+  }
+  return result;
+}
+
+Polygon ClipPolygon(const Polygon& polygon, const Rectangle& box) {
+  Polygon result = polygon;
+  // One pass for each side: keep what is inside, cut the edges that cross.
+  for (int side = 0; side < 4; ++side) {
+    const int axis = side / 2;
+    const bool upper = side % 2 == 1;
+    const double limit = axis == 0 ? (upper ? box.max_x : box.min_x) : (upper ? box.max_y : box.min_y);
+    const auto inside = [&](const Vec2& p) { return upper ? p[axis] <= limit : p[axis] >= limit; };
+    Polygon kept;
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const Vec2& from = result[i];
+      const Vec2& to = result[(i + 1) % result.size()];
+      if (inside(from)) kept.push_back(from);
+      if (inside(from) != inside(to)) {
+        Vec2 cut = from + (to - from) * ((limit - from[axis]) / (to[axis] - from[axis]));
+        cut[axis] = limit;
+        kept.push_back(cut);
+      }
+    }
+    result = std::move(kept);
+  }
+  return result;
+}
+
+Canvas::Canvas(PictureFormat format, int width, int height)
+    : format_(format), width_(width), height_(height), clip_{0.0, 0.0, double(width), double(height)} {
+  surface_ = format == PictureFormat::kPng ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)
+                                           : cairo_svg_surface_create_for_stream(Append, &bytes_, width, height);
+  cairo_ = cairo_create(surface_);
+  cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_EVEN_ODD);
+  cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
+  // Letters keep their shape whatever the machine's font settings are.
+  cairo_font_options_t* font = cairo_font_options_create();
+  cairo_font_options_set_antialias(font, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(font, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(font, CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(cairo_, font);
+  cairo_font_options_destroy(font);
+}
+
+Canvas::~Canvas() {
+  cairo_destroy(cairo_);
+  cairo_surface_destroy(surface_);
+}
+
+void Canvas::ClipTo(const Rectangle& box) {
+  cairo_save(cairo_);
+  cairo_rectangle(cairo_, box.min_x, box.min_y, box.width(), box.height());
+  cairo_clip(cairo_);
+  clip_ = box;
+}
+
+void Canvas::ClipNothing() {
+  cairo_restore(cairo_);
+  clip_ = {0.0, 0.0, double(width_), double(height_)};
+}
+
+void Canvas::SetColor(const Color& color) {
+  cairo_set_source_rgba(cairo_, color.r, color.g, color.b, color.a);
+}
+
+void Canvas::AddLoops(const std::vector<Polygon>& loops) {
+  const Rectangle reach = clip_.Inflated(kClipMargin);
+  for (const Polygon& loop : loops) {
+    const Rectangle box = BoundingBox(loop);
+    if (!box.Overlaps(reach)) continue;
+    const bool whole = reach.Contains({box.min_x, box.min_y}) && reach.Contains({box.max_x, box.max_y});
+    const Polygon cut = whole ? Polygon() : ClipPolygon(loop, reach);
+    for (const Vec2& p : whole ? loop : cut) cairo_line_to(cairo_, p.x(), p.y());
+    cairo_close_path(cairo_);
+    cairo_new_sub_path(cairo_);
+  }
+}
+
+void Canvas::Fill(const std::vector<Polygon>& loops, const Color& color) {
+  SetColor(color);
+  AddLoops(loops);
+  cairo_fill(cairo_);
+}
+
+void Canvas::Stroke(const std::vector<Polygon>& loops, double line_width, const Color& color) {
+  SetColor(color);
+  AddLoops(loops);
+  cairo_set_line_width(cairo_, line_width);
+  cairo_stroke(cairo_);
+}
+
+void Canvas::Fill(const Rectangle& box, const Color& color) {
+  Fill({{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}, color);
+}
+
+void Canvas::Stroke(const Rectangle& box, double line_width, const Color& color) {
+  Stroke({{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}, line_width,
+         color);
+}
+
+void Canvas::Line(const Vec2& from, const Vec2& to, double line_width, const Color& color) {
+  Stroke({{from, to}}, line_width, color);
+}
+
+void Canvas::FillCircle(const Vec2& center, double radius, const Color& color) {
+  if (!clip_.Inflated(radius).Contains(center)) return;
+  SetColor(color);
+  cairo_new_path(cairo_);
+  cairo_arc(cairo_, center.x(), center.y(), radius, 0.0, 2.0 * std::numbers::pi);
+  cairo_fill(cairo_);
+}
+
+void Canvas::StrokeCircle(const Vec2& center, double radius, double line_width, const Color& color) {
+  // A circle far larger than the page would leave Cairo's range.
+  if (!clip_.Inflated(radius).Contains(center) || radius > 1e5) return;
+  SetColor(color);
+  cairo_new_path(cairo_);
+  cairo_arc(cairo_, center.x(), center.y(), radius, 0.0, 2.0 * std::numbers::pi);
+  cairo_set_line_width(cairo_, line_width);
+  cairo_stroke(cairo_);
+}
+
+void Canvas::SetFont(const TextStyle& style) {
+  cairo_select_font_face(cairo_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo_, style.size);
+}
+
+double Canvas::TextWidth(const std::string& text, const TextStyle& style) {
+  SetFont(style);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo_, PrintableUtf8(text).c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::Text(const std::string& text, const Vec2& at, TextAnchor anchor, const TextStyle& style) {
+  const double width = TextWidth(text, style);
+  const double shift = anchor == TextAnchor::kLeft ? 0.0 : anchor == TextAnchor::kMiddle ? 0.5 : 1.0;
+  const Vec2 start(at.x() - shift * width, at.y());
+  const std::string printable = PrintableUtf8(text);
+  SetColor(style.color);
+  cairo_move_to(cairo_, start.x(), start.y());
+  cairo_show_text(cairo_, printable.c_str());
+  cairo_new_path(cairo_);
+}
+
+std::string Canvas::Shortened(const std::string& text, double width, const TextStyle& style) {
+  std::string result = PrintableUtf8(text.substr(0, 500));
+  if (TextWidth(result, style) <= width && text.size() <= 500) return result;
+  while (!result.empty() && TextWidth(result + "...", style) > width) {
+    do {
+      result.pop_back();
+    } while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80);
+    // What is left may end in the first byte of the letter whose rest was dropped.
+    if (!result.empty() && static_cast<unsigned char>(result.back()) >= 0xC0) result.pop_back();
+  }
+  return result.empty() ? result : result + "...";
+}
+
+Result<std::string> Canvas::Finish() {
+  cairo_status_t status = cairo_status(cairo_);
+  if (status == CAIRO_STATUS_SUCCESS && format_ == PictureFormat::kPng) {
+    status = cairo_surface_write_to_png_stream(surface_, Append, &bytes_);
+  }
+  cairo_surface_finish(surface_);
+  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
+  if (status != CAIRO_STATUS_SUCCESS) {
+    return Error{{}, std::string("cannot draw the picture: ") + cairo_status_to_string(status)};
+  }
+  if (format_ == PictureFormat::kSvg) RemoveSurfaceIds(bytes_);
+  return std::move(bytes_);
+}
+
+}  // namespace troupe

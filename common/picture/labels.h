@@ -1,0 +1,34 @@
+// Labels: names beside things, where there is room for them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/rectangle.h"
+
+namespace troupe {
+
+struct LabelRequest {
+  std::string text;
+  Rectangle box;  // px: the thing to be labelled
+};
+
+struct PlacedLabel {
+  std::size_t request = 0;
+  Rectangle box;  // px
+};
+
+struct LabelPlan {
+  double size = 0.0;  // px, of the letters
+  std::vector<PlacedLabel> labels;
+};
+
+// Finds a place for each label beside its box, inside `page`, over no other label or requested box, and off `walls`
+// where possible. Tries the sizes in their order and takes the first at which every label finds a place; at the last
+// one, labels without a place are left out, and all of them where fewer than half have one.
+LabelPlan PlaceLabels(const std::vector<LabelRequest>& requests, const std::vector<Rectangle>& walls,
+                      const Rectangle& page, const std::vector<double>& sizes,
+                      const std::function<double(const std::string&, double)>& text_width);
+
+}  // namespace troupe

@@ -1,0 +1,147 @@
+#include "common/picture/rectangle_outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+namespace troupe {
+namespace {
+
+// Distinct coordinates in order, so that edges can be compared as integers.
+class Coordinates {
+ public:
+  Coordinates(std::vector<double> values, double tolerance) {
+    std::sort(values.begin(), values.end());
+    for (double value : values) {
+      if (values_.empty() || value - values_.back() > tolerance) values_.push_back(value);
+    }
+  }
+  std::int64_t IndexOf(double value) const {
+    const auto after = std::upper_bound(values_.begin(), values_.end(), value);
+    return std::max<std::int64_t>(0, after - values_.begin() - 1);
+  }
+  double operator[](std::int64_t index) const { return values_[static_cast<std::size_t>(index)]; }
+
+ private:
+  std::vector<double> values_;
+};
+
+struct Edge {
+  std::int64_t line;  // the coordinate that both ends share
+  std::int64_t from;
+  std::int64_t to;
+  auto operator<=>(const Edge&) const = default;
+};
+
+// What edges on common lines leave of each other: where two lie on top of one another, neither is on the outline.
+std::vector<Edge> CancelPairs(const std::vector<Edge>& edges) {
+  struct End {
+    std::int64_t line;
+    std::int64_t at;
+    auto operator<=>(const End&) const = default;
+  };
+  std::vector<End> ends;
+  for (const Edge& edge : edges) {
+    ends.push_back({edge.line, edge.from});
+    ends.push_back({edge.line, edge.to});
+  }
+  std::sort(ends.begin(), ends.end());
+  // Along each line, inside and outside the outline's edges alternate at the ends that occur an odd number of times.
+  std::vector<End> turns;
+  for (const End& end : ends) {
+    if (!turns.empty() && turns.back() == end) {
+      turns.pop_back();
+    } else {
+      turns.push_back(end);
+    }
+  }
+  std::vector<Edge> result;
+  for (std::size_t i = 0; i + 1 < turns.size(); i += 2) {
+    result.push_back({turns[i].line, turns[i].at, turns[i + 1].at});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles) {
+  Rectangle bounds = Rectangle::Nothing();
+  std::vector<double> all_x;
+  std::vector<double> all_y;
+  for (const Rectangle& r : rectangles) {
+    bounds.Extend(r);
+    all_x.insert(all_x.end(), {r.min_x, r.max_x});
+    all_y.insert(all_y.end(), {r.min_y, r.max_y});
+  }
+  if (rectangles.empty()) return {};
+  const double tolerance = 1e-9 * std::max(bounds.width(), bounds.height());
+  const Coordinates xs(std::move(all_x), tolerance);
+  const Coordinates ys(std::move(all_y), tolerance);
+
+  std::vector<Edge> vertical;
+  std::vector<Edge> horizontal;
+  for (const Rectangle& r : rectangles) {
+    const std::int64_t x0 = xs.IndexOf(r.min_x), x1 = xs.IndexOf(r.max_x);
+    const std::int64_t y0 = ys.IndexOf(r.min_y), y1 = ys.IndexOf(r.max_y);
+    if (x0 == x1 || y0 == y1) continue;
+    vertical.push_back({x0, y0, y1});
+    vertical.push_back({x1, y0, y1});
+    horizontal.push_back({y0, x0, x1});
+    horizontal.push_back({y1, x0, x1});
+  }
+  vertical = CancelPairs(vertical);
+  horizontal = CancelPairs(horizontal);
+
+  // Corners join one vertical with one horizontal edge; where two areas touch at a corner, two of each meet, and any
+  // pairing outlines the same area.
+  struct Corner {
+    std::int64_t x;
+    std::int64_t y;
+    auto operator<=>(const Corner&) const = default;
+  };
+  std::map<Corner, std::vector<std::size_t>> horizontal_at;
+  for (std::size_t i = 0; i < horizontal.size(); ++i) {
+    horizontal_at[{horizontal[i].from, horizontal[i].line}].push_back(i);
+    horizontal_at[{horizontal[i].to, horizontal[i].line}].push_back(i);
+  }
+  std::map<Corner, std::vector<std::size_t>> vertical_at;
+  for (std::size_t i = 0; i < vertical.size(); ++i) {
+    vertical_at[{vertical[i].line, vertical[i].from}].push_back(i);
+    vertical_at[{vertical[i].line, vertical[i].to}].push_back(i);
+  }
+  const auto take = [](std::map<Corner, std::vector<std::size_t>>& edges, const Corner& at, std::vector<bool>& used) {
+    for (std::size_t i : edges[at]) {
+      if (!used[i]) {
+        used[i] = true;
+        return i;
+      }
+    }
+    return used.size();
+  };
+
+  std::vector<Polygon> loops;
+  std::vector<bool> vertical_used(vertical.size(), false);
+  std::vector<bool> horizontal_used(horizontal.size(), false);
+  for (std::size_t start = 0; start < vertical.size(); ++start) {
+    if (vertical_used[start]) continue;
+    vertical_used[start] = true;
+    Polygon loop;
+    Corner at{vertical[start].line, vertical[start].to};
+    loop.emplace_back(xs[at.x], ys[vertical[start].from]);
+    while (true) {
+      loop.emplace_back(xs[at.x], ys[at.y]);
+      const std::size_t h = take(horizontal_at, at, horizontal_used);
+      if (h == horizontal.size()) break;
+      at.x = horizontal[h].from == at.x ? horizontal[h].to : horizontal[h].from;
+      const std::size_t v = take(vertical_at, at, vertical_used);
+      if (v == vertical.size()) break;  // back at the start
+      loop.emplace_back(xs[at.x], ys[at.y]);
+      at.y = vertical[v].from == at.y ? vertical[v].to : vertical[v].from;
+    }
+    loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+}  // namespace troupe

@@ -1,0 +1,16 @@
+// The outline of a union of rectangles: what is left of their edges where they touch is no seam in a picture, and far
+// fewer edges need drawing.
+#pragma once
+
+#include <vector>
+
+#include "common/geometry/polygon.h"
+#include "common/geometry/rectangle.h"
+
+namespace troupe {
+
+// Loops around the union of rectangles that do not overlap; the union is the area inside an odd number of loops. Edges
+// closer than 1e-9 of the whole extent count as shared.
+std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles);
+
+}  // namespace troupe

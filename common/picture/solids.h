@@ -1,0 +1,42 @@
+// Solids: the world at one tick as prisms to be drawn.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/geometry/polygon.h"
+#include "common/geometry/z_range.h"
+#include "common/model/world_description.h"
+#include "common/model/world_state.h"
+
+namespace troupe {
+
+enum class SolidKind : std::uint8_t {
+  kMap,     // a bitmap that stands still
+  kObject,  // any other model without a drive
+  kRobot,   // part of a robot
+};
+
+struct Solid {
+  SolidKind kind = SolidKind::kObject;
+  ModelId model;
+  std::optional<RobotId> robot;
+  std::vector<Polygon> loops;    // m, frame W; the area inside an odd number of them
+  Rectangle box;                 // m, frame W, around the loops
+  std::vector<Rectangle> cover;  // m, frame W: boxes that cover a map's area (roughly, where it is turned)
+  ZRange z;                      // m, frame W
+  double height = 0.0;           // 0..1: where its top lies between the lowest and the highest of its kind or robot
+};
+
+// All blocks and bitmaps, in the order of models and blocks.
+std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState& state);
+
+// Around all solids of each robot, m, frame W; a robot without a body is a point.
+struct RobotExtent {
+  Rectangle box;
+  ZRange z;
+  bool shown = true;
+};
+std::vector<RobotExtent> RobotExtents(const std::vector<Solid>& solids, const WorldState& state);
+
+}  // namespace troupe

@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "common/picture/shading.h"
+#include "common/picture/views.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kOverhang = 0.1;  // m: what hangs higher over the ground lets what is below shine through
+constexpr double kOverhangOpacity = 0.62;
+constexpr double kCoveredOpacity = 0.28;  // of what of a robot is drawn again over the table it stands under
+constexpr double kSmallestRobot = 7.0;    // units: robots that would be smaller are drawn as a pin
+
+// The fan as an area of the plane, frame W.
+Polygon FanOutline(const ScanFan& fan) {
+  Polygon outline{fan.X_WS.translation()};
+  const auto add = [&](double bearing, double range) {
+    const double angle = fan.X_WS.heading + bearing;
+    outline.push_back(fan.X_WS.translation() + range * Vec2(std::cos(angle), std::sin(angle)));
+  };
+  if (fan.ranges.size() == 1) {
+    // A single ray stands for a cone, as of a sonar; a wide one would hide more than it tells.
+    const double half = std::min(0.5 * fan.fov, 0.13);
+    for (double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) add(fan.bearings[0] + side * half, fan.ranges[0]);
+  } else {
+    for (std::size_t i = 0; i < fan.ranges.size(); ++i) add(fan.bearings[i], fan.ranges[i]);
+  }
+  return outline;
+}
+
+void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  if (drawing.fans.empty()) return;
+  // Fans lie over one another: the more there are, the fainter each.
+  const double robots = std::max<double>(1.0, static_cast<double>(drawing.world.robots.size()));
+  const double opacity = std::clamp(0.16 / std::sqrt(robots), 0.035, 0.13);
+  for (const ScanFan& fan : drawing.fans) {
+    const std::vector<Polygon> outline = viewport.ToPage(std::vector<Polygon>{FanOutline(fan)});
+    canvas.Fill(outline, WithOpacity(page::kScan, opacity));
+    canvas.Stroke(outline, 0.6 * viewport.unit, WithOpacity(page::kScan, 2.5 * opacity));
+  }
+}
+
+bool IsOverhang(const Solid& solid) {
+  return solid.kind == SolidKind::kObject && solid.z.min > kOverhang;
+}
+
+void DrawSolid(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, const Solid& solid, double opacity) {
+  const std::vector<Polygon> loops = viewport.ToPage(solid.loops);
+  const Color color = SolidColor(drawing, solid);
+  opacity *= std::clamp(drawing.world.model(solid.model).color.a, 0.0, 1.0);
+  canvas.Fill(loops, WithOpacity(color, opacity));
+  const double size = std::min(solid.box.width(), solid.box.height()) * viewport.scale;
+  if (size > 2.5 * viewport.unit) {
+    canvas.Stroke(loops, 0.7 * viewport.unit, WithOpacity(OutlineColor(color), std::min(1.0, opacity + 0.2)));
+  }
+}
+
+// How far a robot's body reaches from its origin, m, frame R.
+struct Reach {
+  double front = 0.0;
+  double side = 0.0;
+};
+
+std::vector<Reach> RobotReaches(const Drawing& drawing) {
+  std::vector<Reach> reaches(drawing.state.robots.size());
+  for (const Solid& solid : drawing.solids) {
+    if (!solid.robot) continue;
+    const Transform2 X_WR(drawing.state.robots[solid.robot->index()].X_WR);
+    Reach& reach = reaches[solid.robot->index()];
+    for (const Polygon& loop : solid.loops) {
+      for (const Vec2& p_W : loop) {
+        const Vec2 p_R = X_WR.InverseTransform(p_W);
+        reach.front = std::max(reach.front, p_R.x());
+        reach.side = std::max(reach.side, std::abs(p_R.y()));
+      }
+    }
+  }
+  return reaches;
+}
+
+// A wedge on the robot that points ahead.
+void DrawNose(Canvas& canvas, const Viewport& viewport, const Pose& X_WR, const Reach& reach, double opacity) {
+  const Transform2 transform(X_WR);
+  const double front = reach.front;
+  const double side = 0.62 * std::min(reach.side, reach.front);
+  const Polygon nose{transform * Vec2(1.02 * front, 0.0), transform * Vec2(0.3 * front, side),
+                     transform * Vec2(0.48 * front, 0.0), transform * Vec2(0.3 * front, -side)};
+  const std::vector<Polygon> loops = viewport.ToPage(std::vector<Polygon>{nose});
+  canvas.Fill(loops, {1.0, 1.0, 1.0, 0.95 * opacity});
+  canvas.Stroke(loops, 0.6 * viewport.unit, {0.1, 0.12, 0.16, 0.8 * opacity});
+}
+
+// A robot too small to be seen at this scale: a dot with a line ahead.
+void DrawPin(Canvas& canvas, const Viewport& viewport, const Pose& X_WR, const Color& color) {
+  const double u = viewport.unit;
+  const Vec2 at = viewport.ToPage(X_WR.translation());
+  const Vec2 ahead(std::cos(X_WR.heading), -std::sin(X_WR.heading));
+  canvas.Line(at, at + 7.5 * u * ahead, 1.4 * u, OutlineColor(RobotColor(color, 0.5)));
+  canvas.FillCircle(at, 3.4 * u, OutlineColor(RobotColor(color, 0.5)));
+  canvas.FillCircle(at, 2.6 * u, RobotColor(color, 0.7));
+}
+
+// The robot's box on the page, or that of its pin.
+Rectangle BoxOnPage(const Viewport& viewport, const RobotExtent& extent) {
+  const Rectangle box = viewport.ToPage(extent.box);
+  const double missing = kSmallestRobot * viewport.unit - std::max(box.width(), box.height());
+  return missing > 0.0 ? box.Inflated(0.5 * missing) : box;
+}
+
+// What lies higher is drawn later: solids, and each robot's nose right after its highest part.
+struct Layer {
+  double top;
+  double bottom;
+  const Solid* solid = nullptr;
+  std::optional<RobotId> nose;
+};
+
+std::vector<Layer> SortedLayers(const Drawing& drawing) {
+  std::vector<Layer> layers;
+  for (const Solid& solid : drawing.solids) {
+    if (solid.kind != SolidKind::kMap) layers.push_back({solid.z.max, solid.z.min, &solid, std::nullopt});
+  }
+  for (std::size_t i = 0; i < drawing.extents.size(); ++i) {
+    layers.push_back({drawing.extents[i].z.max, drawing.extents[i].z.max, nullptr, RobotId(i)});
+  }
+  std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) {
+    return std::tie(a.top, a.bottom) < std::tie(b.top, b.bottom);
+  });
+  return layers;
+}
+
+// Draws all but the walls. A robot under a table is drawn a second time over it, faintly.
+void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  const std::vector<Reach> reaches = RobotReaches(drawing);
+  const auto draw = [&](const Layer& layer, double opacity) {
+    if (layer.solid) {
+      DrawSolid(canvas, viewport, drawing, *layer.solid, opacity);
+      return;
+    }
+    const std::size_t robot = layer.nose->index();
+    const Pose& X_WR = drawing.state.robots[robot].X_WR;
+    const Rectangle box = viewport.ToPage(drawing.extents[robot].box);
+    if (std::max(box.width(), box.height()) < kSmallestRobot * viewport.unit) {
+      DrawPin(canvas, viewport, X_WR, drawing.world.model(drawing.world.robots[robot].root).color);
+    } else {
+      DrawNose(canvas, viewport, X_WR, reaches[robot], opacity);
+    }
+  };
+  const std::vector<Layer> layers = SortedLayers(drawing);
+  std::vector<const Solid*> overhangs;
+  for (const Layer& layer : layers) {
+    const bool overhang = layer.solid && IsOverhang(*layer.solid);
+    draw(layer, overhang ? kOverhangOpacity : 1.0);
+    if (overhang) overhangs.push_back(layer.solid);
+  }
+  std::vector<bool> covered(drawing.extents.size(), false);
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    const RobotExtent& extent = drawing.extents[i];
+    covered[i] = std::any_of(overhangs.begin(), overhangs.end(), [&](const Solid* overhang) {
+      return overhang->z.max > extent.z.max && overhang->box.Overlaps(extent.box);
+    });
+  }
+  for (const Layer& layer : layers) {
+    const std::optional<RobotId> robot = layer.solid ? layer.solid->robot : layer.nose;
+    if (robot && covered[robot->index()]) draw(layer, kCoveredOpacity);
+  }
+}
+
+// Walls go below everything: a robot that stands in a wall it cannot hit must still be seen. Returns where they are.
+std::vector<Rectangle> DrawWalls(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  std::vector<Rectangle> walls;
+  for (const Solid& solid : drawing.solids) {
+    if (solid.kind != SolidKind::kMap) continue;
+    canvas.Fill(viewport.ToPage(solid.loops), WallColor(drawing.world.model(solid.model).color));
+    for (const Rectangle& part : solid.cover) {
+      const Rectangle wall = viewport.ToPage(part);
+      if (wall.Overlaps(viewport.plot)) walls.push_back(wall);
+    }
+  }
+  return walls;
+}
+
+}  // namespace
+
+Rectangle TopContents(const Drawing& drawing) {
+  Rectangle contents = Rectangle::Nothing();
+  for (const Solid& solid : drawing.solids) contents.Extend(solid.box);
+  for (const RobotExtent& extent : drawing.extents) contents.Extend(extent.box);
+  return contents;
+}
+
+void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  DrawFans(canvas, viewport, drawing);
+  const std::vector<Rectangle> walls = DrawWalls(canvas, viewport, drawing);
+
+  std::vector<Rectangle> boxes;
+  for (const RobotExtent& extent : drawing.extents) boxes.push_back(BoxOnPage(viewport, extent));
+  DrawLayers(canvas, viewport, drawing);
+
+  const double u = viewport.unit;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (!drawing.state.robots[i].stalled) continue;
+    const Vec2 center = boxes[i].center();
+    const double radius = 0.5 * std::hypot(boxes[i].width(), boxes[i].height()) + 1.5 * u;
+    canvas.StrokeCircle(center, radius, 3.4 * u, {1.0, 1.0, 1.0, 0.75});
+    canvas.StrokeCircle(center, radius, 1.8 * u, page::kStalled);
+    boxes[i] = {center.x() - radius, center.y() - radius, center.x() + radius, center.y() + radius};
+  }
+  DrawNames(canvas, viewport, drawing, boxes, walls);
+}
+
+}  // namespace troupe

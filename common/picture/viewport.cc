@@ -1,0 +1,112 @@
+#include "common/picture/viewport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace troupe {
+namespace {
+
+constexpr double kLongerSide = 1000.0;       // px, of a page whose width is not given
+constexpr double kDefaultExtent = 10.0;      // m, of a picture of nothing
+constexpr double kSmallestExtent = 1e-3;     // m
+constexpr double kLargestExtent = 1e12;      // m
+constexpr double kTopAspect[] = {0.3, 2.0};  // height by width of the region
+constexpr double kSideAspect[] = {0.16, 0.8};
+
+// Grows a box about its middle until its height is within these shares of its width. A side view keeps its ground.
+void LimitAspect(Rectangle& region, const double (&aspect)[2], PictureView view) {
+  const double missing_height = aspect[0] * region.width() - region.height();
+  if (missing_height > 0.0) {
+    const double below = view == PictureView::kTop ? 0.5 : 0.0;
+    region.min_y -= below * missing_height;
+    region.max_y += (1.0 - below) * missing_height;
+  }
+  const double missing_width = region.height() / aspect[1] - region.width();
+  if (missing_width > 0.0) {
+    region.min_x -= 0.5 * missing_width;
+    region.max_x += 0.5 * missing_width;
+  }
+}
+
+Rectangle ChooseRegion(const Rectangle& contents, const PictureOptions& options) {
+  const bool top = options.view == PictureView::kTop;
+  Rectangle region = contents;
+  if (region.empty()) {
+    region = {-0.5 * kDefaultExtent, top ? -0.5 * kDefaultExtent : 0.0, 0.5 * kDefaultExtent, 0.5 * kDefaultExtent};
+  }
+  const Vec2 middle = options.center ? *options.center : region.center();
+  const double length = std::clamp(options.meters ? *options.meters : region.width(), kSmallestExtent, kLargestExtent);
+  if (options.meters || options.center) {
+    region.min_x = middle.x() - 0.5 * length;
+    region.max_x = middle.x() + 0.5 * length;
+    if (top) {
+      const double height = options.meters ? 0.7 * length : region.height();
+      region.min_y = middle.y() - 0.5 * height;
+      region.max_y = middle.y() + 0.5 * height;
+    }
+  } else {
+    const double margin = std::max(0.02 * std::max(region.width(), region.height()), kSmallestExtent);
+    region = region.Inflated(margin);
+  }
+  if (!top) {
+    // The ground and a strip of what is under it.
+    const double height = std::max({contents.empty() ? 0.0 : contents.max_y, 0.05 * region.width(), kSmallestExtent});
+    const double low = contents.empty() ? 0.0 : std::min(0.0, contents.min_y);
+    region.min_y = low - 0.1 * (height - low);
+    region.max_y = height + 0.3 * (height - low);
+  }
+  LimitAspect(region, top ? kTopAspect : kSideAspect, options.view);
+  return region;
+}
+
+}  // namespace
+
+std::vector<Polygon> Viewport::ToPage(const std::vector<Polygon>& loops) const {
+  std::vector<Polygon> result;
+  for (const Polygon& loop : loops) {
+    Polygon moved;
+    for (const Vec2& p : loop) moved.push_back(ToPage(p));
+    result.push_back(std::move(moved));
+  }
+  return result;
+}
+
+Rectangle Viewport::ToPage(const Rectangle& box) const {
+  const Vec2 low = ToPage(box.min_x, box.max_y);
+  const Vec2 high = ToPage(box.max_x, box.min_y);
+  return {low.x(), low.y(), high.x(), high.y()};
+}
+
+Viewport MakeViewport(const Rectangle& contents, const PictureOptions& options) {
+  Viewport viewport;
+  viewport.region = ChooseRegion(contents, options);
+  const double aspect = viewport.region.height() / viewport.region.width();
+  viewport.width = options.width ? *options.width : int(std::lround(kLongerSide / std::max(1.0, aspect)));
+  viewport.unit = std::clamp(viewport.width * std::sqrt(std::clamp(aspect, 0.5, 1.3)) / 900.0, 0.75, 4.0);
+
+  const double u = viewport.unit;
+  viewport.plot.min_x = 38.0 * u;
+  viewport.plot.min_y = 14.0 * u;
+  viewport.plot.max_x = viewport.width - 14.0 * u;
+  viewport.scale = viewport.plot.width() / viewport.region.width();
+  viewport.plot.max_y = viewport.plot.min_y + viewport.scale * viewport.region.height();
+  viewport.height = int(std::ceil(viewport.plot.max_y + 62.0 * u));
+  return viewport;
+}
+
+double RoundDown(double value) {
+  double power = std::pow(10.0, std::floor(std::log10(value)));
+  if (power > value) power /= 10.0;
+  // A hair of slack, so that 4.9999999 made from 5 counts as 5.
+  const double digits = value / power * (1.0 + 1e-9);
+  return power * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
+}
+
+std::string Label(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return std::string(text) == "-0" ? "0" : text;
+}
+
+}  // namespace troupe

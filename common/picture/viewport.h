@@ -1,0 +1,39 @@
+// Viewport: which part of the world a picture shows, where on the page, and at which scale.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/geometry/rectangle.h"
+#include "common/picture/draw_picture.h"
+
+namespace troupe {
+
+// The plane of the picture: x to the right and "up" (y in a top view, z in a side view), m, frame W.
+struct Viewport {
+  Rectangle region;    // m
+  Rectangle plot;      // px: where the region is drawn
+  double scale = 1.0;  // px per m
+  int width = 0;       // px, of the page
+  int height = 0;      // px
+  double unit = 1.0;   // px: lines, letters and margins are multiples of this, so that pictures of any size look alike
+
+  Vec2 ToPage(double x, double up) const {
+    return {plot.min_x + (x - region.min_x) * scale, plot.max_y - (up - region.min_y) * scale};
+  }
+  Vec2 ToPage(const Vec2& p) const { return ToPage(p.x(), p.y()); }
+  std::vector<Polygon> ToPage(const std::vector<Polygon>& loops) const;
+  // The box on the page of a box in the plane.
+  Rectangle ToPage(const Rectangle& box) const;
+};
+
+// `contents` is what there is to see, in the plane; it may be empty.
+Viewport MakeViewport(const Rectangle& contents, const PictureOptions& options);
+
+// The largest of 1, 2, 5, 10, ... (and 0.5, 0.2, ...) that is not above `value` > 0.
+double RoundDown(double value);
+
+// A number for a label: "12", "0.5", never "-0".
+std::string Label(double value);
+
+}  // namespace troupe

@@ -1,0 +1,35 @@
+// The two views: what they draw inside the plot.
+#pragma once
+
+#include <vector>
+
+#include "common/picture/canvas.h"
+#include "common/picture/solids.h"
+#include "common/picture/viewport.h"
+
+namespace troupe {
+
+// All that a view needs to know.
+struct Drawing {
+  const WorldDescription& world;
+  const WorldState& state;
+  const std::vector<ScanFan>& fans;
+  const std::vector<Solid>& solids;
+  const std::vector<RobotExtent>& extents;
+};
+
+// What there is to see in the view's plane.
+Rectangle TopContents(const Drawing& drawing);
+Rectangle SideContents(const Drawing& drawing);
+
+void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
+void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
+
+// The colour of an object or a part of a robot, shaded by its height; opaque.
+Color SolidColor(const Drawing& drawing, const Solid& solid);
+
+// The robots' names beside their boxes on the page, stalled ones in red.
+void DrawNames(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, const std::vector<Rectangle>& boxes,
+               const std::vector<Rectangle>& walls);
+
+}  // namespace troupe

@@ -1,0 +1,69 @@
+// PropertyReader: reads the properties of one entity as values in SI units, and remembers which were read, so that the
+// others can be named. A value of the wrong form is reported to the Diagnostics and read as the default; callers need
+// not check each one.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/pose.h"
+#include "common/worldfile/diagnostics.h"
+#include "common/worldfile/world_tree.h"
+
+namespace troupe {
+
+// What lengths and angles in a file are written in.
+struct Units {
+  double length = 1.0;  // m
+  bool degrees = true;  // else radians
+
+  double Angle(double value) const;  // to radians
+};
+
+// Numbers of world files beyond this are mistakes; up to here nothing that is computed from them overflows.
+inline constexpr double kMaxMagnitude = 1e9;
+
+class PropertyReader {
+ public:
+  // All three must outlive the reader.
+  PropertyReader(const Entity& entity, const Units& units, Diagnostics& diagnostics);
+
+  const Entity& entity() const { return entity_; }
+  const Units& units() const { return units_; }
+  Diagnostics& diagnostics() { return diagnostics_; }
+
+  // The property, marked as read; null if it is not there.
+  const Property* Use(const std::string& name);
+  // The place of a property's value, or of the entity if it is not there.
+  const SourceLocation& Where(const std::string& name) const;
+
+  // A single number between `min` and `max`, without unit.
+  double Number(const std::string& name, double otherwise, double min = -kMaxMagnitude, double max = kMaxMagnitude);
+  double Length(const std::string& name, double otherwise);  // to m
+  std::int64_t Integer(const std::string& name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
+  bool Flag(const std::string& name, bool otherwise);  // 0 or not 0
+  std::string Text(const std::string& name, const std::string& otherwise);
+
+  // Exactly `count` numbers without unit; nothing if the property is not there, or wrong.
+  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count);
+  // Every value as text; empty if the property is not there.
+  std::vector<std::string> Texts(const std::string& name);
+  // [x y z heading], to m and radians.
+  std::optional<Pose> ReadPose(const std::string& name);
+
+  // The properties that nobody asked for.
+  std::vector<const Property*> Unused() const;
+
+ private:
+  std::optional<double> ToNumber(const Property& property, const Value::Scalar& scalar);
+
+  const Entity& entity_;
+  const Units& units_;
+  Diagnostics& diagnostics_;
+  std::vector<bool> used_;  // by property
+};
+
+}  // namespace troupe

@@ -1,0 +1,23 @@
+// Words of a user's file, made fit for a message.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace troupe {
+
+// 'text', cut to `longest` bytes, with control characters and bytes that are not UTF-8 written as \xNN.
+std::string Quoted(std::string_view text, std::size_t longest = 40);
+
+// The same for a path, which is worth reading whole.
+inline std::string QuotedPath(std::string_view path) {
+  return Quoted(path, 500);
+}
+
+// Where the first byte that is not valid UTF-8 is, or npos.
+std::size_t FindInvalidUtf8(std::string_view text);
+
+// A number as a person would write it: "5", "0.25".
+std::string NumberText(double value);
+
+}  // namespace troupe
