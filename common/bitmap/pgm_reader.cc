@@ -32,7 +32,7 @@ class PgmReader {
     }
     for (std::size_t value = 0; value < lookup_.size(); ++value) {
       const std::int64_t clamped = std::min(static_cast<std::int64_t>(value), *maximum);
-      lookup_[value] = rule_.occupied[static_cast<std::size_t>(clamped * 255 / *maximum)];
+      lookup_[value] = rule_.occupied[static_cast<std::size_t>((clamped * 255 + *maximum / 2) / *maximum)];
     }
     Bitmap bitmap(static_cast<int>(*width), static_cast<int>(*height));
     for (int y = bitmap.height() - 1; y >= 0; --y) {

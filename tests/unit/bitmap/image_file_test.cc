@@ -1,0 +1,190 @@
+#include "common/bitmap/image_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/unit/bitmap/write_png.h"
+
+namespace troupe {
+namespace {
+
+using testing::HasSubstr;
+
+class ImageFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "troupe_image_" + testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return folder_ + "/" + name; }
+
+  std::string Write(const std::string& content) const {
+    std::ofstream(Path("image"), std::ios::binary) << content;
+    return Path("image");
+  }
+  std::string WriteImage(const PngContent& content) const {
+    WritePng(Path("image.png"), content);
+    return Path("image.png");
+  }
+  static std::string ReadAll(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  // Rows from the top, '#' is occupied; or the error's message.
+  static std::string Picture(const std::string& path, const PixelRule& rule = StagePixelRule()) {
+    const Result<Bitmap> bitmap = ReadBitmap(path, rule);
+    if (!bitmap.ok()) return bitmap.error().message;
+    std::string text;
+    for (int y = bitmap.value().height() - 1; y >= 0; --y) {
+      for (int x = 0; x < bitmap.value().width(); ++x) text += bitmap.value().occupied(x, y) ? '#' : '.';
+      text += '\n';
+    }
+    return text;
+  }
+
+  std::string folder_;
+};
+
+TEST_F(ImageFile, GreyPixelsUpTo127AreOccupied) {
+  EXPECT_EQ(Picture(WriteImage({3, 2, 8, PNG_COLOR_TYPE_GRAY, false, {{0, 127, 128}, {255, 1, 254}}, {}})),
+            "##.\n.#.\n");
+}
+
+TEST_F(ImageFile, OfColoursOnlyRedCounts) {
+  const std::vector<std::uint8_t> row = {255, 0, 0, 0, 255, 0, 0, 0, 255};
+  EXPECT_EQ(Picture(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}})), ".##\n");
+}
+
+TEST_F(ImageFile, MeanOfColoursCountsWhereTheRuleSaysSo) {
+  PixelRule rule = StagePixelRule();
+  rule.mean_of_channels = true;
+  const std::vector<std::uint8_t> row = {255, 0, 0, 255, 255, 0, 0, 0, 0};
+  EXPECT_EQ(Picture(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}}), rule), "#.#\n");
+}
+
+TEST_F(ImageFile, TransparentBlackIsOccupiedByStageRuleAndFreeWhereTheRuleSaysSo) {
+  PixelRule rule = StagePixelRule();
+  const std::string path = WriteImage({2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, false, {{0, 0, 0, 255}}, {}});
+  EXPECT_EQ(Picture(path, rule), "##\n");
+  rule.transparent_is_free = true;
+  EXPECT_EQ(Picture(path, rule), ".#\n");
+}
+
+TEST_F(ImageFile, PalettesAreLookedUp) {
+  const std::string path = WriteImage(
+      {4, 1, 2, PNG_COLOR_TYPE_PALETTE, false, {{0b00011011}}, {{0, 0, 0}, {255, 255, 255}, {100, 0, 0}, {200, 0, 0}}});
+  EXPECT_EQ(Picture(path), "#.#.\n");
+}
+
+TEST_F(ImageFile, SmallAndLargeBitDepthsAreBroughtTo8) {
+  EXPECT_EQ(Picture(WriteImage({8, 1, 1, PNG_COLOR_TYPE_GRAY, false, {{0b01010011}}, {}})), "#.#.##..\n");
+  EXPECT_EQ(Picture(WriteImage({2, 1, 4, PNG_COLOR_TYPE_GRAY, false, {{0x78}}, {}})), "#.\n");
+  EXPECT_EQ(Picture(WriteImage({2, 1, 16, PNG_COLOR_TYPE_GRAY, false, {{0x7f, 0xff, 0x80, 0x00}}, {}})), "#.\n");
+}
+
+TEST_F(ImageFile, InterlacedImagesReadTheSame) {
+  PngContent content{100, 30, 8, PNG_COLOR_TYPE_GRAY, false, {}, {}};
+  for (int y = 0; y < 30; ++y) {
+    std::vector<std::uint8_t> row;
+    for (int x = 0; x < 100; ++x) row.push_back(static_cast<std::uint8_t>((x * 37 + y * 91) % 256));
+    content.rows.push_back(row);
+  }
+  const std::string plain = Picture(WriteImage(content));
+  content.interlaced = true;
+  EXPECT_EQ(Picture(WriteImage(content)), plain);
+}
+
+TEST_F(ImageFile, CutOffPngIsAnErrorWhereverItIsCut) {
+  PngContent content{70, 40, 8, PNG_COLOR_TYPE_GRAY, false, {}, {}};
+  for (int y = 0; y < 40; ++y) content.rows.push_back(std::vector<std::uint8_t>(70, static_cast<std::uint8_t>(y * 50)));
+  const std::string whole = ReadAll(WriteImage(content));
+  for (std::size_t size = 8; size < whole.size(); ++size) {
+    EXPECT_FALSE(ReadBitmap(Write(whole.substr(0, size)), StagePixelRule()).ok()) << size;
+  }
+}
+
+TEST_F(ImageFile, DamagedPngNeverCrashes) {
+  PngContent content{70, 40, 8, PNG_COLOR_TYPE_RGB, true, {}, {}};
+  for (int y = 0; y < 40; ++y)
+    content.rows.push_back(std::vector<std::uint8_t>(210, static_cast<std::uint8_t>(y * 50)));
+  const std::string whole = ReadAll(WriteImage(content));
+  for (std::size_t i = 8; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
+    const Result<Bitmap> result = ReadBitmap(Write(damaged), StagePixelRule());
+    if (!result.ok()) {
+      EXPECT_THAT(result.error().message, HasSubstr("found"));
+    }
+  }
+}
+
+// A header that asks for far more than the file can hold is refused before memory is taken.
+TEST_F(ImageFile, PngBombIsRefused) {
+  std::string bomb = ReadAll(WriteImage({1, 1, 8, PNG_COLOR_TYPE_GRAY, false, {{0}}, {}}));
+  const auto set_size = [&bomb](std::uint32_t width, std::uint32_t height) {
+    for (int i = 0; i < 4; ++i) {
+      bomb[static_cast<std::size_t>(16 + i)] = static_cast<char>(width >> (24 - 8 * i));
+      bomb[static_cast<std::size_t>(20 + i)] = static_cast<char>(height >> (24 - 8 * i));
+    }
+    const std::uint32_t sum =
+        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const unsigned char*>(bomb.data()) + 12, 17));
+    for (int i = 0; i < 4; ++i) bomb[static_cast<std::size_t>(29 + i)] = static_cast<char>(sum >> (24 - 8 * i));
+  };
+  set_size(60'000, 60'000);
+  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("which cannot hold an image of 60000 x 60000 pixels"));
+  set_size(2'000'000'000, 2'000'000'000);
+  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("expected at most 4000000000 pixels"));
+  set_size(0, 5);
+  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("damaged PNG"));
+}
+
+TEST_F(ImageFile, PgmTextWithCommentsIsRead) {
+  EXPECT_EQ(Picture(Write("P2 # plain\n# a comment\n3 #width\n2\n255\n0 127 128\n255 # more\n1 200\n")), "##.\n.#.\n");
+}
+
+TEST_F(ImageFile, PgmBinaryIsRead) {
+  EXPECT_EQ(Picture(Write("P5\n3 1\n255\n\x7f\x80\x01")), "#.#\n");
+}
+
+TEST_F(ImageFile, Pgm16BitIsReadByItsHighByteFirst) {
+  EXPECT_EQ(Picture(Write(std::string("P5 2 1 65535\n\x7f\xff\x80\x00", 17))), "#.\n");
+}
+
+TEST_F(ImageFile, PgmMaximumScalesTheSamples) {
+  EXPECT_EQ(Picture(Write("P2 4 1 3 0 1 2 3")), "##..\n");
+}
+
+TEST_F(ImageFile, DamagedPgmIsAnError) {
+  EXPECT_THAT(Picture(Write("P5 ")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(Picture(Write("P5 3")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(Picture(Write("P5 0 3 255\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(Picture(Write("P5 -3 3 255\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(Picture(Write("P5 3 3 70000\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(Picture(Write("P5 3 3 255\nabc")), HasSubstr("damaged PGM image, expected 3 x 3 pixels"));
+  EXPECT_THAT(Picture(Write("P5 60000 60000 255\nabc")), HasSubstr("which cannot hold an image of 60000 x 60000"));
+  EXPECT_THAT(Picture(Write("P5 999999999 999999999 255\nabc")), HasSubstr("expected at most 4000000000 pixels"));
+  EXPECT_THAT(Picture(Write("P2 2 1 255\n12 x4 ")), HasSubstr("damaged PGM image"));
+  EXPECT_THAT(Picture(Write("P2 2 1 255\n12 99999999999999999999 ")), HasSubstr("damaged PGM image"));
+}
+
+TEST_F(ImageFile, OtherFilesAreErrors) {
+  EXPECT_THAT(Picture(Path("missing.png")), HasSubstr("No such file"));
+  EXPECT_THAT(Picture(folder_), HasSubstr("not a regular file"));
+  EXPECT_THAT(Picture("/dev/zero"), HasSubstr("not a regular file"));
+  EXPECT_THAT(Picture(Write("")), HasSubstr("expected PNG or PGM"));
+  EXPECT_THAT(Picture(Write("GIF89a...")), HasSubstr("expected PNG or PGM"));
+  EXPECT_THAT(Picture(Write("\x89PNG\r\n\x1a\n")), HasSubstr("damaged PNG"));
+}
+
+}  // namespace
+}  // namespace troupe
