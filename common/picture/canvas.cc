@@ -149,6 +149,12 @@ void Canvas::Fill(const std::vector<Polygon>& loops, const Color& color) {
   cairo_fill(cairo_);
 }
 
+void Canvas::FillUnion(const std::vector<Polygon>& loops, const Color& color) {
+  cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_WINDING);
+  Fill(loops, color);
+  cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_EVEN_ODD);
+}
+
 void Canvas::Stroke(const std::vector<Polygon>& loops, double line_width, const Color& color) {
   SetColor(color);
   AddLoops(loops);

@@ -40,6 +40,8 @@ class Canvas {
 
   // The area inside an odd number of loops.
   void Fill(const std::vector<Polygon>& loops, const Color& color);
+  // The area inside any of the loops, where all turn the same way.
+  void FillUnion(const std::vector<Polygon>& loops, const Color& color);
   void Stroke(const std::vector<Polygon>& loops, double line_width, const Color& color);
   void Fill(const Rectangle& box, const Color& color);
   void Stroke(const Rectangle& box, double line_width, const Color& color);

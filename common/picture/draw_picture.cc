@@ -11,21 +11,6 @@
 namespace troupe {
 namespace {
 
-std::string CheckOptions(const PictureOptions& options) {
-  if (options.width && (*options.width < kMinPictureWidth || *options.width > kMaxPictureWidth)) {
-    return "found a picture width of " + std::to_string(*options.width) + ", expected " +
-           std::to_string(kMinPictureWidth) + " to " + std::to_string(kMaxPictureWidth) + " pixels";
-  }
-  const auto out_of_bounds = [](double value) { return !(std::abs(value) <= 1e9); };
-  if (options.center && (out_of_bounds(options.center->x()) || out_of_bounds(options.center->y()))) {
-    return "found a picture centre that is not a place, expected x and y within 1e9 m";
-  }
-  if (options.meters && !(*options.meters >= 0.01 && *options.meters <= 1e9)) {
-    return "found a picture " + Label(*options.meters) + " m wide, expected 0.01 m to 1e9 m";
-  }
-  return "";
-}
-
 std::string Count(std::size_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
@@ -36,9 +21,8 @@ Caption MakeCaption(const WorldDescription& world, const WorldState& state, Pict
   std::snprintf(time, sizeof time, "%.*f s", seconds < 1e5 && world.interval_ns % 100'000'000 != 0 ? 3 : 1, seconds);
   Caption caption;
   caption.title = world.name;
-  caption.detail =
-      "tick " + std::to_string(state.tick) + "  \u00b7  " + time + "  \u00b7  " + Count(world.robots.size(), "robot");
-  if (view == PictureView::kSide) caption.detail += "  \u00b7  seen along +y";
+  caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + Count(world.robots.size(), "robot");
+  if (view == PictureView::kSide) caption.detail += ", seen along +y";
   const auto stalled =
       std::count_if(state.robots.begin(), state.robots.end(), [](const RobotState& robot) { return robot.stalled; });
   if (stalled > 0) caption.alarm = std::to_string(stalled) + " stalled";
@@ -59,6 +43,22 @@ void KeepSlice(const PictureOptions& options, std::vector<Solid>& solids, std::v
 
 }  // namespace
 
+Status CheckPictureOptions(const PictureOptions& options) {
+  if (options.width && (*options.width < kMinPictureWidth || *options.width > kMaxPictureWidth)) {
+    return Error{{},
+                 "found a picture width of " + std::to_string(*options.width) + ", expected " +
+                     std::to_string(kMinPictureWidth) + " to " + std::to_string(kMaxPictureWidth) + " pixels"};
+  }
+  const auto out_of_bounds = [](double value) { return !(std::abs(value) <= 1e9); };
+  if (options.center && (out_of_bounds(options.center->x()) || out_of_bounds(options.center->y()))) {
+    return Error{{}, "found a picture centre that is not a place, expected x and y within 1e9 m"};
+  }
+  if (options.meters && !(*options.meters >= 0.01 && *options.meters <= 1e9)) {
+    return Error{{}, "found a picture " + Label(*options.meters) + " m wide, expected 0.01 m to 1e9 m"};
+  }
+  return std::nullopt;
+}
+
 Color SolidColor(const Drawing& drawing, const Solid& solid) {
   const Color& color = drawing.world.model(solid.model).color;
   return solid.robot ? RobotColor(color, solid.height) : ObjectColor(color, solid.height);
@@ -66,7 +66,7 @@ Color SolidColor(const Drawing& drawing, const Solid& solid) {
 
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options) {
-  if (const std::string problem = CheckOptions(options); !problem.empty()) return Error{{}, problem};
+  if (const Status problem = CheckPictureOptions(options)) return *problem;
   std::vector<Solid> solids = CollectSolids(world, state);
   std::vector<RobotExtent> extents = RobotExtents(solids, state);
   const bool top = options.view == PictureView::kTop;

@@ -44,6 +44,9 @@ struct ScanFan {
   std::vector<double> ranges;    // m, by bearing
 };
 
+// The error says which option is out of bounds.
+Status CheckPictureOptions(const PictureOptions& options);
+
 // The bytes of a PNG or SVG file. The error says which option is out of bounds, or what the graphics library could not
 // do. REQUIRES: Validate(world) found nothing; `state` belongs to it.
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,

@@ -27,7 +27,7 @@ Color WithOpacity(Color color, double opacity) {
 
 Color ObjectColor(const Color& color, double height) {
   const Color soft = Soft(color, 0.38);
-  return Mix(Mix(soft, kShadow, 0.42), Mix(soft, page::kPaper, 0.42), std::clamp(height, 0.0, 1.0));
+  return Mix(Mix(soft, kShadow, 0.42), Mix(soft, page::kPaper, 0.5), std::clamp(height, 0.0, 1.0));
 }
 
 Color RobotColor(const Color& color, double height) {

@@ -11,7 +11,8 @@ namespace {
 constexpr double kOverhang = 0.1;  // m: what hangs higher over the ground lets what is below shine through
 constexpr double kOverhangOpacity = 0.62;
 constexpr double kCoveredOpacity = 0.28;  // of what of a robot is drawn again over the table it stands under
-constexpr double kSmallestRobot = 7.0;    // units: robots that would be smaller are drawn as a pin
+constexpr std::size_t kManyFans = 300;
+constexpr double kSmallestRobot = 7.0;  // units: robots that would be smaller are drawn as a pin
 
 // The fan as an area of the plane, frame W.
 Polygon FanOutline(const ScanFan& fan) {
@@ -21,8 +22,8 @@ Polygon FanOutline(const ScanFan& fan) {
     outline.push_back(fan.X_WS.translation() + range * Vec2(std::cos(angle), std::sin(angle)));
   };
   if (fan.ranges.size() == 1) {
-    // A single ray stands for a cone, as of a sonar; a wide one would hide more than it tells.
-    const double half = std::min(0.5 * fan.fov, 0.13);
+    // A single ray becomes a slim cone, or it could hardly be seen.
+    const double half = std::min(0.5 * fan.fov, 0.05);
     for (double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) add(fan.bearings[0] + side * half, fan.ranges[0]);
   } else {
     for (std::size_t i = 0; i < fan.ranges.size(); ++i) add(fan.bearings[i], fan.ranges[i]);
@@ -30,15 +31,17 @@ Polygon FanOutline(const ScanFan& fan) {
   return outline;
 }
 
+// All fans together, so that where they overlap is no darker than elsewhere; their edges tell them apart.
 void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
-  if (drawing.fans.empty()) return;
-  // Fans lie over one another: the more there are, the fainter each.
-  const double robots = std::max<double>(1.0, static_cast<double>(drawing.world.robots.size()));
-  const double opacity = std::clamp(0.16 / std::sqrt(robots), 0.035, 0.13);
-  for (const ScanFan& fan : drawing.fans) {
-    const std::vector<Polygon> outline = viewport.ToPage(std::vector<Polygon>{FanOutline(fan)});
-    canvas.Fill(outline, WithOpacity(page::kScan, opacity));
-    canvas.Stroke(outline, 0.6 * viewport.unit, WithOpacity(page::kScan, 2.5 * opacity));
+  std::vector<Polygon> outlines;
+  for (const ScanFan& fan : drawing.fans) outlines.push_back(FanOutline(fan));
+  outlines = viewport.ToPage(outlines);
+  canvas.FillUnion(outlines, WithOpacity(page::kScan, 0.13));
+  // The more fans, the fainter their edges; of a swarm's they would be a thicket.
+  if (outlines.size() > kManyFans) return;
+  const double opacity = std::clamp(1.4 / std::sqrt(1.0 + static_cast<double>(outlines.size())), 0.05, 0.3);
+  for (const Polygon& outline : outlines) {
+    canvas.Stroke({outline}, 0.7 * viewport.unit, WithOpacity(page::kScan, opacity));
   }
 }
 
@@ -203,7 +206,7 @@ void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawin
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (!drawing.state.robots[i].stalled) continue;
     const Vec2 center = boxes[i].center();
-    const double radius = 0.5 * std::hypot(boxes[i].width(), boxes[i].height()) + 1.5 * u;
+    const double radius = 0.58 * std::max(boxes[i].width(), boxes[i].height()) + 2.0 * u;
     canvas.StrokeCircle(center, radius, 3.4 * u, {1.0, 1.0, 1.0, 0.75});
     canvas.StrokeCircle(center, radius, 1.8 * u, page::kStalled);
     boxes[i] = {center.x() - radius, center.y() - radius, center.x() + radius, center.y() + radius};
