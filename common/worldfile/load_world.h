@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,9 @@ struct LoadedWorld {
 struct LoadOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;     // for robots without one
+  // Asked about the name and the parameters of every controller that a scenario names: "" if they are good, else what is
+  // wrong. Nothing: they are not checked. Which controllers there are is not for this library to know.
+  std::function<std::string(const std::string& name, const std::string& parameters)> check_controller;
 };
 
 // Loads a Stage world (.world), a JSON scenario (.json) or a ROS map (.yaml), by the file's ending.

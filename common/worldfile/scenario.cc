@@ -1,9 +1,110 @@
 #include "common/worldfile/scenario.h"
 
-namespace troupe {
+#include <filesystem>
 
-Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides&) {
-  return Error{{path}, "scenarios are not read yet"};
+#include "common/worldfile/json_document.h"
+#include "common/worldfile/map_yaml.h"
+#include "common/worldfile/place_spawns.h"
+#include "common/worldfile/quote.h"
+#include "common/worldfile/scenario_file.h"
+#include "common/worldfile/scenario_tree.h"
+#include "common/worldfile/stage_parser.h"
+#include "common/worldfile/text_file.h"
+
+namespace troupe {
+namespace {
+
+// Reads a file that the scenario names. If it cannot be opened at all, the scenario's line is to blame.
+Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const ScenarioTools& tools) {
+  Result<WorldTree> tree = tools.read_world((std::filesystem::path(directory) / name.text).lexically_normal().string());
+  if (!tree.ok() && tree.error().where.line == 0) return Error{name.where, tree.error().message};
+  return tree;
+}
+
+Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const std::string& directory,
+                           const ScenarioTools& tools) {
+  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, tools) : ParseStageText("", path);
+  if (!tree.ok()) return tree;
+  if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
+  for (const PlacedText& include : file.includes) {
+    Result<WorldTree> included = ReadNamed(include, directory, tools);
+    if (!included.ok()) return included;
+    MergeInclude(std::move(included).value(), include.where, &tree.value());
+  }
+  return tree;
+}
+
+// Asks `check` about every controller that the scenario names.
+Status CheckControllers(const ScenarioFile& file, const LoadOverrides& overrides) {
+  if (!overrides.check_controller) return std::nullopt;
+  const auto check = [&](const std::optional<ControllerEntry>& entry) -> Status {
+    if (!entry) return std::nullopt;
+    std::string fault = overrides.check_controller(entry->controller.name, entry->controller.parameters);
+    if (fault.empty()) return std::nullopt;
+    return Error{entry->where, std::move(fault)};
+  };
+  if (Status error = check(file.controller)) return error;
+  for (const ModelEntry& robot : file.robots) {
+    if (Status error = check(robot.controller)) return error;
+  }
+  for (const SpawnEntry& spawn : file.spawns) {
+    if (Status error = check(spawn.controller)) return error;
+  }
+  return std::nullopt;
+}
+
+std::optional<ControllerDescription> DefaultController(const ScenarioFile& file, const LoadOverrides& overrides) {
+  if (overrides.controller) return ControllerDescription{*overrides.controller, "{}"};
+  if (file.controller) return file.controller->controller;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<WorldTree> ReadWorldTree(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path);
+  // The tree only names the map: whether it can be read would show too late to blame the right line.
+  const Result<MapYaml> map = ReadMapYaml(path);
+  if (!map.ok()) return map.error();
+  return MapYamlTree(path);
+}
+
+Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& overrides) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  return LoadScenarioText(text.value(), path, overrides);
+}
+
+Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
+                                     const ScenarioTools& tools) {
+  const std::string directory = std::filesystem::path(path).parent_path().string();
+  const Result<JsonDocument> document = JsonDocument::Parse(text, path);
+  if (!document.ok()) return document.error();
+  if (Status error = tools.schema.Check(document.value())) return *error;
+  Result<ScenarioFile> read = ReadScenarioFile(document.value(), directory);
+  if (!read.ok()) return read.error();
+  const ScenarioFile& file = read.value();
+  if (Status error = CheckControllers(file, overrides)) return *error;
+
+  Result<WorldTree> tree = ReadTree(file, path, directory, tools);
+  if (!tree.ok()) return tree.error();
+  const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), &tree.value());
+  if (!plan.ok()) return plan.error();
+  Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, tools.build);
+  if (!loaded.ok()) return loaded;
+
+  LoadedWorld& result = loaded.value();
+  result.settings = file.settings;
+  result.world.seed = overrides.seed ? *overrides.seed : file.seed.value_or(result.world.seed);
+  if (file.name) result.world.name = *file.name;
+  for (RobotDescription& robot : result.world.robots) {
+    const auto controller = plan.value().controllers.find(robot.name);
+    if (controller != plan.value().controllers.end()) robot.controller = controller->second;
+  }
+  if (Status error = PlaceSpawns(plan.value().spawns, result.world.seed, &result.world)) return *error;
+  result.warnings.insert(result.warnings.begin(), file.warnings.begin(), file.warnings.end());
+  return loaded;
 }
 
 }  // namespace troupe

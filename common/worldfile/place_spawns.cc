@@ -1,0 +1,192 @@
+#include "common/worldfile/place_spawns.h"
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "common/base/random.h"
+#include "common/spatial/convex_piece.h"
+#include "common/spatial/overlap.h"
+#include "common/spatial/static_index.h"
+#include "common/worldfile/quote.h"
+
+namespace troupe {
+namespace {
+
+// After so many draws for one model the region counts as full.
+constexpr std::uint64_t kMaxDraws = 5000;
+
+// Sets the placing of models apart from other uses of the same seed.
+constexpr std::uint64_t kSpawnStream = 0x7370'6177'6e00;
+
+bool Matters(const ConvexPiece& piece) {
+  return piece.obstacle || piece.ranger_return >= 0.0;
+}
+
+bool Overlap(const ConvexPiece& a, const ConvexPiece& b) {
+  return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > kTouchTolerance;
+}
+
+Rectangle BoxOf(const std::vector<ConvexPiece>& pieces) {
+  Rectangle box = Rectangle::Nothing();
+  for (const ConvexPiece& piece : pieces) {
+    for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
+  }
+  return box;
+}
+
+// A body at its place.
+struct PlacedBody {
+  std::vector<ConvexPiece> pieces;  // frame W
+  Rectangle box = Rectangle::Nothing();
+};
+
+// Every model's root and its pose in the root's frame.
+struct Tree {
+  ModelId root;
+  Pose X_RM;
+};
+
+std::vector<Tree> FindTrees(const WorldDescription& world) {
+  std::vector<Tree> trees;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.parent) {
+      const Tree& parent = trees[model.parent->index()];
+      trees.push_back({parent.root, parent.X_RM * model.X_PM});
+    } else {
+      trees.push_back({ModelId(i), Pose{}});
+    }
+  }
+  return trees;
+}
+
+class Placer {
+ public:
+  Placer(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, WorldDescription* world)
+      : spawns_(spawns), seed_(seed), world_(world) {}
+
+  Status Run() {
+    Prepare();
+    for (std::size_t i = 0; i < spawns_.size(); ++i) {
+      if (Status error = Place(spawns_[i], i)) return error;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // Sorts all pieces into those that stand already and, by root, those that need a place.
+  void Prepare() {
+    std::map<std::string, ModelId> roots;
+    for (std::size_t i = 0; i < world_->models.size(); ++i) roots.emplace(world_->models[i].name, ModelId(i));
+    for (const PlannedSpawn& spawn : spawns_) {
+      for (const std::string& name : spawn.names) {
+        const auto found = roots.find(name);
+        TROUPE_CHECK(found != roots.end());
+        bodies_.emplace(found->second, std::vector<ConvexPiece>());
+        roots_.emplace(name, found->second);
+      }
+    }
+    for (std::size_t i = 0; i < world_->robots.size(); ++i) robots_.emplace(world_->robots[i].root, i);
+    std::vector<ConvexPiece> standing;
+    const std::vector<Tree> trees = FindTrees(*world_);
+    for (std::size_t i = 0; i < trees.size(); ++i) {
+      const auto body = bodies_.find(trees[i].root);
+      const bool placed = body == bodies_.end();
+      const Pose X_FM = placed ? world_->model(trees[i].root).X_PM * trees[i].X_RM : trees[i].X_RM;
+      for (ConvexPiece& piece : MakePieces(*world_, ModelId(i), X_FM)) {
+        if (Matters(piece)) (placed ? standing : body->second).push_back(std::move(piece));
+      }
+    }
+    standing_ = StaticIndex(std::move(standing));
+  }
+
+  Status Place(const PlannedSpawn& spawn, std::size_t rule_number) {
+    const SpawnEntry& rule = *spawn.rule;
+    const Rectangle region = BoundingBox(rule.region);
+    std::vector<Vec2> origins;
+    for (std::size_t i = 0; i < spawn.names.size(); ++i) {
+      const ModelId root = roots_.at(spawn.names[i]);
+      bool found = false;
+      for (std::uint64_t draw = 0; draw < kMaxDraws && !found; ++draw) {
+        const auto random = [&](std::uint64_t component) {
+          if (rule.seed) return RandomUniform({*rule.seed, kSpawnStream, i, draw, component});
+          return RandomUniform({seed_, kSpawnStream, rule_number, i, draw, component});
+        };
+        Pose X_WR = world_->model(root).X_PM;
+        X_WR.x = region.min_x + random(0) * region.width();
+        X_WR.y = region.min_y + random(1) * region.height();
+        X_WR.heading = rule.heading ? *rule.heading : WrapAngle((2.0 * random(2) - 1.0) * kPi);
+        found = Contains(rule.region, X_WR.translation()) && HasSpacing(X_WR.translation(), rule.spacing, origins) &&
+                TryPlace(root, X_WR, spawn.origin_at_start);
+      }
+      if (!found) return NoRoom(rule, i);
+      origins.push_back(world_->model(root).X_PM.translation());
+    }
+    return std::nullopt;
+  }
+
+  static bool HasSpacing(const Vec2& origin, double spacing, const std::vector<Vec2>& origins) {
+    for (const Vec2& other : origins) {
+      if ((other - origin).squaredNorm() < spacing * spacing) return false;
+    }
+    return true;
+  }
+
+  bool TryPlace(ModelId root, const Pose& X_WR, bool origin_at_start) {
+    PlacedBody body;
+    for (const ConvexPiece& piece : bodies_.at(root)) body.pieces.push_back(Transformed(piece, X_WR));
+    body.box = BoxOf(body.pieces);
+    if (!body.box.empty() && !IsFree(body)) return false;
+    world_->models[root.index()].X_PM = X_WR;
+    if (const auto robot = robots_.find(root); robot != robots_.end() && origin_at_start) {
+      world_->robots[robot->second].localization.origin = X_WR;
+    }
+    placed_.push_back(std::move(body));
+    return true;
+  }
+
+  bool IsFree(const PlacedBody& body) const {
+    std::vector<std::uint32_t> near;
+    standing_.Query(body.box, near);
+    for (const ConvexPiece& piece : body.pieces) {
+      for (const std::uint32_t index : near) {
+        if (Overlap(piece, standing_.pieces()[index])) return false;
+      }
+    }
+    for (const PlacedBody& other : placed_) {
+      if (!other.box.Overlaps(body.box)) continue;
+      for (const ConvexPiece& piece : body.pieces) {
+        for (const ConvexPiece& other_piece : other.pieces) {
+          if (Overlap(piece, other_piece)) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  static Error NoRoom(const SpawnEntry& rule, std::size_t fitted) {
+    return {rule.where, "found room for " + std::to_string(fitted) + " of " + std::to_string(rule.count) + " " +
+                            Quoted(rule.model.text) +
+                            ", expected room for all: enlarge the region or reduce count or "
+                            "spacing"};
+  }
+
+  const std::vector<PlannedSpawn>& spawns_;
+  std::uint64_t seed_;
+  WorldDescription* world_;
+  std::map<std::string, ModelId> roots_;
+  std::map<ModelId, std::size_t> robots_;               // by root
+  std::map<ModelId, std::vector<ConvexPiece>> bodies_;  // by root, frame R
+  StaticIndex standing_;
+  std::vector<PlacedBody> placed_;
+};
+
+}  // namespace
+
+Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, WorldDescription* world) {
+  if (spawns.empty()) return std::nullopt;
+  return Placer(spawns, seed, world).Run();
+}
+
+}  // namespace troupe

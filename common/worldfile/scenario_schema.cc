@@ -1,0 +1,148 @@
+#include "common/worldfile/scenario_schema.h"
+
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include "common/worldfile/quote.h"
+#include "common/worldfile/scenario_schema_text.h"
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+using Context = std::vector<std::string>;  // "<root>", "[robots]", "[0]", "[pose]"
+
+std::string Step(const std::string& part) {
+  return part.substr(1, part.size() - 2);
+}
+
+const json& ValueAt(const json& root, const Context& context) {
+  const json* value = &root;
+  for (std::size_t i = 1; i < context.size(); ++i) {
+    const std::string step = Step(context[i]);
+    value = value->is_array() ? &value->at(std::stoul(step)) : &value->at(step);
+  }
+  return *value;
+}
+
+const json& FollowReference(const json& root, const json& schema) {
+  const auto reference = schema.find("$ref");
+  if (reference == schema.end()) return schema;
+  return root.at(json::json_pointer(reference->get<std::string>().substr(1)));
+}
+
+// The part of the schema that speaks about the value at `context`.
+const json& SchemaAt(const json& root, const Context& context, const json& document) {
+  const json* schema = &root;
+  const json* value = &document;
+  for (std::size_t i = 1; i < context.size(); ++i) {
+    const std::string step = Step(context[i]);
+    if (value->is_array()) {
+      value = &value->at(std::stoul(step));
+      schema = &schema->at("items");
+    } else {
+      value = &value->at(step);
+      const auto properties = schema->find("properties");
+      const bool named = properties != schema->end() && properties->contains(step);
+      schema = named ? &properties->at(step) : &schema->at("additionalProperties");
+    }
+    schema = &FollowReference(root, *schema);
+  }
+  return *schema;
+}
+
+std::string JoinKeys(const json& properties) {
+  std::string list;
+  for (const auto& [key, unused] : properties.items()) list += (list.empty() ? "" : ", ") + key;
+  return list;
+}
+
+// The first key of `object`, in the order of the text, that the schema does not know.
+const json* FindUnknownKey(const JsonDocument& document, const json& schema, const json& object, std::string* name) {
+  const auto additional = schema.find("additionalProperties");
+  if (additional == schema.end() || !additional->is_boolean()) return nullptr;
+  const json* first = nullptr;
+  for (const auto& [key, value] : object.items()) {
+    if (schema.at("properties").contains(key)) continue;
+    if (first == nullptr || document.Offset(value) < document.Offset(*first)) {
+      first = &value;
+      *name = key;
+    }
+  }
+  return first;
+}
+
+std::string FindMissingKey(const json& schema, const json& object) {
+  const auto required = schema.find("required");
+  if (required == schema.end()) return "";
+  for (const json& key : *required) {
+    if (!object.contains(key.get<std::string>())) return key.get<std::string>();
+  }
+  return "";
+}
+
+// What is wrong with `value`, in our words. `schema` is what it breaks.
+Error Explain(const JsonDocument& document, const json& root_schema, const json& schema, const json& value) {
+  if (value.is_object()) {
+    std::string name;
+    if (const json* unknown = FindUnknownKey(document, schema, value, &name)) {
+      return {document.WhereKey(*unknown),
+              "found the key " + Quoted(name) + ", expected one of " + JoinKeys(schema.at("properties"))};
+    }
+    if (const std::string missing = FindMissingKey(schema, value); !missing.empty()) {
+      const json& expected = FollowReference(root_schema, schema.at("properties").at(missing));
+      return {document.Where(value),
+              "found no '" + missing + "' in this object, expected " + expected.at("description").get<std::string>()};
+    }
+  }
+  return document.ErrorAt(value,
+                          "found " + Describe(value) + ", expected " + schema.at("description").get<std::string>());
+}
+
+}  // namespace
+
+struct ScenarioSchema::Compiled {
+  json text;
+  valijson::Schema schema;
+};
+
+ScenarioSchema::ScenarioSchema() {
+  auto compiled = std::make_unique<Compiled>();
+  compiled->text = json::parse(kScenarioSchemaText);
+  valijson::SchemaParser parser;
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(compiled->text), compiled->schema);
+  compiled_ = std::move(compiled);
+}
+
+ScenarioSchema::~ScenarioSchema() = default;
+
+Status ScenarioSchema::Check(const JsonDocument& document) const {
+  valijson::Validator validator;
+  const valijson::adapters::NlohmannJsonAdapter root(document.root());
+  if (validator.validate(compiled_->schema, root, nullptr)) return std::nullopt;
+  valijson::ValidationResults results;
+  validator.validate(compiled_->schema, root, &results);
+  // Each fault is reported for the value and again for everything around it: the innermost one that starts first tells.
+  const Context* first = nullptr;
+  std::size_t first_offset = 0;
+  for (const auto& fault : results) {
+    const std::size_t offset = document.Offset(ValueAt(document.root(), fault.context));
+    const bool inside = first != nullptr && fault.context.size() > first->size() &&
+                        std::equal(first->begin(), first->end(), fault.context.begin());
+    const bool around = first != nullptr && fault.context.size() < first->size() &&
+                        std::equal(fault.context.begin(), fault.context.end(), first->begin());
+    if (first == nullptr || inside || (!around && offset < first_offset)) {
+      first = &fault.context;
+      first_offset = offset;
+    }
+  }
+  TROUPE_CHECK(first != nullptr);
+  return Explain(document, compiled_->text, SchemaAt(compiled_->text, *first, document.root()),
+                 ValueAt(document.root(), *first));
+}
+
+}  // namespace troupe
