@@ -1,0 +1,143 @@
+#include "world-service/program/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::variant<CommandLine, int> Parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "world-service");
+  return ParseCommandLine(static_cast<int>(words.size()), words.data());
+}
+
+TEST(CommandLine, LeavesTheScenarioAloneWhereNothingIsSaid) {
+  const auto parsed = Parse({"a.world"});
+  ASSERT_TRUE(std::holds_alternative<CommandLine>(parsed));
+  const CommandLine& line = std::get<CommandLine>(parsed);
+  EXPECT_EQ(line.file, "a.world");
+  EXPECT_FALSE(line.faults.any());
+  EXPECT_FALSE(line.report_fd);
+  RunSettings settings;
+  settings.ticks = 7;
+  settings.speed = 3.0;
+  settings.mode = Mode::kRealtime;
+  settings.on_agent_loss = OnAgentLoss::kPause;
+  line.ApplyTo(settings);
+  EXPECT_EQ(settings.ticks, 7u);
+  EXPECT_EQ(settings.speed, 3.0);
+  EXPECT_EQ(settings.mode, Mode::kRealtime);
+  EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kPause);
+}
+
+TEST(CommandLine, OverridesTheScenario) {
+  const auto parsed = Parse({"a.world",
+                             "--ticks",
+                             "5",
+                             "--seed=9",
+                             "--mode=lockstep",
+                             "--speed",
+                             "max",
+                             "--controller",
+                             "wander",
+                             "--session",
+                             "s-1",
+                             "--domain",
+                             "3",
+                             "--interface",
+                             "eth0",
+                             "--on-agent-loss",
+                             "abort",
+                             "--hash-log",
+                             "h",
+                             "--poses",
+                             "p",
+                             "--record",
+                             "r",
+                             "--lease",
+                             "0.5",
+                             "--start-timeout",
+                             "0",
+                             "--faults",
+                             "loss=0.5",
+                             "--report-fd",
+                             "4"});
+  ASSERT_TRUE(std::holds_alternative<CommandLine>(parsed));
+  const CommandLine& line = std::get<CommandLine>(parsed);
+  RunSettings settings;
+  settings.speed = 3.0;
+  settings.mode = Mode::kRealtime;
+  line.ApplyTo(settings);
+  EXPECT_EQ(settings.ticks, 5u);
+  EXPECT_EQ(settings.speed, std::nullopt);
+  EXPECT_EQ(settings.mode, Mode::kLockstep);
+  EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kAbort);
+  EXPECT_EQ(line.overrides.seed, 9u);
+  EXPECT_EQ(line.overrides.controller, "wander");
+  EXPECT_EQ(line.session, "s-1");
+  EXPECT_EQ(line.service.session, "s-1");
+  EXPECT_EQ(line.domain, 3u);
+  EXPECT_EQ(line.network_interface, "eth0");
+  EXPECT_EQ(line.service.outputs.hash_log, "h");
+  EXPECT_EQ(line.service.outputs.poses, "p");
+  EXPECT_EQ(line.service.outputs.record, "r");
+  EXPECT_EQ(line.service.lease_seconds, 0.5);
+  EXPECT_EQ(line.service.start_timeout_seconds, 0.0);
+  EXPECT_EQ(line.faults.loss, 0.5);
+  EXPECT_EQ(line.report_fd, 4);
+}
+
+TEST(CommandLine, SaysWhatIsWrongInOneLine) {
+  struct Case {
+    std::vector<const char*> words;
+    const char* message;
+  };
+  const std::vector<Case> cases = {
+      {{}, "file is required"},
+      {{"a", "b"}, "b"},
+      {{"a", "--what"}, "--what"},
+      {{"a", "--ticks", "-1"}, "found \"-1\", expected a whole number"},
+      {{"a", "--ticks", "1e3"}, "found \"1e3\", expected a whole number"},
+      {{"a", "--ticks", "99999999999999999999"}, "expected a whole number"},
+      {{"a", "--seed", "x"}, "found \"x\", expected a whole number"},
+      {{"a", "--mode", "fast"}, "found \"fast\", expected lockstep|realtime"},
+      {{"a", "--speed", "0"}, "found \"0\", expected a multiple of real time above 0, or max"},
+      {{"a", "--speed", "nan"}, "found \"nan\", expected a multiple"},
+      {{"a", "--speed", "inf"}, "found \"inf\", expected a multiple"},
+      {{"a", "--on-agent-loss", "cry"}, "found \"cry\", expected abort|freeze|pause"},
+      {{"a", "--session", "a b"}, "found \"a b\", expected 1 to 64 letters"},
+      {{"a", "--session", "*"}, "expected 1 to 64 letters"},
+      {{"a", "--domain", "231"}, "found \"231\", expected a whole number from 0 to 230"},
+      {{"a", "--lease", "0"}, "found \"0\", expected seconds, more than 0"},
+      {{"a", "--start-timeout", "-1"}, "expected seconds, 0 or more"},
+      {{"a", "--faults", "loss=2"}, "found \"loss=2\", expected a probability"},
+      {{"a", "--report-fd", "x"}, "found \"x\", expected a whole number"},
+  };
+  for (const Case& bad : cases) {
+    testing::internal::CaptureStderr();
+    const auto parsed = Parse(bad.words);
+    const std::string said = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(std::holds_alternative<int>(parsed)) << bad.message;
+    EXPECT_EQ(std::get<int>(parsed), kExitBadInput);
+    EXPECT_THAT(said, HasSubstr(bad.message));
+    EXPECT_THAT(said, testing::StartsWith("error: "));
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
+}
+
+TEST(CommandLine, TellsItsVersionAndItsOptions) {
+  for (const char* word : {"--version", "--help"}) {
+    testing::internal::CaptureStdout();
+    const auto parsed = Parse({word});
+    EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr(word[2] == 'v' ? "world-service 0." : "--hash-log"));
+    ASSERT_TRUE(std::holds_alternative<int>(parsed));
+    EXPECT_EQ(std::get<int>(parsed), kExitDone);
+  }
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,36 @@
+#include "world-service/service/event_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+TEST(EventLog, PutsWhatHappenedBetweenFramesBeforeTheStepByRobot) {
+  EventLog log;
+  log.Add(EventType::kJoined, 4, RobotId(2), "b");
+  log.Add(EventType::kJoined, 4, RobotId(0), "a");
+  log.Add(EventType::kProposalRejected, 4, std::nullopt, "c");
+  const Event stall{5, EventType::kStallBegan, RobotId(1), ModelId(3), ""};
+  EXPECT_THAT(log.TakeForFrame(5, {stall}),
+              ElementsAre(Event{5, EventType::kProposalRejected, std::nullopt, std::nullopt, "c"},
+                          Event{5, EventType::kJoined, RobotId(0), std::nullopt, "a"},
+                          Event{5, EventType::kJoined, RobotId(2), std::nullopt, "b"}, stall));
+  EXPECT_THAT(log.TakeForFrame(6, {}), IsEmpty());
+}
+
+TEST(EventLog, TellsEachEventOnceInOrderOfHappening) {
+  EventLog log;
+  log.Add(EventType::kLeft, 4, RobotId(2), "");
+  log.TakeForFrame(5, {{5, EventType::kStallBegan, RobotId(1), std::nullopt, ""}});
+  EXPECT_THAT(log.TakeUntold(), SizeIs(2));
+  EXPECT_THAT(log.TakeUntold(), IsEmpty());
+  EXPECT_EQ(log.stalls(), 1u);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,227 @@
+// What happens when agents are lost, and when they come back.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/service/coordinator_fixture.h"
+
+namespace troupe {
+namespace {
+
+using test::CoordinatorTest;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Phase = TickCoordinator::Phase;
+
+class LossTest : public CoordinatorTest {};
+
+TEST_F(LossTest, FreezeLetsTheOthersGoOn) {
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(Travel(1), 0.0);
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+  ASSERT_EQ(endpoint.frames.back().events.size(), 1u);
+  EXPECT_EQ(endpoint.frames.back().events[0].type, EventType::kLeft);
+  EXPECT_EQ(endpoint.frames.back().events[0].tick, 1u);
+  Propose(1);
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_NEAR(Travel(0), 0.2, 1e-12);
+}
+
+TEST_F(LossTest, SummaryNamesTheRobotsWithoutAgents) {
+  options.settings.ticks = 1;
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  Propose(1);
+  EXPECT_THAT(coordinator->MakeSummary().lost, ElementsAre("r1"));
+}
+
+TEST_F(LossTest, FreezeWaitsWhenNobodyIsLeft) {
+  MakeAndStart(1);
+  coordinator->OnAgentGone(1, now);
+  Wait(1.0);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r0"));
+  Join(11, {"r0"});
+  Propose(1);  // of the dead
+  EXPECT_EQ(tick(), 0u);
+  coordinator->OnProposal({kRun, 11, 1, {{RobotId(0), {1.0, 0, 0}}}, {}}, now);
+  EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(LossTest, FailsWhenNobodyIsLeftAndNobodyComesBack) {
+  options.start_timeout_seconds = 10.0;
+  MakeAndStart(1);
+  coordinator->OnAgentGone(1, now);
+  Wait(9.0);
+  EXPECT_FALSE(coordinator->error());
+  Wait(2.0);
+  ASSERT_TRUE(coordinator->error());
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+}
+
+TEST_F(LossTest, PauseWaitsForTheRobotAndNamesIt) {
+  options.settings.on_agent_loss = OnAgentLoss::kPause;
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  Wait(100.0);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r1"));
+  EXPECT_EQ(frames(), 1u);  // nobody there has missed it
+
+  Join(12, {"r1"});
+  EXPECT_EQ(frames(), 2u);  // for the newcomer
+  coordinator->OnProposal({kRun, 12, 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(Travel(1), 0.1, 1e-12);
+}
+
+TEST_F(LossTest, AbortFailsTheRunAndSaysWhy) {
+  options.settings.on_agent_loss = OnAgentLoss::kAbort;
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  ASSERT_TRUE(coordinator->error());
+  EXPECT_THAT(coordinator->error()->message, HasSubstr("r1 (host2, pid 2)"));
+  EXPECT_TRUE(endpoint.frames.back().last);
+  EXPECT_EQ(coordinator->phase(), Phase::kEnding);
+}
+
+TEST_F(LossTest, ASilentAgentIsLostAtTheDeadline) {
+  options.settings.agent_deadline_seconds = 3.0;
+  MakeAndStart(2);
+  Propose(1);
+  Wait(2.9);
+  EXPECT_EQ(tick(), 0u);
+  Wait(0.2);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+}
+
+TEST_F(LossTest, SeveralSilentAgentsAreLostInOneGo) {
+  options.settings.agent_deadline_seconds = 3.0;
+  MakeAndStart(3);
+  Propose(1);
+  Wait(3.1);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_THAT(Events(), ElementsAre("left r1", "left r2"));
+}
+
+TEST_F(LossTest, ADeadlineOfZeroIsNone) {
+  options.settings.agent_deadline_seconds = 0.0;
+  MakeAndStart(2);
+  Propose(1);
+  Wait(1e5);
+  EXPECT_EQ(tick(), 0u);
+}
+
+TEST_F(LossTest, ALostAgentThatSpeaksAgainIsTakenUpAgain) {
+  options.settings.agent_deadline_seconds = 3.0;
+  MakeAndStart(2);
+  Propose(1);
+  Wait(3.1);
+  ASSERT_EQ(tick(), 1u);
+  Events();
+  coordinator->OnProposal(ProposalOf(2, 1.0, 1), now);  // too late for this
+  EXPECT_THAT(Events(), IsEmpty());
+  Propose(2);
+  EXPECT_THAT(Events(), ElementsAre("joined r1"));
+  EXPECT_EQ(tick(), 1u);
+  Propose(1);
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_NEAR(Travel(1), 0.1, 1e-12);
+}
+
+TEST_F(LossTest, AnotherAgentMayTakeALostRobotUp) {
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  for (int i = 0; i < 5; ++i) Propose(1);
+  const Tick joined_at = tick();
+  Events();
+  Join(12, {"r1"});
+  EXPECT_TRUE(endpoint.admissions.back().admitted);
+  EXPECT_THAT(Events(), ElementsAre("joined r1"));
+  EXPECT_EQ(tick(), joined_at);  // the frame again, for the newcomer
+  Propose(1);
+  EXPECT_EQ(tick(), joined_at);  // now it is waited for
+  coordinator->OnProposal({kRun, 12, joined_at + 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
+  EXPECT_EQ(tick(), joined_at + 1);
+  EXPECT_NEAR(Travel(1), 0.1, 1e-12);
+  // The one that lost the robot has nothing to say any more.
+  Propose(2);
+  EXPECT_THAT(Events(), ElementsAre("proposal_rejected"));
+}
+
+TEST_F(LossTest, ANewcomerGetsTheWholeDeadlineWhateverTheBarrierHasWaited) {
+  options.settings.on_agent_loss = OnAgentLoss::kPause;
+  options.settings.agent_deadline_seconds = 3.0;
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  Wait(100.0);
+  Events();
+  Join(12, {"r1"});
+  Wait(2.0);
+  EXPECT_THAT(Events(), ElementsAre("joined r1"));
+  Wait(1.1);
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+}
+
+TEST_F(LossTest, AnAgentIsNotRefusedWhileTheOneBeforeItMayBeDead) {
+  MakeAndStart(2);
+  Propose(1);
+  endpoint.admissions.clear();
+  Join(12, {"r1"});  // agent 2 has died; nobody knows yet
+  now += 0.1;
+  Join(12, {"r1"});
+  EXPECT_THAT(endpoint.admissions, IsEmpty());
+  coordinator->OnAgentGone(2, now);
+  Join(12, {"r1"});
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_TRUE(endpoint.admissions[0].admitted);
+}
+
+TEST_F(LossTest, AnAgentIsRefusedOnceTheOneBeforeItShowsThatItLives) {
+  MakeAndStart(2);
+  endpoint.admissions.clear();
+  Join(12, {"r1"});
+  Propose(1);
+  Propose(2);  // may have been on its way
+  Join(12, {"r1"});
+  EXPECT_THAT(endpoint.admissions, IsEmpty());
+  Propose(1);
+  Propose(2);  // answers a frame that was sent after the first join
+  Join(12, {"r1"});
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_FALSE(endpoint.admissions[0].admitted);
+  EXPECT_THAT(endpoint.admissions[0].reason, HasSubstr("host2, pid 2"));
+}
+
+TEST_F(LossTest, AnAgentIsRefusedAfterTheLeaseOfTheOneBeforeIt) {
+  options.lease_seconds = 2.0;
+  Make(2);
+  Join(1);
+  endpoint.admissions.clear();
+  Join(11, {"r0"});
+  now += 4.1;
+  Join(11, {"r0"});
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_FALSE(endpoint.admissions[0].admitted);
+}
+
+TEST_F(LossTest, ALossThatEndsTheRunLeavesNothingToWaitFor) {
+  options.settings.ticks = 1;
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(coordinator->phase(), Phase::kEnding);
+  coordinator->OnAgentGone(1, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,134 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/service/coordinator_fixture.h"
+
+namespace troupe {
+namespace {
+
+using test::CoordinatorTest;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RealtimeTest : public CoordinatorTest {
+ protected:
+  RealtimeTest() { options.settings.mode = Mode::kRealtime; }
+  // Goes to just after the next tick is due.
+  void NextTick() { Wait(0.1001); }
+};
+
+TEST_F(RealtimeTest, SaysThatItIsNotDeterministic) {
+  Make(1);
+  EXPECT_THAT(coordinator->TakeNotices(), ElementsAre(HasSubstr("not the same")));
+}
+
+TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAreThere) {
+  MakeAndStart(1);
+  Propose(1);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.1, 1e-9);
+  NextTick();
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(Travel(0), 0.1, 1e-12);
+}
+
+TEST_F(RealtimeTest, ALateRobotKeepsItsCommandForOneTickAndThenStops) {
+  MakeAndStart(2);
+  Propose(1, 1.0);
+  Propose(2, 2.0);
+  NextTick();
+  Propose(1, 1.0);
+  NextTick();
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_NEAR(Travel(1), 0.4, 1e-12);  // kept
+  Propose(1, 1.0);
+  NextTick();
+  EXPECT_EQ(tick(), 3u);
+  EXPECT_NEAR(Travel(1), 0.4, 1e-12);  // stopped
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+}
+
+TEST_F(RealtimeTest, ARobotThatWasNeverHeardStandsStill) {
+  MakeAndStart(1);
+  NextTick();
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(Travel(0), 0.0);
+}
+
+TEST_F(RealtimeTest, ACommandThatComesOneTickLateIsTheNextTicksCommand) {
+  MakeAndStart(1);
+  NextTick();
+  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);
+  EXPECT_THAT(Events(), IsEmpty());
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+}
+
+TEST_F(RealtimeTest, ALateCommandDoesNotReplaceANewerOne) {
+  MakeAndStart(1);
+  Propose(1, 1.0);
+  NextTick();
+  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);  // doubled on the way, and changed by nobody knows whom
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.2, 1e-12);
+}
+
+TEST_F(RealtimeTest, ACommandThatIsKeptMustStillBeWithinTheLimits) {
+  Make(1);
+  WorldDescription world = scene->world();
+  world.robots[0].drive.acceleration.x = {-100.0, 20.0};  // 2 m/s in a tick
+  scene = std::make_unique<Scene>(world);
+  coordinator.emplace(*scene, options, endpoint, *recorder, now);
+  Join(1);
+  Events();
+  Propose(1, 2.0);
+  NextTick();
+  Propose(1, 4.0);
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.6, 1e-12);
+  coordinator->OnProposal(ProposalOf(1, 4.0, 1), now);  // old: nothing
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);  // keeps 4 m/s
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);
+  coordinator->OnProposal(ProposalOf(1, 4.0, tick()), now);  // late, and no longer within reach of a robot that stands
+  EXPECT_THAT(Events(), ElementsAre("proposal_rejected r0"));
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);
+}
+
+TEST_F(RealtimeTest, SpeedPacesIt) {
+  options.settings.speed = 10.0;
+  MakeAndStart(1);
+  Wait(0.0101);
+  EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(RealtimeTest, ASilentAgentIsLostAtTheDeadline) {
+  options.settings.agent_deadline_seconds = 1.0;
+  MakeAndStart(2);
+  for (int i = 0; i < 9; ++i) {
+    Propose(1, 0.0);
+    NextTick();
+  }
+  EXPECT_THAT(Events(), IsEmpty());
+  for (int i = 0; i < 2; ++i) {
+    Propose(1, 0.0);
+    NextTick();
+  }
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+}
+
+TEST_F(RealtimeTest, PauseStopsItToo) {
+  options.settings.on_agent_loss = OnAgentLoss::kPause;
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  NextTick();
+  EXPECT_EQ(tick(), 0u);
+}
+
+}  // namespace
+}  // namespace troupe

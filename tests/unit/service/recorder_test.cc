@@ -1,0 +1,135 @@
+#include "world-service/service/recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/unit/service/coordinator_fixture.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+
+class RecorderTest : public testing::Test {
+ protected:
+  ~RecorderTest() override { std::remove(path_.c_str()); }
+  std::string Text() const {
+    std::ostringstream text;
+    text << std::ifstream(path_).rdbuf();
+    return text.str();
+  }
+  FrameMessage Frame(Tick tick) const {
+    FrameMessage frame;
+    frame.state = InitialState(world_);
+    frame.state.tick = tick;
+    frame.state_hash = 0xabc0 + tick;
+    frame.state.robots[0].X_WR = {0.1, -1e-300, 0.0, 1.0 / 3.0};
+    frame.state.robots[1].stalled = true;
+    return frame;
+  }
+  // Writes frames 0 to 2.
+  void Record(const OutputFiles& files, const std::vector<Event>& events = {}) {
+    Result<Recorder> recorder = Recorder::Create(world_, files);
+    ASSERT_TRUE(recorder.ok()) << recorder.error().ToString();
+    for (Tick tick = 0; tick <= 2; ++tick) {
+      FrameMessage frame = Frame(tick);
+      if (tick == 2) frame.events = events;
+      EXPECT_FALSE(recorder.value().Write(frame));
+    }
+    EXPECT_FALSE(recorder.value().Close());
+  }
+
+  WorldDescription world_ = test::PlaneWorld(2);
+  const std::string path_ = testing::TempDir() + "troupe-recorder-" + std::to_string(getpid());
+};
+
+TEST_F(RecorderTest, HashLogHasALineForEachTick) {
+  Record({.hash_log = path_, .poses = "", .record = ""});
+  EXPECT_EQ(Text(), "0 000000000000abc0\n1 000000000000abc1\n2 000000000000abc2\n");
+}
+
+TEST_F(RecorderTest, PosesReadBackToTheLastBit) {
+  world_.robots[1].name = "odd, \"name\"";
+  Record({.hash_log = "", .poses = path_, .record = ""});
+  std::istringstream lines(Text());
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "tick,robot,x,y,z,heading,stalled");
+  std::getline(lines, line);
+  EXPECT_EQ(line, "0,r0,0.1,-1e-300,0,0.3333333333333333,0");
+  double heading = 0.0;
+  const std::size_t at = line.find("0.333");
+  std::from_chars(line.data() + at, line.data() + line.size(), heading);
+  EXPECT_EQ(heading, 1.0 / 3.0);
+  std::getline(lines, line);
+  EXPECT_EQ(line, "0,\"odd, \"\"name\"\"\",0,10,0,0,1");
+}
+
+TEST_F(RecorderTest, RecordIsAJsonObjectForEachTick) {
+  Record({.hash_log = "", .poses = "", .record = path_},
+         {{2, EventType::kStallBegan, RobotId(0), ModelId(1), "\xff not \"UTF-8\""}});
+  std::istringstream lines(Text());
+  std::string line;
+  std::getline(lines, line);
+  const auto header = nlohmann::json::parse(line);
+  EXPECT_EQ(header["world"], "plane");
+  EXPECT_EQ(header["robots"], nlohmann::json({"r0", "r1"}));
+  EXPECT_EQ(header["interval_ns"], 100000000);
+  for (int tick = 0; tick <= 2; ++tick) {
+    std::getline(lines, line);
+    const auto frame = nlohmann::json::parse(line);
+    EXPECT_EQ(frame["tick"], tick);
+    EXPECT_EQ(frame["hash"], "000000000000abc" + std::to_string(tick));
+    EXPECT_EQ(frame["robots"], nlohmann::json::parse("[[0.1,-1e-300,0,0.3333333333333333,0],[0,10,0,0,1]]"));
+    EXPECT_EQ(frame.contains("events"), tick == 2);
+    if (tick == 2) {
+      EXPECT_EQ(frame["events"][0]["event"], "stall_began");
+      EXPECT_EQ(frame["events"][0]["robot"], "r0");
+      EXPECT_EQ(frame["events"][0]["other"], "r1");
+    }
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST_F(RecorderTest, RecordOfAWorldWithoutRobotsIsJsonToo) {
+  world_ = test::PlaneWorld(0);
+  Result<Recorder> recorder = Recorder::Create(world_, {.hash_log = "", .poses = "", .record = path_});
+  ASSERT_TRUE(recorder.ok());
+  EXPECT_FALSE(recorder.value().Write({}));
+  EXPECT_FALSE(recorder.value().Close());
+  const std::string text = Text();
+  EXPECT_EQ(nlohmann::json::parse(text.substr(text.find('\n')))["robots"], nlohmann::json::array());
+}
+
+TEST_F(RecorderTest, SaysWhenAFileCannotBeMade) {
+  const Result<Recorder> recorder = Recorder::Create(world_, {.hash_log = "/nowhere/h", .poses = "", .record = ""});
+  ASSERT_FALSE(recorder.ok());
+  EXPECT_EQ(recorder.error().ToString(), "/nowhere/h: error: cannot open for writing: No such file or directory");
+}
+
+TEST_F(RecorderTest, SaysWhenTheDiskIsFull) {
+  Result<Recorder> recorder = Recorder::Create(world_, {.hash_log = "", .poses = "/dev/full", .record = ""});
+  ASSERT_TRUE(recorder.ok());
+  Status error;
+  for (Tick tick = 0; tick < 10000 && !error; ++tick) error = recorder.value().Write(Frame(tick));
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->ToString(), HasSubstr("/dev/full: error: cannot write: No space left"));
+  EXPECT_TRUE(recorder.value().Close());
+}
+
+TEST_F(RecorderTest, SaysWhenTheDiskIsFullAtTheEnd) {
+  Result<Recorder> recorder = Recorder::Create(world_, {.hash_log = "/dev/full", .poses = "", .record = ""});
+  ASSERT_TRUE(recorder.ok());
+  EXPECT_FALSE(recorder.value().Write(Frame(0)));  // still in the buffer
+  EXPECT_TRUE(recorder.value().Close());
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,340 @@
+#include "world-service/service/tick_coordinator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/model/state_hash.h"
+#include "tests/unit/service/coordinator_fixture.h"
+
+namespace troupe {
+namespace {
+
+using test::CoordinatorTest;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Phase = TickCoordinator::Phase;
+
+class TickCoordinatorTest : public CoordinatorTest {};
+
+TEST_F(TickCoordinatorTest, SendsNoFrameBeforeAllRobotsHaveAgents) {
+  Make(2);
+  Join(1);
+  Wait(1.0);
+  EXPECT_THAT(endpoint.frames, IsEmpty());
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r1"));
+  Join(2);
+  ASSERT_EQ(frames(), 1u);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_EQ(endpoint.frames[0].run, kRun);
+  EXPECT_EQ(endpoint.frames[0].state, InitialState(scene->world()));
+  EXPECT_EQ(coordinator->startup_seconds(), 1.0);
+  EXPECT_THAT(Events(), ElementsAre("joined r0", "joined r1"));
+  EXPECT_EQ(endpoint.frames[0].events.size(), 2u);
+}
+
+TEST_F(TickCoordinatorTest, StepsAtOnceWhenTheLastProposalArrives) {
+  MakeAndStart(2);
+  Propose(2);
+  EXPECT_EQ(tick(), 0u);
+  Propose(1);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(Travel(0), 0.1, 1e-12);
+  EXPECT_EQ(endpoint.frames.back().state_hash, StateHash(endpoint.frames.back().state));
+  EXPECT_FALSE(endpoint.frames.back().last);
+}
+
+TEST_F(TickCoordinatorTest, OneAgentMayHaveManyRobots) {
+  Make(3);
+  Join(7, {"r2", "r0", "r1"});
+  coordinator->OnProposal({kRun, 7, 1, {{RobotId(0), {}}, {RobotId(1), {2.0, 0, 0}}, {RobotId(2), {}}}, {}}, now);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(Travel(1), 0.2, 1e-12);
+}
+
+TEST_F(TickCoordinatorTest, IgnoresDoubledAndOldProposals) {
+  MakeAndStart(2);
+  Propose(1, 1.0);
+  Propose(1, 5.0);  // the first one counts
+  Propose(2);
+  EXPECT_NEAR(Travel(0), 0.1, 1e-12);
+  coordinator->OnProposal(ProposalOf(1, 5.0, 1), now);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_THAT(Events(), IsEmpty());
+  EXPECT_EQ(coordinator->MakeSummary().rejected, 0u);
+}
+
+TEST_F(TickCoordinatorTest, AnswersARepeatedJoinAgain) {
+  Make(2);
+  Join(1);
+  Join(1);
+  ASSERT_EQ(endpoint.admissions.size(), 2u);
+  EXPECT_TRUE(endpoint.admissions[1].admitted);
+  EXPECT_EQ(endpoint.admissions[1].agent, 1u);
+  EXPECT_THAT(Events(), ElementsAre("joined r0"));
+}
+
+TEST_F(TickCoordinatorTest, RefusesABadJoinAndSaysWhy) {
+  Make(1);
+  Join(1, {"r0", "nobody"});
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_FALSE(endpoint.admissions[0].admitted);
+  EXPECT_THAT(endpoint.admissions[0].reason, HasSubstr("no robot \"nobody\""));
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+}
+
+TEST_F(TickCoordinatorTest, DoesNotAnswerAJoinOfAnotherRun) {
+  Make(1);
+  JoinMessage join = JoinOf(1, {"r0"});
+  join.run = kRun + 1;
+  coordinator->OnJoin(join, now);
+  EXPECT_THAT(endpoint.admissions, IsEmpty());
+}
+
+TEST_F(TickCoordinatorTest, RepeatsAFrameThatSomebodyLeavesUnanswered) {
+  MakeAndStart(2);
+  Propose(1);
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.05, 1e-9);
+  Wait(0.04);
+  EXPECT_EQ(frames(), 1u);
+  Wait(0.02);
+  ASSERT_EQ(frames(), 2u);
+  EXPECT_EQ(endpoint.frames[1].state, endpoint.frames[0].state);
+  EXPECT_EQ(endpoint.frames[1].events, endpoint.frames[0].events);
+  EXPECT_EQ(coordinator->MakeSummary().frames_repeated, 1u);
+}
+
+TEST_F(TickCoordinatorTest, RepeatsAFrameLessAndLessOften) {
+  MakeAndStart(1);
+  const double began = now;
+  std::vector<double> repeats;
+  while (repeats.size() < 7) {
+    const std::size_t before = frames();
+    Wait(coordinator->NextPoll() - now);
+    if (frames() > before) repeats.push_back(now - began);
+  }
+  using ::testing::DoubleNear;
+  EXPECT_THAT(repeats, ElementsAre(DoubleNear(0.05, 1e-9), DoubleNear(0.15, 1e-9), DoubleNear(0.35, 1e-9),
+                                   DoubleNear(0.75, 1e-9), DoubleNear(1.55, 1e-9), DoubleNear(2.55, 1e-9),
+                                   DoubleNear(3.55, 1e-9)));
+}
+
+TEST_F(TickCoordinatorTest, DoesNotRepeatAFrameWhileAnswersComeIn) {
+  MakeAndStart(10);
+  for (AgentId agent = 1; agent <= 9; ++agent) {
+    Wait(0.04);
+    Propose(agent);
+  }
+  EXPECT_EQ(frames(), 1u);
+}
+
+TEST_F(TickCoordinatorTest, NamesTheRobotsThatItWaitsFor) {
+  MakeAndStart(3);
+  Propose(2);
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, IsEmpty());  // nobody is late yet
+  Wait(0.7);
+  const StatusMessage status = coordinator->MakeStatus(now);
+  EXPECT_THAT(status.waiting_for, ElementsAre("r0", "r2"));
+  EXPECT_NEAR(status.waiting_seconds, 0.7, 1e-9);
+}
+
+TEST_F(TickCoordinatorTest, SummaryNamesTheSlowestRobots) {
+  MakeAndStart(2);
+  for (int i = 0; i < 3; ++i) {
+    Propose(1);
+    now += 0.03;
+    Propose(2);
+  }
+  Propose(2);
+  now += 0.01;
+  Propose(1);
+  const RunSummary summary = coordinator->MakeSummary();
+  ASSERT_EQ(summary.slowest.size(), 2u);
+  EXPECT_EQ(summary.slowest[0].robot, "r1");
+  EXPECT_EQ(summary.slowest[0].times_last, 3u);
+  EXPECT_NEAR(summary.slowest[0].waited_seconds, 0.09, 1e-9);
+  EXPECT_EQ(summary.slowest[1].times_last, 1u);
+  EXPECT_EQ(summary.ticks, 4u);
+  EXPECT_NEAR(summary.sim_seconds, 0.4, 1e-12);
+  EXPECT_NEAR(summary.wall_seconds, 0.1, 1e-9);
+  EXPECT_NEAR(summary.real_time_factor, 4.0, 1e-6);
+}
+
+TEST_F(TickCoordinatorTest, MarksTheLastFrameAndRepeatsItUntilTheAgentsHaveLeft) {
+  options.settings.ticks = 1;
+  MakeAndStart(2);
+  Propose(1);
+  Propose(2);
+  EXPECT_TRUE(endpoint.frames.back().last);
+  EXPECT_EQ(coordinator->phase(), Phase::kEnding);
+  const std::size_t before = frames();
+  Wait(coordinator->NextPoll() - now);
+  EXPECT_EQ(frames(), before + 1);
+  EXPECT_TRUE(endpoint.frames.back().last);
+  coordinator->OnAgentGone(1, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kEnding);
+  coordinator->OnAgentGone(2, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+  EXPECT_FALSE(coordinator->error());
+  EXPECT_THAT(coordinator->MakeSummary().lost, IsEmpty());
+  EXPECT_THAT(Events(), IsEmpty());
+}
+
+TEST_F(TickCoordinatorTest, IsOverSoonEvenIfAnAgentDoesNotLeave) {
+  options.settings.ticks = 0;
+  Make(1);
+  Join(1);
+  EXPECT_TRUE(endpoint.frames.back().last);
+  const double began = now;
+  while (coordinator->phase() != Phase::kOver && now < began + 100.0) Wait(coordinator->NextPoll() - now);
+  EXPECT_LE(now - began, 2.0);
+}
+
+TEST_F(TickCoordinatorTest, TurnsAgentsAwayWhenTheRunIsOver) {
+  options.settings.ticks = 0;
+  Make(1);
+  Join(1);
+  Join(9, {"r0"});
+  EXPECT_FALSE(endpoint.admissions.back().admitted);
+  EXPECT_THAT(endpoint.admissions.back().reason, HasSubstr("over"));
+}
+
+TEST_F(TickCoordinatorTest, StopsInOrder) {
+  MakeAndStart(1);
+  Propose(1);
+  coordinator->Stop(now);
+  EXPECT_TRUE(endpoint.frames.back().last);
+  EXPECT_EQ(endpoint.frames.back().state, endpoint.frames[1].state);
+  coordinator->OnAgentGone(1, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+  EXPECT_TRUE(coordinator->MakeSummary().interrupted);
+  EXPECT_EQ(coordinator->MakeSummary().ticks, 1u);
+}
+
+TEST_F(TickCoordinatorTest, StopsWhileItWaitsForAgentsAndSendsThoseHomeThatCame) {
+  Make(2);
+  Join(1);
+  coordinator->Stop(now);
+  ASSERT_EQ(frames(), 1u);
+  EXPECT_TRUE(endpoint.frames[0].last);
+  coordinator->OnAgentGone(1, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+  EXPECT_EQ(coordinator->MakeSummary().wall_seconds, 0.0);
+}
+
+TEST_F(TickCoordinatorTest, FailsWhenRobotsStayWithoutAgentsAndNamesThem) {
+  options.start_timeout_seconds = 5.0;
+  Make(3);
+  Join(2);
+  Wait(4.9);
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+  Wait(0.2);
+  ASSERT_TRUE(coordinator->error());
+  EXPECT_THAT(coordinator->error()->message, HasSubstr("r0, r2"));
+  EXPECT_THAT(coordinator->error()->message, HasSubstr("5 s"));
+  EXPECT_TRUE(endpoint.frames.back().last);
+}
+
+TEST_F(TickCoordinatorTest, WaitsForEverWithoutAStartTimeout) {
+  options.start_timeout_seconds = 0.0;
+  Make(1);
+  Wait(1e6);
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+}
+
+TEST_F(TickCoordinatorTest, AnAgentThatLeavesBeforeTheStartIsWaitedForAgain) {
+  options.settings.on_agent_loss = OnAgentLoss::kAbort;
+  Make(2);
+  Join(1);
+  coordinator->OnAgentGone(1, now);
+  Join(2);
+  EXPECT_EQ(coordinator->phase(), Phase::kGathering);
+  Join(11, {"r0"});
+  EXPECT_EQ(coordinator->phase(), Phase::kRunning);
+}
+
+TEST_F(TickCoordinatorTest, AWorldWithoutRobotsTicksByItself) {
+  options.settings.ticks = 3;
+  Make(0);
+  for (int i = 0; i < 10 && coordinator->phase() != Phase::kOver; ++i) {
+    EXPECT_LE(coordinator->NextPoll(), now);
+    Wait(0.0);
+  }
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+  EXPECT_EQ(tick(), 3u);
+}
+
+TEST_F(TickCoordinatorTest, SpeedPacesTicks) {
+  options.settings.speed = 2.0;  // 0.05 s a tick
+  MakeAndStart(1);
+  Propose(1);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.05, 1e-9);
+  Wait(0.04);
+  EXPECT_EQ(tick(), 0u);
+  Wait(0.011);
+  EXPECT_EQ(tick(), 1u);
+  // What a late answer cost is caught up.
+  Wait(0.109);
+  Propose(1);
+  EXPECT_EQ(tick(), 2u);
+  Propose(1);
+  EXPECT_EQ(tick(), 3u);
+  Propose(1);
+  EXPECT_EQ(tick(), 3u);
+}
+
+TEST_F(TickCoordinatorTest, ALongStopIsNotCaughtUp) {
+  options.settings.speed = 1.0;
+  MakeAndStart(1);
+  now += 60.0;
+  Propose(1);
+  EXPECT_EQ(tick(), 1u);
+  Propose(1);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.1, 1e-9);
+}
+
+TEST_F(TickCoordinatorTest, TheYoungerOfTwoServicesGivesUp) {
+  Make(1);
+  SessionMessage rival;
+  rival.run = kRun - 1;
+  rival.host = "elsewhere";
+  rival.pid = 4711;
+  coordinator->OnRivalService(rival, now);
+  ASSERT_TRUE(coordinator->error());
+  EXPECT_THAT(coordinator->error()->message, HasSubstr("elsewhere, pid 4711"));
+}
+
+TEST_F(TickCoordinatorTest, TheOlderOfTwoServicesGoesOn) {
+  Make(1);
+  SessionMessage rival;
+  rival.run = kRun + 1;
+  coordinator->OnRivalService(rival, now);
+  coordinator->OnRivalService(rival, now);
+  rival.run = kRun;  // its own, come back
+  coordinator->OnRivalService(rival, now);
+  EXPECT_FALSE(coordinator->error());
+  EXPECT_EQ(coordinator->TakeNotices().size(), 1u);
+}
+
+TEST_F(TickCoordinatorTest, ARunningServiceIsNotStoppedByARival) {
+  MakeAndStart(1);
+  SessionMessage rival;
+  rival.run = kRun - 1;
+  coordinator->OnRivalService(rival, now);
+  EXPECT_EQ(coordinator->phase(), Phase::kRunning);
+}
+
+TEST_F(TickCoordinatorTest, PassesOnWhatControllersReport) {
+  MakeAndStart(1);
+  ProposalMessage proposal = ProposalOf(1, 0.0);
+  proposal.reports = {"r0: the controller failed"};
+  coordinator->OnProposal(proposal, now);
+  EXPECT_THAT(coordinator->TakeNotices(), ElementsAre("host1, pid 1: r0: the controller failed"));
+  EXPECT_THAT(coordinator->TakeNotices(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace troupe
