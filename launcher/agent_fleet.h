@@ -1,0 +1,50 @@
+// AgentFleet: the agent processes of a run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "launcher/process.h"
+#include "launcher/run_options.h"
+#include "launcher/service_report.h"
+
+namespace troupe {
+
+struct AgentProcess {
+  Process process;
+  std::vector<std::string> robots;
+  std::string restart_command;  // for a person's shell
+};
+
+class AgentFleet {
+ public:
+  // `scan_parts` is the folder for the agents' scan files; empty: none.
+  AgentFleet(const RunOptions& options, std::string program, std::string scan_parts);
+
+  // Starts an agent for every `robots_per_process` robots. Children write what they say to `output`.
+  Status Start(const ReadyReport& ready, int output);
+
+  // The agents that ended since the last call.
+  std::vector<const AgentProcess*> TakeEnded();
+  std::size_t size() const { return agents_.size(); }
+  bool all_ended() const { return running_ == 0; }
+  void Signal(int signal) const;
+  void Kill();
+
+  // Of the largest agent.
+  double peak_memory_mib() const;
+  // The agents' scan files in the order of their robots, whether they exist or not.
+  std::vector<std::string> scan_files() const;
+
+ private:
+  std::string ScanFile(std::size_t group) const;
+
+  const RunOptions& options_;
+  std::string program_;
+  std::string scan_parts_;
+  std::vector<AgentProcess> agents_;  // in the order of starting
+  std::size_t running_ = 0;
+};
+
+}  // namespace troupe

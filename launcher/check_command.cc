@@ -1,0 +1,95 @@
+#include "launcher/check_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "launcher/run_end.h"
+
+namespace troupe {
+namespace {
+
+const char* NameOf(DriveType type) {
+  switch (type) {
+    case DriveType::kDifferential:
+      return "differential";
+    case DriveType::kOmni:
+      return "omnidirectional";
+    case DriveType::kCar:
+      return "car";
+  }
+  return "";
+}
+
+const char* NameOf(OnAgentLoss policy) {
+  switch (policy) {
+    case OnAgentLoss::kFreeze:
+      return "freeze";
+    case OnAgentLoss::kPause:
+      return "pause";
+    case OnAgentLoss::kAbort:
+      return "abort";
+  }
+  return "";
+}
+
+// "1 ray", "2 rays"
+std::string Count(std::size_t number, const char* noun) {
+  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
+std::string DescribeRobot(const RobotDescription& robot) {
+  std::string text =
+      fmt::format("  {}: {} drive, controller {}", robot.name, NameOf(robot.drive.type), robot.controller.name);
+  for (const RangerDescription& ranger : robot.rangers) {
+    std::size_t rays = 0;
+    for (const RaySensorDescription& sensor : ranger.sensors) rays += sensor.samples;
+    text += fmt::format(", {} ({}, {})", ranger.name, Count(ranger.sensors.size(), "sensor"), Count(rays, "ray"));
+  }
+  return text + "\n";
+}
+
+std::string DescribeSettings(const LoadedWorld& loaded) {
+  const RunSettings& settings = loaded.settings;
+  std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "no end";
+  std::string speed = settings.speed ? fmt::format("{} x real time", *settings.speed) : "as fast as possible";
+  return fmt::format("run: {} of {} s, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
+                     loaded.world.interval_seconds(), loaded.world.seed,
+                     settings.mode == Mode::kLockstep ? "lockstep" : "realtime", speed, NameOf(settings.on_agent_loss),
+                     Count(settings.robots_per_process, "robot"));
+}
+
+}  // namespace
+
+std::string DescribeWorld(const LoadedWorld& loaded) {
+  const WorldDescription& world = loaded.world;
+  std::size_t rectangles = 0;
+  std::size_t blocks = 0;
+  for (const ModelDescription& model : world.models) {
+    rectangles += world.shape(model.shape).rectangles.size();
+    blocks += world.shape(model.shape).blocks.size();
+  }
+  std::string text = fmt::format("world: {} ({})\n", world.name, Count(loaded.files.size(), "file"));
+  text += loaded.map_width == 0 ? std::string("map: none\n")
+                                : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
+  text += fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
+                      Count(rectangles, "rectangle"));
+  text += fmt::format("robots: {}\n", world.robots.size());
+  for (const RobotDescription& robot : world.robots) text += DescribeRobot(robot);
+  text += DescribeSettings(loaded);
+  text += fmt::format("warnings: {}\n", loaded.warnings.size());
+  for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";
+  return text;
+}
+
+int CheckCommand(const std::string& file) {
+  Result<LoadedWorld> loaded = LoadWorld(file);
+  if (!loaded.ok()) {
+    fmt::print(stderr, "{}\n", loaded.error().ToString());
+    return kExitBadInput;
+  }
+  fmt::print("{}", DescribeWorld(loaded.value()));
+  return kExitDone;
+}
+
+}  // namespace troupe

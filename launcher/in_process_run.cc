@@ -1,0 +1,115 @@
+#include "launcher/in_process_run.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include "common/protocol/faulty_transport.h"
+#include "common/protocol/memory_transport.h"
+#include "common/spatial/scene.h"
+#include "launcher/progress.h"
+#include "launcher/signal_watch.h"
+#include "robot-agent/agent/agent_host.h"
+#include "world-service/service/run_service.h"
+
+namespace troupe {
+namespace {
+
+class ProgressObserver : public RunObserver {
+ public:
+  void OnStarted(double) override {}
+  void OnStatus(const StatusMessage& status) override { progress_.Update(status); }
+  void OnEvent(const Event& event, const std::string& text) override {
+    progress_.TellEvent(event.tick, ToString(event.type), text);
+  }
+  void OnNotice(const std::string& text) override { progress_.Tell(text); }
+
+ private:
+  Progress progress_;
+};
+
+std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
+  std::unique_ptr<Transport> transport = MakeMemoryTransport();
+  if (faults.empty()) return transport;
+  return MakeFaultyTransport(std::move(transport), ParseFaults(faults).value());
+}
+
+// Waits until `done` is readable; asks to stop when a signal says so.
+void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
+  pollfd waited[] = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
+  while (waited[1].revents == 0) {
+    poll(waited, 2, -1);
+    if (signals.TakeStopRequest()) stop = true;
+  }
+}
+
+double PeakMemoryMib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+RunEnd Failed(const Error& error) {
+  return {kExitFailed, std::nullopt, error};
+}
+
+}  // namespace
+
+RunEnd RunInProcess(const RunOptions& options) {
+  LoadOverrides overrides;
+  overrides.seed = options.seed;
+  if (!options.controller.empty()) overrides.controller = options.controller;
+  Result<LoadedWorld> loaded = LoadWorld(options.file, overrides);
+  if (!loaded.ok()) return {kExitBadInput, std::nullopt, loaded.error()};
+  for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
+
+  ServiceOptions service_options;
+  service_options.settings = loaded.value().settings;
+  ApplyTo(service_options.settings, options);
+  service_options.outputs = {options.hash_log, options.poses, options.record};
+  service_options.session = options.session;
+  service_options.lease_seconds = options.lease_seconds;
+  service_options.start_timeout_seconds = options.start_timeout_seconds;
+  AgentOptions agent_options;
+  agent_options.agent = 1;
+  agent_options.scan_log = options.scans;
+
+  Scene scene(std::move(loaded.value().world));
+  SignalWatch signals;
+  std::unique_ptr<Transport> transport = MakeTransport(options.faults);
+  std::atomic<bool> stop = false;
+  int done = eventfd(0, EFD_CLOEXEC);
+  Result<RunSummary> summary = Error{{}, "the run did not end"};
+  Result<bool> agent = false;
+  std::thread service_thread([&] {
+    ProgressObserver observer;
+    summary = RunService(scene, service_options, transport->MakeServiceEndpoint(), observer, stop);
+    eventfd_write(done, 1);
+  });
+  std::atomic<bool> agent_stop = false;
+  std::thread agent_thread([&] {
+    agent = RunAgent(transport->MakeAgentEndpoint(agent_options.agent), agent_options, agent_stop);
+    if (!agent.ok()) stop = true;  // without its only agent the run cannot go on
+  });
+  WaitForEnd(done, signals, stop);
+  service_thread.join();
+  if (!summary.ok()) agent_stop = true;
+  agent_thread.join();
+  close(done);
+
+  if (!summary.ok()) return Failed(summary.error());
+  if (!agent.ok()) return Failed(agent.error());
+  RunOutcome outcome;
+  outcome.run = summary.value();
+  outcome.service_peak_memory_mib = PeakMemoryMib();
+  return {outcome.run.interrupted ? kExitInterrupted : kExitDone, outcome, std::nullopt};
+}
+
+}  // namespace troupe

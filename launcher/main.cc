@@ -1,0 +1,64 @@
+// troupe: runs, checks, watches and draws simulations. docs/running.md is its manual.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "common/base/version.h"
+#include "launcher/check_command.h"
+#include "launcher/option_checks.h"
+#include "launcher/run_command.h"
+#include "launcher/run_end.h"
+#include "launcher/run_options.h"
+#include "launcher/snapshot_command.h"
+#include "launcher/top_command.h"
+
+namespace {
+
+void AddTopOptions(CLI::App& command, troupe::TopOptions& options) {
+  command.add_option("--domain", options.domain, "DDS domain of the simulation (default: 42)")
+      ->check(troupe::WholeNumber(0, 230))
+      ->type_name("D");
+  command.add_option("--session", options.session, "Show this session only")->type_name("NAME");
+  command.add_option("--interface", options.network_interface, "Network interface, or auto (default: lo)")
+      ->type_name("NAME");
+  command.add_option("--service", options.service_address, "Where a service is that multicast does not reach")
+      ->type_name("HOST[:PORT]");
+  command.add_flag("--once", options.once, "Print one table and end");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Troupe, a distributed 2.5D multi-robot simulator");
+  app.set_version_flag("--version", std::string("troupe ") + troupe::VersionText());
+  app.require_subcommand(1);
+  int exit_status = troupe::kExitDone;
+
+  troupe::RunOptions run_options;
+  CLI::App* run = app.add_subcommand("run", "Run a world: a world service and a process for each robot");
+  troupe::AddRunOptions(*run, run_options);
+  run->final_callback([&] { exit_status = troupe::RunCommand(run_options); });
+
+  std::string checked_file;
+  CLI::App* check = app.add_subcommand("check", "Load a world and say what it holds, without running it");
+  check->add_option("FILE", checked_file, "A Stage .world file, a JSON scenario or a ROS map .yaml")->required();
+  check->final_callback([&] { exit_status = troupe::CheckCommand(checked_file); });
+
+  troupe::TopOptions top_options;
+  CLI::App* top = app.add_subcommand("top", "Show the sessions that run, and who keeps them waiting");
+  AddTopOptions(*top, top_options);
+  top->final_callback([&] { exit_status = troupe::TopCommand(top_options); });
+
+  troupe::AddSnapshotCommand(app, exit_status);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return troupe::kExitBadInput;
+  }
+  return exit_status;
+}

@@ -1,0 +1,12 @@
+// This machine's addresses.
+#pragma once
+
+#include <string>
+
+namespace troupe {
+
+// The IPv4 address of a network interface by its name; of the first that reaches other machines for "auto". 127.0.0.1
+// if there is none.
+std::string LocalAddress(const std::string& network_interface);
+
+}  // namespace troupe

@@ -1,0 +1,26 @@
+// Checks for values on the command line: each says what was found and what was expected.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace troupe {
+
+CLI::Validator WholeNumber(std::uint64_t min, std::uint64_t max = std::numeric_limits<std::uint64_t>::max());
+
+// Seconds or factors: finite, and above zero unless zero is allowed.
+CLI::Validator PositiveNumber();
+CLI::Validator NumberFromZero();
+
+// A multiple of real time above zero, or "max".
+CLI::Validator SpeedValue();
+
+CLI::Validator OneOf(std::vector<std::string> words);
+
+// Letters, digits, '.', '-' and '_', at most 64: a DDS partition that matches only itself.
+CLI::Validator SessionName();
+
+}  // namespace troupe

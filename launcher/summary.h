@@ -1,0 +1,24 @@
+// What is told at the end of a run, to people and to programs. docs/running.md has the format.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "world-service/service/run_summary.h"
+
+namespace troupe {
+
+struct RunOutcome {
+  RunSummary run;
+  std::uint32_t processes = 1;           // that simulated: service and agents
+  double service_peak_memory_mib = 0.0;  // largest resident size; of the only process, if there is but one
+  double agent_peak_memory_mib = 0.0;    // of the largest agent; 0: no agent was a process of its own
+};
+
+// Several lines, each ended.
+std::string SummaryText(const RunOutcome& outcome);
+
+// A JSON object over several lines, the last one without its end.
+std::string SummaryJson(const RunOutcome& outcome);
+
+}  // namespace troupe

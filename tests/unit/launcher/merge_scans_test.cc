@@ -1,0 +1,67 @@
+#include "launcher/merge_scans.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace troupe {
+namespace {
+
+class MergeScansTest : public testing::Test {
+ protected:
+  MergeScansTest() { std::filesystem::create_directory(folder_); }
+  ~MergeScansTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(Path(name)) << text;
+    return Path(name);
+  }
+  static std::string Read(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+
+ private:
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("merge-scans-test-" + std::to_string(getpid()));
+};
+
+std::string Line(int tick, const std::string& robot) {
+  return "{\"tick\":" + std::to_string(tick) + ",\"robot\":\"" + robot + "\",\"sensor\":\"s\",\"ranges\":[]}\n";
+}
+
+TEST_F(MergeScansTest, OrdersByTickAndThenByPart) {
+  std::string a = Write("a", Line(0, "a") + Line(0, "a2") + Line(2, "a") + Line(10, "a"));
+  std::string b = Write("b", Line(0, "b") + Line(1, "b") + Line(2, "b") + Line(9, "b"));
+  ASSERT_FALSE(MergeScans({a, b}, Path("out")));
+  EXPECT_EQ(Read(Path("out")), Line(0, "a") + Line(0, "a2") + Line(0, "b") + Line(1, "b") + Line(2, "a") +
+                                   Line(2, "b") + Line(9, "b") + Line(10, "a"));
+}
+
+TEST_F(MergeScansTest, LeavesOutALineThatWasCutOff) {
+  std::string a = Write("a", Line(0, "a") + "{\"tick\":1,\"rob");
+  ASSERT_FALSE(MergeScans({a}, Path("out")));
+  EXPECT_EQ(Read(Path("out")), Line(0, "a"));
+}
+
+TEST_F(MergeScansTest, TakesAPartThatWasNeverWrittenAsEmpty) {
+  std::string a = Write("a", Line(0, "a"));
+  ASSERT_FALSE(MergeScans({Path("none"), a}, Path("out")));
+  EXPECT_EQ(Read(Path("out")), Line(0, "a"));
+}
+
+TEST_F(MergeScansTest, SaysThatTheDiskIsFull) {
+  std::string a = Write("a", Line(0, "a"));
+  Status failure = MergeScans({a}, "/dev/full");
+  ASSERT_TRUE(failure);
+  EXPECT_THAT(failure->ToString(), testing::HasSubstr("/dev/full"));
+}
+
+}  // namespace
+}  // namespace troupe

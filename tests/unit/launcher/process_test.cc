@@ -1,0 +1,147 @@
+#include "launcher/process.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "launcher/line_pipe.h"
+#include "launcher/signal_watch.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Starts a shell that runs the script.
+Process StartShell(const std::string& script, const LinePipe& output) {
+  Result<Process> process = Process::Start({"/bin/sh", "-c", script}, output.writing_end());
+  EXPECT_TRUE(process.ok());
+  return std::move(process).value();
+}
+
+ProcessEnd WaitForEnd(Process& process) {
+  for (auto deadline = Clock::now() + std::chrono::seconds(20); !process.Poll() && Clock::now() < deadline;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_FALSE(process.running());
+  return process.end().value_or(ProcessEnd{});
+}
+
+// The next line that a child says.
+std::string WaitForLine(LinePipe& pipe) {
+  pollfd waited{pipe.reading_end(), POLLIN, 0};
+  std::vector<std::string> lines;
+  while (lines.empty() && poll(&waited, 1, 20000) == 1) lines = pipe.Read();
+  return lines.empty() ? "" : lines.front();
+}
+
+TEST(Process, EndsWithItsExitStatusAndMemory) {
+  LinePipe output;
+  Process process = StartShell("exit 7", output);
+  ProcessEnd end = WaitForEnd(process);
+  EXPECT_EQ(end.exit_code, 7);
+  EXPECT_EQ(end.signal, 0);
+  EXPECT_GT(end.peak_memory_mib, 0.0);
+  EXPECT_EQ(end.ToString(), "ended with exit status 7");
+}
+
+TEST(Process, TellsWhichSignalEndedIt) {
+  LinePipe output;
+  Process process = StartShell("kill -9 $$", output);
+  ProcessEnd end = WaitForEnd(process);
+  EXPECT_EQ(end.signal, SIGKILL);
+  EXPECT_EQ(end.exit_code, 128 + SIGKILL);
+  EXPECT_EQ(end.ToString(), "was killed by signal 9 (Killed)");
+}
+
+TEST(Process, SaysWhatItHasToSayIntoThePipe) {
+  LinePipe output;
+  Process process = StartShell("echo out; echo err >&2; printf unfinished", output);
+  WaitForEnd(process);
+  EXPECT_EQ(output.Read(), (std::vector<std::string>{"out", "err"}));
+  output.CloseWritingEnd();
+  EXPECT_EQ(output.Read(), (std::vector<std::string>{"unfinished"}));
+  EXPECT_TRUE(output.at_end());
+}
+
+TEST(Process, KeepsTheDescriptorItIsToldToKeepAndNoOther) {
+  LinePipe output;
+  LinePipe reports;
+  std::string number = std::to_string(reports.writing_end());
+  std::string other = std::to_string(reports.reading_end());
+  std::string script = "echo report >&" + number + "; test -e /proc/self/fd/" + other + " && exit 1; exit 0";
+  Result<Process> process = Process::Start({"/bin/sh", "-c", script}, output.writing_end(), reports.writing_end());
+  ASSERT_TRUE(process.ok());
+  EXPECT_EQ(WaitForEnd(process.value()).exit_code, 0);
+  EXPECT_EQ(reports.Read(), (std::vector<std::string>{"report"}));
+}
+
+TEST(Process, IsKilledWithItsWholeGroupWhenItGoesOutOfScope) {
+  LinePipe output;
+  pid_t grandchild = 0;
+  {
+    Process process = StartShell("sleep 1000 & echo $!; wait", output);
+    grandchild = std::stoi(WaitForLine(output));
+    ASSERT_EQ(kill(grandchild, 0), 0);
+  }
+  // The pipe ends when the last of them is gone.
+  output.CloseWritingEnd();
+  pollfd waited{output.reading_end(), POLLIN, 0};
+  ASSERT_EQ(poll(&waited, 1, 20000), 1);
+  output.Read();
+  EXPECT_TRUE(output.at_end());
+}
+
+TEST(Process, DiesWithItsParentEvenIfThatIsKilled) {
+  LinePipe output;
+  pid_t parent = fork();
+  ASSERT_GE(parent, 0);
+  if (parent == 0) {
+    Result<Process> child = Process::Start({"/bin/sleep", "1000"}, output.writing_end());
+    (void)!write(output.writing_end(), "up\n", 3);
+    pause();
+    _exit(0);
+  }
+  output.CloseWritingEnd();
+  ASSERT_EQ(WaitForLine(output), "up");
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  pollfd waited{output.reading_end(), POLLIN, 0};
+  ASSERT_EQ(poll(&waited, 1, 20000), 1) << "the child outlived its parent";
+  output.Read();
+  EXPECT_TRUE(output.at_end());
+}
+
+TEST(Process, GetsTheSignalsThatItsParentWatches) {
+  SignalWatch signals;
+  LinePipe output;
+  Process process = StartShell("sleep 1000", output);
+  process.Signal(SIGTERM);
+  EXPECT_EQ(WaitForEnd(process).signal, SIGTERM);
+}
+
+TEST(Process, IsMissingWhenItIsNotBesideTheRunningProgram) {
+  Result<std::string> found = FindProgram("no-such-program");
+  ASSERT_FALSE(found.ok());
+  EXPECT_THAT(found.error().message, testing::HasSubstr("no-such-program"));
+  EXPECT_TRUE(FindProgram("launcher_test").ok());
+}
+
+TEST(SignalWatch, TellsRequestsToStopFromEndsOfChildren) {
+  SignalWatch signals;
+  EXPECT_FALSE(signals.TakeStopRequest());
+  raise(SIGCHLD);
+  EXPECT_FALSE(signals.TakeStopRequest());
+  raise(SIGINT);
+  EXPECT_TRUE(signals.TakeStopRequest());
+  EXPECT_FALSE(signals.TakeStopRequest());
+}
+
+}  // namespace
+}  // namespace troupe

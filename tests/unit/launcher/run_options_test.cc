@@ -1,0 +1,151 @@
+#include "launcher/run_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace troupe {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+struct Parsed {
+  RunOptions options;
+  std::string error;
+};
+
+Parsed Parse(std::vector<std::string> words) {
+  Parsed parsed;
+  CLI::App app;
+  AddRunOptions(app, parsed.options);
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    parsed.error = error.what();
+  }
+  return parsed;
+}
+
+TEST(RunOptions, TakesEveryOptionOfTheManual) {
+  Parsed parsed = Parse({"w.world",
+                         "--ticks",
+                         "600",
+                         "--seed",
+                         "7",
+                         "--mode",
+                         "realtime",
+                         "--speed",
+                         "max",
+                         "--in-process",
+                         "--robots-per-process",
+                         "2",
+                         "--controller",
+                         "wander",
+                         "--session",
+                         "s",
+                         "--domain",
+                         "3",
+                         "--no-ros",
+                         "--headless",
+                         "--hash-log",
+                         "h",
+                         "--poses",
+                         "p",
+                         "--scans",
+                         "c",
+                         "--summary",
+                         "m",
+                         "--record",
+                         "r"});
+  EXPECT_EQ(parsed.error, "");
+  EXPECT_EQ(parsed.options.file, "w.world");
+  EXPECT_EQ(parsed.options.ticks, 600u);
+  EXPECT_EQ(parsed.options.robots_per_process, 2u);
+  EXPECT_EQ(parsed.options.domain, 3u);
+  EXPECT_FALSE(parsed.options.ros);
+}
+
+TEST(RunOptions, SaysWhatWasExpectedOfABadValue) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--ticks", "many"}, "--ticks: found 'many', expected a whole number from 1"},
+      {{"--ticks", "-1"}, "expected a whole number from 1"},
+      {{"--ticks", "0"}, "expected a whole number from 1"},
+      {{"--ticks", "1.5"}, "expected a whole number from 1"},
+      {{"--ticks", "99999999999999999999"}, "expected a whole number from 1"},
+      {{"--seed", "x"}, "expected a whole number from 0"},
+      {{"--mode", "fast"}, "--mode: found 'fast', expected one of lockstep, realtime"},
+      {{"--speed", "0"}, "expected a multiple of real time above 0, or max"},
+      {{"--speed", "nan"}, "expected a multiple of real time above 0, or max"},
+      {{"--speed", "inf"}, "expected a multiple of real time above 0, or max"},
+      {{"--speed", "2x"}, "expected a multiple of real time above 0, or max"},
+      {{"--robots-per-process", "0"}, "expected a whole number from 1"},
+      {{"--session", "a*"}, "expected 1 to 64 letters"},
+      {{"--session", ""}, "expected 1 to 64 letters"},
+      {{"--domain", "231"}, "expected a whole number from 0 to 230"},
+      {{"--on-agent-loss", "cry"}, "expected one of freeze, pause, abort"},
+      {{"--lease", "0"}, "expected a number above 0"},
+      {{"--start-timeout", "-1"}, "expected a number from 0"},
+      {{"--ticks"}, "--ticks"},
+      {{"--no-such-option"}, "--no-such-option"},
+      {{"second.world"}, "second.world"},
+  };
+  for (const auto& [words, expected] : cases) {
+    std::vector<std::string> line = {"w.world"};
+    line.insert(line.end(), words.begin(), words.end());
+    EXPECT_THAT(Parse(line).error, HasSubstr(expected)) << testing::PrintToString(words);
+  }
+  EXPECT_THAT(Parse({}).error, HasSubstr("FILE is required"));
+}
+
+TEST(RunOptions, RefusesWhatThisBuildOrThisMachineCannotDo) {
+  auto complete = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "w.world");
+    RunOptions options = Parse(words).options;
+    Status failure = CompleteRunOptions(options);
+    return failure ? failure->ToString() : "";
+  };
+  EXPECT_THAT(complete({"--ros"}), HasSubstr("error: --ros: ROS 2 is not part of this build"));
+  EXPECT_THAT(complete({"--faults", "loss=2"}), HasSubstr("error: --faults: "));
+  EXPECT_THAT(complete({"--poses", "/no/such/folder/p"}),
+              HasSubstr("--poses: cannot write /no/such/folder/p: No such"));
+  EXPECT_THAT(complete({"--summary", "/tmp"}), HasSubstr("--summary: cannot write /tmp: Is a directory"));
+  EXPECT_THAT(complete({"--poses", "same", "--record", "same"}), HasSubstr("--poses and --record name the same file"));
+  EXPECT_EQ(complete({}), "");
+}
+
+TEST(RunOptions, GivesEachRunASessionOfItsOwn) {
+  RunOptions options = Parse({"/some/folder/my cave*.world"}).options;
+  ASSERT_FALSE(CompleteRunOptions(options));
+  EXPECT_EQ(options.session, "mycave-" + std::to_string(getpid()));
+}
+
+TEST(RunOptions, OverridesOnlyWhatWasGiven) {
+  RunSettings settings;
+  settings.ticks = 5;
+  settings.speed = 2.0;
+  settings.on_agent_loss = OnAgentLoss::kPause;
+  ApplyTo(settings, Parse({"w.world"}).options);
+  EXPECT_EQ(settings.ticks, 5u);
+  EXPECT_EQ(settings.speed, 2.0);
+  EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kPause);
+  ApplyTo(settings, Parse({"w.world", "--ticks", "9", "--speed", "max", "--on-agent-loss", "abort"}).options);
+  EXPECT_EQ(settings.ticks, 9u);
+  EXPECT_FALSE(settings.speed);
+  EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kAbort);
+}
+
+TEST(RunOptions, PassOnToServiceAndAgentsWhatEachNeeds) {
+  RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5"}).options;
+  std::vector<std::string> service = ServiceArguments(options);
+  EXPECT_EQ(service.front(), "w.world");
+  EXPECT_THAT(service, testing::IsSupersetOf({"--ticks=9", "--session=s", "--domain=42", "--poses=p", "--lease=0.5"}));
+  std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"});
+  EXPECT_THAT(agent, testing::IsSupersetOf(
+                         {"--session=s", "--service=127.0.0.1:7", "--robot=r 0", "--robot=-r", "--lease=0.5"}));
+  EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ticks"))));
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,59 @@
+#include "launcher/service_report.h"
+
+#include <gtest/gtest.h>
+
+namespace troupe {
+namespace {
+
+template <typename T>
+T Parse(const std::string& line) {
+  std::optional<ServiceReport> report = ParseServiceReport(line);
+  EXPECT_TRUE(report && std::holds_alternative<T>(*report)) << line;
+  return report && std::holds_alternative<T>(*report) ? std::get<T>(*report) : T{};
+}
+
+TEST(ServiceReport, ReadyNamesTheRobotsAndThePort) {
+  auto ready = Parse<ReadyReport>(R"({"type":"ready","robots":["r0","r1"],"robots_per_process":2,"port":17910})");
+  EXPECT_EQ(ready.robots, (std::vector<std::string>{"r0", "r1"}));
+  EXPECT_EQ(ready.robots_per_process, 2u);
+  EXPECT_EQ(ready.port, 17910);
+}
+
+TEST(ServiceReport, StatusTellsWhoIsWaitedFor) {
+  auto status = Parse<StatusMessage>(
+      R"({"type":"status","tick":7,"target_ticks":10,"sim_seconds":0.7,"real_time_factor":2.5,"robots":2,)"
+      R"("waiting_for":["r1"],"waiting_seconds":0.3})");
+  EXPECT_EQ(status.tick, 7u);
+  EXPECT_EQ(status.target_ticks, 10u);
+  EXPECT_EQ(status.waiting_for, (std::vector<std::string>{"r1"}));
+  EXPECT_EQ(status.waiting_seconds, 0.3);
+}
+
+TEST(ServiceReport, EndCarriesTheSummaryWithAllBitsOfTheHash) {
+  auto summary = Parse<RunSummary>(
+      R"({"type":"end","ticks":600,"stalls":3,"state_hash":"fedcba9876543211","lost":["r1"],"interrupted":true,)"
+      R"("slowest":[{"robot":"r0","times_last":5,"waited_seconds":0.25}]})");
+  EXPECT_EQ(summary.ticks, 600u);
+  EXPECT_EQ(summary.state_hash, 0xfedcba9876543211u);
+  EXPECT_EQ(summary.lost, (std::vector<std::string>{"r1"}));
+  EXPECT_TRUE(summary.interrupted);
+  ASSERT_EQ(summary.slowest.size(), 1u);
+  EXPECT_EQ(summary.slowest[0].times_last, 5u);
+}
+
+TEST(ServiceReport, EventsAndNoticesAreLines) {
+  auto event = Parse<EventReport>(R"({"type":"event","tick":3,"event":"left","text":"tick 3: r0 left"})");
+  EXPECT_EQ(event.event, "left");
+  EXPECT_EQ(event.text, "tick 3: r0 left");
+  EXPECT_EQ(Parse<EventReport>(R"({"type":"notice","text":"beware"})").text, "beware");
+}
+
+TEST(ServiceReport, WhatIsNoReportIsLeftOut) {
+  for (const char* line : {"", "nonsense", "[]", "7", R"({"type":"later"})", R"({"type":3})",
+                           R"({"type":"status","tick":"seven"})", R"({"type":"error","message":"m"})"}) {
+    EXPECT_FALSE(ParseServiceReport(line)) << line;
+  }
+}
+
+}  // namespace
+}  // namespace troupe

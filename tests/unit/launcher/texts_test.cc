@@ -1,0 +1,111 @@
+// What people get to read: status line, summary, table of sessions, description of a world.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "launcher/check_command.h"
+#include "launcher/progress.h"
+#include "launcher/session_table.h"
+#include "launcher/summary.h"
+
+namespace troupe {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+StatusMessage WaitingStatus() {
+  StatusMessage status;
+  status.tick = 312;
+  status.target_ticks = 600;
+  status.sim_seconds = 31.2;
+  status.real_time_factor = 12.34;
+  status.robots = 100;
+  status.agents = 99;
+  status.waiting_for = {"a", "b", "c", "d", "e", "f"};
+  status.waiting_seconds = 1.25;
+  return status;
+}
+
+TEST(StatusText, SaysHowFarHowFastAndWhoIsWaitedFor) {
+  EXPECT_EQ(StatusText(WaitingStatus()),
+            "tick 312/600, 31.2 s, 12.3 x real time, 100 robots, waiting for a, b, c, d and 2 more (1.2 s)");
+}
+
+TEST(StatusText, OmitsWhatThereIsNot) {
+  StatusMessage status;
+  status.tick = 5;
+  EXPECT_EQ(StatusText(status), "tick 5, 0.0 s, 0.0 x real time, 0 robots");
+}
+
+RunOutcome SomeOutcome() {
+  RunOutcome outcome;
+  outcome.run.ticks = 600;
+  outcome.run.sim_seconds = 60.0;
+  outcome.run.robots = 2;
+  outcome.run.stalls = 4;
+  outcome.run.state_hash = 0x0123456789abcdefu;
+  outcome.run.slowest = {{"r1", 17, 0.5}};
+  outcome.run.lost = {"r0"};
+  outcome.processes = 3;
+  outcome.agent_peak_memory_mib = 8.5;
+  return outcome;
+}
+
+TEST(Summary, IsAJsonObjectWithTheHashAsText) {
+  nlohmann::json json = nlohmann::json::parse(SummaryJson(SomeOutcome()));
+  EXPECT_EQ(json["ticks"], 600);
+  EXPECT_EQ(json["processes"], 3);
+  EXPECT_EQ(json["state_hash"], "0123456789abcdef");
+  EXPECT_EQ(json["slowest_robots"][0]["robot"], "r1");
+  for (const char* key : {"sim_seconds", "wall_seconds", "real_time_factor", "robots", "startup_seconds", "stalls",
+                          "service_peak_memory_mib", "agent_peak_memory_mib", "lost", "interrupted"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+}
+
+TEST(Summary, TellsPeopleAboutLostRobotsAndMemory) {
+  std::string text = SummaryText(SomeOutcome());
+  EXPECT_THAT(text, HasSubstr("2 robots, 3 processes"));
+  EXPECT_THAT(text, HasSubstr("8.5 MiB the largest agent"));
+  EXPECT_THAT(text, HasSubstr("lost and not back: r0"));
+  EXPECT_THAT(text, Not(HasSubstr("stopped before its end")));
+}
+
+TEST(SessionTable, HasALineForEachSession) {
+  SessionInfo running{"cave-1", 1, "host", 42, "cave", 100, WaitingStatus()};
+  SessionInfo starting{"lab", 2, "host", 7, "lab", 3, std::nullopt};
+  std::string table = SessionTable({running, starting});
+  EXPECT_THAT(table, HasSubstr("WAITING FOR\n"));
+  EXPECT_THAT(table, HasSubstr("312/600  31.2         12.34        99/100         a, b, c +3 (1.2 s)\n"));
+  EXPECT_THAT(table, HasSubstr("lab      lab    host:7"));
+  EXPECT_EQ(SessionTable({}).find('\n'), SessionTable({}).size() - 1);
+}
+
+TEST(DescribeWorld, TellsWhatAWorldHolds) {
+  LoadedWorld loaded;
+  loaded.world.name = "w";
+  loaded.world.shapes.resize(1);
+  loaded.world.shapes[0].rectangles.resize(12);
+  loaded.world.models.resize(2);
+  RobotDescription robot;
+  robot.name = "r0";
+  RangerDescription ranger;
+  ranger.name = "ranger:0";
+  ranger.sensors.resize(2);
+  ranger.sensors[1].samples = 180;
+  robot.rangers.push_back(ranger);
+  loaded.world.robots.push_back(robot);
+  loaded.map_width = 40;
+  loaded.map_height = 30;
+  loaded.warnings.push_back({{"w.world", 3, 1}, "unknown property \"fancy\""});
+  std::string text = DescribeWorld(loaded);
+  EXPECT_THAT(text, HasSubstr("map: 40 x 30 pixels\n"));
+  EXPECT_THAT(text, HasSubstr("models: 2 (0 blocks, 24 rectangles from bitmaps)\n"));
+  EXPECT_THAT(text, HasSubstr("  r0: differential drive, controller idle, ranger:0 (2 sensors, 181 rays)\n"));
+  EXPECT_THAT(text, HasSubstr("warnings: 1\n  w.world:3:1: warning: unknown property \"fancy\"\n"));
+}
+
+}  // namespace
+}  // namespace troupe
