@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "tests/support/small_world.h"
 #include "tests/unit/agent/scripted_service.h"
@@ -19,8 +18,7 @@ using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 std::string Library(const std::string& variant) {
-  const char* binary = std::getenv("TROUPE_BINARY_DIR");
-  return std::string(binary != nullptr ? binary : ".") + "/lib/libcontroller_" + variant + ".so";
+  return std::string(TEST_LIBRARY_FOLDER) + "/libcontroller_" + variant + ".so";
 }
 
 // Two robots: r0 drives by a script, r1 stands.

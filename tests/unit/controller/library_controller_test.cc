@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -14,10 +13,8 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string LibraryFolder() {
-  const char* binary = std::getenv("TROUPE_BINARY_DIR");
-  return std::string(binary != nullptr ? binary : ".") + "/lib";
-}
+// Where the build puts the libraries of library_variants.cc.
+std::string LibraryFolder() { return TEST_LIBRARY_FOLDER; }
 
 std::string Library(const std::string& variant) {
   return LibraryFolder() + "/libcontroller_" + variant + ".so";

@@ -1,0 +1,33 @@
+// The command line of the program robot-agent.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "common/protocol/faulty_transport.h"
+#include "robot-agent/agent/agent_host.h"
+
+namespace troupe {
+
+// Exit statuses of the program.
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitBadInput = 2;  // usage, a robot that is unknown or taken, a controller that cannot be made
+inline constexpr int kExitFailed = 3;
+inline constexpr int kExitInterrupted = 130;
+
+struct CommandLine {
+  std::string session;
+  AgentOptions agent;  // without its id
+  std::uint32_t domain = 42;
+  std::string service_address;    // "host" or "host:port"; empty: on this machine
+  std::string network_interface;  // a name, or "auto"
+  double lease_seconds = 2.0;
+  Faults faults;                   // for tests
+  double start_delay_seconds = 0;  // for tests: wait before joining
+};
+
+// The options, or an exit status after help, version or an error was printed.
+std::variant<CommandLine, int> ParseCommandLine(int argc, const char* const* argv);
+
+}  // namespace troupe
