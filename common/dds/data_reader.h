@@ -9,6 +9,7 @@
 #include "common/dds/loaned_samples.h"
 #include "common/dds/publisher.h"
 #include "common/dds/qos.h"
+#include "common/dds/sample_buffer.h"
 #include "common/dds/status.h"
 #include "common/dds/topic.h"
 
@@ -28,6 +29,9 @@ class DataReader {
   // read() leaves them there.
   LoanedSamples<T> take() { return Get(dds_take, "taking samples"); }
   LoanedSamples<T> read() { return Get(dds_read, "reading samples"); }
+
+  // Takes into `buffer`, in place of what it held. If it is full then, more may be waiting.
+  void take(SampleBuffer<T>& buffer) { buffer.TakeFrom(entity_.handle()); }
 
   SubscriptionMatchedStatus subscription_matched_status() const {
     SubscriptionMatchedStatus status;

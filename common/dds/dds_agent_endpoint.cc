@@ -44,6 +44,7 @@ void DdsAgentEndpoint::DrainSessions() {
         const RunId joined = joined_run_;
         if (ended.run == joined || (joined == 0 && runs_.empty())) handler_->OnServiceGone();
       });
+  sessions_.Forget();  // a world may be large, and comes once
 }
 
 void DdsAgentEndpoint::DrainAdmissions() {

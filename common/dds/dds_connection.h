@@ -60,7 +60,7 @@ class Outbox {
   DataWriter<Wire> writer_;
 };
 
-// A topic's reader that gives messages to a function. It keeps one message to fill again and again.
+// A topic's reader that gives messages to a function. It keeps the memory of messages to fill it again.
 template <typename Wire, typename Message>
 class Inbox {
  public:
@@ -83,25 +83,31 @@ class Inbox {
   // (its key fields only).
   template <typename OnMessage, typename OnEnd>
   void Drain(OnMessage on_message, OnEnd on_end) {
-    for (;;) {
-      const LoanedSamples<Wire> samples = reader_.take();
-      if (samples.empty()) return;
-      for (const auto& sample : samples) {
-        if (!sample.info().instance_alive()) {
-          on_end(sample.data());
-        } else if (sample.info().valid()) {
-          if (Status malformed = FromWire(sample.data(), message_)) {
+    do {
+      reader_.take(buffer_);
+      for (std::size_t i = 0; i < buffer_.length(); ++i) {
+        const SampleInfo info = buffer_.info(i);
+        if (!info.instance_alive()) {
+          on_end(buffer_.data(i));
+        } else if (info.valid()) {
+          if (Status malformed = FromWire(buffer_.data(i), message_)) {
             connection_.Report(topic_.name() + ": ignored: " + malformed->message);
           } else {
             on_message(message_);
           }
         }
       }
-    }
+    } while (buffer_.full());  // what arrives later is announced again
   }
   template <typename OnMessage>
   void Drain(OnMessage on_message) {
     Drain(on_message, [](const Wire&) {});
+  }
+
+  // Gives the memory of the last messages back.
+  void Forget() {
+    buffer_.clear();
+    message_ = Message{};
   }
 
   DataReader<Wire>& reader() { return reader_; }
@@ -120,6 +126,7 @@ class Inbox {
   const DdsConnection& connection_;
   Topic<Wire> topic_;
   DataReader<Wire> reader_;
+  SampleBuffer<Wire> buffer_;
   Message message_;
 };
 

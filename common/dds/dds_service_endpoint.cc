@@ -55,6 +55,7 @@ void DdsServiceEndpoint::DrainProposals() {
 void DdsServiceEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   rivals_.Drain([this](const SessionMessage& session) { handler_->OnRivalService(session); });
+  rivals_.Forget();
 }
 
 void DdsServiceEndpoint::SendSession(const SessionMessage& session) {

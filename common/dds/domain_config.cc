@@ -66,7 +66,7 @@ std::string ToXml(const DomainConfig& config) {
       R"(<HeartbeatInterval min="200ms" minsched="200ms" max="1s">200ms</HeartbeatInterval>)"
       "<AckDelay>100ms</AckDelay>"
       "<NackDelay>10ms</NackDelay>"
-      "<MultipleReceiveThreads>false</MultipleReceiveThreads>"
+      "<MultipleReceiveThreads>true</MultipleReceiveThreads>"
       "<Watermarks><WhcHigh>64MB</WhcHigh><WhcHighInit>64MB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
       "</Internal>";
   // Buffers for receiving: Cyclone's default of 1 MiB at a time is most of a robot's memory.

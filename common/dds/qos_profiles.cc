@@ -22,7 +22,7 @@ Qos Description(double lease_seconds) {
 }
 
 Qos Join(double lease_seconds) {
-  return ReliableLatest() << Liveliness::Automatic(lease_seconds);
+  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds);
 }
 
 Qos Admission() {

@@ -17,7 +17,7 @@ Qos Session(const std::string& session);
 
 // The session and the world: kept for latecomers. The lease tells agents that the service is gone.
 Qos Description(double lease_seconds = kInfinite);
-// Joins of agents. The lease tells the service that an agent is gone.
+// Joins of agents, kept until the service has found the agent. The lease tells the service that an agent is gone.
 Qos Join(double lease_seconds = kInfinite);
 // Answers to joins: all of them, each agent's latest.
 Qos Admission();

@@ -1,6 +1,7 @@
 // Helpers of the converters (convert_*.h) between messages (common/protocol/messages.h) and the types of idlc.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -15,6 +16,10 @@ namespace troupe::dds {
 // Memory for the sequences and strings of a wire message. A message made with it is good while the arena lives.
 class WireArena {
  public:
+  WireArena() = default;
+  WireArena(const WireArena&) = delete;
+  WireArena& operator=(const WireArena&) = delete;
+
   // A string of its own, ended by a zero.
   char* Copy(std::string_view text);
 
@@ -40,7 +45,8 @@ class WireArena {
   }
 
  private:
-  std::pmr::monotonic_buffer_resource memory_{4096};
+  alignas(std::max_align_t) std::array<std::byte, 1024> first_;  // enough for most messages
+  std::pmr::monotonic_buffer_resource memory_{first_.data(), first_.size()};
 };
 
 template <typename Sequence>
