@@ -306,7 +306,7 @@ TEST_P(TransportContract, HandlersMaySendAndAreCalledOneAtATime) {
     }
     void OnAgentGone(AgentId) override {}
     void OnRivalService(const SessionMessage&) override {}
-    void Send() { endpoint->SendFrame(SomeFrame(next_, 1)); }
+    void Send() { endpoint->SendFrame(SomeFrame(next_, 2)); }
 
     ServiceEndpoint* endpoint = nullptr;
     Inbox<Tick> answers;

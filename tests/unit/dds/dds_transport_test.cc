@@ -11,7 +11,7 @@
 #include "common/dds/topic_types.h"
 #include "common/dds/topics.h"
 #include "tests/unit/dds/child_process.h"
-#include "tests/unit/dds/test_domain.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/dds/dds_transport.h"
-#include "tests/unit/dds/test_domain.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe {
 namespace {

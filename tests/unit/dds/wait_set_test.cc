@@ -7,7 +7,7 @@
 #include "common/dds/condition.h"
 #include "common/dds/data_writer.h"
 #include "common/dds/topic_types.h"
-#include "tests/unit/dds/test_domain.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe::dds {
 namespace {

@@ -1,0 +1,51 @@
+// The contract of transports over real DDS: a participant for each service and each agent, on the loopback interface.
+#include <random>
+
+#include "common/dds/dds_transport.h"
+#include "common/protocol/faulty_transport.h"
+#include "tests/contract/transport_contract.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+class DdsRig final : public TransportRig {
+ public:
+  DdsRig(const std::string& session, const std::string& faults) : faults_(faults) {
+    options_.domain = TestDomain();
+    options_.session = TestSession(session);
+  }
+  Transport& ForService() override { return Keep(MakeDdsServiceTransport(options_, nullptr)); }
+  Transport& ForAgent() override { return Keep(MakeDdsAgentTransport(options_)); }
+
+ private:
+  Transport& Keep(std::unique_ptr<Transport> transport) {
+    if (!faults_.empty()) transport = MakeFaultyTransport(std::move(transport), ParseFaults(faults_).value());
+    return *transports_.emplace_back(std::move(transport));
+  }
+
+  DdsOptions options_;
+  std::string faults_;
+  std::vector<std::unique_ptr<Transport>> transports_;
+};
+
+TransportCase Dds(const std::string& name, const std::string& faults, std::uint64_t ticks) {
+  return {name,
+          [name, faults] {
+            return std::make_unique<DdsRig>(name + std::to_string(std::random_device()()), faults);
+          },
+          ticks};
+}
+
+std::vector<TransportCase> Cases() {
+  return {
+      Dds("Dds", "", 200),
+      Dds("DdsWithFaults", "loss=0.1,duplicate=0.1,reorder=0.1,delay=0.3:0.01,seed=6", 20),
+  };
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(OverDds, TransportContract, testing::ValuesIn(Cases()), NameOfCase);
+
+}  // namespace troupe::test
