@@ -62,8 +62,8 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   FaultyServiceEndpoint(std::unique_ptr<ServiceEndpoint> inner, DeliveryThread& delivery, const Faults& faults)
       : line_(delivery, faults, 0), inner_(std::move(inner)) {}
   ~FaultyServiceEndpoint() override {
+    line_.Close();  // first, because a delivery may send
     inner_.reset();
-    line_.Close();
   }
 
   void Start(ServiceHandler& handler) override {
@@ -101,8 +101,8 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
                       AgentId agent)
       : line_(delivery, faults, agent), inner_(std::move(inner)) {}
   ~FaultyAgentEndpoint() override {
+    line_.Close();  // first, because a delivery may send
     inner_.reset();
-    line_.Close();
   }
 
   void Start(AgentHandler& handler) override {
