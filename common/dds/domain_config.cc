@@ -60,19 +60,20 @@ std::string ToXml(const DomainConfig& config) {
   xml += "<ParticipantIndex>" + index + "</ParticipantIndex>";
   xml += "<MaxAutoParticipantIndex>" + std::to_string(kPeerPortsTried - 1) + "</MaxAutoParticipantIndex>";
   xml += Peers(config) + "<LeaseDuration>" + lease + "</LeaseDuration></Discovery>";
-  // In lockstep the next message acknowledges the one before, so DDS's own acknowledgments may take their time.
+  // In lockstep the next message acknowledges the one before, so heartbeats may be rare: they cost a datagram from each
+  // agent. They must not be too rare either, because a lost message is only noticed by the next one. The watermark of
+  // what is not acknowledged is out of reach: a write must never wait for the thread that it may itself be running on.
   xml +=
       "<Internal>"
-      R"(<HeartbeatInterval min="200ms" minsched="200ms" max="1s">200ms</HeartbeatInterval>)"
-      "<AckDelay>100ms</AckDelay>"
+      R"(<HeartbeatInterval min="20ms" minsched="100ms" max="1s">100ms</HeartbeatInterval>)"
+      "<AckDelay>10ms</AckDelay>"
       "<NackDelay>10ms</NackDelay>"
       "<MultipleReceiveThreads>true</MultipleReceiveThreads>"
       "<Watermarks><WhcHigh>64MB</WhcHigh><WhcHighInit>64MB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
       "</Internal>";
-  // Buffers for receiving: Cyclone's default of 1 MiB at a time is most of a robot's memory.
-  xml +=
-      "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize><ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></"
-      "Sizing>";
+  // Smaller than Cyclone's defaults: an agent's memory counts once for each robot.
+  xml += "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize>";
+  xml += "<ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></Sizing>";
   xml += "</Domain></CycloneDDS>";
   return xml;
 }

@@ -31,9 +31,7 @@ class DdsRig final : public TransportRig {
 
 TransportCase Dds(const std::string& name, const std::string& faults, std::uint64_t ticks) {
   return {name,
-          [name, faults] {
-            return std::make_unique<DdsRig>(name + std::to_string(std::random_device()()), faults);
-          },
+          [name, faults] { return std::make_unique<DdsRig>(name + std::to_string(std::random_device()()), faults); },
           ticks};
 }
 

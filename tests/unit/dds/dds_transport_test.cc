@@ -10,8 +10,8 @@
 #include "common/dds/qos_profiles.h"
 #include "common/dds/topic_types.h"
 #include "common/dds/topics.h"
-#include "tests/unit/dds/child_process.h"
 #include "tests/support/dds_domain.h"
+#include "tests/unit/dds/child_process.h"
 
 namespace troupe {
 namespace {
