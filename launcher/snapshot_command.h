@@ -1,11 +1,33 @@
-// `troupe snapshot`: draws a world.
+// `troupe snapshot`: draws a world at one tick.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace troupe {
 
+struct SnapshotOptions {
+  std::string file;
+  std::string output;
+  std::uint64_t tick = 0;
+  std::string view = "top";  // or "side"
+  bool rays = false;
+
+  // Nothing or empty: as the world says, or chosen from what there is to see.
+  std::optional<int> width;      // pixels
+  std::vector<double> center;    // x and y, m
+  std::optional<double> meters;  // m
+  std::optional<std::uint64_t> seed;
+  std::string controller;
+};
+
 // Declares the command; it sets `exit_status` when it is run.
 void AddSnapshotCommand(CLI::App& app, int& exit_status);
+
+// Returns the exit status; has told the user what happened.
+int SnapshotCommand(const SnapshotOptions& options);
 
 }  // namespace troupe

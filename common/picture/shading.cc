@@ -1,6 +1,7 @@
 #include "common/picture/shading.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace troupe {
 namespace {
@@ -26,8 +27,10 @@ Color WithOpacity(Color color, double opacity) {
 }
 
 Color ObjectColor(const Color& color, double height) {
-  const Color soft = Soft(color, 0.38);
-  return Mix(Mix(soft, kShadow, 0.42), Mix(soft, page::kPaper, 0.5), std::clamp(height, 0.0, 1.0));
+  const Color soft = Soft(color, 0.26);
+  // Most things are low beside the highest cupboard: the root spreads them over the shades.
+  const double share = std::sqrt(std::clamp(height, 0.0, 1.0));
+  return Mix(Mix(soft, kShadow, 0.42), Mix(soft, page::kPaper, 0.5), share);
 }
 
 Color RobotColor(const Color& color, double height) {

@@ -42,16 +42,26 @@ void DrawSilhouettes(Canvas& canvas, const Viewport& viewport, const Drawing& dr
   for (const Rectangle& box : merged) canvas.Fill(viewport.ToPage(box), {0.180, 0.215, 0.270, 0.10});
 }
 
-// An arrow on the robot's body, as long as its heading shows in this view.
-void DrawHeading(Canvas& canvas, const Viewport& viewport, const RobotState& robot, const Rectangle& box) {
-  const double ahead = std::cos(robot.X_WR.heading);
-  const double size = 0.20 * std::min(box.width(), 1.6 * box.height());
-  if (size < 2.0 * viewport.unit) return;
-  const Vec2 c = box.center();
-  const std::vector<Polygon> arrow{
-      {c + Vec2(ahead * size, 0.0), c + Vec2(-ahead * size, 0.6 * size), c + Vec2(-ahead * size, -0.6 * size)}};
-  canvas.Fill(arrow, {1.0, 1.0, 1.0, 0.95});
-  canvas.Stroke(arrow, 0.6 * viewport.unit, {0.1, 0.12, 0.16, 0.8});
+// An arrow on the largest part of each robot, as long as its heading shows in this view.
+void DrawHeadings(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  std::vector<Rectangle> largest(drawing.state.robots.size());
+  const auto area = [](const Rectangle& box) { return box.width() * box.height(); };
+  for (const Solid& solid : drawing.solids) {
+    if (!solid.robot) continue;
+    Rectangle& part = largest[solid.robot->index()];
+    const Rectangle box = viewport.ToPage(Elevation(solid));
+    if (area(box) > area(part)) part = box;
+  }
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const double ahead = std::cos(drawing.state.robots[i].X_WR.heading);
+    const double size = 0.20 * std::min(largest[i].width(), 1.6 * largest[i].height());
+    if (size < 2.0 * viewport.unit) continue;
+    const Vec2 c = largest[i].center();
+    const std::vector<Polygon> arrow{
+        {c + Vec2(ahead * size, 0.0), c + Vec2(-ahead * size, 0.6 * size), c + Vec2(-ahead * size, -0.6 * size)}};
+    canvas.Fill(arrow, {1.0, 1.0, 1.0, 0.95});
+    canvas.Stroke(arrow, 0.6 * viewport.unit, {0.1, 0.12, 0.16, 0.8});
+  }
 }
 
 void DrawGround(Canvas& canvas, const Viewport& viewport) {
@@ -121,16 +131,16 @@ void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawi
     if (box.width() > 2.0 * u) canvas.Stroke(box, 0.7 * u, WithOpacity(OutlineColor(color), opacity));
   }
 
+  DrawHeadings(canvas, viewport, drawing);
+
   std::vector<Rectangle> boxes;
   for (std::size_t i = 0; i < drawing.extents.size(); ++i) {
     const RobotExtent& extent = drawing.extents[i];
     boxes.push_back(viewport.ToPage(Rectangle{extent.box.min_x, extent.z.min, extent.box.max_x, extent.z.max}));
-    if (!extent.shown) continue;
-    DrawHeading(canvas, viewport, drawing.state.robots[i], boxes.back());
-    if (drawing.state.robots[i].stalled) {
-      canvas.Stroke(boxes.back().Inflated(3.0 * u), 3.4 * u, {1.0, 1.0, 1.0, 0.75});
-      canvas.Stroke(boxes.back().Inflated(3.0 * u), 1.8 * u, page::kStalled);
-    }
+    if (!extent.shown || !drawing.state.robots[i].stalled) continue;
+    boxes.back() = boxes.back().Inflated(3.0 * u);
+    canvas.Stroke(boxes.back(), 3.4 * u, {1.0, 1.0, 1.0, 0.75});
+    canvas.Stroke(boxes.back(), 1.8 * u, page::kStalled);
   }
   DrawNames(canvas, viewport, drawing, boxes, {});
 }

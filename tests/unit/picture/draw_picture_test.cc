@@ -267,7 +267,7 @@ TEST(DrawPicture, StalledRobotsAreMarkedInRed) {
 
 TEST(DrawPicture, ASideViewShowsHeights) {
   const Picture picture(Demo(), Side());
-  const Pixel free = picture.At(2.7, 0.45);                // between table top and ground
+  const Pixel free = picture.At(2.7, 0.45);                 // between table top and ground
   EXPECT_GT(Distance(picture.At(2.7, 0.725), free), 50);    // table top
   EXPECT_GT(Distance(picture.At(2.1, 0.1), free), 50);      // robot under it
   EXPECT_GT(Distance(picture.At(1.05, 0.4), free), 50);     // leg

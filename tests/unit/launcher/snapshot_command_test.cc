@@ -1,0 +1,208 @@
+#include "launcher/snapshot_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/model/state_hash.h"
+#include "common/worldfile/load_world.h"
+#include "launcher/in_process_run.h"
+#include "launcher/run_to_tick.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr char kWorld[] = R"(
+define box model ( size [1 1 1] )
+box( pose [3 0 0 0] name "box" )
+define robot position
+(
+  size [0.4 0.4 0.3]
+  velocity_bounds [-1 1 0 0 0 0 -90 90]
+  acceleration_bounds [-1 1 0 0 0 0 -90 90]
+  ranger( sensor( range [0 4] fov 180 samples 31 ) )
+)
+robot( pose [0 0 0 0] name "r0" ctrl "wander" )
+robot( pose [0 2 0 90] name "r1" ctrl "wander" )
+)";
+
+class SnapshotCommandTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("troupe_snapshot_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    Write("good.world", kWorld);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return folder_ / name; }
+  void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  std::string Read(const std::string& name) const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  SnapshotOptions Good(const std::string& output) const {
+    SnapshotOptions options;
+    options.file = Path("good.world");
+    options.output = Path(output);
+    return options;
+  }
+  // The exit status, and in `message` what the user was told.
+  int Run(const SnapshotOptions& options) {
+    ::testing::internal::CaptureStderr();
+    const int status = SnapshotCommand(options);
+    message_ = ::testing::internal::GetCapturedStderr();
+    return status;
+  }
+  // The same from a command line.
+  int RunLine(const std::string& arguments) {
+    CLI::App app;
+    int status = -1;
+    AddSnapshotCommand(app, status);
+    message_.clear();
+    ::testing::internal::CaptureStderr();
+    try {
+      app.parse("snapshot " + arguments);
+      message_ = ::testing::internal::GetCapturedStderr();
+    } catch (const CLI::ParseError& error) {
+      ::testing::internal::GetCapturedStderr();
+      message_ = error.what();
+      return 2;
+    }
+    return status;
+  }
+
+  std::filesystem::path folder_;
+  std::string message_;
+};
+
+TEST_F(SnapshotCommandTest, DrawsBothKindsOfFileAndBothViews) {
+  EXPECT_EQ(Run(Good("top.png")), 0) << message_;
+  EXPECT_THAT(Read("top.png"), StartsWith("\x89PNG"));
+  SnapshotOptions side = Good("side.svg");
+  side.view = "side";
+  side.rays = true;
+  EXPECT_EQ(Run(side), 0) << message_;
+  EXPECT_THAT(Read("side.svg"), StartsWith("<?xml"));
+}
+
+TEST_F(SnapshotCommandTest, TheSameTickGivesTheSamePictureAndAnotherTickAnother) {
+  for (const char* output : {"a.png", "b.png", "c.png"}) {
+    SnapshotOptions options = Good(output);
+    options.tick = output[0] == 'c' ? 21 : 20;
+    options.rays = true;
+    EXPECT_EQ(Run(options), 0) << message_;
+  }
+  EXPECT_EQ(Read("a.png"), Read("b.png"));
+  EXPECT_NE(Read("a.png"), Read("c.png"));
+}
+
+TEST_F(SnapshotCommandTest, TakesItsOptionsFromTheCommandLine) {
+  const std::string files = Path("good.world") + " -o " + Path("part.png");
+  EXPECT_EQ(RunLine(files + " --tick 5 --view side --rays --center 0 -1 --meters 3 --width 300 --seed 7"), 0)
+      << message_;
+  EXPECT_THAT(Read("part.png"), StartsWith("\x89PNG"));
+}
+
+TEST_F(SnapshotCommandTest, RefusesBadCommandLines) {
+  const std::string files = Path("good.world") + " -o " + Path("x.png") + " ";
+  const struct {
+    std::string arguments;
+    std::string message;
+  } cases[] = {
+      {"", "FILE"},
+      {Path("good.world"), "--output is required"},
+      {files + "--tick -1", "found '-1', expected a whole number from 0"},
+      {files + "--tick 1.5", "found '1.5', expected a whole number from 0"},
+      {files + "--tick many", "found 'many'"},
+      {files + "--view bottom", "found 'bottom', expected one of top, side"},
+      {files + "--width 0", "expected a whole number from 200 to 4096"},
+      {files + "--width 5000", "expected a whole number from 200 to 4096"},
+      {files + "--center 1", "--center"},
+      {files + "--center nan 0", "found a picture centre that is not a place"},
+      {files + "--meters 0", "found a picture 0 m wide"},
+      {files + "--meters -3", "found a picture -3 m wide"},
+      {files + "--meters wide", "--meters"},
+      {files + "--seed x", "found 'x'"},
+      {files + "--colour red", "--colour"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_EQ(RunLine(c.arguments), 2) << c.arguments;
+    EXPECT_THAT(message_, HasSubstr(c.message)) << c.arguments;
+    EXPECT_FALSE(std::filesystem::exists(Path("x.png"))) << c.arguments;
+  }
+}
+
+TEST_F(SnapshotCommandTest, RefusesBadFiles) {
+  Write("bad.world", "model(\n  pose [0 0");
+  const struct {
+    std::string file;
+    std::string output;
+    std::string message;
+  } cases[] = {
+      {"good.world", "x.gif", "x.gif: error: found the file ending '.gif', expected .png or .svg"},
+      {"good.world", "x", "x: error: found no file ending, expected .png or .svg"},
+      {"good.world", "x.PNG", "found the file ending '.PNG'"},
+      {"good.world", "no/such/folder/x.png", "x.png: error: cannot write: No such file or directory"},
+      {"missing.world", "x.png", "missing.world"},
+      {"bad.world", "x.png", "bad.world:2:"},
+      {"good.worlds", "x.png", "good.worlds"},
+  };
+  for (const auto& c : cases) {
+    SnapshotOptions options;
+    options.file = Path(c.file);
+    options.output = Path(c.output);
+    EXPECT_EQ(Run(options), 2) << c.message;
+    EXPECT_THAT(message_, HasSubstr("error: ")) << c.message;
+    EXPECT_THAT(message_, HasSubstr(c.message));
+    EXPECT_FALSE(std::filesystem::exists(Path("x.png"))) << c.message;
+  }
+}
+
+TEST_F(SnapshotCommandTest, LeavesAnOlderPictureAloneWhenTheWorldIsBad) {
+  Write("old.png", "old");
+  Write("bad.world", "model(");
+  SnapshotOptions options = Good("old.png");
+  options.file = Path("bad.world");
+  EXPECT_EQ(Run(options), 2);
+  EXPECT_EQ(Read("old.png"), "old");
+}
+
+TEST_F(SnapshotCommandTest, ADiskThatIsFullIsAFailure) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  std::filesystem::create_symlink("/dev/full", Path("full.png"));
+  EXPECT_EQ(Run(Good("full.png")), 3);
+  EXPECT_THAT(message_, HasSubstr("cannot write: No space left on device"));
+}
+
+TEST_F(SnapshotCommandTest, ReachesTheStateOfARunWithServiceAndAgents) {
+  RunOptions options;
+  options.file = Path("good.world");
+  options.in_process = true;
+  options.session = "snapshot-test-" + std::to_string(getpid());
+  options.speed = "max";
+  options.ticks = 40;
+  options.hash_log = Path("hashes");
+  const RunEnd run = RunInProcess(options);
+  ASSERT_EQ(run.exit_status, 0);
+
+  Result<LoadedWorld> loaded = LoadWorld(options.file);
+  ASSERT_TRUE(loaded.ok());
+  const Scene scene(loaded.value().world);
+  std::vector<std::string> failures;
+  const Result<WorldState> state = RunToTick(scene, 40, failures);
+  ASSERT_TRUE(state.ok());
+  EXPECT_TRUE(failures.empty());
+  EXPECT_EQ(StateHash(state.value()), run.outcome->run.state_hash);
+}
+
+}  // namespace
+}  // namespace troupe
