@@ -15,7 +15,8 @@ Status MacroExpander::Count(std::size_t items, const SourceLocation& where) {
 
 Result<Entity> MacroExpander::Expand(const Entity& written, int depth) {
   if (depth > kMaxNesting) {
-    return Error{written.where, "found more than " + std::to_string(kMaxNesting) + " models inside each other"};
+    return Error{written.where,
+                 "found more than " + std::to_string(kMaxNesting) + " models inside each other, expected fewer"};
   }
   Entity result;
   result.where = written.where;
@@ -29,7 +30,8 @@ Result<Entity> MacroExpander::Expand(const Entity& written, int depth) {
       return Error{written.where, "found macro " + Quoted(name) + " inside itself, expected no loop of defines"};
     }
     if (chain.size() == kMaxNesting) {
-      return Error{written.where, "found more than " + std::to_string(kMaxNesting) + " macros made from each other"};
+      return Error{written.where,
+                   "found more than " + std::to_string(kMaxNesting) + " macros made from each other, expected fewer"};
     }
     active_.push_back(name);
     result.macros.push_back(name);

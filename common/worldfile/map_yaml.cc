@@ -1,7 +1,9 @@
 #include "common/worldfile/map_yaml.h"
 
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -19,7 +21,7 @@ namespace {
 constexpr std::size_t kMaxYamlBytes = 1'000'000;
 
 SourceLocation At(const std::string& path, const YAML::Mark& mark) {
-  if (mark.is_null()) return {path};
+  if (mark.is_null()) return {path, 1, 1};
   return {path, mark.line + 1, mark.column + 1};
 }
 
@@ -61,15 +63,18 @@ class MapYamlReader {
       root = YAML::Load(text);
       if (!root.IsMap()) return Error{At(path_, root.Mark()), "found no YAML map, expected keys such as 'image'"};
       for (const auto& entry : root) {
-        if (!entry.first.IsScalar()) return Error{At(path_, entry.first.Mark()), "found a key that is not a word"};
+        if (!entry.first.IsScalar())
+          return Error{At(path_, entry.first.Mark()), "found a key that is not a word, expected one such as 'image'"};
         const std::string& key = entry.first.Scalar();
         marks_[key] = entry.first.Mark();
         if (!nodes_.emplace(key, entry.second).second) {
           return Error{At(path_, entry.first.Mark()), "found key " + Quoted(key) + " twice, expected it once"};
         }
       }
+    } catch (const YAML::DeepRecursion& exception) {
+      return Error{At(path_, exception.mark), "found text nested too deeply, expected keys such as 'image'"};
     } catch (const YAML::Exception& exception) {
-      return Error{At(path_, exception.mark), "found text that is not YAML: " + exception.msg};
+      return Error{At(path_, exception.mark), "found text that is not YAML (" + exception.msg + "), expected YAML"};
     }
     return std::nullopt;
   }
@@ -79,7 +84,7 @@ class MapYamlReader {
     used_[key] = true;
     const auto found = nodes_.find(key);
     if (found == nodes_.end()) {
-      if (required && !error_) error_ = Error{{path_}, "found no key " + Quoted(key) + ", expected it"};
+      if (required && !error_) error_ = Error{{path_, 1, 1}, "found no key " + Quoted(key) + ", expected it"};
       return std::nullopt;
     }
     if (!found->second.IsScalar()) {
@@ -134,11 +139,11 @@ class MapYamlReader {
     used_["origin"] = true;
     const auto found = nodes_.find("origin");
     if (found == nodes_.end()) {
-      if (!error_) error_ = Error{{path_}, "found no key 'origin', expected it"};
+      if (!error_) error_ = Error{{path_, 1, 1}, "found no key 'origin', expected it"};
       return {};
     }
     if (!found->second.IsSequence() || found->second.size() != 3) {
-      Fail(found->second.Mark(), "found something else for 'origin', expected [x, y, yaw]");
+      Fail(found->second.Mark(), "found no list of three for 'origin', expected [x, y, yaw]");
       return {};
     }
     double values[3] = {};
@@ -184,14 +189,16 @@ Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path
     return Error{{path},
                  "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxYamlBytes)};
   }
-  if (const std::size_t odd = FindInvalidUtf8(text); odd != std::string::npos) {
-    return Error{{path}, "found bytes that are not UTF-8, expected YAML"};
+  const std::size_t odd = std::min(FindInvalidUtf8(text), text.find('\0'));
+  if (odd != std::string::npos) {
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(odd), '\n') + 1;
+    return Error{{path, static_cast<int>(line), 1}, "found a byte that is not text, expected YAML"};
   }
   return MapYamlReader(path).Read(text);
 }
 
-Result<MapYaml> ReadMapYaml(const std::string& path) {
-  const Result<std::string> text = ReadTextFile(path, {path});
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where) {
+  const Result<std::string> text = ReadTextFile(path, where);
   if (!text.ok()) return text.error();
   return ReadMapYamlText(text.value(), path);
 }

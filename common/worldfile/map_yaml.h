@@ -22,7 +22,8 @@ struct MapYaml {
   std::vector<Warning> warnings;
 };
 
-Result<MapYaml> ReadMapYaml(const std::string& path);
+// A file that cannot be read is an error at `where`, which names it.
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where);
 Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path);
 
 // A world of one standing model, "map", made from the YAML file at `path`.

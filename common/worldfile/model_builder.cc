@@ -39,10 +39,11 @@ void ModelBuilder::BuildChildren(const Entity& entity, const Parent* parent) {
     if (child.type == "window") {
       context_.diagnostics.Warn(child.where, "'window' has no effect: it only concerns Stage's window");
     } else if (child.type == "block") {
-      if (parent == nullptr) context_.diagnostics.Fail(child.where, "found a 'block' outside of a model");
+      if (parent == nullptr)
+        context_.diagnostics.Fail(child.where, "found a 'block' outside of a model, expected it inside one");
     } else if (child.type == "sensor") {
       if (parent == nullptr || parent->type != "ranger") {
-        context_.diagnostics.Fail(child.where, "found a 'sensor' outside of a ranger");
+        context_.diagnostics.Fail(child.where, "found a 'sensor' outside of a ranger, expected it inside one");
       }
     } else {
       BuildModel(child, FullName(parent != nullptr ? parent->name : "", names[i]), parent);
@@ -206,9 +207,9 @@ void ModelBuilder::CheckName(const Entity& entity, const std::string& name) {
 void ModelBuilder::WarnIfNotSimulated(const Entity& entity, const TypeDefaults& type) {
   const std::string written = entity.macros.empty() ? entity.type : entity.macros.front();
   if (type.is_simulated || !warned_types_.insert(written).second) return;
-  context_.diagnostics.Warn(entity.where, Quoted(written) +
-                                              (entity.macros.empty() ? "" : " (a '" + entity.type + "')") +
-                                              " is only a body: '" + entity.type + "' models are not simulated yet");
+  const std::string base = "'" + entity.type + "' models are not simulated yet";
+  context_.diagnostics.Warn(entity.where, entity.macros.empty() ? base + "; they are only bodies"
+                                                                : Quoted(written) + " is only a body: " + base);
 }
 
 void ModelBuilder::WarnIfSeenButNotHit(PropertyReader& reader, const ModelDescription& model) {

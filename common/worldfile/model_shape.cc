@@ -86,7 +86,7 @@ std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) 
     return std::nullopt;
   }
   const std::string path = FindFile(reader.Text("map_yaml", ""), context.tree.directory, where.file);
-  const Result<MapYaml> yaml = ReadMapYaml(path);
+  const Result<MapYaml> yaml = ReadMapYaml(path, where);
   if (!yaml.ok()) {
     reader.diagnostics().Fail(yaml.error().where, yaml.error().message);
     return std::nullopt;

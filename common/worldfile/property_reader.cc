@@ -68,12 +68,12 @@ std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& na
   if (property == nullptr) return std::nullopt;
   const std::vector<Value::Scalar> scalars = ScalarsOf(property->value);
   if (scalars.size() < count) {
-    diagnostics_.Fail(property->value.where, "found " + std::to_string(scalars.size()) + " values for " + Quoted(name) +
+    diagnostics_.Fail(property->value.where, "found " + CountText(scalars.size(), "value") + " for " + Quoted(name) +
                                                  ", expected " + std::to_string(count));
     return std::nullopt;
   }
   if (scalars.size() > count) {
-    diagnostics_.Warn(property->value.where, "found " + std::to_string(scalars.size()) + " values for " + Quoted(name) +
+    diagnostics_.Warn(property->value.where, "found " + CountText(scalars.size(), "value") + " for " + Quoted(name) +
                                                  ", expected " + std::to_string(count) + "; the rest is ignored");
   }
   std::vector<double> numbers;
@@ -135,7 +135,7 @@ std::string PropertyReader::Text(const std::string& name, const std::string& oth
   const std::vector<std::string> texts = Texts(name);
   if (texts.size() == 1) return texts.front();
   diagnostics_.Fail(property->value.where,
-                    "found " + std::to_string(texts.size()) + " values for " + Quoted(name) + ", expected one string");
+                    "found " + CountText(texts.size(), "value") + " for " + Quoted(name) + ", expected one string");
   return otherwise;
 }
 

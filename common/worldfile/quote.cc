@@ -49,8 +49,12 @@ std::string Quoted(std::string_view text, std::size_t longest) {
   return quoted + "'";
 }
 
+std::string CountText(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 std::string NumberText(double value) {
-  return fmt::format("{:.6g}", value);
+  return fmt::format("{:.10g}", value);
 }
 
 }  // namespace troupe

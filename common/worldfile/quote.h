@@ -17,6 +17,9 @@ inline std::string QuotedPath(std::string_view path) {
 // Where the first byte that is not valid UTF-8 is, or npos.
 std::size_t FindInvalidUtf8(std::string_view text);
 
+// "1 value", "3 values".
+std::string CountText(std::size_t count, const std::string& noun);
+
 // A number as a person would write it: "5", "0.25".
 std::string NumberText(double value);
 

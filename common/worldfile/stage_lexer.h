@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/base/result.h"
 
@@ -47,8 +48,8 @@ class StageLexer {
   bool SkipLine();
 
   std::string_view file() const { return file_; }
-  // Where a comment was found that is not UTF-8: worth a warning, because Stage reads it.
-  const std::optional<SourceLocation>& odd_comment() const { return odd_comment_; }
+  // Where a comment was found that is not UTF-8, told once: worth a warning, because Stage reads it.
+  std::optional<SourceLocation> TakeOddComment() { return std::exchange(odd_comment_, std::nullopt); }
 
  private:
   char Peek() const { return position_ < text_.size() ? text_[position_] : '\0'; }

@@ -61,14 +61,16 @@ class Parser {
   // Up to the closing bracket of `opener`, or to the end of the file if that is null.
   Status ParseBody(const Token* opener, int depth, Body& body) {
     if (depth > kMaxNesting) {
-      return Error{opener->where(), "found more than " + std::to_string(kMaxNesting) + " models inside each other"};
+      return Error{opener->where(),
+                   "found more than " + std::to_string(kMaxNesting) + " models inside each other, expected fewer"};
     }
     while (true) {
       if (Status error = SkipEndsOfLines()) return error;
       if (token_.kind == Kind::kCloseEntity && opener != nullptr) break;
       if (token_.kind == Kind::kEndOfFile) {
         if (opener == nullptr) break;
-        return Unexpected("')' to close " + Quoted(opener->text) + " of line " + std::to_string(opener->line));
+        const std::string file = opener->file == token_.file ? "line " : std::string(opener->file) + ":";
+        return Unexpected("')' to close " + Quoted(opener->text) + " of " + file + std::to_string(opener->line));
       }
       if (token_.kind != Kind::kWord) {
         return Unexpected(opener != nullptr ? "a property, a model or ')'" : "a property or a model");

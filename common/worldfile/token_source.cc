@@ -35,18 +35,15 @@ void TokenSource::Push(std::string path, std::string text) {
   lexers_.emplace_back(opened_.back().text, opened_.back().path);
 }
 
-void TokenSource::Pop() {
-  if (lexers_.back().odd_comment()) {
-    warnings_.push_back({*lexers_.back().odd_comment(), "a comment is not UTF-8"});
-  }
-  lexers_.pop_back();
-  open_.pop_back();
-}
-
 Result<Token> TokenSource::Next() {
   Result<Token> token = lexers_.back().Next();
-  if (token.ok() && token.value().kind == TokenKind::kEndOfFile && lexers_.size() > 1) {
-    Pop();
+  if (!token.ok() || token.value().kind != TokenKind::kEndOfFile) return token;
+  if (const std::optional<SourceLocation> odd = lexers_.back().TakeOddComment()) {
+    warnings_.push_back({*odd, "a comment is not UTF-8"});
+  }
+  if (lexers_.size() > 1) {
+    lexers_.pop_back();
+    open_.pop_back();
     token.value().kind = TokenKind::kEndOfLine;
   }
   return token;
@@ -59,7 +56,8 @@ Status TokenSource::Include(const Token& name) {
     warnings_.push_back({where, "what follows an include on its line is ignored"});
   }
   if (lexers_.size() > kMaxIncludeDepth) {
-    return Error{where, "found more than " + std::to_string(kMaxIncludeDepth) + " includes inside each other"};
+    return Error{where,
+                 "found more than " + std::to_string(kMaxIncludeDepth) + " includes inside each other, expected fewer"};
   }
   const std::string path =
       memory_files_ != nullptr ? wanted : FindFile(wanted, DirectoryOf(files_.front()), where.file);
@@ -82,7 +80,8 @@ Status TokenSource::Include(const Token& name) {
 Result<std::string> TokenSource::Load(const std::string& path, const SourceLocation& where) const {
   if (memory_files_ == nullptr) return ReadTextFile(path, where);
   const auto found = memory_files_->find(path);
-  if (found == memory_files_->end()) return Error{where, "cannot read " + QuotedPath(path) + ": no such file"};
+  if (found == memory_files_->end())
+    return Error{where, "cannot read " + QuotedPath(path) + ", expected a file that exists"};
   return found->second;
 }
 

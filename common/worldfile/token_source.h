@@ -38,7 +38,6 @@ class TokenSource {
 
   Result<std::string> Load(const std::string& path, const SourceLocation& where) const;
   void Push(std::string path, std::string text);
-  void Pop();
 
   const std::map<std::string, std::string>* memory_files_;
   std::list<File> opened_;          // all of them: tokens point into their texts

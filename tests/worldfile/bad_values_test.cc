@@ -1,0 +1,182 @@
+// Values that make no world: properties, blocks, bitmaps, robots, rangers.
+#include <gtest/gtest.h>
+
+#include "tests/worldfile/world_folder.h"
+
+namespace troupe {
+namespace {
+
+struct BadWorld {
+  const char* name;
+  std::string text;
+  const char* message;
+};
+
+const BadWorld kBadWorlds[] = {
+    {"interval of zero", "interval_sim 0",
+     "w.world:1:14: error: found 0 for 'interval_sim', expected 0.001 to 3600000"},
+    {"negative interval", "interval_sim -100",
+     "w.world:1:14: error: found -100 for 'interval_sim', expected 0.001 to 3600000"},
+    {"interval as text", "interval_sim \"fast\"",
+     "w.world:1:14: error: found string 'fast' for 'interval_sim', expected a number"},
+    {"negative quit time", "quit_time -1", "w.world:1:11: error: found -1 for 'quit_time', expected at least 0"},
+    {"world name of two values", "name [\"a\" \"b\"]",
+     "w.world:1:6: error: found 2 values for 'name', expected one string"},
+    {"unknown type", "robot( )",
+     "w.world:1:1: error: found model type 'robot', expected the name of a define, or one of model position ranger "
+     "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+    {"type of older versions", "laser( )",
+     "w.world:1:1: error: found model type 'laser', which Stage 4 no longer has, expected the name of a define, or one "
+     "of model position ranger actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+    {"macro of a type of older versions",
+     "define red_puck puck( )\n"
+     "red_puck( )",
+     "w.world:2:1: error: found model type 'puck', which Stage 4 no longer has, expected the name of a define, or one "
+     "of model position ranger actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+    {"use before the define",
+     "rob( )\n"
+     "define rob position( )\n",
+     "w.world:1:1: error: found 'rob' before its define at line 2, expected the define first"},
+    {"block outside of a model", "block( )",
+     "w.world:1:1: error: found a 'block' outside of a model, expected it inside one"},
+    {"sensor outside of a ranger", "model( sensor( ) )",
+     "w.world:1:8: error: found a 'sensor' outside of a ranger, expected it inside one"},
+    {"sensor at the top level", "sensor( )",
+     "w.world:1:1: error: found a 'sensor' outside of a ranger, expected it inside one"},
+    {"model inside a block", "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] model( ) ) )",
+     "w.world:1:77: error: found 'model' inside a block, expected only properties"},
+    {"model inside a sensor", "position( ranger( sensor( model( ) ) ) )",
+     "w.world:1:27: error: found 'model' inside a sensor, expected only properties"},
+    {"pose of three values", "model( pose [0 0 90] )", "w.world:1:13: error: found 3 values for 'pose', expected 4"},
+    {"pose of one number", "model( pose 5 )", "w.world:1:13: error: found 1 value for 'pose', expected 4"},
+    {"pose with text", "model( pose [0 0 \"high\" 0] )",
+     "w.world:1:13: error: found string 'high' for 'pose', expected a number"},
+    {"pose far away", "model( pose [10000000000 0 0 0] )",
+     "w.world:1:13: error: found '10000000000' for 'pose', expected a number of at most 1000000000"},
+    {"size of two values", "model( size [1 1] )", "w.world:1:13: error: found 2 values for 'size', expected 3"},
+    {"negative size", "model( size [1 -1 1] )",
+     "w.world:1:13: error: found a negative size, expected values of at least 0"},
+    {"size that is not a number", "model( size [\"nan\" 1 1] )",
+     "w.world:1:13: error: found string 'nan' for 'size', expected a number"},
+    {"infinite size", "model( size [\"inf\" 1 1] )",
+     "w.world:1:13: error: found string 'inf' for 'size', expected a number"},
+    {"huge size", "model( size [100000000 1 1] )",
+     "w.world:1:13: error: found a size that leaves a block unusable: a coordinate is beyond 1000 km"},
+    {"origin of three values", "position( origin [-0.04465 0.0 0.0] )",
+     "w.world:1:18: error: found 3 values for 'origin', expected 4"},
+    {"empty origin", "position( origin [] )", "w.world:1:18: error: found 0 values for 'origin', expected 4"},
+    {"name twice",
+     "model( name \"a\" )\n"
+     "model( name \"a\" )",
+     "w.world:2:13: error: found name 'a' twice, expected each name once (first at w.world:1)"},
+    {"name twice by numbering",
+     "position( name \"position:1\" )\n"
+     "position( )",
+     "w.world:2:1: error: found name 'position:1' twice, expected each name once (first at w.world:1)"},
+    {"global name twice",
+     "define r position( model( name \"/arm\" ) )\n"
+     "r( )\n"
+     "r( )",
+     "w.world:1:32: error: found name 'arm' twice, expected each name once (first at w.world:1)"},
+    {"empty name", "model( name \"\" )", "w.world:1:13: error: found an empty name, expected at least one character"},
+    {"name that is a number", "model( name 5 )",
+     "w.world:1:13: error: found a name that is not a string, expected it in quotes"},
+    {"colour as two values", "model( color [\"red\" \"blue\"] )",
+     "w.world:1:14: error: found 2 values for 'color', expected one string"},
+    {"colour of three values", "model( color_rgba [1 0 0] )",
+     "w.world:1:19: error: found 3 values for 'color_rgba', expected 4"},
+    {"fiducial return out of range", "model( fiducial_return 5000000000 )",
+     "w.world:1:24: error: found '5000000000' for 'fiducial_return', expected a number of at most 1000000000"},
+    {"block without points", "model( block( z [0 1] ) )",
+     "w.world:1:8: error: found a block without 'points', expected their number"},
+    {"block of two points", "model( block( points 2 point[0] [0 0] point[1] [1 0] ) )",
+     "w.world:1:22: error: found 2 for 'points', expected 3 to 1000"},
+    {"block of a million points", "model( block( points 1000000 ) )",
+     "w.world:1:22: error: found 1000000 for 'points', expected 3 to 1000"},
+    {"block with a point missing", "model( block( points 3 point[0] [0 0] point[2] [1 0] z [0 1] ) )",
+     "w.world:1:8: error: found a block of 3 points without 'point[1]', expected all of them"},
+    {"point of one number", "model( block( points 3 point[0] [0 0] point[1] 1 point[2] [1 0] z [0 1] ) )",
+     "w.world:1:48: error: found 1 value for 'point[1]', expected 2"},
+    {"block without area", "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )",
+     "w.world:1:8: error: found a block that is no simple polygon: the outline has no area"},
+    {"block of equal points",
+     "model( block( points 4 point[0] [1 1] point[1] [1 1] point[2] [1 1] point[3] [1 1] z [0 1] ) )",
+     "w.world:1:8: error: found a block that is no simple polygon: the outline has no area"},
+    {"block that crosses itself",
+     "model(\n"
+     "  block( points 4 point[0] [0 0] point[1] [1 1] point[2] [1 0] point[3] [0 1] z [0 1] ) )",
+     "w.world:2:3: error: found a block that is no simple polygon: edges of the outline cross each other"},
+    {"block upside down", "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [1 0] ) )",
+     "w.world:1:71: error: found z from 1 to 0, expected [min max]"},
+    {"block with z of one value", "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z 1 ) )",
+     "w.world:1:71: error: found 1 value for 'z', expected 2"},
+    {"missing bitmap", "model( bitmap \"missing.png\" )",
+     "w.world:1:15: error: bitmap 'missing.png': cannot read the image (No such file or directory), expected a "
+     "readable file"},
+    {"bitmap that is no image", "model( bitmap \"text.png\" )",
+     "w.world:1:15: error: bitmap 'text.png': found an unknown image format, expected PNG or PGM (P2 or P5)"},
+    {"bitmap that is a folder", "model( bitmap \"folder\" )",
+     "w.world:1:15: error: bitmap 'folder': found something that is not a regular file, expected a PNG or PGM image"},
+    {"bitmap without a name", "model( bitmap \"\" )",
+     "w.world:1:15: error: bitmap '': found something that is not a regular file, expected a PNG or PGM image"},
+    {"bitmap cut off", "model( bitmap \"cut.pgm\" )",
+     "w.world:1:15: error: bitmap 'cut.pgm': found 16 bytes, which cannot hold an image of 10 x 10 pixels"},
+    {"bitmap that asks for too much", "model( bitmap \"bomb.pgm\" )",
+     "w.world:1:15: error: bitmap 'bomb.pgm': found 22 bytes, which cannot hold an image of 60000 x 60000 pixels"},
+    {"missing ROS map", "model( map_yaml \"missing.yaml\" )",
+     "w.world:1:17: error: cannot read 'missing.yaml' (No such file or directory), expected a readable file"},
+    {"unknown drive", "position( drive \"tank\" )",
+     "w.world:1:17: error: found drive 'tank', expected \"diff\", \"omni\" or \"car\""},
+    {"unknown localization", "position( localization \"slam\" )",
+     "w.world:1:24: error: found localization 'slam', expected \"gps\" or \"odom\""},
+    {"wheelbase of zero", "position( drive \"car\" wheelbase 0 )",
+     "w.world:1:33: error: found a wheelbase of 0 m, expected more than 0"},
+    {"velocity bounds of two values", "position( velocity_bounds [-1 1] )",
+     "w.world:1:27: error: found 2 values for 'velocity_bounds', expected 8"},
+    {"velocity bounds without zero", "position( velocity_bounds [0.1 1 0 0 0 0 -90 90] )",
+     "w.world:1:27: error: found bounds in 'velocity_bounds' that leave out 0, expected min <= 0 <= max for each pair"},
+    {"acceleration bounds the wrong way round", "position( acceleration_bounds [1 -1 0 0 0 0 -90 90] )",
+     "w.world:1:31: error: found bounds in 'acceleration_bounds' that leave out 0, expected min <= 0 <= max for each "
+     "pair"},
+    {"odometry error of three values", "position( localization \"odom\" odom_error [0.05 0.05 0.1] )",
+     "w.world:1:42: error: found 3 values for 'odom_error', expected 4"},
+    {"range of one value", "position( ranger( sensor( range 5 ) ) )",
+     "w.world:1:33: error: found 1 value for 'range', expected 2"},
+    {"range the wrong way round", "position( ranger( sensor( range [5 1] ) ) )",
+     "w.world:1:33: error: found range [5 1], expected [min max] with 0 <= min < max <= 1000 km"},
+    {"negative range", "position( ranger( sensor( range [-1 1] ) ) )",
+     "w.world:1:33: error: found range [-1 1], expected [min max] with 0 <= min < max <= 1000 km"},
+    {"negative field of view", "position( ranger( sensor( fov -10 ) ) )",
+     "w.world:1:31: error: found -10 for 'fov', expected 0 to 360 degrees"},
+    {"field of view of more than a turn", "position( ranger( sensor( fov 400 ) ) )",
+     "w.world:1:31: error: found 400 for 'fov', expected 0 to 360 degrees"},
+    {"no samples", "position( ranger( sensor( samples 0 ) ) )",
+     "w.world:1:35: error: found 0 for 'samples', expected 1 to 100000"},
+    {"too many samples", "position( ranger( sensor( samples 1000000000 ) ) )",
+     "w.world:1:35: error: found 1000000000 for 'samples', expected 1 to 100000"},
+    {"noise of one value", "position( ranger( sensor( noise 0.1 ) ) )",
+     "w.world:1:33: error: found 1 value for 'noise', expected 3"},
+    {"negative noise", "position( ranger( sensor( noise [-1 0 0] ) ) )",
+     "w.world:1:33: error: found negative noise, expected values of at least 0"},
+    {"sensor size of two values", "position( ranger( sensor( size [0.01 0.04] ) ) )",
+     "w.world:1:32: error: found 2 values for 'size', expected 3"},
+    {"negative update interval", "position( ranger( update_interval -1 ) )",
+     "w.world:1:35: error: found -1 for 'update_interval', expected at least 0"},
+};
+
+TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
+  WorldFolder folder;
+  for (const BadWorld& world : kBadWorlds) {
+    folder.Write("w.world", world.text);
+    EXPECT_EQ(folder.ErrorOf("w.world"), world.message) << world.name;
+  }
+}
+
+TEST(BadValues, NamesWithoutEndAreRefused) {
+  WorldFolder folder;
+  folder.Write("w.world", "model( name \"" + std::string(2000, 'x') + "\" )");
+  EXPECT_EQ(folder.ErrorOf("w.world"), "w.world:1:13: error: found a name of 2000 bytes, expected at most 1000");
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,246 @@
+// What models become: bodies, sizes, places, names, colours.
+#include "common/geometry/pose.h"
+#include "tests/worldfile/world_folder.h"
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+
+const ModelDescription& ModelCalled(const LoadedWorld& loaded, const std::string& name) {
+  for (const ModelDescription& model : loaded.world.models) {
+    if (model.name == name) return model;
+  }
+  ADD_FAILURE() << "no model " << name;
+  return loaded.world.models.front();
+}
+
+const Shape& ShapeOf(const LoadedWorld& loaded, std::size_t model) {
+  return loaded.world.shape(loaded.world.models[model].shape);
+}
+
+Rectangle BoundsOf(const Shape& shape) {
+  Rectangle bounds = Rectangle::Nothing();
+  for (const Block& block : shape.blocks) bounds.Extend(BoundingBox(block.outline));
+  for (const Rectangle& rectangle : shape.rectangles) bounds.Extend(rectangle);
+  return bounds;
+}
+
+void ExpectNear(const Rectangle& actual, const Rectangle& expected) {
+  EXPECT_NEAR(actual.min_x, expected.min_x, 1e-12);
+  EXPECT_NEAR(actual.min_y, expected.min_y, 1e-12);
+  EXPECT_NEAR(actual.max_x, expected.max_x, 1e-12);
+  EXPECT_NEAR(actual.max_y, expected.max_y, 1e-12);
+}
+
+std::vector<std::string> Names(const LoadedWorld& loaded) {
+  std::vector<std::string> names;
+  for (const ModelDescription& model : loaded.world.models) names.push_back(model.name);
+  return names;
+}
+
+// A triangle of the whole unit square, and a low box in its corner.
+const char kTwoBlocks[] =
+    "block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] )\n"
+    "block( points 4 point[0] [0 0] point[1] [0.5 0] point[2] [0.5 0.5] point[3] [0 0.5] z [0 0.25] )\n";
+
+TEST(Models, DefaultBodyIsABoxOfTheDefaultSize) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( )");
+  ASSERT_EQ(ShapeOf(loaded, 0).blocks.size(), 1u);
+  EXPECT_EQ(BoundsOf(ShapeOf(loaded, 0)), (Rectangle{-0.2, -0.2, 0.2, 0.2}));
+  EXPECT_EQ(ShapeOf(loaded, 0).blocks[0].z, (ZRange{0.0, 1.0}));
+  EXPECT_EQ(loaded.world.models[0].color, (Color{1.0, 0.0, 0.0, 1.0}));
+  EXPECT_TRUE(loaded.world.models[0].obstacle_return);
+  EXPECT_EQ(loaded.world.models[0].ranger_return, 1.0);
+}
+
+TEST(Models, NoblocksDropsTheBox) {
+  EXPECT_TRUE(ShapeOf(WorldFolder().LoadText("model( noblocks 1 )"), 0).blocks.empty());
+}
+
+TEST(Models, BlocksAreScaledTogetherAndCentred) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( size [2 4 3]\n" + std::string(kTwoBlocks) + ")");
+  const Shape& shape = ShapeOf(loaded, 0);
+  ASSERT_EQ(shape.blocks.size(), 2u);
+  ExpectNear(BoundsOf(shape), {-1, -2, 1, 2});
+  ExpectNear(BoundingBox(shape.blocks[1].outline), {-1, -2, 0, 0});
+  EXPECT_EQ(shape.blocks[0].z, (ZRange{0.0, 3.0}));
+  EXPECT_EQ(shape.blocks[1].z, (ZRange{0.0, 0.75}));
+}
+
+TEST(Models, HeightsAreScaledButNotShifted) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( size [1 1 0.5] block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0.5 1.0] ) )");
+  EXPECT_EQ(ShapeOf(loaded, 0).blocks[0].z, (ZRange{0.5, 1.0}));
+}
+
+TEST(Models, OutlinesTurnCounterClockwise) {
+  const LoadedWorld loaded =
+      WorldFolder().LoadText("model( block( points 3 point[0] [0 0] point[1] [0 1] point[2] [1 0] z [0 1] ) )");
+  EXPECT_GT(SignedArea(ShapeOf(loaded, 0).blocks[0].outline), 0.0);
+}
+
+TEST(Models, BlockWithoutHeightShapesTheOthersButIsLeftOut) {
+  const WorldFolder folder;
+  const std::string text =
+      "model( size [4 4 1]\n"
+      "block( points 4 point[0] [0 0] point[1] [2 0] point[2] [2 2] point[3] [0 2] )\n"
+      "block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0 1] ) )";
+  const LoadedWorld loaded = folder.LoadText(text);
+  ASSERT_EQ(ShapeOf(loaded, 0).blocks.size(), 1u);
+  ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {-2, -2, 0, 0});
+  EXPECT_THAT(
+      folder.WarningsOf(text),
+      ElementsAre("w.world:2:1: warning: this block has no height (its 'z' is missing or empty), so nothing meets it"));
+}
+
+TEST(Models, OriginMovesTheBodyButNotTheChildren) {
+  const LoadedWorld loaded =
+      WorldFolder().LoadText("model( size [1 1 1] origin [1 0 0.5 90] pose [5 0 0 0] model( ) )");
+  ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {0.5, -0.5, 1.5, 0.5});
+  EXPECT_EQ(ShapeOf(loaded, 0).blocks[0].z, (ZRange{0.5, 1.5}));
+  const std::vector<Pose> poses = InitialModelPoses(loaded.world);
+  EXPECT_EQ(poses[1], (Pose{5, 0, 1, 0}));
+}
+
+TEST(Models, ChildrenAreStackedUnlessToldOtherwise) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( size [1 1 2] pose [1 2 3 90] model( pose [1 0 0.5 0] ) )\nmodel( stack_children 0 size [1 1 2] model( ) "
+      ")\n");
+  const std::vector<Pose> poses = InitialModelPoses(loaded.world);
+  EXPECT_NEAR(poses[1].x, 1.0, 1e-12);
+  EXPECT_NEAR(poses[1].y, 3.0, 1e-12);
+  EXPECT_NEAR(poses[1].z, 5.5, 1e-12);
+  EXPECT_NEAR(poses[1].heading, 0.5 * kPi, 1e-12);
+  EXPECT_EQ(poses[3].z, 0.0);
+}
+
+TEST(Models, BoundaryAddsFourWallsToTheBox) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( size [2 2 1] boundary 1 )");
+  EXPECT_EQ(ShapeOf(loaded, 0).blocks.size(), 5u);
+  ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {-1, -1, 1, 1});
+}
+
+TEST(Models, BlocksDiscardTheBoundary) {
+  const WorldFolder folder;
+  const std::string text = "model(\nboundary 1\n" + std::string(kTwoBlocks) + ")";
+  EXPECT_EQ(ShapeOf(folder.LoadText(text), 0).blocks.size(), 2u);
+  EXPECT_THAT(
+      folder.WarningsOf(text),
+      ElementsAre(
+          "w.world:2:10: warning: property 'boundary' has no effect in a model with blocks and without a bitmap"));
+}
+
+// map.pgm: 3 x 2 pixels; occupied are the first two of the upper row, and the middle one of the lower.
+TEST(Models, BitmapIsFittedByItsOccupiedPixels) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( size [4 2 0.5] bitmap \"map.pgm\" )");
+  EXPECT_THAT(ShapeOf(loaded, 0).rectangles, ElementsAre(Rectangle{0, -1, 2, 0}, Rectangle{-2, 0, 2, 1}));
+  EXPECT_EQ(ShapeOf(loaded, 0).rectangles_z, (ZRange{0.0, 0.5}));
+  EXPECT_TRUE(ShapeOf(loaded, 0).blocks.empty());
+  EXPECT_EQ(loaded.map_width, 3);
+  EXPECT_EQ(loaded.map_height, 2);
+}
+
+TEST(Models, BoundaryStandsAroundABitmap) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( size [4 2 0.5] bitmap \"map.pgm\" boundary 1 )");
+  EXPECT_EQ(ShapeOf(loaded, 0).rectangles.size(), 2u);
+  ASSERT_EQ(ShapeOf(loaded, 0).blocks.size(), 4u);
+  ExpectNear(BoundingBox(ShapeOf(loaded, 0).blocks[0].outline), {-2, -1, -1.99, 1});
+}
+
+TEST(Models, BlocksAfterABitmapAreRescaledWithIt) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( size [4 2 1] bitmap \"map.pgm\" block( points 4 point[0] [2 -1] point[1] [6 -1] point[2] [6 1] "
+      "point[3] [2 1] z [0 2] ) )");
+  const Shape& shape = ShapeOf(loaded, 0);
+  ExpectNear(BoundsOf(shape), {-2, -1, 2, 1});
+  ExpectNear(BoundingBox(shape.blocks[0].outline), {0, -1, 2, 1});
+  EXPECT_THAT(shape.rectangles, ElementsAre(Rectangle{-1, -1, 0, 0}, Rectangle{-2, 0, 0, 1}));
+  EXPECT_EQ(shape.rectangles_z, (ZRange{0.0, 0.5}));
+  EXPECT_EQ(shape.blocks[0].z, (ZRange{0.0, 1.0}));
+}
+
+TEST(Models, TurnedBitmapBecomesBlocks) {
+  const LoadedWorld loaded = WorldFolder().LoadText("model( size [4 2 1] bitmap \"map.pgm\" origin [0 0 0 90] )");
+  EXPECT_EQ(ShapeOf(loaded, 0).blocks.size(), 2u);
+  EXPECT_TRUE(ShapeOf(loaded, 0).rectangles.empty());
+  ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {-1, -2, 1, 2});
+}
+
+TEST(Models, BitmapWithoutOccupiedPixelsHasNoBody) {
+  const WorldFolder folder;
+  folder.Write("white.pgm", "P2 2 1 255 255 255");
+  const std::string text = "model( bitmap \"white.pgm\" boundary 1 )";
+  EXPECT_TRUE(ShapeOf(folder.LoadText(text), 0).blocks.empty());
+  EXPECT_THAT(folder.WarningsOf(text),
+              ElementsAre("w.world:1:15: warning: bitmap 'white.pgm' has no occupied pixel, so it has no body"));
+}
+
+TEST(Models, ModelsOfOneGeometryShareTheirShape) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "define box model( size [1 1 1] )\nbox( )\nbox( pose [3 0 0 0] color \"blue\" )\nmodel( size [1 1 2] )\n");
+  EXPECT_EQ(loaded.world.shapes.size(), 2u);
+  EXPECT_EQ(loaded.world.models[0].shape, loaded.world.models[1].shape);
+}
+
+TEST(Models, NamesCountTheModelsOfATypeUnderTheirParent) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "define box model( )\nbox( box( ) ranger( ) box( ) )\nposition( )\nbox( name \"b\" model( name \"c\" ) "
+      "model( name \"/d\" ) )\nmodel( )\n");
+  EXPECT_THAT(Names(loaded), ElementsAre("model:0", "model:0.model:0", "model:0.ranger:0", "model:0.model:1",
+                                         "position:0", "b", "b.c", "d", "model:2"));
+}
+
+TEST(Models, ColoursComeByNameOrByNumbers) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( color \"LightBlue\" )\nmodel( color_rgba [0.1 0.2 0.3 0.4] )\nmodel( color \"random\" )\n"
+      "model( color \"random\" )\nmodel( color \"light blue\" )");
+  EXPECT_EQ(loaded.world.models[0].color, (Color{173 / 255.0, 216 / 255.0, 230 / 255.0, 1.0}));
+  EXPECT_EQ(loaded.world.models[1].color, (Color{0.1, 0.2, 0.3, 0.4}));
+  EXPECT_NE(loaded.world.models[2].color, loaded.world.models[3].color);
+  EXPECT_EQ(loaded.world.models[4].color, loaded.world.models[0].color);
+}
+
+TEST(Models, RandomColoursFollowTheSeed) {
+  const WorldFolder folder;
+  const auto color = [&](std::uint64_t seed) {
+    LoadOverrides overrides;
+    overrides.seed = seed;
+    return folder.LoadText("model( color \"random\" )", overrides).world.models[0].color;
+  };
+  EXPECT_EQ(color(5), color(5));
+  EXPECT_NE(color(5), color(6));
+}
+
+TEST(Models, UnitsOfTheFileHoldForLengthsAndAngles) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( size [100 200 50] pose [300 0 0 1] )\nunit_length \"cm\"\nunit_angle \"radians\"\n");
+  const ModelDescription& model = loaded.world.models[0];
+  EXPECT_EQ(model.size_y, 2.0);
+  EXPECT_EQ(model.X_PM, (Pose{3, 0, 0, 1}));
+  ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {-0.5, -1, 0.5, 1});
+}
+
+TEST(Models, ReturnsAreRead) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "model( obstacle_return 0 ranger_return -1 gripper_return 1 fiducial_return 7 gui_nose 1 )");
+  const ModelDescription& model = loaded.world.models[0];
+  EXPECT_FALSE(model.obstacle_return);
+  EXPECT_EQ(model.ranger_return, -1.0);
+  EXPECT_TRUE(model.gripper_return);
+  EXPECT_EQ(model.fiducial_return, 7);
+  EXPECT_TRUE(model.show_nose);
+}
+
+TEST(Models, TypesThatAreNotSimulatedAreBodies) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "gripper( ) fiducial( ) blobfinder( ) bumper( ) actuator( ) camera( ) blinkenlight( ) lightindicator( )");
+  EXPECT_EQ(loaded.world.models.size(), 8u);
+  EXPECT_EQ(loaded.warnings.size(), 8u);
+  EXPECT_EQ(ModelCalled(loaded, "gripper:0").size_y, 0.3);
+  EXPECT_TRUE(ShapeOf(loaded, 1).blocks.empty());   // a fiducial finder
+  EXPECT_EQ(ShapeOf(loaded, 6).blocks.size(), 1u);  // a light
+}
+
+}  // namespace
+}  // namespace troupe

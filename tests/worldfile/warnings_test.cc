@@ -1,0 +1,71 @@
+// Nothing that a file says is dropped in silence.
+#include "tests/worldfile/world_folder.h"
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+using testing::SizeIs;
+
+TEST(Warnings, NameEveryPropertyWithoutEffectAndSayWhy) {
+  EXPECT_THAT(
+      WorldFolder().WarningsOf("resolution 0.02\nspeedup 1\nmodel( mass 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
+                               "window( size [1 1] )\n"),
+      ElementsAre("w.world:1:1: warning: property 'resolution' has no effect: geometry is exact, without cells",
+                  "w.world:2:1: warning: property 'speedup' has no effect: the command line sets the speed",
+                  "w.world:3:8: warning: property 'mass' has no effect: energy is not simulated",
+                  "w.world:4:2: warning: property 'gui_grid' has no effect: it only concerns Stage's window",
+                  "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
+                  "w.world:6:2: warning: property 'colour' has no effect in a 'model'",
+                  "w.world:7:1: warning: 'window' has no effect: it only concerns Stage's window"));
+}
+
+TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
+  std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) blinkenlight( period 3 ) ) )\n";
+  for (int i = 0; i < 100; ++i) text += "rob( )\n";
+  EXPECT_THAT(
+      WorldFolder().WarningsOf(text),
+      ElementsAre(
+          "w.world:1:22: warning: property 'mass' has no effect: energy is not simulated",
+          "w.world:2:18: warning: property 'view' has no effect: only older versions of Stage knew it",
+          "w.world:2:27: warning: 'blinkenlight' models are not simulated yet; they are only bodies",
+          "w.world:2:41: warning: property 'period' has no effect: 'blinkenlight' models are not simulated yet"));
+}
+
+TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
+  EXPECT_THAT(WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( )\n"),
+              ElementsAre("w.world:2:11: warning: 'hand' is only a body: 'gripper' models are not simulated yet"));
+}
+
+TEST(Warnings, ValuesThatStageTakesInAnotherWayAreNamed) {
+  EXPECT_THAT(
+      WorldFolder().WarningsOf("model( pose [1 2 3 4 5]\n color \"reddish\"\n fiducial_return 1.5 )\n"
+                               "model( color \"red\" color_rgba [1 1 1 1]\n)\nmodel( color_rgba [2 0 0 1] )\n"
+                               "unit_length \"feet\"\nunit_angle \"turns\"\n"),
+      ElementsAre("w.world:7:13: warning: unit_length 'feet' is not \"m\", \"cm\" or \"mm\"; metres are used",
+                  "w.world:8:12: warning: unit_angle 'turns' is not \"degrees\" or \"radians\"; degrees are used",
+                  "w.world:1:13: warning: found 5 values for 'pose', expected 4; the rest is ignored",
+                  "w.world:2:8: warning: colour 'reddish' is not known; red is used",
+                  "w.world:3:18: warning: found 1.5 for 'fiducial_return', expected a whole number; 1 is used",
+                  "w.world:4:20: warning: property 'color_rgba' has no effect beside 'color'",
+                  "w.world:6:19: warning: found a colour beyond 0 to 1; it is clamped"));
+}
+
+TEST(Warnings, QuotedNumbersAreRead) {
+  const WorldFolder folder;
+  EXPECT_THAT(folder.WarningsOf("model( pose [\"1\" 2 \"-3.5\" 0] obstacle_return \"0\" )"), SizeIs(0));
+}
+
+TEST(Warnings, TellThatAMapIsSeenButNeverHit) {
+  EXPECT_THAT(WorldFolder().WarningsOf(
+                  "define floorplan model( obstacle_return 0 )\nfloorplan( name \"hall\" bitmap \"map.pgm\" )"),
+              ElementsAre("w.world:1:41: warning: map 'hall' is seen but never hit: its 'obstacle_return' is 0"));
+}
+
+TEST(Warnings, SizeOfZeroLeavesNoBody) {
+  EXPECT_THAT(WorldFolder().WarningsOf("model( size [0 0 0] )"),
+              ElementsAre("w.world:1:13: warning: this model has a size of 0, so it has no body"));
+}
+
+}  // namespace
+}  // namespace troupe
