@@ -138,10 +138,13 @@ class Placer {
     for (const ConvexPiece& piece : bodies_.at(root)) body.pieces.push_back(Transformed(piece, X_WR));
     body.box = BoxOf(body.pieces);
     if (!body.box.empty() && !IsFree(body)) return false;
-    world_->models[root.index()].X_PM = X_WR;
-    if (const auto robot = robots_.find(root); robot != robots_.end() && origin_at_start) {
-      world_->robots[robot->second].localization.origin = X_WR;
+    Pose& X_PM = world_->models[root.index()].X_PM;
+    if (const auto robot = robots_.find(root); robot != robots_.end() && !origin_at_start) {
+      // Odometry counts from a place in the world, from which the robot now starts elsewhere.
+      Pose& origin = world_->robots[robot->second].localization.origin;
+      origin = origin * Inverse(X_PM) * X_WR;
     }
+    X_PM = X_WR;
     placed_.push_back(std::move(body));
     return true;
   }

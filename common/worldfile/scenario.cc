@@ -65,7 +65,7 @@ Result<WorldTree> ReadWorldTree(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path);
   // The tree only names the map: whether it can be read would show too late to blame the right line.
-  const Result<MapYaml> map = ReadMapYaml(path);
+  const Result<MapYaml> map = ReadMapYaml(path, {path});
   if (!map.ok()) return map.error();
   return MapYamlTree(path);
 }

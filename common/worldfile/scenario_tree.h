@@ -15,7 +15,7 @@ namespace troupe {
 struct PlannedSpawn {
   const SpawnEntry* rule = nullptr;
   std::vector<std::string> names;
-  bool origin_at_start = true;  // odometry starts where the robot does: the world says nothing else
+  bool origin_at_start = true;  // odometry counts from where the robot starts: the world says nothing else
 };
 
 // What the tree cannot say.

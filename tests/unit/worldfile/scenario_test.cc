@@ -316,11 +316,11 @@ TEST(Spawn, LowRobotsMayStartUnderTables) {
   EXPECT_EQ(loaded.world.robots.size(), 3u);
 }
 
-TEST(Spawn, OdometryStartsWhereTheRobotIsPlaced) {
+TEST(Spawn, OdometryCountsFromWhereTheRobotIsPlaced) {
   const LoadedWorld loaded = MustLoad(R"({
     "include": ["../include/robots.inc"], "spawn": [{"model": "scout", "count": 3, "region": [5, 5, 9, 9]}]})");
   for (const RobotDescription& robot : loaded.world.robots) {
-    EXPECT_EQ(robot.localization.origin, loaded.world.model(robot.root).X_PM);
+    EXPECT_EQ(robot.localization.origin, Pose{});
   }
 }
 
