@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::uint32_t kStatusesPerLine = 10;
+constexpr std::uint32_t kStatusesPerLine = 10;  // while nothing changes
 constexpr std::size_t kNamesListed = 5;
 
 std::string WaitingText(const StatusMessage& status) {
@@ -30,8 +30,9 @@ class ConsoleReporter final : public Reporter {
     fmt::print(stderr, "all robots are there after {:.1f} s\n", startup_seconds);
   }
   void OnStatus(const StatusMessage& status) override {
-    const bool waits = !status.waiting_for.empty();
-    if (!waits && statuses_++ % kStatusesPerLine != 0) return;
+    const bool news = status.waiting_for != waiting_for_;
+    if (!news && ++statuses_ % kStatusesPerLine != 0) return;
+    waiting_for_ = status.waiting_for;
     fmt::print(stderr, "tick {}, {:.1f} s simulated, {:.2f} x real time{}\n", status.tick, status.sim_seconds,
                status.real_time_factor, WaitingText(status));
   }
@@ -54,6 +55,7 @@ class ConsoleReporter final : public Reporter {
 
  private:
   std::uint32_t statuses_ = 0;
+  std::vector<std::string> waiting_for_;  // as last printed
 };
 
 }  // namespace
