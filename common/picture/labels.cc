@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace troupe {
 namespace {
@@ -22,6 +23,13 @@ bool OverlapsAny(const Rectangle& box, const std::vector<Rectangle>& others) {
   return std::any_of(others.begin(), others.end(), [&](const Rectangle& other) { return box.Overlaps(other); });
 }
 
+std::vector<Rectangle> Overlapping(const std::vector<Rectangle>& boxes, const Rectangle& area) {
+  std::vector<Rectangle> result;
+  std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(result),
+               [&](const Rectangle& box) { return box.Overlaps(area); });
+  return result;
+}
+
 std::vector<PlacedLabel> PlaceAtSize(const std::vector<LabelRequest>& requests, const std::vector<Rectangle>& walls,
                                      const Rectangle& page, double size,
                                      const std::function<double(const std::string&, double)>& text_width) {
@@ -30,10 +38,13 @@ std::vector<PlacedLabel> PlaceAtSize(const std::vector<LabelRequest>& requests, 
   std::vector<PlacedLabel> result;
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const auto candidates = Candidates(requests[i].box, text_width(requests[i].text, size), size);
+    Rectangle around = Rectangle::Nothing();
+    for (const Rectangle& box : candidates) around.Extend(box);
+    const std::vector<Rectangle> walls_around = Overlapping(walls, around);
     const auto place = [&](bool over_walls) {
       for (const Rectangle& box : candidates) {
         const bool inside = page.Contains({box.min_x, box.min_y}) && page.Contains({box.max_x, box.max_y});
-        if (!inside || OverlapsAny(box, taken) || (!over_walls && OverlapsAny(box, walls))) continue;
+        if (!inside || OverlapsAny(box, taken) || (!over_walls && OverlapsAny(box, walls_around))) continue;
         taken.push_back(box);
         result.push_back({i, box});
         return true;

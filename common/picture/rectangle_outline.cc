@@ -1,9 +1,8 @@
 #include "common/picture/rectangle_outline.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <map>
+#include <optional>
 
 namespace troupe {
 namespace {
@@ -63,9 +62,49 @@ std::vector<Edge> CancelPairs(const std::vector<Edge>& edges) {
   return result;
 }
 
+struct Corner {
+  std::int64_t x;
+  std::int64_t y;
+  auto operator<=>(const Corner&) const = default;
+};
+
+// Edges by the corners at their ends, each to be taken once.
+class EdgesAtCorners {
+ public:
+  void Add(const Corner& a, const Corner& b) {
+    ends_.push_back({a, b, used_.size()});
+    ends_.push_back({b, a, used_.size()});
+    used_.push_back(false);
+  }
+  void Sort() { std::sort(ends_.begin(), ends_.end()); }
+
+  // The other end of an edge at `corner` that was not taken yet, if there is one.
+  std::optional<Corner> Take(const Corner& corner) {
+    auto end = std::lower_bound(ends_.begin(), ends_.end(), End{corner, {0, 0}, 0},
+                                [](const End& a, const End& b) { return a.here < b.here; });
+    for (; end != ends_.end() && end->here == corner; ++end) {
+      if (used_[end->edge]) continue;
+      used_[end->edge] = true;
+      return end->there;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct End {
+    Corner here;
+    Corner there;
+    std::size_t edge;
+    auto operator<=>(const End&) const = default;
+  };
+  std::vector<End> ends_;
+  std::vector<bool> used_;
+};
+
 }  // namespace
 
 std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles) {
+  if (rectangles.empty()) return {};
   Rectangle bounds = Rectangle::Nothing();
   std::vector<double> all_x;
   std::vector<double> all_y;
@@ -74,7 +113,6 @@ std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles) {
     all_x.insert(all_x.end(), {r.min_x, r.max_x});
     all_y.insert(all_y.end(), {r.min_y, r.max_y});
   }
-  if (rectangles.empty()) return {};
   const double tolerance = 1e-9 * std::max(bounds.width(), bounds.height());
   const Coordinates xs(std::move(all_x), tolerance);
   const Coordinates ys(std::move(all_y), tolerance);
@@ -95,51 +133,24 @@ std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles) {
 
   // Corners join one vertical with one horizontal edge; where two areas touch at a corner, two of each meet, and any
   // pairing outlines the same area.
-  struct Corner {
-    std::int64_t x;
-    std::int64_t y;
-    auto operator<=>(const Corner&) const = default;
-  };
-  std::map<Corner, std::vector<std::size_t>> horizontal_at;
-  for (std::size_t i = 0; i < horizontal.size(); ++i) {
-    horizontal_at[{horizontal[i].from, horizontal[i].line}].push_back(i);
-    horizontal_at[{horizontal[i].to, horizontal[i].line}].push_back(i);
-  }
-  std::map<Corner, std::vector<std::size_t>> vertical_at;
-  for (std::size_t i = 0; i < vertical.size(); ++i) {
-    vertical_at[{vertical[i].line, vertical[i].from}].push_back(i);
-    vertical_at[{vertical[i].line, vertical[i].to}].push_back(i);
-  }
-  const auto take = [](std::map<Corner, std::vector<std::size_t>>& edges, const Corner& at, std::vector<bool>& used) {
-    for (std::size_t i : edges[at]) {
-      if (!used[i]) {
-        used[i] = true;
-        return i;
-      }
-    }
-    return used.size();
-  };
+  EdgesAtCorners verticals;
+  EdgesAtCorners horizontals;
+  for (const Edge& edge : vertical) verticals.Add({edge.line, edge.from}, {edge.line, edge.to});
+  for (const Edge& edge : horizontal) horizontals.Add({edge.from, edge.line}, {edge.to, edge.line});
+  verticals.Sort();
+  horizontals.Sort();
 
   std::vector<Polygon> loops;
-  std::vector<bool> vertical_used(vertical.size(), false);
-  std::vector<bool> horizontal_used(horizontal.size(), false);
-  for (std::size_t start = 0; start < vertical.size(); ++start) {
-    if (vertical_used[start]) continue;
-    vertical_used[start] = true;
+  for (const Edge& first : vertical) {
     Polygon loop;
-    Corner at{vertical[start].line, vertical[start].to};
-    loop.emplace_back(xs[at.x], ys[vertical[start].from]);
-    while (true) {
-      loop.emplace_back(xs[at.x], ys[at.y]);
-      const std::size_t h = take(horizontal_at, at, horizontal_used);
-      if (h == horizontal.size()) break;
-      at.x = horizontal[h].from == at.x ? horizontal[h].to : horizontal[h].from;
-      const std::size_t v = take(vertical_at, at, vertical_used);
-      if (v == vertical.size()) break;  // back at the start
-      loop.emplace_back(xs[at.x], ys[at.y]);
-      at.y = vertical[v].from == at.y ? vertical[v].to : vertical[v].from;
+    std::optional<Corner> at = Corner{first.line, first.from};
+    while (const std::optional<Corner> next = verticals.Take(*at)) {
+      loop.emplace_back(xs[at->x], ys[at->y]);
+      loop.emplace_back(xs[next->x], ys[next->y]);
+      at = horizontals.Take(*next);
+      if (!at) break;
     }
-    loops.push_back(std::move(loop));
+    if (!loop.empty()) loops.push_back(std::move(loop));
   }
   return loops;
 }
