@@ -241,7 +241,8 @@ void BenchUdp(const Options& options) {
   if (bind(service, reinterpret_cast<sockaddr*>(&address), length) != 0) return std::perror("bind");
   getsockname(service, reinterpret_cast<sockaddr*>(&address), &length);
   std::vector<pid_t> children;
-  for (int i = 0; i < options.agents; ++i) {
+  std::vector<sockaddr_in> agents(static_cast<std::size_t>(options.agents));
+  for (sockaddr_in& agent_address : agents) {
     children.push_back(Fork([&] {
       const int agent = socket(AF_INET, SOCK_DGRAM, 0);
       if (connect(agent, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) return;
@@ -250,11 +251,8 @@ void BenchUdp(const Options& options) {
         if (send(agent, buffer.data(), 100, 0) != 100) return;
       }
     }));
-  }
-  std::vector<sockaddr_in> agents(static_cast<std::size_t>(options.agents));
-  for (sockaddr_in& agent : agents) {
-    length = sizeof(agent);
-    recvfrom(service, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&agent), &length);
+    length = sizeof(agent_address);
+    recvfrom(service, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&agent_address), &length);
   }
   const double used_before = ProcessorTime(children);
   const auto begin = Clock::now();
