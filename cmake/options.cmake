@@ -12,3 +12,8 @@ if(TROUPE_SANITIZER)
     -fno-sanitize-recover=all)
   target_link_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER})
 endif()
+
+if(TROUPE_FUZZ)
+  # Counts coverage in everything that a fuzz target links.
+  target_compile_options(troupe_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
