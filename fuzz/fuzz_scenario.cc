@@ -23,6 +23,7 @@ troupe::ScenarioTools MakeTools() {
   troupe::ScenarioTools tools;
   tools.read_world = [](const std::string& path) { return troupe::ParseStageText(kWorld, path); };
   tools.build.without_bitmaps = true;
+  tools.max_spawned = 200;
   return tools;
 }
 

@@ -82,7 +82,7 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   const Result<JsonDocument> document = JsonDocument::Parse(text, path);
   if (!document.ok()) return document.error();
   if (Status error = tools.schema.Check(document.value())) return *error;
-  Result<ScenarioFile> read = ReadScenarioFile(document.value(), directory);
+  Result<ScenarioFile> read = ReadScenarioFile(document.value(), directory, tools.max_spawned);
   if (!read.ok()) return read.error();
   const ScenarioFile& file = read.value();
   if (Status error = CheckControllers(file, overrides)) return *error;

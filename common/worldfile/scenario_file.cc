@@ -8,16 +8,14 @@ namespace {
 
 using nlohmann::json;
 
-// Of all rules together: keeps a slip of the pen from filling the memory.
-constexpr std::uint32_t kMaxSpawned = 20'000;
-
 // Properties that an entry may not set, and why.
 using Refused = std::map<std::string, std::string>;
 
 // Reads the parts of one scenario. The first error stops it: every Read function returns false after one.
 class Reader {
  public:
-  Reader(const JsonDocument& document, const std::string& directory) : document_(document), directory_(directory) {}
+  Reader(const JsonDocument& document, const std::string& directory, std::uint32_t max_spawned)
+      : document_(document), directory_(directory), max_spawned_(max_spawned) {}
 
   bool Read(ScenarioFile* file);
   const Error& error() const { return *error_; }
@@ -45,6 +43,7 @@ class Reader {
 
   const JsonDocument& document_;
   const std::string& directory_;
+  std::uint32_t max_spawned_;
   std::optional<Error> error_;
 };
 
@@ -230,9 +229,9 @@ bool Reader::Read(ScenarioFile* file) {
     for (const json& spawn : *spawns) {
       if (!ReadSpawn(spawn, &file->spawns.emplace_back())) return false;
       total += file->spawns.back().count;
-      if (total > kMaxSpawned) {
+      if (total > max_spawned_) {
         return Fail(spawn["count"], "found " + std::to_string(total) + " models to spawn in all, expected at most " +
-                                        std::to_string(kMaxSpawned));
+                                        std::to_string(max_spawned_));
       }
     }
   }
@@ -246,9 +245,10 @@ bool Reader::Read(ScenarioFile* file) {
 
 }  // namespace
 
-Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory) {
+Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
+                                      std::uint32_t max_spawned) {
   ScenarioFile file;
-  Reader reader(document, directory);
+  Reader reader(document, directory, max_spawned);
   if (!reader.Read(&file)) return reader.error();
   return file;
 }

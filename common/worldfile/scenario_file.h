@@ -77,8 +77,12 @@ struct ScenarioFile {
   std::vector<Warning> warnings;
 };
 
+// Of all rules together: keeps a slip of the pen from filling the memory.
+inline constexpr std::uint32_t kMaxSpawned = 20'000;
+
 // REQUIRES: the document keeps to the schema. `directory` is where relative paths of bitmaps and controller libraries
 // start.
-Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory);
+Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
+                                      std::uint32_t max_spawned = kMaxSpawned);
 
 }  // namespace troupe

@@ -119,6 +119,8 @@ ScenarioSchema::ScenarioSchema() {
 }
 
 ScenarioSchema::~ScenarioSchema() = default;
+ScenarioSchema::ScenarioSchema(ScenarioSchema&&) noexcept = default;
+ScenarioSchema& ScenarioSchema::operator=(ScenarioSchema&&) noexcept = default;
 
 Status ScenarioSchema::Check(const JsonDocument& document) const {
   valijson::Validator validator;

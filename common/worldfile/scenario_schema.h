@@ -12,6 +12,8 @@ class ScenarioSchema {
  public:
   ScenarioSchema();
   ~ScenarioSchema();
+  ScenarioSchema(ScenarioSchema&&) noexcept;
+  ScenarioSchema& operator=(ScenarioSchema&&) noexcept;
 
   // The first breach of the schema in the order of the text: its place, what was found, and what was expected.
   Status Check(const JsonDocument& document) const;
