@@ -186,10 +186,10 @@ std::vector<BadScenario> BadScenarios() {
 
       // What does not fit the world.
       {"WorldIsMissing", "{\n  \"world\": \"../no.world\"}",
-       ":2:12: error: cannot read 'no.world': No such file or directory"},
+       ":2:12: error: cannot read 'no.world' (No such file or directory), expected a readable file"},
       {"WorldIsAFolder", "{\"world\": \"../include\"}", ":1:11: error: found 'include', expected a regular file"},
       {"IncludeIsMissing", "{\"include\": [\"../include/robots.inc\",\n \"../include/no.inc\"]}",
-       ":2:2: error: cannot read 'include/no.inc': No such file or directory"},
+       ":2:2: error: cannot read 'include/no.inc' (No such file or directory), expected a readable file"},
       {"UnknownModel", InOffice("\"robots\": [{\"model\": \"scuot\", \"pose\": [0, 0, 0]}]"),
        ":2:22: error: found model type 'scuot', expected the name of a define, or one of model position ranger "
        "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
@@ -252,9 +252,10 @@ std::vector<BadScenario> BadScenarios() {
       {"SizeOfTwoNumbers", "{\"models\": [{\"model\": \"model\",\n  \"properties\": {\"size\": [1, 2]}}]}",
        ":2:26: error: found 2 values for 'size', expected 3"},
       {"SizeIsText", "{\"models\": [{\"model\": \"model\", \"properties\": {\"size\": \"big\"}}]}",
-       ":1:55: error: found 1 values for 'size', expected 3"},
+       ":1:55: error: found 1 value for 'size', expected 3"},
       {"BitmapIsMissing", "{\"models\": [{\"model\": \"model\", \"properties\": {\"bitmap\": \"no.png\"}}]}",
-       ":1:57: error: bitmap 'scenarios/no.png': cannot read the image: No such file or directory"},
+       ":1:57: error: bitmap 'scenarios/no.png': cannot read the image (No such file or directory), expected a "
+       "readable file"},
   };
 }
 
