@@ -33,17 +33,25 @@ Status CheckWritable(const NamedFile& output) {
   return std::nullopt;
 }
 
+// Two files written at once to one path would be mixed up. A device takes anything.
+Status CheckDistinct(const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = i + 1; j < outputs.size(); ++j) {
+      const std::string& path = *outputs[i].second;
+      if (path != *outputs[j].second) continue;
+      if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) continue;
+      return Error{{}, std::string(outputs[i].first) + " and " + outputs[j].first + " name the same file, " + path};
+    }
+  }
+  return std::nullopt;
+}
+
 Status CheckOutputs(const RunOptions& options) {
   std::vector<NamedFile> outputs = OutputsOf(options);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (outputs[i].second->empty()) continue;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (*outputs[i].second != *outputs[j].second) continue;
-      return Error{
-          {},
-          std::string(outputs[j].first) + " and " + outputs[i].first + " name the same file, " + *outputs[i].second};
-    }
-    if (Status failure = CheckWritable(outputs[i])) return failure;
+  std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
+  if (Status failure = CheckDistinct(outputs)) return failure;
+  for (const NamedFile& output : outputs) {
+    if (Status failure = CheckWritable(output)) return failure;
   }
   return std::nullopt;
 }
