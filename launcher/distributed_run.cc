@@ -1,5 +1,6 @@
 #include "launcher/distributed_run.h"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <unistd.h>
@@ -93,6 +94,7 @@ class DistributedRun {
   std::string scan_parts_;
   Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set when told to stop
+  std::size_t robots_ = 0;
   double startup_seconds_ = 0.0;
   bool started_ = false;
   bool error_told_ = false;  // by a child
@@ -158,12 +160,15 @@ void DistributedRun::HandleReports() {
 
 void DistributedRun::Handle(const ReadyReport& ready) {
   if (kill_at_) return;
+  robots_ = ready.robots.size();
   if (Status failure = agents_.Start(ready, output_.writing_end())) Fail(kExitFailed, failure);
 }
 
 void DistributedRun::Handle(const StartedReport&) {
   started_ = true;
   startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
+  progress_.Tell(fmt::format("session {}: {} robots in {} agent processes, ready after {:.2f} s", options_.session,
+                             robots_, agents_.size(), startup_seconds_));
 }
 
 void DistributedRun::HandleEnded(const AgentProcess& agent) {

@@ -23,7 +23,8 @@ nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
   nlohmann::json json = {{"event", ToString(event.type)}};
   if (event.robot) json["robot"] = world.robot(*event.robot).name;
   if (event.other) json["other"] = world.model(*event.other).name;
-  if (!event.detail.empty()) json["detail"] = event.detail;
+  // Which process took a robot up differs from run to run; recordings of one simulation are equal.
+  if (!event.detail.empty() && event.type != EventType::kJoined) json["detail"] = event.detail;
   return json;
 }
 
