@@ -51,9 +51,9 @@ std::string DescribeRobot(const RobotDescription& robot) {
 
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
-  std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "no end";
+  std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
   std::string speed = settings.speed ? fmt::format("{} x real time", *settings.speed) : "as fast as possible";
-  return fmt::format("run: {} of {} s, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
+  return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
                      loaded.world.interval_seconds(), loaded.world.seed,
                      settings.mode == Mode::kLockstep ? "lockstep" : "realtime", speed, NameOf(settings.on_agent_loss),
                      Count(settings.robots_per_process, "robot"));

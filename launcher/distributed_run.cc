@@ -227,7 +227,8 @@ RunEnd DistributedRun::End() {
   RunEnd end;
   end.exit_status = exit_status_;
   end.error = error_;
-  if (!summary_ || error_) return end;
+  bool failed = exit_status_ != kExitDone && exit_status_ != kExitInterrupted;
+  if (!summary_ || failed) return end;
   if (!scan_parts_.empty()) {
     if (Status failure = MergeScans(agents_.scan_files(), options_.scans)) return {kExitFailed, std::nullopt, failure};
   }

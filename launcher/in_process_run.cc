@@ -56,10 +56,6 @@ double PeakMemoryMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-RunEnd Failed(const Error& error) {
-  return {kExitFailed, std::nullopt, error};
-}
-
 }  // namespace
 
 RunEnd RunInProcess(const RunOptions& options) {
@@ -88,6 +84,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   int done = eventfd(0, EFD_CLOEXEC);
   Result<RunSummary> summary = Error{{}, "the run did not end"};
   Result<bool> agent = false;
+  bool bad_request = false;
   std::thread service_thread([&] {
     ProgressObserver observer;
     summary = RunService(scene, service_options, transport->MakeServiceEndpoint(), observer, stop);
@@ -95,7 +92,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   });
   std::atomic<bool> agent_stop = false;
   std::thread agent_thread([&] {
-    agent = RunAgent(transport->MakeAgentEndpoint(agent_options.agent), agent_options, agent_stop);
+    agent = RunAgent(transport->MakeAgentEndpoint(agent_options.agent), agent_options, agent_stop, &bad_request);
     if (!agent.ok()) stop = true;  // without its only agent the run cannot go on
   });
   WaitForEnd(done, signals, stop);
@@ -104,8 +101,8 @@ RunEnd RunInProcess(const RunOptions& options) {
   agent_thread.join();
   close(done);
 
-  if (!summary.ok()) return Failed(summary.error());
-  if (!agent.ok()) return Failed(agent.error());
+  if (!summary.ok()) return {kExitFailed, std::nullopt, summary.error()};
+  if (!agent.ok()) return {bad_request ? kExitBadInput : kExitFailed, std::nullopt, agent.error()};
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();

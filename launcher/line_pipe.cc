@@ -36,7 +36,7 @@ std::vector<std::string> LinePipe::Read() {
     at_end_ = size == 0;
     partial_.append(buffer, static_cast<std::size_t>(size));
   }
-  if (at_end_ && !partial_.empty()) partial_ += '\n';
+  if (at_end_ && !partial_.empty() && partial_.back() != '\n') partial_ += '\n';
   std::vector<std::string> lines;
   std::size_t begin = 0;
   for (std::size_t end; (end = partial_.find('\n', begin)) != std::string::npos; begin = end + 1) {

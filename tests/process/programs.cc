@@ -1,0 +1,145 @@
+#include "tests/process/programs.h"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kDeadline = std::chrono::seconds(90);
+constexpr int kPollMilliseconds = 20;
+
+std::string FromEnvironment(const char* name) {
+  const char* value = std::getenv(name);
+  EXPECT_NE(value, nullptr) << name << " is not set; run this test by ctest";
+  return value != nullptr ? value : "";
+}
+
+std::string ReadFile(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+Process StartOrFail(const std::vector<std::string>& command, const LinePipe& output) {
+  Result<Process> process = Process::Start(command, output.writing_end());
+  EXPECT_TRUE(process.ok()) << command.front();
+  return std::move(process).value();
+}
+
+// Ended, or ended and not yet waited for by its parent.
+bool IsGone(pid_t process) {
+  std::string stat = ReadFile("/proc/" + std::to_string(process) + "/stat");
+  std::size_t name_end = stat.rfind(") ");
+  return name_end == std::string::npos || stat[name_end + 2] == 'Z' || stat[name_end + 2] == 'X';
+}
+
+}  // namespace
+
+std::string ProgramPath(const std::string& name) {
+  return FromEnvironment("TROUPE_BINARY_DIR") + "/bin/" + name;
+}
+
+std::string WorldPath(const std::string& name) {
+  return FromEnvironment("TROUPE_SOURCE_DIR") + "/tests/process/worlds/" + name;
+}
+
+std::vector<pid_t> ChildrenOf(pid_t process) {
+  std::string id = std::to_string(process);
+  std::istringstream words(ReadFile("/proc/" + id + "/task/" + id + "/children"));
+  std::vector<pid_t> children;
+  for (pid_t child = 0; words >> child;) children.push_back(child);
+  return children;
+}
+
+std::string CommandLineOf(pid_t process) {
+  std::string line = ReadFile("/proc/" + std::to_string(process) + "/cmdline");
+  for (char& c : line) c = c == '\0' ? ' ' : c;
+  return line;
+}
+
+bool IsGoneSoon(pid_t process) {
+  return Eventually([process] { return IsGone(process); });
+}
+
+Program::Program(std::vector<std::string> command)
+    : pipe_(std::make_unique<LinePipe>()), process_(StartOrFail(command, *pipe_)) {
+  pipe_->CloseWritingEnd();
+}
+
+void Program::ReadMore() {
+  pollfd waited{pipe_->reading_end(), POLLIN, 0};
+  poll(&waited, 1, kPollMilliseconds);
+  for (std::string& line : pipe_->Read()) lines_.push_back(std::move(line));
+}
+
+std::size_t Program::FindLine(const std::string& part, std::size_t following) {
+  for (auto deadline = Clock::now() + kDeadline; Clock::now() < deadline; ReadMore()) {
+    for (std::size_t i = 0; i + following < lines_.size(); ++i) {
+      if (lines_[i].find(part) != std::string::npos) return i;
+    }
+    if (pipe_->at_end()) break;
+  }
+  ADD_FAILURE() << "no line with '" << part << "' in:\n" << output();
+  return lines_.size();
+}
+
+std::string Program::WaitForLine(const std::string& part) {
+  std::size_t line = FindLine(part, 0);
+  return line < lines_.size() ? lines_[line] : "";
+}
+
+std::string Program::WaitForLineAfter(const std::string& part) {
+  std::size_t line = FindLine(part, 1);
+  return line + 1 < lines_.size() ? lines_[line + 1] : "";
+}
+
+int Program::Wait() {
+  auto deadline = Clock::now() + kDeadline;
+  while (!process_.Poll() && process_.running() && Clock::now() < deadline) {
+    if (pipe_->at_end()) std::this_thread::sleep_for(std::chrono::milliseconds(kPollMilliseconds));
+    ReadMore();
+  }
+  ReadMore();
+  if (process_.running()) {
+    ADD_FAILURE() << "did not end in time; it said:\n" << output();
+    process_.Kill();
+  }
+  return process_.end()->exit_code;
+}
+
+std::string Program::output() {
+  std::string text;
+  for (const std::string& line : lines_) text += line + "\n";
+  return text;
+}
+
+Program Troupe(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), ProgramPath("troupe"));
+  return Program(std::move(arguments));
+}
+
+Program RunPen(std::vector<std::string> arguments) {
+  std::vector<std::string> all = {"run", WorldPath("pen.world"), "--domain", std::to_string(TestDomain()),
+                                  "--headless"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return Troupe(std::move(all));
+}
+
+Finished Finish(Program program) {
+  int exit_status = program.Wait();
+  return {exit_status, program.output()};
+}
+
+}  // namespace troupe::test

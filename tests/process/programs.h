@@ -1,0 +1,62 @@
+// The real programs as children of a test, with deadlines; none of them outlives its test.
+#pragma once
+
+#include <sys/types.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "launcher/line_pipe.h"
+#include "launcher/process.h"
+
+namespace troupe::test {
+
+// The path of a program of this build.
+std::string ProgramPath(const std::string& name);
+// The path of a world beside these tests.
+std::string WorldPath(const std::string& name);
+
+// Processes that the process started and that still run.
+std::vector<pid_t> ChildrenOf(pid_t process);
+// The arguments that a process was started with, joined by spaces.
+std::string CommandLineOf(pid_t process);
+// True when the process has ended, within a time that is long for the slowest machine.
+bool IsGoneSoon(pid_t process);
+
+class Program {
+ public:
+  explicit Program(std::vector<std::string> command);
+
+  pid_t pid() const { return process_.pid(); }
+  void Signal(int signal) const { process_.Signal(signal); }
+  // The first line with `part` in it that was or will be said; a failed test and "" if it does not come.
+  std::string WaitForLine(const std::string& part);
+  // The line after it.
+  std::string WaitForLineAfter(const std::string& part);
+  // Waits for the end; a failed test if it does not come. Returns the exit status.
+  int Wait();
+  // All that was said so far.
+  std::string output();
+
+ private:
+  std::size_t FindLine(const std::string& part, std::size_t following);
+  void ReadMore();
+
+  std::unique_ptr<LinePipe> pipe_;  // on the heap, so that programs can be moved
+  Process process_;
+  std::vector<std::string> lines_;
+};
+
+// `troupe` with these arguments.
+Program Troupe(std::vector<std::string> arguments);
+// `troupe run` of pen.world in a domain of this test, with these arguments more.
+Program RunPen(std::vector<std::string> arguments);
+
+struct Finished {
+  int exit_status = 0;
+  std::string output;
+};
+Finished Finish(Program program);
+
+}  // namespace troupe::test

@@ -1,0 +1,116 @@
+// One world gives the same files, byte for byte, however it is run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+
+namespace troupe::test {
+namespace {
+
+constexpr int kTicks = 300;
+constexpr int kRobots = 4;
+
+std::ptrdiff_t CountLines(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+struct Files {
+  std::string hashes, poses, scans, record;
+  nlohmann::json summary;
+};
+
+Files RunWith(std::vector<std::string> arguments) {
+  OutputFolder folder;
+  for (const char* name : {"hash-log", "poses", "scans", "record", "summary"}) {
+    arguments.push_back(std::string("--") + name);
+    arguments.push_back(folder.Path(name));
+  }
+  for (const char* word : {"--speed", "max", "--ticks"}) arguments.push_back(word);
+  arguments.push_back(std::to_string(kTicks));
+  Finished run = Finish(RunPen(arguments));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_EQ(folder.size(), 5u) << "only the five files that were asked for are left";
+  return {folder.Read("hash-log"), folder.Read("poses"), folder.Read("scans"), folder.Read("record"),
+          nlohmann::json::parse(folder.Read("summary"), nullptr, false)};
+}
+
+// A process for each robot.
+const Files& Reference() {
+  static const Files files = RunWith({});
+  return files;
+}
+
+void ExpectSame(const std::vector<std::string>& arguments) {
+  Files files = RunWith(arguments);
+  EXPECT_EQ(files.hashes, Reference().hashes);
+  EXPECT_TRUE(files.poses == Reference().poses);
+  EXPECT_TRUE(files.scans == Reference().scans);
+  EXPECT_TRUE(files.record == Reference().record);
+  for (const char* key : {"ticks", "sim_seconds", "robots", "stalls", "state_hash"}) {
+    EXPECT_EQ(files.summary[key], Reference().summary[key]) << key;
+  }
+}
+
+TEST(SameResult, InASecondRun) {
+  ExpectSame({});
+}
+TEST(SameResult, InOneProcess) {
+  ExpectSame({"--in-process"});
+}
+TEST(SameResult, WithTwoRobotsInAProcess) {
+  ExpectSame({"--robots-per-process", "2"});
+}
+TEST(SameResult, WithThreeRobotsInAProcess) {
+  ExpectSame({"--robots-per-process", "3"});
+}
+TEST(SameResult, WithAgentsStartedInAnotherOrderAndLate) {
+  ExpectSame({"--shuffle-start", "7"});
+}
+TEST(SameResult, OnALossyNetwork) {
+  ExpectSame({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"});
+}
+TEST(SameResult, OnALossyNetworkInOneProcess) {
+  ExpectSame({"--in-process", "--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"});
+}
+
+TEST(SameResult, DependsOnTheSeed) {
+  EXPECT_NE(RunWith({"--in-process", "--seed", "9"}).hashes, Reference().hashes);
+}
+
+TEST(OutputFiles, HaveTheFormatsOfTheManual) {
+  const Files& files = Reference();
+  // The loaded world is tick 0.
+  EXPECT_EQ(CountLines(files.hashes), kTicks + 1);
+  EXPECT_THAT(files.hashes.substr(0, files.hashes.find('\n')), testing::MatchesRegex("0 [0-9a-f]+"));
+  EXPECT_EQ(CountLines(files.poses), 1 + (kTicks + 1) * kRobots);
+  EXPECT_THAT(files.poses, testing::StartsWith("tick,robot,x,y,z,heading,stalled\n0,r0,"));
+
+  std::istringstream scans(files.scans);
+  std::ptrdiff_t count = 0;
+  for (std::string line; std::getline(scans, line); ++count) {
+    nlohmann::json scan = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(scan["tick"].is_number_unsigned() && scan["robot"].is_string() && scan["sensor"].is_string() &&
+                scan["ranges"].is_array() && !scan["ranges"].empty())
+        << line;
+  }
+  // Three sonars and a scanner for each robot. Nothing is measured for the last state, which nobody answers.
+  EXPECT_EQ(count, kTicks * kRobots * 4);
+
+  std::istringstream record(files.record);
+  count = 0;
+  for (std::string line; std::getline(record, line); ++count) {
+    ASSERT_TRUE(nlohmann::json::parse(line, nullptr, false).is_object()) << line;
+  }
+  EXPECT_EQ(count, 1 + kTicks + 1);
+  EXPECT_EQ(files.summary["processes"], 1 + kRobots);
+  EXPECT_GT(files.summary["stalls"], 0) << "the world is too easy to tell much";
+  EXPECT_GT(files.summary["agent_peak_memory_mib"], 0.0);
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,55 @@
+// Runs beside each other on one network.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Sessions, ASecondServiceInASessionIsRefusedAndTheFirstGoesOn) {
+  std::string session = TestSession("taken");
+  Program first = RunPen({"--session", session, "--speed", "10"});
+  first.WaitForLine("4 robots in 4 agent processes, ready");
+  Finished second = Finish(RunPen({"--session", session, "--ticks", "10"}));
+  EXPECT_EQ(second.exit_status, 3);
+  EXPECT_THAT(second.output, HasSubstr("error: "));
+  EXPECT_THAT(second.output, HasSubstr(session));
+  first.Signal(SIGINT);
+  EXPECT_EQ(first.Wait(), 130);
+  EXPECT_THAT(first.output(), Not(HasSubstr("error")));
+}
+
+TEST(Sessions, TwoRunsAtOnceInADomainDoNotMix) {
+  OutputFolder folder;
+  std::vector<Program> programs;
+  for (std::string name : {"a", "b", "c"}) {
+    std::string seed = name == "c" ? "5" : "4";
+    programs.push_back(RunPen({"--ticks", "300", "--speed", "max", "--seed", seed, "--hash-log", folder.Path(name)}));
+  }
+  for (Program& program : programs) EXPECT_EQ(program.Wait(), 0) << program.output();
+  EXPECT_EQ(folder.Read("a"), folder.Read("b"));
+  EXPECT_NE(folder.Read("a"), folder.Read("c"));
+}
+
+TEST(Sessions, TopListsWhatRuns) {
+  std::string session = TestSession("listed");
+  Program run = RunPen({"--session", session, "--speed", "10"});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  Finished top = Finish(Troupe({"top", "--once", "--domain", std::to_string(TestDomain())}));
+  EXPECT_EQ(top.exit_status, 0);
+  EXPECT_THAT(top.output, testing::ContainsRegex(session + " +pen +[^ ]+:[0-9]+ +[0-9]+ .*4/4"));
+  Finished other = Finish(Troupe({"top", "--once", "--domain", std::to_string(TestDomain()), "--session", "none"}));
+  EXPECT_THAT(other.output, Not(HasSubstr(session)));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,166 @@
+// Who dies, who goes on, and that nobody is left.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+// A run that lasts until it is stopped, once it has begun.
+class LongRun {
+ public:
+  explicit LongRun(std::vector<std::string> arguments = {}) : program_(RunPen(WithSpeed(std::move(arguments)))) {
+    program_.WaitForLine("4 robots in 4 agent processes, ready");
+    children_ = ChildrenOf(program_.pid());
+    EXPECT_EQ(children_.size(), 5u);
+  }
+
+  Program& program() { return program_; }
+  pid_t Child(const std::string& part) const {
+    for (pid_t child : children_) {
+      if (CommandLineOf(child).find(part) != std::string::npos) return child;
+    }
+    ADD_FAILURE() << "no child with " << part;
+    return 0;
+  }
+  void ExpectNobodyLeft() const {
+    for (pid_t child : children_) EXPECT_TRUE(IsGoneSoon(child)) << CommandLineOf(child);
+  }
+
+ private:
+  static std::vector<std::string> WithSpeed(std::vector<std::string> arguments) {
+    for (const char* word : {"--speed", "10", "--lease", "0.5"}) arguments.push_back(word);
+    return arguments;
+  }
+
+  Program program_;
+  std::vector<pid_t> children_;
+};
+
+class StopSignal : public testing::TestWithParam<int> {};
+
+TEST_P(StopSignal, EndsARunInOrderWithStatus130AndItsFiles) {
+  OutputFolder folder;
+  LongRun run({"--summary", folder.Path("summary"), "--hash-log", folder.Path("hashes")});
+  run.program().Signal(GetParam());
+  EXPECT_EQ(run.program().Wait(), 130);
+  EXPECT_THAT(run.program().output(), HasSubstr("stopped before its end"));
+  run.ExpectNobodyLeft();
+  nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["interrupted"], true);
+  EXPECT_EQ(summary["lost"], nlohmann::json::array());
+  // The last line is whole.
+  std::string last =
+      std::to_string(summary["ticks"].get<int>()) + " " + summary["state_hash"].get<std::string>() + "\n";
+  EXPECT_THAT(folder.Read("hashes"), testing::EndsWith(last));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, StopSignal, testing::Values(SIGINT, SIGTERM, SIGHUP));
+
+TEST(Supervision, CtrlCStopsARunInProcessToo) {
+  OutputFolder folder;
+  Program program = RunPen({"--in-process", "--speed", "1", "--poses", "/dev/stdout"});
+  program.WaitForLine("1,r0,");
+  program.Signal(SIGINT);
+  EXPECT_EQ(program.Wait(), 130);
+  EXPECT_THAT(program.output(), HasSubstr("stopped before its end"));
+}
+
+TEST(Supervision, CtrlCWhileRobotsAreAwaitedStopsToo) {
+  Program program = RunPen({"--faults", "loss=1,seed=1"});
+  ASSERT_TRUE(Eventually([&] { return ChildrenOf(program.pid()).size() == 5; }));
+  std::vector<pid_t> children = ChildrenOf(program.pid());
+  program.Signal(SIGINT);
+  EXPECT_EQ(program.Wait(), 130);
+  for (pid_t child : children) EXPECT_TRUE(IsGoneSoon(child));
+}
+
+TEST(Supervision, AKilledLauncherLeavesNobody) {
+  LongRun run;
+  run.program().Signal(SIGKILL);
+  EXPECT_EQ(run.program().Wait(), 128 + SIGKILL);
+  run.ExpectNobodyLeft();
+}
+
+TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNobody) {
+  LongRun run;
+  run.program().Signal(SIGSTOP);
+  run.program().Signal(SIGKILL);
+  run.program().Wait();
+  run.ExpectNobodyLeft();
+}
+
+TEST(Supervision, AKilledWorldServiceFailsTheRun) {
+  LongRun run;
+  kill(run.Child("world-service"), SIGKILL);
+  EXPECT_EQ(run.program().Wait(), 3);
+  EXPECT_THAT(run.program().output(), HasSubstr("error: the world service was killed by signal 9 (Killed)"));
+  run.ExpectNobodyLeft();
+}
+
+TEST(Supervision, AHangingAgentDoesNotKeepTheRunFromEnding) {
+  LongRun run;
+  kill(run.Child("--robot=r2"), SIGSTOP);
+  run.program().WaitForLine("r2 has lost its agent");
+  run.program().Signal(SIGINT);
+  EXPECT_EQ(run.program().Wait(), 130);
+  run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, TheOthersGoOnToTheEnd) {
+  OutputFolder folder;
+  LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses")});
+  kill(run.Child("--robot=r1"), SIGKILL);
+  EXPECT_EQ(run.program().Wait(), 0);
+  EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
+  EXPECT_THAT(run.program().output(), HasSubstr("lost and not back: r1"));
+  nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["ticks"], 400);
+  EXPECT_EQ(summary["lost"], nlohmann::json::array({"r1"}));
+  EXPECT_THAT(folder.Read("poses"), HasSubstr("\n400,r1,"));
+  run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, ARobotStartedAgainByHandIsTakenUpAgain) {
+  LongRun run;
+  kill(run.Child("--robot=r1"), SIGKILL);
+  std::string command = run.program().WaitForLineAfter("to start it again:");
+  run.program().WaitForLine("r1 has lost its agent");
+  Program agent({"/bin/sh", "-c", "exec " + command});
+  run.program().WaitForLine("r1 has an agent");
+  run.program().Signal(SIGINT);
+  EXPECT_EQ(run.program().Wait(), 130);
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, ARobotThatIsBackBeforeItWasMissedIsTakenUpAgain) {
+  LongRun run({"--on-agent-loss", "pause"});
+  kill(run.Child("--robot=r3"), SIGKILL);
+  Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
+  run.program().WaitForLine("r3 has an agent");
+  run.program().Signal(SIGINT);
+  EXPECT_EQ(run.program().Wait(), 130);
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+}
+
+TEST(AgentLoss, AbortsTheRunIfThatIsAskedFor) {
+  LongRun run({"--on-agent-loss", "abort"});
+  kill(run.Child("--robot=r0"), SIGKILL);
+  EXPECT_EQ(run.program().Wait(), 3);
+  EXPECT_THAT(run.program().output(), HasSubstr("error: "));
+  EXPECT_THAT(run.program().output(), HasSubstr("r0"));
+  run.ExpectNobodyLeft();
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,119 @@
+// What users get wrong: one line that says what was found and what was expected, and the exit status of the manual.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+struct BadUsage {
+  std::vector<std::string> arguments;
+  std::string message;
+};
+
+TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
+  const std::string pen = WorldPath("pen.world");
+  const std::vector<BadUsage> cases = {
+      {{}, "error: A subcommand is required"},
+      {{"fly"}, "error: "},
+      {{"run"}, "error: FILE is required"},
+      {{"run", pen, "--ticks", "soon"}, "error: --ticks: found 'soon', expected a whole number from 1"},
+      {{"run", pen, "--ticks", "-3"}, "error: --ticks: found '-3', expected a whole number from 1"},
+      {{"run", pen, "--ticks"}, "error: --ticks"},
+      {{"run", pen, "--seed", "-1"}, "error: --seed: found '-1', expected a whole number from 0"},
+      {{"run", pen, "--speed", "fast"},
+       "error: --speed: found 'fast', expected a multiple of real time above 0, or max"},
+      {{"run", pen, "--mode", "turbo"}, "error: --mode: found 'turbo', expected one of lockstep, realtime"},
+      {{"run", pen, "--robots-per-process", "0"}, "error: --robots-per-process: found '0'"},
+      {{"run", pen, "--domain", "999"}, "error: --domain: found '999', expected a whole number from 0 to 230"},
+      {{"run", pen, "--session", "a/b"}, "error: --session: found 'a/b', expected 1 to 64 letters"},
+      {{"run", pen, "--on-agent-loss", "weep"}, "error: --on-agent-loss: found 'weep', expected one of freeze"},
+      {{"run", pen, "--faults", "gremlins"}, "error: --faults: "},
+      {{"run", pen, "--ros"}, "error: --ros: ROS 2 is not part of this build yet"},
+      {{"run", pen, "--fast"}, "error: "},
+      {{"run", pen, pen}, "error: "},
+      {{"run", pen, "--poses", "/no/such/folder/poses"},
+       "error: --poses: cannot write /no/such/folder/poses: No such file"},
+      {{"run", pen, "--hash-log", "/"}, "error: --hash-log: cannot write /: Is a directory"},
+      {{"run", "/no/such.world"}, "/no/such.world"},
+      {{"run", "/no/such.world", "--in-process"}, "/no/such.world"},
+      {{"run", "/etc/passwd"}, "/etc/passwd: error: "},
+      {{"check"}, "error: FILE is required"},
+      {{"check", "/no/such.world"}, "/no/such.world"},
+      {{"top", "--domain", "x"}, "error: --domain: found 'x'"},
+  };
+  for (const BadUsage& usage : cases) {
+    Finished run = Finish(Troupe(usage.arguments));
+    EXPECT_EQ(run.exit_status, 2) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(usage.message)) << testing::PrintToString(usage.arguments);
+    EXPECT_THAT(run.output, HasSubstr("error: ")) << testing::PrintToString(usage.arguments);
+    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+  }
+}
+
+TEST(Usage, AControllerThatDoesNotExistIsToldOnceForAllRobots) {
+  OutputFolder folder;
+  std::ofstream(folder.Path("two.world")) << "position ( name \"a\" )\nposition ( name \"b\" pose [3 0 0 0] )\n";
+  const std::vector<BadUsage> cases = {{{"--controller", "dance"}, "dance"},
+                                       {{"--controller", "./no-such-library.so"}, "no-such-library.so"}};
+  for (const BadUsage& usage : cases) {
+    for (const char* mode : {"--headless", "--in-process"}) {
+      std::vector<std::string> arguments = {"run", folder.Path("two.world"), "--ticks", "5", mode};
+      arguments.insert(arguments.end(), usage.arguments.begin(), usage.arguments.end());
+      Finished run = Finish(Troupe(arguments));
+      EXPECT_EQ(run.exit_status, 2) << run.output;
+      EXPECT_THAT(run.output, HasSubstr(usage.message));
+      EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    }
+  }
+}
+
+TEST(Usage, AFullDiskFailsTheRun) {
+  for (const char* output : {"--hash-log", "--poses", "--record", "--scans", "--summary"}) {
+    for (const char* mode : {"--headless", "--in-process"}) {
+      Finished run = Finish(RunPen({"--ticks", "50", "--speed", "max", mode, output, "/dev/full"}));
+      EXPECT_EQ(run.exit_status, 3) << output << " " << mode << "\n" << run.output;
+      EXPECT_THAT(run.output, HasSubstr("/dev/full: error: ")) << output << " " << mode;
+      EXPECT_THAT(run.output, HasSubstr("No space left on device")) << output << " " << mode;
+    }
+  }
+}
+
+TEST(Usage, BadOutputIsRefusedBeforeAnythingIsWritten) {
+  OutputFolder folder;
+  Finished run = Finish(RunPen({"--ticks", "5", "--poses", folder.Path("same"), "--record", folder.Path("same")}));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.output, HasSubstr("--poses and --record name the same file"));
+  EXPECT_EQ(folder.size(), 0u);
+}
+
+TEST(Usage, EveryCommandHasHelp) {
+  EXPECT_THAT(Finish(Troupe({"--version"})).output, testing::MatchesRegex("troupe [0-9.]+\n"));
+  const std::vector<BadUsage> cases = {{{"--help"}, "Run a world"},
+                                       {{"run", "--help"}, "--hash-log FILE"},
+                                       {{"check", "--help"}, "FILE"},
+                                       {{"top", "--help"}, "--once"}};
+  for (const BadUsage& usage : cases) {
+    Finished run = Finish(Troupe(usage.arguments));
+    EXPECT_EQ(run.exit_status, 0);
+    EXPECT_THAT(run.output, HasSubstr(usage.message));
+  }
+}
+
+TEST(Usage, CheckDescribesAWorldWithoutRunningIt) {
+  Finished check = Finish(Troupe({"check", WorldPath("pen.world")}));
+  EXPECT_EQ(check.exit_status, 0);
+  EXPECT_THAT(check.output, HasSubstr("world: pen"));
+  EXPECT_THAT(check.output, HasSubstr("robots: 4\n"));
+  EXPECT_THAT(check.output, HasSubstr("r1: differential drive, controller expand, ranger:0 (3 sensors, 3 rays)"));
+  EXPECT_THAT(check.output, HasSubstr("warnings: 0"));
+}
+
+}  // namespace
+}  // namespace troupe::test
