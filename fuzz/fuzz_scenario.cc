@@ -21,9 +21,9 @@ bot ( pose [ -2 0 0 0 ] )
 
 troupe::ScenarioTools MakeTools() {
   troupe::ScenarioTools tools;
-  tools.read_world = [](const std::string& path) { return troupe::ParseStageText(kWorld, path); };
+  tools.read_world = [world = troupe::ParseStageText(kWorld, "fuzz/w.world")](const std::string&) { return world; };
   tools.build.without_bitmaps = true;
-  tools.max_spawned = 200;
+  tools.max_spawned = 50;
   return tools;
 }
 
