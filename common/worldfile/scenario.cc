@@ -14,6 +14,10 @@
 namespace troupe {
 namespace {
 
+std::string FolderOf(const std::string& path) {
+  return std::filesystem::path(path).parent_path().string();
+}
+
 // Reads a file that the scenario names. If it cannot be opened at all, the scenario's line is to blame.
 Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const ScenarioTools& tools) {
   Result<WorldTree> tree = tools.read_world((std::filesystem::path(directory) / name.text).lexically_normal().string());
@@ -21,8 +25,8 @@ Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory
   return tree;
 }
 
-Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const std::string& directory,
-                           const ScenarioTools& tools) {
+Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const ScenarioTools& tools) {
+  const std::string directory = FolderOf(path);
   Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, tools) : ParseStageText("", path);
   if (!tree.ok()) return tree;
   if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
@@ -53,6 +57,18 @@ Status CheckControllers(const ScenarioFile& file, const LoadOverrides& overrides
   return std::nullopt;
 }
 
+// Reads and checks what can be checked without the scenario's world.
+Result<ScenarioFile> ReadText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
+                              const ScenarioTools& tools) {
+  const Result<JsonDocument> document = JsonDocument::Parse(text, path);
+  if (!document.ok()) return document.error();
+  if (Status error = tools.schema.Check(document.value())) return *error;
+  Result<ScenarioFile> file = ReadScenarioFile(document.value(), FolderOf(path), tools.max_spawned);
+  if (!file.ok()) return file;
+  if (Status error = CheckControllers(file.value(), overrides)) return *error;
+  return file;
+}
+
 std::optional<ControllerDescription> DefaultController(const ScenarioFile& file, const LoadOverrides& overrides) {
   if (overrides.controller) return ControllerDescription{*overrides.controller, "{}"};
   if (file.controller) return file.controller->controller;
@@ -76,18 +92,21 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
   return LoadScenarioText(text.value(), path, overrides);
 }
 
+Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, ScenarioTools{});
+  if (!file.ok()) return file.error();
+  return std::nullopt;
+}
+
 Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
                                      const ScenarioTools& tools) {
-  const std::string directory = std::filesystem::path(path).parent_path().string();
-  const Result<JsonDocument> document = JsonDocument::Parse(text, path);
-  if (!document.ok()) return document.error();
-  if (Status error = tools.schema.Check(document.value())) return *error;
-  Result<ScenarioFile> read = ReadScenarioFile(document.value(), directory, tools.max_spawned);
+  const Result<ScenarioFile> read = ReadText(text, path, overrides, tools);
   if (!read.ok()) return read.error();
   const ScenarioFile& file = read.value();
-  if (Status error = CheckControllers(file, overrides)) return *error;
 
-  Result<WorldTree> tree = ReadTree(file, path, directory, tools);
+  Result<WorldTree> tree = ReadTree(file, path, tools);
   if (!tree.ok()) return tree.error();
   const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), &tree.value());
   if (!plan.ok()) return plan.error();

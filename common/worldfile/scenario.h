@@ -17,6 +17,10 @@ namespace troupe {
 // Loads a scenario and the files that it names. Paths in a scenario start at its own folder.
 Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& overrides = {});
 
+// Checks what can be checked without reading the world that the scenario names: its form, and its controllers by
+// `overrides.check_controller`.
+Status CheckScenario(const std::string& path, const LoadOverrides& overrides);
+
 // The tree of a Stage world or include file, or (by its ending) of a ROS map.
 Result<WorldTree> ReadWorldTree(const std::string& path);
 

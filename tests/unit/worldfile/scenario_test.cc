@@ -215,6 +215,17 @@ TEST(Scenario, GlobsMatchAsInAShell) {
   EXPECT_FALSE(MatchesGlob("", "r"));
 }
 
+TEST(Scenario, ControllersAreCheckedWithoutTheWorld) {
+  const std::string path = testing::TempDir() + "scenario_test_check.json";
+  std::ofstream(path) << R"({"world": "not/there.world", "controller": "wonder"})";
+  LoadOverrides overrides;
+  EXPECT_EQ(CheckScenario(path, overrides), std::nullopt);
+  overrides.check_controller = [](const std::string& name, const std::string&) { return "unknown " + name; };
+  const Status error = CheckScenario(path, overrides);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->ToString(), path + ":1:44: error: unknown wonder");
+}
+
 // Spawn rules.
 
 std::string SpawnText(const std::string& seed) {
