@@ -1,0 +1,58 @@
+// Whole scenarios, with sensors and controllers, against hashes that were seen before: a change that moves any robot by
+// one bit in any tick shows here. A change that means to do so says why, and puts the new hashes in.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "common/model/state_hash.h"
+#include "common/worldfile/load_world.h"
+#include "tests/worldfile/scenario_run.h"
+
+namespace troupe {
+namespace {
+
+std::string SourceDirectory() {
+  const char* source = std::getenv("TROUPE_SOURCE_DIR");
+  return source != nullptr ? source : ".";
+}
+
+std::uint64_t HashAfter(const std::string& scenario, int ticks) {
+  Result<LoadedWorld> loaded = LoadWorld(SourceDirectory() + "/worlds/scenarios/" + scenario);
+  EXPECT_TRUE(loaded.ok()) << loaded.error().ToString();
+  if (!loaded.ok()) return 0;
+  ScenarioRun run(std::move(loaded).value().world);
+  run.Run(ticks);
+  return StateHash(run.state());
+}
+
+TEST(ScenarioHash, TheDemoIsTheSameAsEver) { EXPECT_EQ(HashAfter("demo.json", 400), 0x036ac49402ceefb6u); }
+
+TEST(ScenarioHash, TheSwarmIsTheSameAsEver) { EXPECT_EQ(HashAfter("swarm.json", 100), 0x7a705eff8f6a599bu); }
+
+// Stage's benchmark with walls that can be hit, which its map file turns off.
+TEST(SolidCave, NoRobotIsEverInsideAWallOrAnotherRobot) {
+  const char* folder = std::getenv("TROUPE_STAGE_WORLDS");
+  const std::string worlds = folder != nullptr ? folder : SourceDirectory() + "/../shared/stage-worlds";
+  if (!std::filesystem::exists(worlds + "/benchmark/cave.world")) {
+    GTEST_SKIP() << "no Stage worlds in " << worlds << "; set TROUPE_STAGE_WORLDS";
+  }
+  const std::string scenario = testing::TempDir() + "/solid_cave.json";
+  std::ofstream(scenario) << R"({"world": ")" << std::filesystem::absolute(worlds).string()
+                          << R"(/benchmark/cave.world", "override": [{"match": {"name": "cave"}, )"
+                          << R"("properties": {"obstacle_return": 1}}]})";
+  Result<LoadedWorld> loaded = LoadWorld(scenario);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+  ScenarioRun run(std::move(loaded).value().world);
+  const std::vector<RobotDescription>& robots = run.scene().world().robots;
+  ASSERT_EQ(robots.size(), 100u);
+  for (int tick = 0; tick < 600; tick += 20) {
+    run.Run(20);
+    for (const RobotDescription& robot : robots) ASSERT_FALSE(run.InsideSomething(robot.name)) << robot.name;
+  }
+}
+
+}  // namespace
+}  // namespace troupe
