@@ -9,6 +9,8 @@
 namespace troupe {
 namespace {
 
+constexpr double kEscapeTime = 0.5;  // s that it tries one way out after a stall
+
 struct ExpandParameters {
   double speed = 0.4;           // m/s, when the front is clear
   double turn_gain = 1.0;       // 1/s: turn rate for each radian between the heading and the room
@@ -48,14 +50,29 @@ class ExpandController final : public Controller {
       if (std::abs(ray.bearing) < parameters_.clear_angle && range < parameters_.clear_distance) clear = false;
     }
     const double bearing = Atan2(room.y(), room.x());
-    // Only a robot that ran into something ahead backs off; behind it, turning has to do.
-    const bool back_off = observation.stalled && !backing_off_;
-    backing_off_ = back_off;
-    const double speed = back_off ? -0.5 * parameters_.speed : (clear ? parameters_.speed : 0.0);
-    return Drive(speed, back_off ? 0.0 : parameters_.turn_gain * bearing);
+    if (observation.stalled) {
+      escape_ = PickEscape(observation);
+      escape_until_ = observation.time + kEscapeTime;
+    }
+    if (observation.time < escape_until_) return Drive(escape_.speed, escape_.turn_rate);
+    return Drive(clear ? parameters_.speed : 0.0, parameters_.turn_gain * bearing);
   }
 
  private:
+  struct Escape {
+    double speed = 0.0;      // m/s
+    double turn_rate = 0.0;  // rad/s
+  };
+
+  // In a crowd any single way out may be blocked, for ever by a robot that tries the same, so it tries them by chance.
+  Escape PickEscape(const Observation& observation) const {
+    const double side = observation.Random(1) < 0.5 ? 1.0 : -1.0;
+    const double chance = observation.Random(0);
+    if (chance < 0.5) return {-0.5 * parameters_.speed, 0.0};
+    if (chance < 0.75) return {0.5 * parameters_.speed, 0.0};
+    return {0.0, side * parameters_.turn_gain};
+  }
+
   struct DirectedRay {
     Ray ray;
     Vec2 direction;
@@ -78,7 +95,8 @@ class ExpandController final : public Controller {
   DriveDescription drive_;
   std::size_t ranger_;
   std::vector<DirectedRay> rays_;
-  bool backing_off_ = false;
+  Escape escape_;
+  double escape_until_ = 0.0;  // s, simulated
 };
 
 std::string Check(const std::string& parameters) {

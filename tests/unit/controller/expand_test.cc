@@ -61,11 +61,26 @@ TEST_F(ExpandTest, PrefersSonarToScanner) {
   EXPECT_GT(See([](double bearing) { return bearing > 0 ? 8.0 : 1.0; }).twist.wz, 0.5);
 }
 
-TEST_F(ExpandTest, BacksOffOnceAfterAStall) {
+TEST_F(ExpandTest, AfterAStallTriesEveryWayOutForAMoment) {
   Make({MakeSonar()});
-  EXPECT_LT(See(RoomAt(0.0, 1.0), true).twist.vx, 0.0);
-  EXPECT_GE(See(RoomAt(0.0, 1.0), true).twist.vx, 0.0);  // it cannot go back either
-  EXPECT_EQ(See(RoomAt(0.0, 1.0)).twist.vx, 0.5);
+  int back = 0;
+  int ahead = 0;
+  int left = 0;
+  int right = 0;
+  for (Tick stall = 0; stall < 1000; stall += 10) {
+    const std::vector<RangerReading> readings = {Read(robot_.rangers[0], RoomAt(0.0, 1.0))};
+    const Twist way = controller_->Update(At(stall, readings, true)).twist;
+    back += way.vx < 0.0;
+    ahead += way.vx > 0.0;
+    left += way.wz > 0.0;
+    right += way.wz < 0.0;
+    EXPECT_EQ(controller_->Update(At(stall + 4, readings)).twist, way);
+    EXPECT_EQ(controller_->Update(At(stall + 5, readings)).twist.vx, 0.5);
+  }
+  EXPECT_GT(back, 30);
+  EXPECT_GT(ahead, 10);
+  EXPECT_GT(left, 5);
+  EXPECT_GT(right, 5);
 }
 
 TEST_F(ExpandTest, StandsStillBeforeTheFirstReading) {
