@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/base/deterministic_math.h"
 #include "common/base/random.h"
 
 namespace troupe {
@@ -49,6 +50,23 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
   return noisy;
 }
 
+// A fan shares its work among its rays; for a few, as of a sonar, looking along each is less work.
+constexpr std::size_t kFewRays = 4;
+
+void Cast(const Scene& scene, const RobotIndex& robots, const Pose& X_WS, const std::vector<double>& bearings,
+          double max_range, RobotId robot, std::vector<std::optional<RayHit>>& hits) {
+  if (bearings.size() > kFewRays) {
+    CastFan(scene, robots, X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, robot, hits);
+    return;
+  }
+  hits.clear();
+  for (double bearing : bearings) {
+    const SinCosResult direction = SinCos(X_WS.heading + bearing);
+    hits.push_back(
+        CastRay(scene, robots, X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range, robot));
+  }
+}
+
 }  // namespace
 
 std::vector<double> Bearings(const RaySensorDescription& sensor) {
@@ -77,7 +95,7 @@ void MeasureRanger(const Scene& scene, const RobotIndex& robots, RobotId robot, 
     const Noise noise(world.seed, robot, ranger, s, tick);
     std::vector<double> bearings = Bearings(sensor);
     TurnRays(sensor, noise, bearings);
-    CastFan(scene, robots, X_WS.translation(), X_WS.heading, bearings, X_WS.z, sensor.range.max, robot, hits);
+    Cast(scene, robots, X_WS, bearings, sensor.range.max, robot, hits);
     RangeScan& scan = reading.scans[s];
     scan.ranges.assign(bearings.size(), sensor.range.max);
     scan.intensities.assign(bearings.size(), 0.0);
