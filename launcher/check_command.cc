@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "launcher/run_end.h"
+#include "common/command_line/parse_command_line.h"
 
 namespace troupe {
 namespace {

@@ -25,6 +25,8 @@ using Clock = std::chrono::steady_clock;
 
 // How long a process may take to end after it was told to, before it is killed.
 constexpr auto kTimeToEnd = std::chrono::seconds(10);
+// The same for agents after the service has ended the run: they leave at once unless they hang.
+constexpr auto kTimeToLeave = std::chrono::seconds(5);
 
 // A folder for the agents' scan files, gone with this object: beside the file that they are merged into, or with other
 // temporary files if that is a device.
@@ -217,7 +219,7 @@ void DistributedRun::Watch() {
 void DistributedRun::WaitForAgents() {
   // After an orderly end they leave by themselves, once they have written what they have to write.
   if (!summary_) agents_.Signal(SIGTERM);
-  kill_at_ = Clock::now() + kTimeToEnd;
+  kill_at_ = Clock::now() + kTimeToLeave;
   while (!agents_.all_ended()) HandleSome();
   output_.CloseWritingEnd();
   HandleOutput();

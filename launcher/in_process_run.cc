@@ -24,7 +24,11 @@ namespace {
 
 class ProgressObserver : public RunObserver {
  public:
-  void OnStarted(double) override {}
+  explicit ProgressObserver(std::size_t robots) : robots_(robots) {}
+
+  void OnStarted(double startup_seconds) override {
+    progress_.Tell(fmt::format("{} robots in this process, ready after {:.2f} s", robots_, startup_seconds));
+  }
   void OnStatus(const StatusMessage& status) override { progress_.Update(status); }
   void OnEvent(const Event& event, const std::string& text) override {
     progress_.TellEvent(event.tick, ToString(event.type), text);
@@ -32,6 +36,7 @@ class ProgressObserver : public RunObserver {
   void OnNotice(const std::string& text) override { progress_.Tell(text); }
 
  private:
+  std::size_t robots_;
   Progress progress_;
 };
 
@@ -86,7 +91,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   Result<bool> agent = false;
   bool bad_request = false;
   std::thread service_thread([&] {
-    ProgressObserver observer;
+    ProgressObserver observer(scene.world().robots.size());
     summary = RunService(scene, service_options, transport->MakeServiceEndpoint(), observer, stop);
     eventfd_write(done, 1);
   });

@@ -1,14 +1,11 @@
 // troupe: runs, checks, watches and draws simulations. docs/running.md is its manual.
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <cstdio>
 
 #include "common/base/version.h"
+#include "common/command_line/option_checks.h"
+#include "common/command_line/parse_command_line.h"
 #include "launcher/check_command.h"
-#include "launcher/option_checks.h"
 #include "launcher/run_command.h"
-#include "launcher/run_end.h"
 #include "launcher/run_options.h"
 #include "launcher/snapshot_command.h"
 #include "launcher/top_command.h"
@@ -17,7 +14,7 @@ namespace {
 
 void AddTopOptions(CLI::App& command, troupe::TopOptions& options) {
   command.add_option("--domain", options.domain, "DDS domain of the simulation (default: 42)")
-      ->check(troupe::WholeNumber(0, 230))
+      ->check(troupe::DdsDomain())
       ->type_name("D");
   command.add_option("--session", options.session, "Show this session only")->type_name("NAME");
   command.add_option("--interface", options.network_interface, "Network interface, or auto (default: lo)")
@@ -52,13 +49,5 @@ int main(int argc, char** argv) {
 
   troupe::AddSnapshotCommand(app, exit_status);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return troupe::kExitBadInput;
-  }
-  return exit_status;
+  return troupe::ParseCommandLine(app, argc, argv).value_or(exit_status);
 }

@@ -4,15 +4,10 @@
 #include <optional>
 
 #include "common/base/result.h"
+#include "common/command_line/parse_command_line.h"
 #include "launcher/summary.h"
 
 namespace troupe {
-
-// Exit statuses of all programs.
-inline constexpr int kExitDone = 0;
-inline constexpr int kExitBadInput = 2;
-inline constexpr int kExitFailed = 3;
-inline constexpr int kExitInterrupted = 130;
 
 struct RunEnd {
   int exit_status = kExitDone;

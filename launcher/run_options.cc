@@ -8,8 +8,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/protocol/faulty_transport.h"
-#include "launcher/option_checks.h"
+#include "common/command_line/option_checks.h"
 
 namespace troupe {
 namespace {
@@ -121,7 +120,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(SessionName())
       ->type_name("NAME");
   add(processes, "--domain", options.domain, "DDS domain of the simulation (default: 42)")
-      ->check(WholeNumber(0, 230))
+      ->check(DdsDomain())
       ->type_name("D");
   add(processes, "--interface", options.network_interface,
       "Network interface, or auto (default: lo, this machine only)")
@@ -146,6 +145,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* testing = "Testing";
   add(testing, "--faults", options.faults,
       "Make the network worse: loss=P,duplicate=P,reorder=P,delay=P:SECONDS,seed=N")
+      ->check(FaultsValue())
       ->type_name("SPEC");
   add(testing, "--shuffle-start", options.shuffle_start, "Start the agents in another order, each after a random delay")
       ->check(WholeNumber(0))
@@ -154,10 +154,6 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
 
 Status CompleteRunOptions(RunOptions& options) {
   if (options.ros) return Error{{}, "--ros: ROS 2 is not part of this build yet; expected --no-ros"};
-  if (!options.faults.empty()) {
-    Result<Faults> faults = ParseFaults(options.faults);
-    if (!faults.ok()) return Error{{}, "--faults: " + faults.error().message};
-  }
   if (options.session.empty()) options.session = OwnSession(options.file);
   return CheckOutputs(options);
 }

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <memory>
 
+#include "common/command_line/option_checks.h"
+#include "common/command_line/parse_command_line.h"
 #include "common/picture/draw_picture.h"
 #include "common/worldfile/load_world.h"
-#include "launcher/option_checks.h"
-#include "launcher/run_end.h"
 #include "launcher/run_to_tick.h"
 
 namespace troupe {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <exception>
 
+#include "common/command_line/parse_command_line.h"
 #include "common/dds/session_monitor.h"
-#include "launcher/run_end.h"
 #include "launcher/session_table.h"
 #include "launcher/signal_watch.h"
 

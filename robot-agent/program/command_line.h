@@ -5,16 +5,11 @@
 #include <string>
 #include <variant>
 
+#include "common/command_line/parse_command_line.h"
 #include "common/protocol/faulty_transport.h"
 #include "robot-agent/agent/agent_host.h"
 
 namespace troupe {
-
-// Exit statuses of the program.
-inline constexpr int kExitDone = 0;
-inline constexpr int kExitBadInput = 2;  // usage, a robot that is unknown or taken, a controller that cannot be made
-inline constexpr int kExitFailed = 3;
-inline constexpr int kExitInterrupted = 130;
 
 struct CommandLine {
   std::string session;

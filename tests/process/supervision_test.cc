@@ -67,9 +67,8 @@ TEST_P(StopSignal, EndsARunInOrderWithStatus130AndItsFiles) {
 INSTANTIATE_TEST_SUITE_P(Signals, StopSignal, testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 TEST(Supervision, CtrlCStopsARunInProcessToo) {
-  OutputFolder folder;
-  Program program = RunPen({"--in-process", "--speed", "1", "--poses", "/dev/stdout"});
-  program.WaitForLine("1,r0,");
+  Program program = RunPen({"--in-process", "--speed", "1"});
+  program.WaitForLine("4 robots in this process, ready");
   program.Signal(SIGINT);
   EXPECT_EQ(program.Wait(), 130);
   EXPECT_THAT(program.output(), HasSubstr("stopped before its end"));

@@ -6,16 +6,12 @@
 #include <string>
 #include <variant>
 
+#include "common/command_line/parse_command_line.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
-
-inline constexpr int kExitDone = 0;
-inline constexpr int kExitBadInput = 2;
-inline constexpr int kExitFailed = 3;
-inline constexpr int kExitInterrupted = 130;
 
 struct CommandLine {
   std::string file;

@@ -1,8 +1,10 @@
-#include "launcher/option_checks.h"
+#include "common/command_line/option_checks.h"
 
 #include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "common/protocol/faulty_transport.h"
 
 namespace troupe {
 namespace {
@@ -76,6 +78,18 @@ CLI::Validator SessionName() {
     bool good = !text.empty() && text.size() <= 64;
     for (char c : text) good = good && IsNameCharacter(c);
     return good ? "" : Mismatch(text, "1 to 64 letters, digits, '.', '-' or '_'");
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator DdsDomain() {
+  return WholeNumber(0, 230);
+}
+
+CLI::Validator FaultsValue() {
+  auto check = [](const std::string& text) {
+    Result<Faults> parsed = ParseFaults(text);
+    return parsed.ok() ? std::string() : parsed.error().message;
   };
   return CLI::Validator(check, "");
 }

@@ -23,4 +23,10 @@ CLI::Validator OneOf(std::vector<std::string> words);
 // Letters, digits, '.', '-' and '_', at most 64: a DDS partition that matches only itself.
 CLI::Validator SessionName();
 
+// Those for which Cyclone has ports.
+CLI::Validator DdsDomain();
+
+// What ParseFaults (common/protocol/faulty_transport.h) takes.
+CLI::Validator FaultsValue();
+
 }  // namespace troupe

@@ -1,0 +1,87 @@
+# Fails when a folder includes what it must not: dependencies point one way, and only the edge knows DDS.
+#   cmake -DROOT=<source folder> -P architecture_test.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# What each folder may include from, besides itself. From leaf to edge.
+set(may_include_common/base)
+set(may_include_common/geometry common/base)
+set(may_include_common/model common/base common/geometry)
+set(may_include_common/bitmap common/base common/geometry)
+set(may_include_common/spatial common/base common/geometry common/model)
+set(may_include_common/picture common/base common/geometry common/model)
+set(may_include_common/worldfile common/base common/geometry common/model common/bitmap common/spatial)
+set(may_include_common/protocol common/base common/geometry common/model)
+set(may_include_common/command_line common/base common/protocol)
+set(may_include_common/dds common/base common/geometry common/model common/protocol idl)
+
+set(may_include_world-service/core common/base common/geometry common/model common/spatial)
+set(may_include_world-service/service
+  common/base common/geometry common/model common/spatial common/worldfile common/protocol world-service/core)
+set(may_include_world-service/program
+  common/base common/command_line common/protocol common/worldfile world-service/service)
+set(may_include_world-service
+  common/base common/command_line common/dds common/spatial world-service/program)
+
+set(may_include_robot-agent/controller common/base common/geometry common/model)
+set(may_include_robot-agent/drive common/base common/geometry common/model robot-agent/controller)
+set(may_include_robot-agent/sensors common/base common/geometry common/model common/spatial robot-agent/controller)
+set(may_include_robot-agent/agent
+  common/base common/geometry common/model common/spatial common/protocol
+  robot-agent/controller robot-agent/drive robot-agent/sensors)
+set(may_include_robot-agent/program common/base common/command_line common/protocol robot-agent/agent)
+set(may_include_robot-agent common/base common/command_line common/dds robot-agent/program)
+
+set(may_include_launcher
+  common/base common/command_line common/dds common/geometry common/model common/picture common/protocol
+  common/spatial common/worldfile robot-agent/agent robot-agent/sensors world-service/core world-service/service)
+
+# Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
+set(dds_users launcher/session_table.h launcher/top_command.cc robot-agent/main.cc world-service/main.cc)
+set(dds_headers_for_others common/dds/dds_transport.h common/dds/session_monitor.h)
+
+set(failures)
+file(GLOB_RECURSE files RELATIVE ${ROOT}
+  ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
+  ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc)
+foreach(file IN LISTS files)
+  get_filename_component(folder ${file} DIRECTORY)
+  if(NOT DEFINED may_include_${folder} AND NOT folder STREQUAL "common/base")
+    list(APPEND failures "${file}: folder ${folder} has no rule in tests/architecture_test.cmake")
+    continue()
+  endif()
+  file(STRINGS ${ROOT}/${file} lines REGEX "^#include ")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "^#include [\"<]([^\">]*)[\">].*" "\\1" header "${line}")
+    if(header MATCHES "^dds/" AND NOT folder STREQUAL "common/dds")
+      list(APPEND failures "${file} includes ${header}: DDS stays in common/dds")
+    elseif(line MATCHES "\"")
+      get_filename_component(from ${header} DIRECTORY)
+      if(from STREQUAL folder)
+        continue()
+      endif()
+      if(NOT from IN_LIST may_include_${folder})
+        list(APPEND failures "${file} includes ${header}: ${folder} must not depend on ${from}")
+      elseif(from STREQUAL "common/dds" AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
+        list(APPEND failures "${file} includes ${header}: only the programs' edges use common/dds")
+      endif()
+    endif()
+  endforeach()
+endforeach()
+
+# The headers that others may include keep DDS behind them.
+foreach(header IN LISTS dds_headers_for_others)
+  file(STRINGS ${ROOT}/${header} lines REGEX "^#include .(dds/|idl/|common/dds/)")
+  if(lines)
+    list(APPEND failures "${header} shows DDS to those who include it: ${lines}")
+  endif()
+endforeach()
+
+list(LENGTH files count)
+if(count LESS 100)
+  list(APPEND failures "found only ${count} source files in ${ROOT}")
+endif()
+if(failures)
+  list(JOIN failures "\n  " text)
+  message(FATAL_ERROR "the folders' dependencies are broken:\n  ${text}")
+endif()
+message(STATUS "${count} files include only what they may")
