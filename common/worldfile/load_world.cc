@@ -7,6 +7,7 @@
 #include "common/worldfile/quote.h"
 #include "common/worldfile/scenario.h"
 #include "common/worldfile/stage_parser.h"
+#include "common/worldfile/start_overlap.h"
 
 namespace troupe {
 namespace {
@@ -17,9 +18,7 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
   return BuildWorld(tree.value(), overrides);
 }
 
-}  // namespace
-
-Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides) {
+Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
@@ -27,6 +26,18 @@ Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& over
   return Error{
       {path},
       "found a file ending in " + Quoted(ending) + ", expected .world (Stage), .json (scenario) or .yaml (ROS map)"};
+}
+
+}  // namespace
+
+Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides) {
+  Result<LoadedWorld> loaded = LoadByEnding(path, overrides);
+  if (loaded.ok()) {
+    for (const std::string& message : FindStartOverlaps(loaded.value().world)) {
+      loaded.value().warnings.push_back({{path}, message});
+    }
+  }
+  return loaded;
 }
 
 }  // namespace troupe

@@ -110,12 +110,15 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   if (!tree.ok()) return tree.error();
   const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), &tree.value());
   if (!plan.ok()) return plan.error();
-  Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, tools.build);
+  LoadOverrides build;
+  build.seed = overrides.seed ? overrides.seed : file.seed;
+  Result<LoadedWorld> loaded = BuildWorld(tree.value(), build, tools.build);
   if (!loaded.ok()) return loaded;
 
   LoadedWorld& result = loaded.value();
+  const std::optional<std::uint64_t> ticks_of_world = result.settings.ticks;  // its quit_time
   result.settings = file.settings;
-  result.world.seed = overrides.seed ? *overrides.seed : file.seed.value_or(result.world.seed);
+  if (!result.settings.ticks) result.settings.ticks = ticks_of_world;
   if (file.name) result.world.name = *file.name;
   for (RobotDescription& robot : result.world.robots) {
     const auto controller = plan.value().controllers.find(robot.name);

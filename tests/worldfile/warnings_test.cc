@@ -22,7 +22,7 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndSayWhy) {
 
 TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
   std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) blinkenlight( period 3 ) ) )\n";
-  for (int i = 0; i < 100; ++i) text += "rob( )\n";
+  for (int i = 0; i < 100; ++i) text += "rob( pose [" + std::to_string(i) + " 0 0 0] )\n";
   EXPECT_THAT(
       WorldFolder().WarningsOf(text),
       ElementsAre(
@@ -33,7 +33,7 @@ TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
 }
 
 TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
-  EXPECT_THAT(WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( )\n"),
+  EXPECT_THAT(WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( pose [5 0 0 0] )\n"),
               ElementsAre("w.world:2:11: warning: 'hand' is only a body: 'gripper' models are not simulated yet"));
 }
 
@@ -60,6 +60,20 @@ TEST(Warnings, TellThatAMapIsSeenButNeverHit) {
   EXPECT_THAT(WorldFolder().WarningsOf(
                   "define floorplan model( obstacle_return 0 )\nfloorplan( name \"hall\" bitmap \"map.pgm\" )"),
               ElementsAre("w.world:1:41: warning: map 'hall' is seen but never hit: its 'obstacle_return' is 0"));
+}
+
+TEST(Warnings, NameRobotsThatStartInsideSomething) {
+  EXPECT_THAT(WorldFolder().WarningsOf("define wall model( size [1 1 1] )\n"
+                                       "wall( name \"a\" )\nwall( name \"b\" obstacle_return 0 pose [5 0 0 0] )\n"
+                                       "wall( name \"table\" pose [8 0 1 0] )\n"
+                                       "position( name \"in_a\" pose [0.6 0 0 0] )\n"
+                                       "position( name \"touches_a\" pose [-0.7 0 0 0] )\n"
+                                       "position( name \"in_b\" pose [5 0 0 0] )\n"
+                                       "position( name \"under_table\" pose [8 0 0 0] )\n"
+                                       "position( name \"on_robot\" pose [8.3 0 0.5 0] model( ) )\n"),
+              ElementsAre("w.world: warning: robot 'in_a' starts inside 'a', so it may be stuck",
+                          "w.world: warning: robot 'under_table' starts inside 'on_robot', so it may be stuck",
+                          "w.world: warning: robot 'on_robot' starts inside 'table', so it may be stuck"));
 }
 
 TEST(Warnings, SizeOfZeroLeavesNoBody) {

@@ -1,0 +1,15 @@
+// Robots that a world places where they cannot be.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/model/world_description.h"
+
+namespace troupe {
+
+// One message for each robot that starts inside something that it collides with: "robot 'r0' starts inside 'wall'".
+// After the twentieth only their number.
+std::vector<std::string> FindStartOverlaps(const WorldDescription& world);
+
+}  // namespace troupe
