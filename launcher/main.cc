@@ -27,7 +27,7 @@ void AddTopOptions(CLI::App& command, troupe::TopOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Troupe, a distributed 2.5D multi-robot simulator");
+  CLI::App app("Troupe, a distributed 2.5D multi-robot simulator", "troupe");
   app.set_version_flag("--version", std::string("troupe ") + troupe::VersionText());
   app.require_subcommand(1);
   int exit_status = troupe::kExitDone;

@@ -132,7 +132,11 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       "Seconds for all robots to come; 0: for ever (default: 60)")
       ->check(NumberFromZero())
       ->type_name("SECONDS");
-  command.add_flag("--ros,!--no-ros", options.ros, "Talk to ROS 2 (not part of this build yet)")->group(processes);
+  command.add_flag("--ros", options.ros, "Talk to ROS 2 (not part of this build yet)")->group(processes);
+  command
+      .add_flag_callback(
+          "--no-ros", [&options] { options.ros = false; }, "Do not talk to ROS 2 (default)")
+      ->group(processes);
   command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
 
   const char* outputs = "Output files";
