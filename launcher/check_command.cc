@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/command_line/parse_command_line.h"
+#include "launcher/check_controllers.h"
 
 namespace troupe {
 namespace {
@@ -83,6 +84,10 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
 }
 
 int CheckCommand(const std::string& file) {
+  if (const Status problem = CheckControllers(file, "")) {
+    fmt::print(stderr, "{}\n", problem->ToString());
+    return kExitBadInput;
+  }
   Result<LoadedWorld> loaded = LoadWorld(file);
   if (!loaded.ok()) {
     fmt::print(stderr, "{}\n", loaded.error().ToString());

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "launcher/check_controllers.h"
 #include "launcher/distributed_run.h"
 #include "launcher/in_process_run.h"
 #include "launcher/summary.h"
@@ -29,6 +30,7 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (Status failure = CompleteRunOptions(options)) return Fail(kExitBadInput, *failure);
+  if (Status failure = CheckControllers(options.file, options.controller)) return Fail(kExitBadInput, *failure);
   RunEnd end = options.in_process ? RunInProcess(options) : RunDistributed(options);
   if (end.error) return Fail(end.exit_status, *end.error);
   if (!end.outcome) return end.exit_status;

@@ -11,6 +11,7 @@
 #include "common/command_line/parse_command_line.h"
 #include "common/picture/draw_picture.h"
 #include "common/worldfile/load_world.h"
+#include "launcher/check_controllers.h"
 #include "launcher/run_to_tick.h"
 
 namespace troupe {
@@ -109,6 +110,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
   const PictureOptions picture_options = ToPictureOptions(options, format.value());
   if (const Status problem = CheckPictureOptions(picture_options)) return Fail(kExitBadInput, *problem);
 
+  if (const Status problem = CheckControllers(options.file, options.controller)) return Fail(kExitBadInput, *problem);
   LoadOverrides overrides;
   overrides.seed = options.seed;
   if (!options.controller.empty()) overrides.controller = options.controller;
