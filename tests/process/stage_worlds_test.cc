@@ -1,0 +1,72 @@
+// Worlds that come with Stage, as they are: a process for each robot, and the same result in every other way.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+
+namespace troupe::test {
+namespace {
+
+// The folder of Stage's worlds: of the environment, or beside this checkout.
+std::string StageWorlds() {
+  if (const char* folder = std::getenv("TROUPE_STAGE_WORLDS")) return folder;
+  const char* source = std::getenv("TROUPE_SOURCE_DIR");
+  return (source != nullptr ? std::string(source) : ".") + "/../shared/stage-worlds";
+}
+
+class StageWorld : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(World())) GTEST_SKIP() << "no " << World() << "; set TROUPE_STAGE_WORLDS";
+  }
+  static std::string World() { return StageWorlds() + "/" + GetParam(); }
+
+  struct Files {
+    std::string hashes;
+    nlohmann::json summary;
+  };
+  Files RunWith(std::vector<std::string> arguments) const {
+    OutputFolder folder;
+    std::vector<std::string> all = {"run",
+                                    World(),
+                                    "--ticks",
+                                    "600",
+                                    "--speed",
+                                    "max",
+                                    "--headless",
+                                    "--hash-log",
+                                    folder.Path("hashes"),
+                                    "--summary",
+                                    folder.Path("summary")};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    Finished run = Finish(Troupe(all));
+    EXPECT_EQ(run.exit_status, 0) << run.output;
+    return {folder.Read("hashes"), nlohmann::json::parse(folder.Read("summary"), nullptr, false)};
+  }
+};
+
+TEST_P(StageWorld, GivesTheSameHashesInEveryWayOfRunningIt) {
+  Files reference = RunWith({});
+  EXPECT_EQ(reference.summary["ticks"], 600);
+  EXPECT_EQ(reference.summary["processes"], reference.summary["robots"].get<int>() + 1);
+  EXPECT_EQ(reference.summary["lost"], nlohmann::json::array());
+  const std::vector<std::vector<std::string>> ways = {
+      {},
+      {"--in-process"},
+      {"--robots-per-process", "2"},
+      {"--shuffle-start", "11"},
+      {"--faults", "loss=0.01,duplicate=0.02,reorder=0.02,delay=0.02:0.002,seed=5"}};
+  for (const std::vector<std::string>& way : ways) {
+    EXPECT_TRUE(RunWith(way).hashes == reference.hashes) << testing::PrintToString(way);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, StageWorld,
+                         testing::Values("simple.world", "benchmark/cave.world", "uoa_robotics_lab.world"));
+
+}  // namespace
+}  // namespace troupe::test
