@@ -204,15 +204,15 @@ void DistributedRun::Stop() {
 void DistributedRun::Watch() {
   while (service_->running()) HandleSome();
   HandleReports();
-  const ProcessEnd& end = *service_->end();
   if (exit_status_ != kExitDone) return;
-  if (interrupted_) {
+  const ProcessEnd& end = *service_->end();
+  if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
+    exit_status_ = end.exit_code;  // it has said why
+  } else if (interrupted_) {
     exit_status_ = kExitInterrupted;
-  } else if (end.signal != 0) {
+  } else if (!end.ok() || !summary_) {
     exit_status_ = kExitFailed;
     error_ = Error{{}, "the world service " + end.ToString()};
-  } else {
-    exit_status_ = end.exit_code;  // it has said why
   }
 }
 
@@ -229,11 +229,11 @@ RunEnd DistributedRun::End() {
   RunEnd end;
   end.exit_status = exit_status_;
   end.error = error_;
+  // Scans of a run that failed half-way may tell why.
+  Status unmerged = started_ && !scan_parts_.empty() ? MergeScans(agents_.scan_files(), options_.scans) : Status();
   bool failed = exit_status_ != kExitDone && exit_status_ != kExitInterrupted;
+  if (unmerged && !failed) return {kExitFailed, std::nullopt, unmerged};
   if (!summary_ || failed) return end;
-  if (!scan_parts_.empty()) {
-    if (Status failure = MergeScans(agents_.scan_files(), options_.scans)) return {kExitFailed, std::nullopt, failure};
-  }
   end.outcome.emplace();
   end.outcome->run = *summary_;
   end.outcome->run.startup_seconds = startup_seconds_;

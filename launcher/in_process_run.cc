@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 #include <utility>
 
@@ -46,12 +47,14 @@ std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
   return MakeFaultyTransport(std::move(transport), ParseFaults(faults).value());
 }
 
-// Waits until `done` is readable; asks to stop when a signal says so.
+// Waits until `done` is readable; asks to stop when a signal says so, and ends at once when it is said twice.
 void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
   pollfd waited[] = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
   while (waited[1].revents == 0) {
     poll(waited, 2, -1);
-    if (signals.TakeStopRequest()) stop = true;
+    if (!signals.TakeStopRequest()) continue;
+    if (stop) std::_Exit(kExitInterrupted);
+    stop = true;
   }
 }
 
