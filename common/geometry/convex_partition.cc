@@ -10,7 +10,9 @@ namespace {
 // Convex pieces as vertex indices of the polygon, counter-clockwise.
 using Loop = std::vector<std::size_t>;
 
-double TwiceArea(const Vec2& a, const Vec2& b, const Vec2& c) { return Cross(b - a, c - a); }
+double TwiceArea(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return Cross(b - a, c - a);
+}
 
 // True if p is in the triangle or on its edge. A corner does not count: outlines may touch themselves.
 bool InTriangle(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& p) {

@@ -22,8 +22,8 @@ double SignedDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
   return length > 0.0 ? Cross(along, p - a) / length : (p - a).norm();
 }
 
-// True if `middle` adds nothing to the outline between its neighbours: it repeats one of them, lies on the straight line
-// between them, or is the tip of a spike without area.
+// True if `middle` adds nothing to the outline between its neighbours: it repeats one of them, lies on the straight
+// line between them, or is the tip of a spike without area.
 bool IsRedundant(const Vec2& before, const Vec2& middle, const Vec2& after) {
   if ((middle - before).norm() <= kTouchTolerance || (after - middle).norm() <= kTouchTolerance) return true;
   const Vec2 in = middle - before;

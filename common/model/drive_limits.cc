@@ -27,7 +27,9 @@ CarMotion ToCarMotion(const Twist& twist, double wheelbase) {
   return {speed, Atan2(sideways, twist.vx)};
 }
 
-bool IsNear(double a, double b) { return std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)}); }
+bool IsNear(double a, double b) {
+  return std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)});
+}
 
 }  // namespace
 

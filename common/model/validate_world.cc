@@ -20,9 +20,13 @@ bool AreUsable(std::initializer_list<double> numbers) {
   return true;
 }
 
-bool IsUsable(const Pose& pose) { return AreUsable({pose.x, pose.y, pose.z, pose.heading}); }
+bool IsUsable(const Pose& pose) {
+  return AreUsable({pose.x, pose.y, pose.z, pose.heading});
+}
 
-bool IsUsable(const ZRange& z) { return AreUsable({z.min, z.max}) && z.min <= z.max; }
+bool IsUsable(const ZRange& z) {
+  return AreUsable({z.min, z.max}) && z.min <= z.max;
+}
 
 bool IsUsable(const Rectangle& r) {
   return AreUsable({r.min_x, r.min_y, r.max_x, r.max_y}) && r.min_x < r.max_x && r.min_y < r.max_y;
@@ -117,7 +121,9 @@ std::string CheckRobot(const WorldDescription& world, std::size_t index) {
   return "";
 }
 
-Status Problem(const std::string& what) { return Error{.where = {}, .message = what}; }
+Status Problem(const std::string& what) {
+  return Error{.where = {}, .message = what};
+}
 
 }  // namespace
 

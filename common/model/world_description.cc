@@ -1,6 +1,5 @@
 #include "common/model/world_description.h"
 
-
 #include "common/base/hash.h"
 
 namespace troupe {

@@ -16,7 +16,9 @@ ConvexPiece Moved(std::vector<Vec2> vertices, const ZRange& z, const ModelDescri
           .ranger_return = model.ranger_return};
 }
 
-bool HasHeight(const ZRange& z) { return z.max - z.min > kTouchTolerance; }
+bool HasHeight(const ZRange& z) {
+  return z.max - z.min > kTouchTolerance;
+}
 
 }  // namespace
 

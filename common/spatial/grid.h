@@ -29,8 +29,8 @@ class Grid {
  public:
   Grid() = default;
 
-  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would take more than `max_cells` otherwise.
-  // REQUIRES: bounds finite and not empty; cell_size > 0; max_cells >= 1
+  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would take more than `max_cells`
+  // otherwise. REQUIRES: bounds finite and not empty; cell_size > 0; max_cells >= 1
   Grid(const Rectangle& bounds, double cell_size, double max_cells);
 
   const Rectangle& bounds() const { return bounds_; }
@@ -64,49 +64,61 @@ class Grid {
   std::int32_t rows_ = 1;
 };
 
+// One coordinate of a ray on its way through the cells.
+struct RayAxis {
+  double next;          // distance at which the ray leaves its cell along this axis
+  double width;         // distance that it takes to cross a cell
+  std::ptrdiff_t step;  // what a step adds to the cell's number
+  std::int32_t left;    // how many steps there are to the edge
+
+  // For a ray from `origin` that enters the grid in cell number `first` of `count` along this axis, which begins at
+  // `low`.
+  RayAxis(double origin, double direction, double low, double cell_size, std::int32_t first, std::int32_t count,
+          std::ptrdiff_t stride) {
+    const bool up = direction > 0.0;
+    const double line = low + (first + (up ? 1 : 0)) * cell_size;
+    next = direction != 0.0 ? (line - origin) / direction : std::numeric_limits<double>::infinity();
+    width = direction != 0.0 ? cell_size / std::abs(direction) : 0.0;
+    step = up ? stride : -stride;
+    left = up ? count - 1 - first : first;
+  }
+};
+
 template <typename Visit>
 void Grid::WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   // Where the ray enters and leaves the bounds.
   double enter = 0.0;
   double leave = max_distance;
-  const double low[2] = {bounds_.min_x, bounds_.min_y};
-  const double high[2] = {bounds_.max_x, bounds_.max_y};
-  double per_metre[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    per_metre[axis] = direction[axis] != 0.0 ? 1.0 / direction[axis] : kNever;
-    if (direction[axis] == 0.0) {
-      if (origin[axis] < low[axis] || origin[axis] > high[axis]) return;
-      continue;
-    }
-    const double a = (low[axis] - origin[axis]) * per_metre[axis];
-    const double b = (high[axis] - origin[axis]) * per_metre[axis];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
+  if (!bounds_.Contains(origin) || !bounds_.Contains(origin + max_distance * direction)) {
+    const auto cut = [&](double from, double along, double low, double high) {
+      if (along == 0.0) {
+        if (from < low || from > high) leave = -1.0;
+        return;
+      }
+      const double a = (low - from) / along;
+      const double b = (high - from) / along;
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    };
+    cut(origin.x(), direction.x(), bounds_.min_x, bounds_.max_x);
+    cut(origin.y(), direction.y(), bounds_.min_y, bounds_.max_y);
+    if (enter > leave) return;
   }
-  if (enter > leave) return;
 
-  const std::int32_t count[2] = {columns_, rows_};
-  std::int32_t cell[2] = {ColumnOf(origin.x() + enter * direction.x()), RowOf(origin.y() + enter * direction.y())};
-  std::int32_t step[2];
-  double next[2];  // distance at which the ray leaves the cell along each axis
-  const auto boundary = [&](int axis) {
-    if (step[axis] == 0) return kNever;
-    const double line = low[axis] + (cell[axis] + (step[axis] > 0 ? 1 : 0)) * cell_size_;
-    return (line - origin[axis]) * per_metre[axis];
-  };
-  for (int axis = 0; axis < 2; ++axis) {
-    step[axis] = direction[axis] > 0.0 ? 1 : (direction[axis] < 0.0 ? -1 : 0);
-    next[axis] = boundary(axis);
-  }
+  const std::int32_t column = ColumnOf(origin.x() + enter * direction.x());
+  const std::int32_t row = RowOf(origin.y() + enter * direction.y());
+  RayAxis x(origin.x(), direction.x(), bounds_.min_x, cell_size_, column, columns_, 1);
+  RayAxis y(origin.y(), direction.y(), bounds_.min_y, cell_size_, row, rows_, columns_);
+  std::ptrdiff_t cell = static_cast<std::ptrdiff_t>(CellAt(column, row));
   double distance = enter;
-  while (visit(CellAt(cell[0], cell[1]), distance)) {
-    const int axis = next[0] <= next[1] ? 0 : 1;
-    distance = next[axis];
-    if (distance > leave) return;
-    cell[axis] += step[axis];
-    if (cell[axis] < 0 || cell[axis] >= count[axis]) return;
-    next[axis] = boundary(axis);
+  const auto advance = [&](RayAxis& axis) {
+    distance = axis.next;
+    axis.next += axis.width;
+    cell += axis.step;
+    return distance <= leave && axis.left-- > 0;
+  };
+  while (visit(static_cast<std::size_t>(cell), distance)) {
+    if (!(x.next <= y.next ? advance(x) : advance(y))) return;
   }
 }
 

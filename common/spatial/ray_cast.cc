@@ -13,6 +13,20 @@ namespace {
 struct Ray {
   Vec2 origin;
   Vec2 direction;
+  Vec2 slant;  // |direction| by components
+
+  Ray(const Vec2& from, const Vec2& towards) : origin(from), direction(towards), slant(towards.cwiseAbs()) {}
+
+  // False only if the ray does not meet the box before `distance`. Cheap, and never wrong by rounding.
+  bool MayMeet(const Rectangle& box, double distance) const {
+    constexpr double kHair = 1e-8;  // m
+    const Vec2 center(0.5 * (box.min_x + box.max_x) - origin.x(), 0.5 * (box.min_y + box.max_y) - origin.y());
+    const Vec2 half(0.5 * (box.max_x - box.min_x) + kHair, 0.5 * (box.max_y - box.min_y) + kHair);
+    if (std::abs(Cross(direction, center)) > half.x() * slant.y() + half.y() * slant.x()) return false;
+    const double along = direction.dot(center);
+    const double reach = half.dot(slant);
+    return along + reach >= 0.0 && along - reach <= distance;
+  }
 };
 
 // The nearest meeting so far.
@@ -29,14 +43,16 @@ struct Nearest {
   }
 };
 
-bool IsSeenAt(const ConvexPiece& piece, double z) { return piece.ranger_return >= 0.0 && piece.z.Contains(z); }
+bool IsSeenAt(const ConvexPiece& piece, double z) {
+  return piece.ranger_return >= 0.0 && piece.z.Contains(z);
+}
 
-// Distance at which the ray enters the convex polygon, 0 if it starts inside; negative if it does not meet it. A polygon
-// that ends where the ray starts is behind it.
+// Distance at which the ray enters the convex polygon, 0 if it starts inside; negative if it does not meet it. A
+// polygon that ends where the ray starts is behind it.
 //
 // A vertex is left or right of the ray by the sign of one number that depends on nothing else, so that of two polygons
 // that share a vertex at least one is met: no ray slips through where the rectangles of a wall join.
-double DistanceTo(const std::vector<Vec2>& vertices, const Ray& ray) {
+double DistanceTo(std::span<const Vec2> vertices, const Ray& ray) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double enter = kInfinity;
   double leave = -kInfinity;
@@ -61,23 +77,23 @@ double DistanceTo(const std::vector<Vec2>& vertices, const Ray& ray) {
   return leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
 }
 
-void MeetPiece(const ConvexPiece& piece, const Ray& ray, Nearest& nearest) {
-  const double distance = DistanceTo(piece.vertices, ray);
-  if (distance >= 0.0 && nearest.IsBeatenBy(distance, piece.model)) nearest = {distance, piece.model};
+void MeetPolygon(std::span<const Vec2> vertices, ModelId model, const Ray& ray, Nearest& nearest) {
+  const double distance = DistanceTo(vertices, ray);
+  if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
 }
 
 void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Nearest& nearest) {
   // The walk's own distances round too; a hair more keeps what is met exactly where a cell begins.
   constexpr double kHair = 1e-8;  // m
-  index.WalkRay(ray.origin, ray.direction, nearest.distance,
-                [&](std::span<const std::uint32_t> pieces, double walked) {
-                  if (walked > nearest.distance + kHair) return false;
-                  for (std::uint32_t i : pieces) {
-                    const ConvexPiece& piece = index.pieces()[i];
-                    if (IsSeenAt(piece, z)) MeetPiece(piece, ray, nearest);
-                  }
-                  return true;
-                });
+  index.WalkRay(ray.origin, ray.direction, nearest.distance, [&](std::span<const std::uint32_t> pieces, double walked) {
+    if (walked > nearest.distance + kHair) return false;
+    for (std::uint32_t i : pieces) {
+      const StaticIndex::RayPiece& piece = index.ray_piece(i);
+      if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
+      MeetPolygon(index.vertices(piece), piece.model, ray, nearest);
+    }
+    return true;
+  });
 }
 
 // A robot that rays at some height from some point may meet.
@@ -102,6 +118,12 @@ void ForEachCandidate(const Scene& scene, const RobotIndex& robots, const Rectan
     visit(robot, Candidate{center, std::sqrt(center.squaredNorm()), body.radius * (1.0 + 1e-9) + 1e-9});
   }
 }
+
+// A piece of a candidate and the box around it.
+struct SeenPiece {
+  const ConvexPiece* piece;
+  Rectangle box;
+};
 
 Vec2 DirectionOf(double angle) {
   const SinCosResult trig = SinCos(angle);
@@ -160,7 +182,7 @@ std::optional<RayHit> CastRay(const Scene& scene, const RobotIndex& robots, cons
   ForEachCandidate(scene, robots, box, origin, z, caster, [&](RobotId robot, const Candidate& candidate) {
     if (std::abs(Cross(direction, candidate.center)) > candidate.radius) return;
     for (const ConvexPiece& piece : robots.pieces_in_world(robot)) {
-      if (IsSeenAt(piece, z)) MeetPiece(piece, ray, nearest);
+      if (IsSeenAt(piece, z)) MeetPolygon(piece.vertices, piece.model, ray, nearest);
     }
   });
   return nearest.hit();
@@ -180,7 +202,7 @@ void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, d
 
   const SortedBearings sorted(bearings);
   const Rectangle box = Rectangle{origin.x(), origin.y(), origin.x(), origin.y()}.Inflated(farthest);
-  std::vector<const ConvexPiece*> seen;
+  std::vector<SeenPiece> seen;
   ForEachCandidate(scene, robots, box, origin, z, caster, [&](RobotId robot, const Candidate& candidate) {
     if (candidate.distance - candidate.radius > farthest) return;
     seen.clear();
@@ -188,10 +210,13 @@ void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, d
       if (candidate.distance - candidate.radius > nearest[i].distance) return;
       if (seen.empty()) {
         for (const ConvexPiece& piece : robots.pieces_in_world(robot)) {
-          if (IsSeenAt(piece, z)) seen.push_back(&piece);
+          if (IsSeenAt(piece, z)) seen.push_back({&piece, BoundingBox(piece.vertices)});
         }
       }
-      for (const ConvexPiece* piece : seen) MeetPiece(*piece, {origin, directions[i]}, nearest[i]);
+      const Ray ray{origin, directions[i]};
+      for (const SeenPiece& s : seen) {
+        if (ray.MayMeet(s.box, nearest[i].distance)) MeetPolygon(s.piece->vertices, s.piece->model, ray, nearest[i]);
+      }
     };
     const double half_width = HalfWidth(candidate);
     if (half_width >= kPi) {

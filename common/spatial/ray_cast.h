@@ -16,8 +16,8 @@
 namespace troupe {
 
 struct RayHit {
-  double distance = 0.0;       // m, 0 <= distance <= max_distance
-  ModelId model;               // what was met
+  double distance = 0.0;  // m, 0 <= distance <= max_distance
+  ModelId model;          // what was met
 };
 
 // REQUIRES: direction has length 1; max_distance >= 0 and finite. Of pieces at the same distance the one with the

@@ -14,8 +14,8 @@ namespace troupe {
 // What moves with a robot: its root model and everything below, as pieces in R.
 struct RobotBody {
   std::vector<ConvexPiece> pieces;
-  double radius = 0.0;           // m: every vertex is within this distance of R's origin
-  ZRange z;                      // m, spans all pieces, in R
+  double radius = 0.0;  // m: every vertex is within this distance of R's origin
+  ZRange z;             // m, spans all pieces, in R
 };
 
 class Scene {

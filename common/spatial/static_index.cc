@@ -8,7 +8,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kCellsPerPiece = 2.0;
+constexpr double kCellsPerPiece = 4.0;
 // A piece may reach over several cells; if all together do so more than this often, the cells are too small.
 constexpr std::size_t kMaxEntriesPerPiece = 12;
 constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance along a ray
@@ -17,7 +17,16 @@ constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance alo
 
 StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pieces)) {
   if (pieces_.empty()) return;
-  for (const ConvexPiece& piece : pieces_) bounds_.Extend(BoundingBox(piece.vertices));
+  ray_pieces_.reserve(pieces_.size());
+  for (const ConvexPiece& piece : pieces_) {
+    bounds_.Extend(BoundingBox(piece.vertices));
+    ray_pieces_.push_back({.box = BoundingBox(piece.vertices),
+                           .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
+                           .model = piece.model,
+                           .first_vertex = static_cast<std::uint32_t>(vertices_.size()),
+                           .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
+    vertices_.insert(vertices_.end(), piece.vertices.begin(), piece.vertices.end());
+  }
 
   const Rectangle area = bounds_.Inflated(kMargin);
   const double max_cells = kCellsPerPiece * static_cast<double>(pieces_.size()) + 64.0;
@@ -30,7 +39,10 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pi
     if (entries <= kMaxEntriesPerPiece * pieces_.size() + 64 || grid_.cell_count() == 1) break;
     cell_size = 1.5 * grid_.cell_size();
   }
+  FillCells();
+}
 
+void StaticIndex::FillCells() {
   const auto for_each_entry = [this](auto&& take) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const CellRange range = CellsOf(pieces_[i]);

@@ -23,9 +23,22 @@ class StaticIndex {
   // `result`.
   void Query(const Rectangle& box, std::vector<std::uint32_t>& result) const;
 
-  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes, in order, with the distance
-  // at which it enters each part, until `visit` returns false. Every piece that the ray meets within `max_distance` is
-  // among those visited at a distance not beyond the meeting; pieces may come several times.
+  // A piece as rays see it, small and close to its neighbours in memory.
+  struct RayPiece {
+    Rectangle box;  // m, around the piece
+    ZRange z;       // m; empty if rays look through the piece
+    ModelId model;
+    std::uint32_t first_vertex = 0;
+    std::uint32_t vertex_count = 0;
+  };
+  const RayPiece& ray_piece(std::uint32_t index) const { return ray_pieces_[index]; }
+  std::span<const Vec2> vertices(const RayPiece& piece) const {
+    return {vertices_.data() + piece.first_vertex, piece.vertex_count};
+  }
+
+  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes, in order, with the
+  // distance at which it enters each part, until `visit` returns false. Every piece that the ray meets within
+  // `max_distance` is among those visited at a distance not beyond the meeting; pieces may come several times.
   // REQUIRES: |direction| = 1
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
@@ -41,7 +54,11 @@ class StaticIndex {
   // The cells whose neighbourhood the piece touches. The margin makes up for rounding where a ray passes between cells.
   CellRange CellsOf(const ConvexPiece& piece) const;
 
+  void FillCells();
+
   std::vector<ConvexPiece> pieces_;
+  std::vector<RayPiece> ray_pieces_;  // by the same indices
+  std::vector<Vec2> vertices_;
   Rectangle bounds_ = Rectangle::Nothing();
   Grid grid_;
   // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.

@@ -22,6 +22,7 @@ struct Motion {
   Twist twist;
   double duration = 0.0;  // s
 
+  // As Step sets it, to the last bit.
   Pose After(double seconds) const { return seconds > 0.0 ? X_WR * Integrate(twist, seconds) : X_WR; }
   double speed() const { return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy); }
   // No point within `radius` of R's origin is faster; m/s.
@@ -148,18 +149,24 @@ struct Corridor {
   }
 };
 
+struct Obstacle {
+  const ConvexPiece* piece;
+  Rectangle box;
+};
+
 // Everything that the body may meet on its way.
-std::vector<const ConvexPiece*> FindObstacles(const Scene& scene, const RobotIndex& robots, RobotId robot,
-                                              const Motion& motion) {
+std::vector<Obstacle> FindObstacles(const Scene& scene, const RobotIndex& robots, RobotId robot, const Motion& motion) {
   const RobotBody& body = scene.body(robot);
   const Corridor corridor(motion);
   const double radius = body.radius * (1.0 + 1e-9) + 1e-9;
   const ZRange z = body.z + motion.X_WR.z;
   const Rectangle box = corridor.BoxAround(radius);
 
-  std::vector<const ConvexPiece*> obstacles;
+  std::vector<Obstacle> obstacles;
   const auto consider = [&](const ConvexPiece& piece) {
-    if (piece.obstacle && piece.z.Overlaps(z) && corridor.MayReach(piece, radius)) obstacles.push_back(&piece);
+    if (!piece.obstacle || !piece.z.Overlaps(z)) return;
+    const Rectangle piece_box = BoundingBox(piece.vertices);
+    if (box.Overlaps(piece_box) && corridor.MayReach(piece, radius)) obstacles.push_back({&piece, piece_box});
   };
   std::vector<std::uint32_t> standing;
   scene.static_index().Query(box, standing);
@@ -198,7 +205,7 @@ std::optional<Contact> FirstContact(const Scene& scene, const RobotIndex& robots
     if (piece.obstacle && piece.z.min + X_WR.z < -kTouchTolerance) return Contact{.time = 0.0, .other = std::nullopt};
   }
   const Motion motion{X_WR, twist, duration};
-  const std::vector<const ConvexPiece*> obstacles = FindObstacles(scene, robots, robot, motion);
+  const std::vector<Obstacle> obstacles = FindObstacles(scene, robots, robot, motion);
   if (obstacles.empty()) return std::nullopt;
 
   std::optional<Contact> first;
@@ -208,16 +215,18 @@ std::optional<Contact> FirstContact(const Scene& scene, const RobotIndex& robots
     if (!mine.obstacle) continue;
     const ConvexPiece mine_in_W = Transformed(mine, X_WR);
     const double max_speed = motion.MaxSpeed(RadiusOf(mine.vertices));
-    for (const ConvexPiece* other : obstacles) {
-      if (!mine_in_W.z.Overlaps(other->z)) continue;
-      const Pair pair{mine.vertices, other->vertices, PenetrationDepth(mine_in_W.vertices, other->vertices)};
+    const Rectangle box = BoundingBox(mine_in_W.vertices).Inflated(max_speed * duration + kTouchTolerance);
+    for (const Obstacle& other : obstacles) {
+      if (!box.Overlaps(other.box) || !mine_in_W.z.Overlaps(other.piece->z)) continue;
+      const Pair pair{mine.vertices, other.piece->vertices,
+                      PenetrationDepth(mine_in_W.vertices, other.piece->vertices)};
       const double gap = -pair.initial_depth - kTouchTolerance;
       if (gap > max_speed * (first ? first->time : duration)) continue;
       pairs.push_back(pair);
       const std::optional<double> time = sweep.Find(pair);
       if (!time) continue;
-      if (!first || *time < first->time || (*time == first->time && other->model < first->other)) {
-        first = Contact{*time, other->model};
+      if (!first || *time < first->time || (*time == first->time && other.piece->model < first->other)) {
+        first = Contact{*time, other.piece->model};
       }
     }
   }

@@ -1,10 +1,10 @@
 // Sweep: how far a body gets along the arc of a constant twist before it first overlaps something.
 //
-// Exact: while body A moves with a constant twist, each of its vertices moves on a circle (a line without turning) about
-// the instant centre of rotation, and, seen from A, each vertex of a standing body B moves on a circle too. Whether the
-// two overlap can change only when a vertex of one meets an edge of the other; those times have closed forms. Between
-// two neighbouring times nothing changes, so one look at each interval finds the first one with overlap. No speed is too
-// fast and no wall too thin.
+// Exact: while body A moves with a constant twist, each of its vertices moves on a circle (a line without turning)
+// about the instant centre of rotation, and, seen from A, each vertex of a standing body B moves on a circle too.
+// Whether the two overlap can change only when a vertex of one meets an edge of the other; those times have closed
+// forms. Between two neighbouring times nothing changes, so one look at each interval finds the first one with overlap.
+// No speed is too fast and no wall too thin.
 #pragma once
 
 #include <optional>
@@ -31,8 +31,8 @@ struct Contact {
 
 // The first contact of `robot`'s whole tree, moving from X_WR under `twist` for `duration` seconds, with the standing
 // models and the other robots where `robots` says they are. Models with obstacle_return take part. A tree with an
-// obstacle below z = 0 is in contact with the ground whenever it moves. Of contacts at the same time the lowest model id
-// counts.
+// obstacle below z = 0 is in contact with the ground whenever it moves. Of contacts at the same time the lowest model
+// id counts.
 std::optional<Contact> FirstContact(const Scene& scene, const RobotIndex& robots, RobotId robot, const Pose& X_WR,
                                     const Twist& twist, double duration);
 

@@ -1,6 +1,7 @@
 #include "common/spatial/sweep_events.h"
 
 #include <cmath>
+#include <optional>
 
 #include "common/base/deterministic_math.h"
 
@@ -10,13 +11,23 @@ namespace {
 // Edges are taken to be longer by this at both ends: one event too many costs a look, one too few a wall.
 constexpr double kEdgeMargin = 1e-6;  // m
 
-Vec2 QuarterTurn(const Vec2& v) { return {-v.y(), v.x()}; }
+Vec2 QuarterTurn(const Vec2& v) {
+  return {-v.y(), v.x()};
+}
 
 // Vertices that move with a constant twist, against edges that stand.
 class EventFinder {
  public:
   EventFinder(const Twist& twist, double duration, std::vector<double>& times)
-      : velocity_(twist.vx, twist.vy), rate_(twist.wz), duration_(duration), times_(times) {}
+      : velocity_(twist.vx, twist.vy), rate_(twist.wz), duration_(duration), times_(times) {
+    const double half_turn = 0.5 * std::abs(rate_) * duration;
+    if (half_turn < 1e-8) {
+      largest_root_ = duration * (1.0 + 1e-9);
+    } else if (half_turn < 0.5 * kPi - 1e-6) {
+      const SinCosResult trig = SinCos(half_turn);
+      largest_root_ = 2.0 / std::abs(rate_) * (trig.sin / trig.cos) * (1.0 + 1e-6);
+    }
+  }
 
   // Adds the times at which the vertex that starts at p meets the edge.
   //
@@ -39,27 +50,29 @@ class EventFinder {
 
  private:
   void AddRoot(double r, const Vec2& p, const Vec2& start, const Vec2& along) {
-    const double half_tangent = 0.5 * rate_ * r;  // tan(wt/2)
-    if (!std::isfinite(half_tangent)) return;     // half a turn, which is always looked at
-    double time = r;
-    if (std::abs(half_tangent) > 1e-8) {
-      time = 2.0 * Atan2(half_tangent, 1.0) / rate_;
-      if (time < 0.0) time += 2.0 * kPi / std::abs(rate_);
-    }
-    if (!(time >= 0.0 && time <= duration_)) return;
-    // On the line; now between the edge's ends? With u = tan(wt/2): c = (1-u^2)/(1+u^2), s = 2u/(1+u^2).
+    if (largest_root_ && !(r >= 0.0 && r <= *largest_root_)) return;  // too early or too late
+    const double half_tangent = 0.5 * rate_ * r;                      // tan(wt/2)
+    if (!std::isfinite(half_tangent)) return;                         // half a turn, which is always looked at
+    // On the line; but between the edge's ends? With u = tan(wt/2): c = (1-u^2)/(1+u^2), s = 2u/(1+u^2).
     const double scale = 1.0 / (1.0 + half_tangent * half_tangent);
     const double cosine = 2.0 * scale - 1.0;
     const Vec2 at = cosine * p + (rate_ * r * scale) * QuarterTurn(p) + (r * scale) * velocity_ +
                     (half_tangent * r * scale) * QuarterTurn(velocity_);
     const double length = std::sqrt(along.squaredNorm());
     const double place = along.dot(at - start);  // times the length
-    if (place >= -kEdgeMargin * length && place <= (length + kEdgeMargin) * length) times_.push_back(time);
+    if (!(place >= -kEdgeMargin * length && place <= (length + kEdgeMargin) * length)) return;
+    double time = r;
+    if (std::abs(half_tangent) > 1e-8) {
+      time = 2.0 * Atan2(half_tangent, 1.0) / rate_;
+      if (time < 0.0) time += 2.0 * kPi / std::abs(rate_);
+    }
+    if (time >= 0.0 && time <= duration_) times_.push_back(time);
   }
 
   Vec2 velocity_;
   double rate_;
   double duration_;
+  std::optional<double> largest_root_;  // r at the end of the motion; nothing from half a turn on, where r wraps round
   std::vector<double>& times_;
 };
 

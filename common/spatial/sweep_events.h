@@ -1,5 +1,5 @@
-// The moments of a motion with a constant twist at which a vertex meets an edge: only there can two polygons begin or end
-// to overlap.
+// The moments of a motion with a constant twist at which a vertex meets an edge: only there can two polygons begin or
+// end to overlap.
 #pragma once
 
 #include <span>

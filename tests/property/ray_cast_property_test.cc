@@ -24,7 +24,8 @@ struct Frame {
   long double heading = 0.0L;
 
   Real2 operator*(const Real2& p) const {
-    return {x + std::cos(heading) * p.x - std::sin(heading) * p.y, y + std::sin(heading) * p.x + std::cos(heading) * p.y};
+    return {x + std::cos(heading) * p.x - std::sin(heading) * p.y,
+            y + std::sin(heading) * p.x + std::cos(heading) * p.y};
   }
 };
 
@@ -49,8 +50,7 @@ long double DistanceToOutline(const std::vector<Real2>& outline, const Real2& or
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Real2& a = outline[i];
     const Real2& b = outline[(i + 1) % outline.size()];
-    if ((a.y > origin.y) != (b.y > origin.y) &&
-        origin.x < a.x + (b.x - a.x) * (origin.y - a.y) / (b.y - a.y)) {
+    if ((a.y > origin.y) != (b.y > origin.y) && origin.x < a.x + (b.x - a.x) * (origin.y - a.y) / (b.y - a.y)) {
       inside = !inside;
     }
     const Real2 edge{b.x - a.x, b.y - a.y};

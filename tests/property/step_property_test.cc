@@ -1,6 +1,4 @@
 // Invariants of the step on random worlds with random twists.
-#include "world-service/core/step.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include "common/spatial/overlap.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {
@@ -44,7 +43,8 @@ std::vector<Proposal> RandomProposals(RandomStream& random, std::size_t robots, 
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i < robots; ++i) {
     if (random.Chance(0.05)) continue;
-    Twist twist{random.Uniform(-0.3, 1.0) * speed, random.Uniform(-0.2, 0.2) * speed, random.Uniform(-1.0, 1.0) * speed};
+    Twist twist{random.Uniform(-0.3, 1.0) * speed, random.Uniform(-0.2, 0.2) * speed,
+                random.Uniform(-1.0, 1.0) * speed};
     if (random.Chance(0.3)) twist.wz = 0.0;
     if (random.Chance(0.3)) twist.vy = 0.0;
     if (random.Chance(0.05)) twist = {};
@@ -99,7 +99,8 @@ TEST(StepProperty, LeavesEveryBitOfAnIdleWorldAlone) {
     WorldState state = start;
     std::vector<Proposal> standing;
     for (std::size_t i = 0; i < start.robots.size(); ++i) standing.push_back({RobotId(i), {}});
-    for (int tick = 0; tick < 200; ++tick) state = Step(scene, state, tick % 2 == 0 ? standing : std::vector<Proposal>{}).state;
+    for (int tick = 0; tick < 200; ++tick)
+      state = Step(scene, state, tick % 2 == 0 ? standing : std::vector<Proposal>{}).state;
     ASSERT_EQ(state.tick, 200u);
     ASSERT_EQ(state.robots, start.robots);
   }
@@ -174,7 +175,8 @@ TEST(StepProperty, NeverMakesTreesOverlapOnALattice) {
       taken[place] = true;
       const double x = (static_cast<double>(place % kWidth) + 0.5) * kCell;
       const double y = (static_cast<double>(place / kWidth) + 0.5) * kCell;
-      test.AddRobot(test::Square(kCell), {0.0, 0.5}, {x, y, 0.0, 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi});
+      test.AddRobot(test::Square(kCell), {0.0, 0.5},
+                    {x, y, 0.0, 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi});
     }
     const Scene scene(test.world);
     WorldState state = InitialState(scene.world());

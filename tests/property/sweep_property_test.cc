@@ -57,7 +57,9 @@ Case RandomCase(std::uint64_t seed) {
   return result;
 }
 
-std::optional<double> Sweep(const Case& c) { return TimeOfContact(c.a, c.X_WR, c.twist, c.duration, c.b); }
+std::optional<double> Sweep(const Case& c) {
+  return TimeOfContact(c.a, c.X_WR, c.twist, c.duration, c.b);
+}
 
 TEST(SweepProperty, AgreesWithFineTimeSteps) {
   constexpr int kSteps = 1500;

@@ -60,8 +60,8 @@ inline ZRange RandomHeights(RandomStream& random) {
 
 inline Pose RandomPose(RandomStream& random, double half_width) {
   // Now and then a straight heading, which makes for parallel edges.
-  const double heading = random.Chance(0.3) ? 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi
-                                            : random.Angle();
+  const double heading =
+      random.Chance(0.3) ? 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi : random.Angle();
   return {random.Uniform(-half_width, half_width), random.Uniform(-half_width, half_width), 0.0, heading};
 }
 

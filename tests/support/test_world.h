@@ -15,7 +15,9 @@ inline Polygon Box(double min_x, double min_y, double max_x, double max_y) {
 }
 
 // A square of edge length `size` about the origin.
-inline Polygon Square(double size) { return Box(-0.5 * size, -0.5 * size, 0.5 * size, 0.5 * size); }
+inline Polygon Square(double size) {
+  return Box(-0.5 * size, -0.5 * size, 0.5 * size, 0.5 * size);
+}
 
 // A drive that reaches any twist at once.
 inline DriveDescription UnboundedDrive() {

@@ -17,9 +17,9 @@ namespace {
 // Distance of `value` from the exact result, in units of the last place of a double of that size.
 double ErrorInUlps(double value, long double exact) {
   const double rounded = static_cast<double>(exact);
-  const double ulp = std::max(std::nextafter(std::abs(rounded), std::numeric_limits<double>::infinity()) -
-                                  std::abs(rounded),
-                              std::numeric_limits<double>::denorm_min());
+  const double ulp =
+      std::max(std::nextafter(std::abs(rounded), std::numeric_limits<double>::infinity()) - std::abs(rounded),
+               std::numeric_limits<double>::denorm_min());
   return static_cast<double>(std::abs(static_cast<long double>(value) - exact) / ulp);
 }
 
@@ -68,8 +68,8 @@ TEST(Atan2, IsWithinTwoUlps) {
     for (std::uint64_t i = 0; i < 50'000; ++i) {
       const double y = Draw(2, i, -range, range);
       const double x = Draw(3, i, -1.0, 1.0);
-      worst = std::max(worst, ErrorInUlps(Atan2(y, x), std::atan2(static_cast<long double>(y),
-                                                                   static_cast<long double>(x))));
+      worst = std::max(worst,
+                       ErrorInUlps(Atan2(y, x), std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
     }
   }
   EXPECT_LE(worst, 2.0);

@@ -23,7 +23,8 @@ TEST(Hasher, IsTheSameOnEveryMachine) {
 
 TEST(Hasher, TellsOrderAndGroupingApart) {
   EXPECT_NE(HashOf(1.0, 2.0), HashOf(2.0, 1.0));
-  EXPECT_NE(HashOf(std::string_view("ab"), std::string_view("c")), HashOf(std::string_view("a"), std::string_view("bc")));
+  EXPECT_NE(HashOf(std::string_view("ab"), std::string_view("c")),
+            HashOf(std::string_view("a"), std::string_view("bc")));
   EXPECT_NE(HashOf(std::string_view("")), HashOf());
   EXPECT_NE(HashOf(std::uint64_t{0}), HashOf(std::uint64_t{0}, std::uint64_t{0}));
 }

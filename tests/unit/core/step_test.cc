@@ -56,8 +56,8 @@ TEST(Step, StallsAtAWallAndSaysSoOnce) {
   EXPECT_TRUE(robot.twist.IsZero());
   EXPECT_NEAR(robot.X_WR.x, 0.05, 1e-9);
   ASSERT_EQ(first.events.size(), 1u);
-  EXPECT_EQ(first.events[0], (Event{.tick = 1, .type = EventType::kStallBegan, .robot = RobotId(0), .other = wall,
-                                    .detail = ""}));
+  EXPECT_EQ(first.events[0],
+            (Event{.tick = 1, .type = EventType::kStallBegan, .robot = RobotId(0), .other = wall, .detail = ""}));
 
   const StepResult second = StepAll(scene, first.state, {{.vx = 1.0}});
   EXPECT_TRUE(second.state.robots[0].stalled);

@@ -42,7 +42,9 @@ TEST(StateHash, ChangesWithEveryPartOfTheState) {
   }
 }
 
-TEST(StateHash, IsAFunctionOfTheState) { EXPECT_EQ(StateHash(SomeState()), StateHash(SomeState())); }
+TEST(StateHash, IsAFunctionOfTheState) {
+  EXPECT_EQ(StateHash(SomeState()), StateHash(SomeState()));
+}
 
 }  // namespace
 }  // namespace troupe

@@ -41,10 +41,13 @@ TEST(Validate, NamesWhatIsWrong) {
        "shape 0: the outline of a block is not usable: found 2 vertices, expected at least 3"},
       {[](auto& w) { std::swap(w.shapes[0].blocks[0].outline[0], w.shapes[0].blocks[0].outline[2]); },
        "shape 0: the outline of a block is not normalized"},
-      {[](auto& w) { w.shapes[0].blocks[0].z = {1.0, 0.0}; },
+      {[](auto& w) {
+         w.shapes[0].blocks[0].z = {1.0, 0.0};
+       },
        "shape 0: the height interval of a block is not finite or upside down"},
       {[](auto& w) { w.shapes[0].rectangles[0].max_x = 0.0; }, "shape 0: a rectangle is not finite or has no area"},
-      {[](auto& w) { w.shapes[0].rectangles[0].max_x = kInfinity; }, "shape 0: a rectangle is not finite or has no area"},
+      {[](auto& w) { w.shapes[0].rectangles[0].max_x = kInfinity; },
+       "shape 0: a rectangle is not finite or has no area"},
       {[](auto& w) { w.shapes[0].rectangles_z.max = kNan; },
        "shape 0: the height interval of the rectangles is not finite or upside down"},
       {[](auto& w) { w.models[0].name = ""; }, "model 0 '': it has no name"},
@@ -62,7 +65,10 @@ TEST(Validate, NamesWhatIsWrong) {
       {[](auto& w) { w.robots[0].root = ModelId(2); }, "robot 0 'm1': its root model has a parent"},
       {[](auto& w) { w.robots[0].name = "x"; }, "robot 0 'x': its root model has another name: 'm1'"},
       {[](auto& w) { w.robots[0].drive.wheelbase = 0.0; }, "robot 0 'm1': its wheelbase is not a positive number"},
-      {[](auto& w) { w.robots[0].drive.velocity.x = {1.0, -1.0}; }, "robot 0 'm1': its velocity bounds are not intervals"},
+      {[](auto& w) {
+         w.robots[0].drive.velocity.x = {1.0, -1.0};
+       },
+       "robot 0 'm1': its velocity bounds are not intervals"},
       {[](auto& w) { w.robots[0].drive.velocity.x.max = kInfinity; },
        "robot 0 'm1': its velocity bounds are not intervals"},
       {[](auto& w) { w.robots[0].drive.acceleration.y.min = 1.0; },
@@ -79,7 +85,9 @@ TEST(Validate, NamesWhatIsWrong) {
        "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
       {[](auto& w) { w.robots[0].rangers[0].sensors[0].X_MS.x = kNan; },
        "robot 0 'm1': ranger 'ranger:0': the pose of a sensor is not finite or too far away"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].range = {-1.0, 1.0}; },
+      {[](auto& w) {
+         w.robots[0].rangers[0].sensors[0].range = {-1.0, 1.0};
+       },
        "robot 0 'm1': ranger 'ranger:0': the range of a sensor is not an interval from 0 up"},
       {[](auto& w) { w.robots[0].rangers[0].sensors[0].fov = -0.1; },
        "robot 0 'm1': ranger 'ranger:0': the fov of a sensor is not finite or negative"},

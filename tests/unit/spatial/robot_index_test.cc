@@ -13,7 +13,9 @@ std::vector<RobotId> Find(const RobotIndex& index, const Rectangle& box) {
   return result;
 }
 
-Rectangle Around(double x, double y) { return {x - 0.01, y - 0.01, x + 0.01, y + 0.01}; }
+Rectangle Around(double x, double y) {
+  return {x - 0.01, y - 0.01, x + 0.01, y + 0.01};
+}
 
 TEST(RobotIndex, IsEmptyWithoutRobots) {
   const Scene scene{WorldDescription{}};

@@ -7,7 +7,9 @@
 namespace troupe {
 namespace {
 
-ConvexPiece PieceAt(const Rectangle& r) { return {test::Box(r.min_x, r.min_y, r.max_x, r.max_y), {0.0, 1.0}, {}, true, 1.0}; }
+ConvexPiece PieceAt(const Rectangle& r) {
+  return {test::Box(r.min_x, r.min_y, r.max_x, r.max_y), {0.0, 1.0}, {}, true, 1.0};
+}
 
 std::vector<std::uint32_t> Find(const StaticIndex& index, const Rectangle& box) {
   std::vector<std::uint32_t> result;

@@ -25,7 +25,9 @@ TEST(TimeOfContact, MeetsAWallOnAStraightLine) {
   EXPECT_FALSE(Sweep({.vx = -2.0}, 1.0, Box(1.5, -1, 2, 1)));
 }
 
-TEST(TimeOfContact, ReachingAWallExactlyIsFree) { EXPECT_FALSE(Sweep({.vx = 1.0}, 1.0, Box(1.5, -1, 2, 1))); }
+TEST(TimeOfContact, ReachingAWallExactlyIsFree) {
+  EXPECT_FALSE(Sweep({.vx = 1.0}, 1.0, Box(1.5, -1, 2, 1)));
+}
 
 TEST(TimeOfContact, WithoutMotionIsFree) {
   EXPECT_FALSE(Sweep({}, 1.0, kBody));
@@ -123,10 +125,14 @@ TEST_F(FirstContactTest, RespectsHeights) {
     ZRange z;
     bool meets;
   } cases[] = {
-      {"below", {-1.0, 0.1}, false},       {"above", {0.9, 2.0}, false},
-      {"touching below", {0.0, 0.2}, false}, {"touching above", {0.7, 1.0}, false},
-      {"reaching in from below", {0.0, 0.3}, true}, {"reaching in from above", {0.6, 2.0}, true},
-      {"containing", {0.0, 2.0}, true},    {"contained", {0.3, 0.4}, true},
+      {"below", {-1.0, 0.1}, false},
+      {"above", {0.9, 2.0}, false},
+      {"touching below", {0.0, 0.2}, false},
+      {"touching above", {0.7, 1.0}, false},
+      {"reaching in from below", {0.0, 0.3}, true},
+      {"reaching in from above", {0.6, 2.0}, true},
+      {"containing", {0.0, 2.0}, true},
+      {"contained", {0.3, 0.4}, true},
       {"equal", {0.2, 0.7}, true},
   };
   for (const auto& c : cases) {

@@ -1,0 +1,59 @@
+// Fans of rays in a cave. Argument: number of robots.
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/cave_world.h"
+#include "common/spatial/ray_cast.h"
+
+namespace troupe {
+namespace {
+
+constexpr int kRays = 180;
+
+std::vector<double> Bearings() {
+  std::vector<double> bearings;
+  for (int i = 0; i < kRays; ++i) bearings.push_back(kPi * (i / (kRays - 1.0) - 0.5));
+  return bearings;
+}
+
+// Moves on to another robot's place in each iteration.
+template <typename Cast>
+void Run(benchmark::State& state, Cast cast) {
+  const Scene scene(bench::CaveWorld(static_cast<std::size_t>(state.range(0)), 12));
+  const WorldState world_state = InitialState(scene.world());
+  RobotIndex robots(scene);
+  robots.Assign(world_state);
+  const std::vector<double> bearings = Bearings();
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const RobotId robot(i++ % world_state.robots.size());
+    cast(scene, robots, world_state.robots[robot.index()].X_WR, bearings, robot);
+  }
+  state.counters["rays"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * kRays, benchmark::Counter::kIsRate);
+  state.counters["rectangles"] = static_cast<double>(scene.static_index().pieces().size());
+  state.counters["robots"] = static_cast<double>(world_state.robots.size());
+}
+
+void BM_Fan(benchmark::State& state) {
+  std::vector<std::optional<RayHit>> hits;
+  Run(state, [&](const Scene& scene, const RobotIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
+                 RobotId self) {
+    CastFan(scene, robots, X_WR.translation(), X_WR.heading, bearings, 0.2, 8.0, self, hits);
+    benchmark::DoNotOptimize(hits.data());
+  });
+}
+BENCHMARK(BM_Fan)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
+
+void BM_SingleRays(benchmark::State& state) {
+  Run(state, [](const Scene& scene, const RobotIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
+                RobotId self) {
+    for (double bearing : bearings) {
+      const SinCosResult trig = SinCos(X_WR.heading + bearing);
+      benchmark::DoNotOptimize(CastRay(scene, robots, X_WR.translation(), {trig.cos, trig.sin}, 0.2, 8.0, self));
+    }
+  });
+}
+BENCHMARK(BM_SingleRays)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace troupe

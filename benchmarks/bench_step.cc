@@ -1,0 +1,85 @@
+// Steps of a whole world.
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/cave_world.h"
+#include "world-service/core/step.h"
+
+namespace troupe {
+namespace {
+
+// Drives that turn away after a stall; the twist changes now and then.
+std::vector<Proposal> Proposals(const WorldState& state) {
+  std::vector<Proposal> proposals;
+  for (std::size_t i = 0; i < state.robots.size(); ++i) {
+    const std::uint64_t period = state.tick / 16;
+    Twist twist{.vx = 0.5, .vy = 0.0, .wz = 2.0 * RandomUniform({i, period}) - 1.0};
+    if (state.robots[i].stalled) twist.vx = -0.3;
+    proposals.push_back({RobotId(i), twist});
+  }
+  return proposals;
+}
+
+void Run(benchmark::State& state, const Scene& scene) {
+  WorldState world_state = InitialState(scene.world());
+  std::int64_t stalls = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const std::vector<Proposal> proposals = Proposals(world_state);
+    state.ResumeTiming();
+    world_state = Step(scene, world_state, proposals).state;
+    for (const RobotState& robot : world_state.robots) stalls += robot.stalled;
+  }
+  state.counters["robots"] = static_cast<double>(world_state.robots.size());
+  state.counters["stalled"] = benchmark::Counter(static_cast<double>(stalls), benchmark::Counter::kAvgIterations);
+}
+
+// Robots among rock: arguments robots, blocks of each.
+void BM_StepInCave(benchmark::State& state) {
+  Run(state, Scene(bench::CaveWorld(static_cast<std::size_t>(state.range(0)), static_cast<int>(state.range(1)))));
+}
+BENCHMARK(BM_StepInCave)->Args({100, 1})->Args({100, 12})->Unit(benchmark::kMicrosecond);
+
+// Robots three metres from each other on an empty plane.
+void BM_StepSparse(benchmark::State& state) {
+  WorldDescription world = bench::CaveWorld(1, static_cast<int>(state.range(1)));
+  world.shapes[0].rectangles.clear();
+  const ModelDescription model = world.models[1];
+  const RobotDescription robot = world.robots[0];
+  world.models.resize(1);
+  world.robots.clear();
+  const auto width = static_cast<std::int64_t>(std::sqrt(static_cast<double>(state.range(0))));
+  for (std::int64_t i = 0; i < state.range(0); ++i) {
+    world.models.push_back(model);
+    world.models.back().name = "r" + std::to_string(i);
+    world.models.back().X_PM = {3.0 * static_cast<double>(i % width), 3.0 * static_cast<double>(i / width), 0.0, 0.0};
+    world.robots.push_back(robot);
+    world.robots.back().name = world.models.back().name;
+    world.robots.back().root = ModelId(world.models.size() - 1);
+  }
+  Run(state, Scene(world));
+}
+BENCHMARK(BM_StepSparse)->Args({100, 12})->Args({10'000, 1})->Unit(benchmark::kMicrosecond);
+
+// Loading: the index over a large map. Argument: rectangles.
+void BM_BuildScene(benchmark::State& state) {
+  WorldDescription world;
+  ModelDescription map;
+  map.name = "map";
+  world.models = {map};
+  world.shapes.resize(1);
+  const auto width = static_cast<std::int64_t>(std::sqrt(static_cast<double>(state.range(0))));
+  for (std::int64_t i = 0; i < state.range(0); ++i) {
+    const double x = 0.2 * static_cast<double>(i % width);
+    const double y = 0.2 * static_cast<double>(i / width);
+    world.shapes[0].rectangles.push_back({x, y, x + 0.15, y + 0.1});
+  }
+  world.shapes[0].rectangles_z = {0.0, 1.0};
+  for (auto _ : state) {
+    const Scene scene(world);
+    benchmark::DoNotOptimize(&scene);
+  }
+}
+BENCHMARK(BM_BuildScene)->Arg(1000)->Arg(200'000)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace troupe
