@@ -40,7 +40,8 @@ TEST(RobotIndexProperty, QueryMissesNoRobotWhileTheyMove) {
     RandomStream random(seed + 5'000'000);
     double half_width = random.Uniform(2.0, 30.0);
     test::TestWorld test;
-    for (std::size_t i = 0; i < 1 + random.Index(80); ++i) {
+    const std::size_t count = 1 + random.Index(80);
+    for (std::size_t i = 0; i < count; ++i) {
       test.AddRobot(test::RandomStar(random, Vec2::Zero(), 0.1, 0.4), {0.0, 1.0}, RandomPose(random, half_width));
     }
     const Scene scene(test.world);

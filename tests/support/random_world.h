@@ -85,7 +85,8 @@ inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::
       shape.rectangles_z = RandomHeights(random);
     } else {
       std::vector<Block> blocks;
-      for (std::size_t k = 0; k <= random.Index(2); ++k) {
+      const std::size_t count = 1 + random.Index(2);
+      for (std::size_t k = 0; k < count; ++k) {
         blocks.push_back({RandomStar(random, {0.4 * static_cast<double>(k), 0.0}, 0.1, 0.8), RandomHeights(random)});
       }
       id = test.AddModel(std::move(blocks), RandomPose(random, half_width));
@@ -112,12 +113,16 @@ inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::
     for (int attempt = 0; attempt < 200 && collides(); ++attempt) X_WR = RandomPose(random, half_width);
     if (collides()) continue;
     taken.push_back({X_WR.translation(), kRadius});
-    const RobotId robot = test.AddRobot(RandomStar(random, Vec2::Zero(), 0.1, 0.3), RandomHeights(random), X_WR);
-    const ModelId root = test.world.robot(robot).root;
+    // Drawn one after another: the order in which a call's arguments are evaluated is the compiler's choice.
+    const Polygon outline = RandomStar(random, Vec2::Zero(), 0.1, 0.3);
+    const ZRange heights = RandomHeights(random);
+    const ModelId root = test.world.robot(test.AddRobot(outline, heights, X_WR)).root;
     RandomizeReturns(random, test.model(root));
-    for (std::size_t k = 0; k < random.Index(3); ++k) {
-      const ModelId child = test.AddModel(RandomStar(random, Vec2::Zero(), 0.05, 0.2), RandomHeights(random),
-                                          RandomPose(random, 0.2), root);
+    const std::size_t children = random.Index(3);
+    for (std::size_t k = 0; k < children; ++k) {
+      const Polygon child_outline = RandomStar(random, Vec2::Zero(), 0.05, 0.2);
+      const ZRange child_heights = RandomHeights(random);
+      const ModelId child = test.AddModel(child_outline, child_heights, RandomPose(random, 0.2), root);
       RandomizeReturns(random, test.model(child));
     }
   }
