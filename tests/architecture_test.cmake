@@ -33,7 +33,8 @@ set(may_include_robot-agent common/base common/command_line common/dds robot-age
 
 set(may_include_launcher
   common/base common/command_line common/dds common/geometry common/model common/picture common/protocol
-  common/spatial common/worldfile robot-agent/agent robot-agent/sensors world-service/core world-service/service)
+  common/spatial common/worldfile robot-agent/agent robot-agent/controller robot-agent/sensors world-service/core
+  world-service/service)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users launcher/session_table.h launcher/top_command.cc robot-agent/main.cc world-service/main.cc)
