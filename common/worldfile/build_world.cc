@@ -33,8 +33,8 @@ void ReadUnits(PropertyReader& reader, Units& units) {
 void ReadWorldProperties(PropertyReader& reader, LoadedWorld& loaded) {
   const std::string file = std::filesystem::path(reader.entity().where.file).filename().string();
   loaded.world.name = reader.Text("name", file);
-  loaded.world.interval_ns = std::llround(reader.Number("interval_sim", 100.0, 0.001, 3'600'000.0) * 1e6);
-  const double quit_seconds = reader.Number("quit_time", 0.0, 0.0);
+  loaded.world.interval_ns = std::llround(reader.Number("interval_sim", 100.0, 0.001, 1'000'000.0) * 1e6);
+  const double quit_seconds = reader.Number("quit_time", 0.0, 0.0, 1e9);
   if (quit_seconds > 0.0) {
     const std::int64_t quit_ns = std::llround(quit_seconds * 1e9);
     loaded.settings.ticks =

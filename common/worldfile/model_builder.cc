@@ -81,6 +81,11 @@ void ModelBuilder::BuildModel(const Entity& entity, const std::string& name, con
   if (parent != nullptr) X_PM.z += parent->stack_height;
   const Pose X_WM = parent != nullptr ? parent->X_WP * X_PM : X_PM;
 
+  if (!IsWithinReach(X_PM) || !IsWithinReach(X_WM)) {
+    context_.diagnostics.Fail(reader.Where("pose"), "found a model beyond 1000 km, expected it nearer");
+    return;
+  }
+
   const bool is_position = entity.type == "position";
   const bool in_robot = parent != nullptr && parent->robot;
   if (is_position && parent != nullptr && !in_robot) {
@@ -97,7 +102,7 @@ void ModelBuilder::BuildModel(const Entity& entity, const std::string& name, con
   model.gripper_return = reader.Flag("gripper_return", false);
   model.fiducial_return =
       static_cast<std::int32_t>(reader.Integer("fiducial_return", 0, -1'000'000'000, 1'000'000'000));
-  model.shape = context_.shapes.Add(map ? RosMapShape(*map, size, origin)
+  model.shape = context_.shapes.Add(map ? RosMapShape(reader, *map, size, origin)
                                         : ReadModelShape(reader, *type, size, origin, context_));
   WarnIfNotSimulated(entity, *type);
   WarnIfSeenButNotHit(reader, model);

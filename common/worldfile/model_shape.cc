@@ -1,6 +1,7 @@
 #include "common/worldfile/model_shape.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/worldfile/block_reader.h"
 #include "common/worldfile/file_lookup.h"
@@ -75,6 +76,33 @@ void DropFlatBlocks(Shape& shape) {
   std::erase_if(shape.blocks, [](const Block& block) { return !(block.z.max - block.z.min > kTouchTolerance); });
 }
 
+bool IsWithinReach(const ZRange& z) {
+  return std::max(std::fabs(z.min), std::fabs(z.max)) <= kMaxMagnitude;
+}
+
+bool IsUsable(const Rectangle& r) {
+  return r.min_x < r.max_x && r.min_y < r.max_y &&
+         std::max({std::fabs(r.min_x), std::fabs(r.min_y), std::fabs(r.max_x), std::fabs(r.max_y)}) <= kMaxMagnitude;
+}
+
+// Moves the finished body to its place in the model, and makes sure that it can be there.
+void Place(PropertyReader& reader, const Pose& origin, Shape& shape) {
+  const std::string culprit = reader.entity().Find("origin") != nullptr ? "origin" : "size";
+  const auto fail = [&](const std::string& fault) {
+    reader.diagnostics().Fail(reader.Where(culprit), "found a body that cannot be: " + fault);
+  };
+  MoveByOrigin(origin, shape);
+  DropFlatBlocks(shape);
+  for (Block& block : shape.blocks) {
+    if (const std::string fault = Normalize(block.outline); !fault.empty()) return fail(fault);
+    if (!IsWithinReach(block.z)) return fail("its height is beyond 1000 km");
+  }
+  for (const Rectangle& rectangle : shape.rectangles) {
+    if (!IsUsable(rectangle)) return fail("a pixel of its bitmap has no area, or is beyond 1000 km");
+  }
+  if (!IsWithinReach(shape.rectangles_z)) return fail("its height is beyond 1000 km");
+}
+
 }  // namespace
 
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) {
@@ -105,14 +133,14 @@ std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) 
   return map;
 }
 
-Shape RosMapShape(const RosMap& map, const Size& size, const Pose& origin) {
+Shape RosMapShape(PropertyReader& reader, const RosMap& map, const Size& size, const Pose& origin) {
   Shape shape;
   for (const PixelRectangle& r : map.pixels->rectangles) {
     shape.rectangles.push_back(
         {r.x0 * map.resolution, r.y0 * map.resolution, r.x1 * map.resolution, r.y1 * map.resolution});
   }
   if (!shape.rectangles.empty()) shape.rectangles_z = {0.0, size.z};
-  MoveByOrigin(origin, shape);
+  Place(reader, origin, shape);
   return shape;
 }
 
@@ -137,14 +165,7 @@ Shape ReadModelShape(PropertyReader& reader, const TypeDefaults& type, const Siz
     return {};
   }
   if (has_blocks) ScaleToSize(size, shape);
-  MoveByOrigin(origin, shape);
-  DropFlatBlocks(shape);
-  for (Block& block : shape.blocks) {
-    if (const std::string fault = Normalize(block.outline); !fault.empty()) {
-      reader.diagnostics().Fail(reader.Where("size"), "found a size that leaves a block unusable: " + fault);
-      return {};
-    }
-  }
+  Place(reader, origin, shape);
   return shape;
 }
 

@@ -21,7 +21,7 @@ struct RosMap {
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context);
 
 // The map's body: walls of the model's height, the image's lower left corner at the model's pose.
-Shape RosMapShape(const RosMap& map, const Size& size, const Pose& origin);
+Shape RosMapShape(PropertyReader& reader, const RosMap& map, const Size& size, const Pose& origin);
 
 // The body of the reader's model in its frame M. `origin` is the body's pose in M.
 Shape ReadModelShape(PropertyReader& reader, const TypeDefaults& type, const Size& size, const Pose& origin,

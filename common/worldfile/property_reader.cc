@@ -24,6 +24,10 @@ std::vector<Value::Scalar> ScalarsOf(const Value& value) {
 
 }  // namespace
 
+bool IsWithinReach(const Pose& pose) {
+  return std::max({std::fabs(pose.x), std::fabs(pose.y), std::fabs(pose.z)}) <= kMaxMagnitude;
+}
+
 double Units::Angle(double value) const {
   return degrees ? DegreesToRadians(value) : value;
 }
@@ -42,7 +46,7 @@ const SourceLocation& PropertyReader::Where(const std::string& name) const {
   return property != nullptr ? property->value.where : entity_.where;
 }
 
-std::optional<double> PropertyReader::ToNumber(const Property& property, const Value::Scalar& scalar) {
+std::optional<double> PropertyReader::ToNumber(const Property& property, const Value::Scalar& scalar, double limit) {
   double value = 0.0;
   if (const auto* number = std::get_if<Value::Number>(&scalar)) {
     value = number->value;
@@ -55,15 +59,15 @@ std::optional<double> PropertyReader::ToNumber(const Property& property, const V
       return std::nullopt;
     }
   }
-  if (std::fabs(value) > kMaxMagnitude) {
+  if (std::fabs(value) > limit) {
     diagnostics_.Fail(property.value.where, "found " + Quoted(TextOf(scalar)) + " for " + Quoted(property.name) +
-                                                ", expected a number of at most " + NumberText(kMaxMagnitude));
+                                                ", expected a number of at most " + NumberText(limit));
     return std::nullopt;
   }
   return value;
 }
 
-std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& name, std::size_t count) {
+std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& name, std::size_t count, double limit) {
   const Property* property = Use(name);
   if (property == nullptr) return std::nullopt;
   const std::vector<Value::Scalar> scalars = ScalarsOf(property->value);
@@ -78,7 +82,7 @@ std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& na
   }
   std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<double> number = ToNumber(*property, scalars[i]);
+    const std::optional<double> number = ToNumber(*property, scalars[i], limit);
     if (!number) return std::nullopt;
     numbers.push_back(*number);
   }
@@ -86,13 +90,12 @@ std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& na
 }
 
 double PropertyReader::Number(const std::string& name, double otherwise, double min, double max) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 1);
+  const std::optional<std::vector<double>> numbers = Numbers(name, 1, std::max(kMaxMagnitude, max));
   if (!numbers) return otherwise;
   const double value = numbers->front();
   if (value >= min && value <= max) return value;
-  const std::string range =
-      max >= kMaxMagnitude ? "at least " + NumberText(min) : NumberText(min) + " to " + NumberText(max);
-  diagnostics_.Fail(Where(name), "found " + NumberText(value) + " for " + Quoted(name) + ", expected " + range);
+  diagnostics_.Fail(Where(name), "found " + NumberText(value) + " for " + Quoted(name) + ", expected " +
+                                     NumberText(min) + " to " + NumberText(max));
   return otherwise;
 }
 
@@ -103,7 +106,8 @@ double PropertyReader::Length(const std::string& name, double otherwise) {
 
 std::int64_t PropertyReader::Integer(const std::string& name, std::int64_t otherwise, std::int64_t min,
                                      std::int64_t max) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 1);
+  const std::optional<std::vector<double>> numbers =
+      Numbers(name, 1, std::max(kMaxMagnitude, static_cast<double>(max)));
   if (!numbers) return otherwise;
   const double whole = std::trunc(numbers->front());
   if (whole != numbers->front()) {

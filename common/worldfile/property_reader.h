@@ -23,8 +23,12 @@ struct Units {
   double Angle(double value) const;  // to radians
 };
 
-// Numbers of world files beyond this are mistakes; up to here nothing that is computed from them overflows.
-inline constexpr double kMaxMagnitude = 1e9;
+// Numbers of world files beyond this are mistakes: a world's coordinates, sizes and speeds have this limit, too
+// (common/model/world_description.h). Properties of other kinds may allow more.
+inline constexpr double kMaxMagnitude = 1e6;
+
+// True if the pose is within kMaxMagnitude, which poses made from others need not be.
+bool IsWithinReach(const Pose& pose);
 
 class PropertyReader {
  public:
@@ -47,8 +51,8 @@ class PropertyReader {
   bool Flag(const std::string& name, bool otherwise);  // 0 or not 0
   std::string Text(const std::string& name, const std::string& otherwise);
 
-  // Exactly `count` numbers without unit; nothing if the property is not there, or wrong.
-  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count);
+  // Exactly `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or wrong.
+  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count, double limit = kMaxMagnitude);
   // Every value as text; empty if the property is not there.
   std::vector<std::string> Texts(const std::string& name);
   // [x y z heading], to m and radians.
@@ -58,7 +62,7 @@ class PropertyReader {
   std::vector<const Property*> Unused() const;
 
  private:
-  std::optional<double> ToNumber(const Property& property, const Value::Scalar& scalar);
+  std::optional<double> ToNumber(const Property& property, const Value::Scalar& scalar, double limit);
 
   const Entity& entity_;
   const Units& units_;

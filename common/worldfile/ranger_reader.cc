@@ -56,6 +56,9 @@ RaySensorDescription ReadSensor(const Entity& entity, const Pose& origin, const 
   const Pose pose = reader.ReadPose("pose").value_or(Pose{});
   sensor.X_MS = origin * pose;
   sensor.X_MS.z += 0.5 * height;  // rays leave from half the sensor's height
+  if (!IsWithinReach(sensor.X_MS)) {
+    diagnostics.Fail(reader.Where("pose"), "found a sensor beyond 1000 km, expected it nearer");
+  }
   sensor.range = ReadRange(reader, sensor.range);
   sensor.fov = ReadFov(reader, sensor.fov);
   sensor.samples = static_cast<std::uint32_t>(reader.Integer("samples", 1, 1, kMaxSamples));

@@ -74,6 +74,10 @@ LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_W
   localization.type = LocalizationType::kOdometry;
   localization.origin = X_WO ? Inverse(*X_WO) * X_WR : Pose{};
   localization.origin.z = 0.0;
+  if (!IsWithinReach(localization.origin)) {
+    reader.diagnostics().Fail(reader.Where("localization_origin"),
+                              "found an origin beyond 1000 km from the robot, expected it nearer");
+  }
   if (error) {
     localization.error_x = (*error)[0];
     localization.error_y = (*error)[1];

@@ -14,12 +14,12 @@ struct BadWorld {
 
 const BadWorld kBadWorlds[] = {
     {"interval of zero", "interval_sim 0",
-     "w.world:1:14: error: found 0 for 'interval_sim', expected 0.001 to 3600000"},
+     "w.world:1:14: error: found 0 for 'interval_sim', expected 0.001 to 1000000"},
     {"negative interval", "interval_sim -100",
-     "w.world:1:14: error: found -100 for 'interval_sim', expected 0.001 to 3600000"},
+     "w.world:1:14: error: found -100 for 'interval_sim', expected 0.001 to 1000000"},
     {"interval as text", "interval_sim \"fast\"",
      "w.world:1:14: error: found string 'fast' for 'interval_sim', expected a number"},
-    {"negative quit time", "quit_time -1", "w.world:1:11: error: found -1 for 'quit_time', expected at least 0"},
+    {"negative quit time", "quit_time -1", "w.world:1:11: error: found -1 for 'quit_time', expected 0 to 1000000000"},
     {"world name of two values", "name [\"a\" \"b\"]",
      "w.world:1:6: error: found 2 values for 'name', expected one string"},
     {"unknown type", "robot( )",
@@ -52,7 +52,7 @@ const BadWorld kBadWorlds[] = {
     {"pose with text", "model( pose [0 0 \"high\" 0] )",
      "w.world:1:13: error: found string 'high' for 'pose', expected a number"},
     {"pose far away", "model( pose [10000000000 0 0 0] )",
-     "w.world:1:13: error: found '10000000000' for 'pose', expected a number of at most 1000000000"},
+     "w.world:1:13: error: found '10000000000' for 'pose', expected a number of at most 1000000"},
     {"size of two values", "model( size [1 1] )", "w.world:1:13: error: found 2 values for 'size', expected 3"},
     {"negative size", "model( size [1 -1 1] )",
      "w.world:1:13: error: found a negative size, expected values of at least 0"},
@@ -61,7 +61,7 @@ const BadWorld kBadWorlds[] = {
     {"infinite size", "model( size [\"inf\" 1 1] )",
      "w.world:1:13: error: found string 'inf' for 'size', expected a number"},
     {"huge size", "model( size [100000000 1 1] )",
-     "w.world:1:13: error: found a size that leaves a block unusable: a coordinate is beyond 1000 km"},
+     "w.world:1:13: error: found '100000000' for 'size', expected a number of at most 1000000"},
     {"origin of three values", "position( origin [-0.04465 0.0 0.0] )",
      "w.world:1:18: error: found 3 values for 'origin', expected 4"},
     {"empty origin", "position( origin [] )", "w.world:1:18: error: found 0 values for 'origin', expected 4"},
@@ -153,7 +153,7 @@ const BadWorld kBadWorlds[] = {
     {"no samples", "position( ranger( sensor( samples 0 ) ) )",
      "w.world:1:35: error: found 0 for 'samples', expected 1 to 100000"},
     {"too many samples", "position( ranger( sensor( samples 1000000000 ) ) )",
-     "w.world:1:35: error: found 1000000000 for 'samples', expected 1 to 100000"},
+     "w.world:1:35: error: found '1000000000' for 'samples', expected a number of at most 1000000"},
     {"noise of one value", "position( ranger( sensor( noise 0.1 ) ) )",
      "w.world:1:33: error: found 1 value for 'noise', expected 3"},
     {"negative noise", "position( ranger( sensor( noise [-1 0 0] ) ) )",
@@ -161,7 +161,7 @@ const BadWorld kBadWorlds[] = {
     {"sensor size of two values", "position( ranger( sensor( size [0.01 0.04] ) ) )",
      "w.world:1:32: error: found 2 values for 'size', expected 3"},
     {"negative update interval", "position( ranger( update_interval -1 ) )",
-     "w.world:1:35: error: found -1 for 'update_interval', expected at least 0"},
+     "w.world:1:35: error: found -1 for 'update_interval', expected 0 to 1000000000"},
 };
 
 TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
@@ -170,6 +170,25 @@ TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
     folder.Write("w.world", world.text);
     EXPECT_EQ(folder.ErrorOf("w.world"), world.message) << world.name;
   }
+}
+
+// Every number is within its limit, but what they add up to is not.
+TEST(BadValues, SumsBeyondReachAreRefused) {
+  WorldFolder folder;
+  const auto error_of = [&](const std::string& text) {
+    folder.Write("w.world", text);
+    return folder.ErrorOf("w.world");
+  };
+  EXPECT_EQ(error_of("model( origin [0 0 1000000 0] )"),
+            "w.world:1:15: error: found a body that cannot be: its height is beyond 1000 km");
+  EXPECT_EQ(error_of("model( origin [1000000 0 0 0] )"),
+            "w.world:1:15: error: found a body that cannot be: a coordinate is beyond 1000 km");
+  EXPECT_EQ(error_of("model( size [1 1 1] model( pose [0 0 1000000 0] ) )"),
+            "w.world:1:33: error: found a model beyond 1000 km, expected it nearer");
+  EXPECT_EQ(error_of("position( ranger( origin [1000000 0 0 0] sensor( pose [1 0 0 0] ) ) )"),
+            "w.world:1:55: error: found a sensor beyond 1000 km, expected it nearer");
+  EXPECT_EQ(error_of("position( pose [1000000 0 0 0] localization \"odom\" localization_origin [-1000000 0 0 0] )"),
+            "w.world:1:72: error: found an origin beyond 1000 km from the robot, expected it nearer");
 }
 
 TEST(BadValues, NamesWithoutEndAreRefused) {

@@ -33,8 +33,9 @@ TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
 }
 
 TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
-  EXPECT_THAT(WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( pose [5 0 0 0] )\n"),
-              ElementsAre("w.world:2:11: warning: 'hand' is only a body: 'gripper' models are not simulated yet"));
+  EXPECT_THAT(
+      WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( pose [5 0 0 0] )\n"),
+      ElementsAre("w.world:2:11: warning: 'hand' is only a body: 'gripper' models are not simulated yet"));
 }
 
 TEST(Warnings, ValuesThatStageTakesInAnotherWayAreNamed) {
