@@ -14,10 +14,10 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // Where the build puts the libraries of library_variants.cc.
-std::string LibraryFolder() { return TEST_LIBRARY_FOLDER; }
+std::string LibraryFolder() { return std::string(TEST_LIBRARY_FOLDER); }
 
 std::string Library(const std::string& variant) {
-  return LibraryFolder() + "/libcontroller_" + variant + ".so";
+  return std::filesystem::path(LibraryFolder()) / ("libcontroller_" + variant + ".so");
 }
 
 std::string ErrorOf(const std::string& path, const std::string& parameters = "{}") {
