@@ -3,8 +3,8 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
-
 
 namespace troupe {
 
@@ -23,6 +23,9 @@ class Id {
 using ModelId = Id<struct ModelTag>;  // in WorldDescription::models
 using RobotId = Id<struct RobotTag>;  // in WorldDescription::robots and WorldState::robots
 using ShapeId = Id<struct ShapeTag>;  // in WorldDescription::shapes
+using JointId = Id<struct JointTag>;  // in WorldDescription::joints and WorldState::joints
+using GripperId = Id<struct GripperTag>;  // in WorldDescription::grippers and WorldState::grippers
+using ObjectId = Id<struct ObjectTag>;  // in WorldDescription::objects and WorldState::objects
 
 // Tick n is simulated time n * interval. Tick 0 is the world as loaded.
 using Tick = std::uint64_t;

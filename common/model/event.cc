@@ -14,6 +14,16 @@ const char* ToString(EventType type) {
       return "left";
     case EventType::kProposalRejected:
       return "proposal_rejected";
+    case EventType::kBlocked:
+      return "blocked";
+    case EventType::kGripped:
+      return "gripped";
+    case EventType::kReleased:
+      return "released";
+    case EventType::kLanded:
+      return "landed";
+    case EventType::kUnstable:
+      return "unstable";
   }
   return "unknown";
 }

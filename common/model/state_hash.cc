@@ -17,6 +17,27 @@ std::uint64_t StateHash(const WorldState& state) {
     hasher.Add(robot.twist.wz);
     hasher.Add(std::uint64_t{robot.stalled});
   }
+  for (const JointState& joint : state.joints) {
+    hasher.Add(joint.position);
+    hasher.Add(joint.velocity);
+    hasher.Add(std::uint64_t{joint.blocked});
+  }
+  const auto add_id = [&](const auto& id) { hasher.Add(std::uint64_t{id ? id->index() + 1 : 0}); };
+  for (const GripperState& gripper : state.grippers) {
+    add_id(gripper.left_contact);
+    add_id(gripper.right_contact);
+    add_id(gripper.clamped);
+  }
+  for (const ObjectState& object : state.objects) {
+    hasher.Add(object.X_WO.x);
+    hasher.Add(object.X_WO.y);
+    hasher.Add(object.X_WO.z);
+    hasher.Add(object.X_WO.heading);
+    hasher.Add(static_cast<std::uint64_t>(object.mode));
+    hasher.Add(object.fall_speed);
+    add_id(object.holder);
+    add_id(object.support);
+  }
   return hasher.value();
 }
 

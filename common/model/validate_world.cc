@@ -121,6 +121,72 @@ std::string CheckRobot(const WorldDescription& world, std::size_t index) {
   return "";
 }
 
+std::string CheckJoint(const WorldDescription& world, std::size_t index) {
+  const JointDescription& joint = world.joints[index];
+  if (joint.robot.index() >= world.robots.size()) return "it is of a robot that does not exist";
+  if (joint.model.index() >= world.models.size()) return "its model does not exist";
+  if (index > 0 && joint.model <= world.joints[index - 1].model) return "it is not in the order of the models";
+  const ModelId root = world.robot(joint.robot).root;
+  if (joint.model == root || !IsInTree(world, joint.model, root)) return "its model is not below its robot's root";
+  if (joint.name.empty()) return "it has no name";
+  if (!AreUsable({joint.axis_xy.x(), joint.axis_xy.y(), joint.axis_z}) ||
+      std::abs(joint.axis_xy.squaredNorm() + joint.axis_z * joint.axis_z - 1.0) > 1e-9) {
+    return "its axis is not a unit vector";
+  }
+  if (joint.type == JointType::kRevolute && joint.axis_z != 1.0) return "it turns about an axis that is not vertical";
+  if (!IsUsable(joint.position)) return "its limits are not an interval";
+  if (!(joint.start >= joint.position.min && joint.start <= joint.position.max)) {
+    return "its start is not within its limits";
+  }
+  if (!AreUsable({joint.max_speed}) || joint.max_speed < 0.0) return "its speed is not finite or negative";
+  return "";
+}
+
+bool IsMovedBy(const WorldDescription& world, ModelId model, JointId joint) {
+  return IsInTree(world, model, world.joint(joint).model);
+}
+
+std::string CheckGripper(const WorldDescription& world, std::size_t index) {
+  const GripperDescription& gripper = world.grippers[index];
+  if (gripper.robot.index() >= world.robots.size()) return "it is of a robot that does not exist";
+  for (ModelId model : {gripper.model, gripper.left_pad, gripper.right_pad}) {
+    if (model.index() >= world.models.size() || !IsInTree(world, model, world.robot(gripper.robot).root)) {
+      return "one of its models is not its robot's";
+    }
+  }
+  if (index > 0 && gripper.model <= world.grippers[index - 1].model) return "it is not in the order of the models";
+  for (JointId joint : {gripper.left, gripper.right, gripper.lift.value_or(gripper.left)}) {
+    if (joint.index() >= world.joints.size() || world.joint(joint).robot != gripper.robot) {
+      return "one of its joints is not its robot's";
+    }
+  }
+  if (gripper.left == gripper.right || gripper.lift == gripper.left || gripper.lift == gripper.right) {
+    return "one joint has two parts in it";
+  }
+  if (!IsMovedBy(world, gripper.left_pad, gripper.left) || !IsMovedBy(world, gripper.right_pad, gripper.right)) {
+    return "a finger does not move its pad";
+  }
+  if (gripper.lift && !IsMovedBy(world, gripper.model, *gripper.lift)) return "its lift does not move it";
+  for (const BreakBeam& beam : gripper.beams) {
+    if (!AreUsable({beam.from.x(), beam.from.y(), beam.to.x(), beam.to.y(), beam.z})) {
+      return "one of its beams is not finite or too long";
+    }
+  }
+  return "";
+}
+
+std::string CheckObject(const WorldDescription& world, std::size_t index) {
+  const ModelId object = world.objects[index];
+  if (object.index() >= world.models.size()) return "its model does not exist";
+  if (index > 0 && object <= world.objects[index - 1]) return "it is not in order";
+  const ModelDescription& model = world.model(object);
+  if (model.parent || !model.gripper_return) return "it has a parent or no gripper_return";
+  for (const RobotDescription& robot : world.robots) {
+    if (robot.root == object) return "it is a robot";
+  }
+  return "";
+}
+
 Status Problem(const std::string& what) {
   return Error{.where = {}, .message = what};
 }
@@ -145,6 +211,21 @@ Status Validate(const WorldDescription& world) {
     const std::string problem = CheckRobot(world, i);
     if (!problem.empty()) return Problem("robot " + std::to_string(i) + " '" + world.robots[i].name + "': " + problem);
   }
+  for (std::size_t i = 0; i < world.joints.size(); ++i) {
+    const std::string problem = CheckJoint(world, i);
+    if (!problem.empty()) return Problem("joint " + std::to_string(i) + " '" + world.joints[i].name + "': " + problem);
+  }
+  for (std::size_t i = 0; i < world.grippers.size(); ++i) {
+    const std::string problem = CheckGripper(world, i);
+    if (!problem.empty()) {
+      return Problem("gripper " + std::to_string(i) + " '" + world.grippers[i].name + "': " + problem);
+    }
+  }
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const std::string problem = CheckObject(world, i);
+    if (!problem.empty()) return Problem("object " + std::to_string(i) + ": " + problem);
+  }
+  if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");
   return std::nullopt;
 }
 

@@ -112,6 +112,33 @@ class DescriptionHasher {
     Add(robot.controller.name);
     Add(robot.controller.parameters);
   }
+  void Add(const JointDescription& joint) {
+    Add(joint.name);
+    Add(std::uint64_t{joint.robot.index()});
+    Add(std::uint64_t{joint.model.index()});
+    Add(static_cast<std::uint64_t>(joint.type));
+    Add(joint.axis_xy);
+    Add(joint.axis_z);
+    Add(joint.position);
+    Add(joint.start);
+    Add(joint.max_speed);
+  }
+  void Add(const BreakBeam& beam) {
+    Add(beam.from);
+    Add(beam.to);
+    Add(beam.z);
+  }
+  void Add(const GripperDescription& gripper) {
+    Add(gripper.name);
+    for (std::size_t index : {gripper.robot.index(), gripper.model.index(), gripper.left.index(), gripper.right.index(),
+                              gripper.left_pad.index(), gripper.right_pad.index()}) {
+      Add(std::uint64_t{index});
+    }
+    Add(std::uint64_t{gripper.lift ? gripper.lift->index() + 1 : 0});
+    AddAll(gripper.beams);
+    Add(std::uint64_t{gripper.autosnatch});
+  }
+  void Add(ModelId model) { Add(std::uint64_t{model.index()}); }
   template <typename T>
   void AddAll(const std::vector<T>& values) {
     Add(std::uint64_t{values.size()});
@@ -133,6 +160,10 @@ std::uint64_t Hash(const WorldDescription& world) {
   hasher.AddAll(world.shapes);
   hasher.AddAll(world.models);
   hasher.AddAll(world.robots);
+  hasher.AddAll(world.joints);
+  hasher.AddAll(world.grippers);
+  hasher.AddAll(world.objects);
+  hasher.Add(world.gravity);
   return hasher.value();
 }
 

@@ -4,7 +4,10 @@
 // Invariants (Validate checks them):
 // - a model's parent has a smaller id than the model;
 // - names are unique and not empty; numbers are finite and within +-1e6; outlines are normalized (geometry/polygon.h);
-// - robots are in the order of their root models; a robot's root has no parent (its tree moves freely).
+// - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
+// - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
+// - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
+// - objects are in order, have gripper_return and no parent, and are not the roots of robots.
 #pragma once
 
 #include <cstdint>
@@ -129,6 +132,50 @@ struct RangerDescription {
   bool operator==(const RangerDescription&) const = default;
 };
 
+enum class JointType : std::uint8_t {
+  kPrismatic,  // shifts the model along the axis
+  kRevolute,   // turns it about the vertical through its origin
+};
+
+// One degree of freedom of a robot: its model, with everything below, moves relative to the parent. At position q the
+// model's pose is X_PM * (a shift by q * axis, or a turn by q).
+struct JointDescription {
+  std::string name;       // the model's name without the robot's: "gripper.lift"
+  RobotId robot;
+  ModelId model;          // in the robot's tree, not its root
+  JointType type = JointType::kPrismatic;
+  Vec2 axis_xy{0.0, 0.0};  // with axis_z a unit vector in the model's frame; revolute: (0, 0, 1)
+  double axis_z = 1.0;
+  Interval position;      // limits, m or rad
+  double start = 0.0;     // position at load
+  double max_speed = 1.0; // m/s or rad/s, to both sides
+  bool operator==(const JointDescription&) const = default;
+};
+
+// A light across the gap of a gripper: broken when an object is between its ends.
+struct BreakBeam {
+  Vec2 from{0.0, 0.0};  // m, in frame G
+  Vec2 to{0.0, 0.0};
+  double z = 0.0;
+  bool operator==(const BreakBeam&) const = default;
+};
+
+// Two fingers that close on an object, and perhaps a lift that raises them. Finger joints are at their minimum when
+// open and move up towards each other. Frame G: the model that the fingers are mounted on.
+struct GripperDescription {
+  std::string name;             // the model's name without the robot's
+  RobotId robot;
+  ModelId model;                // frame G; moved by the lift
+  JointId left;
+  JointId right;
+  ModelId left_pad;             // what must touch an object to hold it; moved by the left finger
+  ModelId right_pad;
+  std::optional<JointId> lift = {};  // 0 percent is its minimum, 100 percent its maximum
+  std::vector<BreakBeam> beams;
+  bool autosnatch = false;      // closes by itself when a beam is broken, and opens when none is
+  bool operator==(const GripperDescription&) const = default;
+};
+
 struct ControllerDescription {
   std::string name = "idle";       // a built-in controller, or the path of a shared library
   std::string parameters = "{}";   // a JSON object
@@ -152,11 +199,17 @@ struct WorldDescription {
   std::vector<Shape> shapes;
   std::vector<ModelDescription> models;
   std::vector<RobotDescription> robots;
+  std::vector<JointDescription> joints;
+  std::vector<GripperDescription> grippers;
+  std::vector<ModelId> objects;  // what grippers may take and what may fall: each the root of a tree that moves as one
+  double gravity = 9.81;         // m/s^2; 0: what is let go stays in the air
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
   const Shape& shape(ShapeId id) const { return shapes[id.index()]; }
   const RobotDescription& robot(RobotId id) const { return robots[id.index()]; }
+  const JointDescription& joint(JointId id) const { return joints[id.index()]; }
+  const GripperDescription& gripper(GripperId id) const { return grippers[id.index()]; }
   bool operator==(const WorldDescription&) const = default;
 };
 

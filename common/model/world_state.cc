@@ -8,6 +8,9 @@ WorldState InitialState(const WorldDescription& world) {
   for (const RobotDescription& robot : world.robots) {
     state.robots.push_back({.X_WR = world.model(robot.root).X_PM, .twist = {}, .stalled = false});
   }
+  for (const JointDescription& joint : world.joints) state.joints.push_back({.position = joint.start});
+  state.grippers.resize(world.grippers.size());
+  for (ModelId object : world.objects) state.objects.push_back({.X_WO = world.model(object).X_PM});
   return state;
 }
 

@@ -1,0 +1,19 @@
+// Where the models of a state are: forward kinematics of robots, joints and objects.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/geometry/pose.h"
+#include "common/model/world_description.h"
+#include "common/model/world_state.h"
+
+namespace troupe {
+
+// How far position `q` (m or rad) of the joint moves its model: X_PM(q) = X_PM * JointMotion(q).
+Pose JointMotion(const JointDescription& joint, double q);
+
+// Poses of all models in a state, frame W, in id order. REQUIRES: the state belongs to the world.
+std::vector<Pose> ModelPoses(const WorldDescription& world, const WorldState& state);
+
+}  // namespace troupe
