@@ -6,6 +6,7 @@ namespace {
 constexpr std::int32_t kNone = -1;
 constexpr std::uint8_t kLastDriveType = static_cast<std::uint8_t>(DriveType::kCar);
 constexpr std::uint8_t kLastLocalizationType = static_cast<std::uint8_t>(LocalizationType::kOdometry);
+constexpr std::uint8_t kLastJointType = static_cast<std::uint8_t>(JointType::kRevolute);
 constexpr std::size_t kNumbersOfPoint = 2;
 constexpr std::size_t kNumbersOfRectangle = 4;
 
@@ -169,6 +170,71 @@ Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
   return {};
 }
 
+troupe_wire_Joint ToWire(const JointDescription& joint, WireArena& arena) {
+  troupe_wire_Joint wire{};
+  wire.name = arena.Copy(joint.name);
+  wire.robot = static_cast<std::uint32_t>(joint.robot.index());
+  wire.model = static_cast<std::uint32_t>(joint.model.index());
+  wire.type = static_cast<std::uint8_t>(joint.type);
+  wire.axis_x = joint.axis_xy.x();
+  wire.axis_y = joint.axis_xy.y();
+  wire.axis_z = joint.axis_z;
+  wire.position_min = joint.position.min;
+  wire.position_max = joint.position.max;
+  wire.start = joint.start;
+  wire.max_speed = joint.max_speed;
+  return wire;
+}
+Status FromWire(const troupe_wire_Joint& wire, JointDescription& joint) {
+  joint.name = Text(wire.name);
+  if (wire.type > kLastJointType) {
+    return Error{{}, "joint '" + joint.name + "' with type " + std::to_string(wire.type) + ", expected a known one"};
+  }
+  joint.robot = RobotId(wire.robot);
+  joint.model = ModelId(wire.model);
+  joint.type = static_cast<JointType>(wire.type);
+  joint.axis_xy = {wire.axis_x, wire.axis_y};
+  joint.axis_z = wire.axis_z;
+  joint.position = {wire.position_min, wire.position_max};
+  joint.start = wire.start;
+  joint.max_speed = wire.max_speed;
+  return {};
+}
+
+troupe_wire_Gripper ToWire(const GripperDescription& gripper, WireArena& arena) {
+  troupe_wire_Gripper wire{};
+  wire.name = arena.Copy(gripper.name);
+  wire.robot = static_cast<std::uint32_t>(gripper.robot.index());
+  wire.model = static_cast<std::uint32_t>(gripper.model.index());
+  wire.left = static_cast<std::uint32_t>(gripper.left.index());
+  wire.right = static_cast<std::uint32_t>(gripper.right.index());
+  wire.left_pad = static_cast<std::uint32_t>(gripper.left_pad.index());
+  wire.right_pad = static_cast<std::uint32_t>(gripper.right_pad.index());
+  wire.lift = gripper.lift ? static_cast<std::int32_t>(gripper.lift->index()) : kNone;
+  troupe_wire_BreakBeam* beams = arena.Fill(wire.beams, gripper.beams.size());
+  for (const BreakBeam& beam : gripper.beams) {
+    *beams++ = {beam.from.x(), beam.from.y(), beam.to.x(), beam.to.y(), beam.z};
+  }
+  wire.autosnatch = gripper.autosnatch;
+  return wire;
+}
+Status FromWire(const troupe_wire_Gripper& wire, GripperDescription& gripper) {
+  gripper.name = Text(wire.name);
+  gripper.robot = RobotId(wire.robot);
+  gripper.model = ModelId(wire.model);
+  gripper.left = JointId(wire.left);
+  gripper.right = JointId(wire.right);
+  gripper.left_pad = ModelId(wire.left_pad);
+  gripper.right_pad = ModelId(wire.right_pad);
+  if (wire.lift < kNone) return Error{{}, "gripper '" + gripper.name + "' with lift " + std::to_string(wire.lift)};
+  if (wire.lift != kNone) gripper.lift = JointId(static_cast<std::size_t>(wire.lift));
+  for (const troupe_wire_BreakBeam& beam : Elements(wire.beams)) {
+    gripper.beams.push_back({{beam.from_x, beam.from_y}, {beam.to_x, beam.to_y}, beam.z});
+  }
+  gripper.autosnatch = wire.autosnatch;
+  return {};
+}
+
 }  // namespace
 
 troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
@@ -182,6 +248,13 @@ troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
   for (const ModelDescription& model : world.models) *models++ = ToWire(model, arena);
   troupe_wire_Robot* robots = arena.Fill(wire.robots, world.robots.size());
   for (const RobotDescription& robot : world.robots) *robots++ = ToWire(robot, arena);
+  troupe_wire_Joint* joints = arena.Fill(wire.joints, world.joints.size());
+  for (const JointDescription& joint : world.joints) *joints++ = ToWire(joint, arena);
+  troupe_wire_Gripper* grippers = arena.Fill(wire.grippers, world.grippers.size());
+  for (const GripperDescription& gripper : world.grippers) *grippers++ = ToWire(gripper, arena);
+  std::uint32_t* objects = arena.Fill(wire.objects, world.objects.size());
+  for (ModelId object : world.objects) *objects++ = static_cast<std::uint32_t>(object.index());
+  wire.gravity = world.gravity;
   return wire;
 }
 
@@ -199,6 +272,14 @@ Status FromWire(const troupe_wire_World& wire, WorldDescription& world) {
   for (const troupe_wire_Robot& robot : Elements(wire.robots)) {
     if (Status failed = FromWire(robot, world.robots.emplace_back())) return failed;
   }
+  for (const troupe_wire_Joint& joint : Elements(wire.joints)) {
+    if (Status failed = FromWire(joint, world.joints.emplace_back())) return failed;
+  }
+  for (const troupe_wire_Gripper& gripper : Elements(wire.grippers)) {
+    if (Status failed = FromWire(gripper, world.grippers.emplace_back())) return failed;
+  }
+  for (std::uint32_t object : Elements(wire.objects)) world.objects.emplace_back(object);
+  world.gravity = wire.gravity;
   return Validate(world);
 }
 

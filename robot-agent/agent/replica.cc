@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/model/check_state.h"
+
 namespace troupe {
 namespace {
 
@@ -52,13 +54,7 @@ std::vector<std::string> Replica::RobotNames() const {
 }
 
 std::string Replica::CheckState(const WorldState& state) const {
-  if (state.robots.size() != scene_.world().robots.size()) {
-    return fmt::format("found a state of {} robots, expected {}", state.robots.size(), scene_.world().robots.size());
-  }
-  for (const RobotState& robot : state.robots) {
-    if (!IsFinite(robot.X_WR) || !IsFinite(robot.twist)) return "found a number that is not finite in a state";
-  }
-  return "";
+  return troupe::CheckState(scene_.world(), state);
 }
 
 void Replica::Answer(const WorldState& state, ProposalMessage& answer) {

@@ -24,7 +24,7 @@ class Replica {
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
 
-  // "" if the state has as many robots as the world, all at finite poses; else what is wrong with it.
+  // "" if the state belongs to the world (common/model/check_state.h); else what is wrong with it.
   std::string CheckState(const WorldState& state) const;
 
   // What the agent's robots ask for after `state`: proposals in robot-id order, and controllers that failed just now.

@@ -30,7 +30,7 @@ std::span<const Rejection> ProposalCollector::Take(const Member& member, const P
     }
     std::string wrong = ValidateProposal(world_, state, *proposal);
     if (wrong.empty()) {
-      newest_[robot.index()] = {proposal->twist, message.tick};
+      newest_[robot.index()] = {*proposal, message.tick};
     } else {
       rejections_.push_back({robot, std::move(wrong)});
     }
@@ -43,13 +43,13 @@ std::span<const Rejection> ProposalCollector::Take(const Member& member, const P
 std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
   const Tick next = state.tick + 1;
   for_step_.clear();
-  for (std::size_t i = 0; i < newest_.size(); ++i) {
-    const Newest& newest = newest_[i];
-    const Proposal proposal{RobotId(i), newest.twist};
+  for (const Newest& newest : newest_) {
     const bool in_time = newest.tick == next;
     // What was within the limits a tick ago need not be now: the robot may have stalled.
     const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
-    if (in_time || (kept && ValidateProposal(world_, state, proposal).empty())) for_step_.push_back(proposal);
+    if (in_time || (kept && ValidateProposal(world_, state, newest.proposal).empty())) {
+      for_step_.push_back(newest.proposal);
+    }
   }
   return for_step_;
 }

@@ -32,8 +32,8 @@ class ProposalCollector {
 
  private:
   struct Newest {
-    Twist twist;
-    Tick tick = 0;  // that it was proposed for; 0: none yet
+    Proposal proposal;
+    Tick tick = 0;  // that it is for; 0: none yet
   };
 
   const WorldDescription& world_;

@@ -61,6 +61,11 @@ TEST(ConvertTest, TheHashOfTheWorldSurvives) {
 FrameMessage SomeFrame() {
   FrameMessage frame;
   frame.state.robots.resize(3);
+  frame.state.joints.resize(3);
+  frame.state.grippers.resize(2);
+  frame.state.objects.resize(2);
+  frame.state.objects[1].mode = ObjectMode::kHeld;
+  frame.state.objects[1].holder = GripperId(1);
   frame.events.resize(2);
   return frame;
 }
@@ -71,6 +76,12 @@ struct BadFrame {
 };
 
 TEST(ConvertTest, MalformedFramesAreRefused) {
+  {
+    WireArena arena;
+    FrameMessage message;
+    const Status failed = FromWire(ToWire(SomeFrame(), arena), message);
+    ASSERT_FALSE(failed) << failed->message;
+  }
   const double nan = std::nan("");
   const BadFrame cases[] = {
       {"no column y", [](troupe_wire_Frame& f) { f.y._length = 0; }},
@@ -86,6 +97,36 @@ TEST(ConvertTest, MalformedFramesAreRefused) {
       {"heading infinite",
        [](troupe_wire_Frame& f) { f.heading._buffer[0] = std::numeric_limits<double>::infinity(); }},
       {"speed not a number", [=](troupe_wire_Frame& f) { f.wz._buffer[2] = nan; }},
+      {"short column joint_position", [](troupe_wire_Frame& f) { f.joint_position._length = 2; }},
+      {"short column joint_velocity", [](troupe_wire_Frame& f) { f.joint_velocity._length = 2; }},
+      {"short column joint_flags", [](troupe_wire_Frame& f) { f.joint_flags._length = 2; }},
+      {"unknown joint flag", [](troupe_wire_Frame& f) { f.joint_flags._buffer[2] = 8; }},
+      {"joint position not a number", [=](troupe_wire_Frame& f) { f.joint_position._buffer[0] = nan; }},
+      {"joint velocity not a number", [=](troupe_wire_Frame& f) { f.joint_velocity._buffer[2] = nan; }},
+      {"short column of left contacts", [](troupe_wire_Frame& f) { f.gripper_left_contact._length = 1; }},
+      {"short column of right contacts", [](troupe_wire_Frame& f) { f.gripper_right_contact._length = 1; }},
+      {"short column clamped", [](troupe_wire_Frame& f) { f.gripper_clamped._length = 0; }},
+      {"contact with a negative model", [](troupe_wire_Frame& f) { f.gripper_left_contact._buffer[0] = -2; }},
+      {"contact with another negative model", [](troupe_wire_Frame& f) { f.gripper_right_contact._buffer[1] = -2; }},
+      {"clamped object that does not exist", [](troupe_wire_Frame& f) { f.gripper_clamped._buffer[1] = 2; }},
+      {"clamped negative object", [](troupe_wire_Frame& f) { f.gripper_clamped._buffer[1] = -2; }},
+      {"short column object_x", [](troupe_wire_Frame& f) { f.object_x._length = 1; }},
+      {"short column object_y", [](troupe_wire_Frame& f) { f.object_y._length = 1; }},
+      {"short column object_z", [](troupe_wire_Frame& f) { f.object_z._length = 1; }},
+      {"short column object_heading", [](troupe_wire_Frame& f) { f.object_heading._length = 1; }},
+      {"short column object_mode", [](troupe_wire_Frame& f) { f.object_mode._length = 1; }},
+      {"short column object_fall_speed", [](troupe_wire_Frame& f) { f.object_fall_speed._length = 1; }},
+      {"short column object_holder", [](troupe_wire_Frame& f) { f.object_holder._length = 1; }},
+      {"short column object_support", [](troupe_wire_Frame& f) { f.object_support._length = 1; }},
+      {"unknown object mode", [](troupe_wire_Frame& f) { f.object_mode._buffer[0] = 4; }},
+      {"held by nobody", [](troupe_wire_Frame& f) { f.object_mode._buffer[0] = 3; }},
+      {"falling in somebody's hand", [](troupe_wire_Frame& f) { f.object_mode._buffer[1] = 2; }},
+      {"held by a gripper that does not exist", [](troupe_wire_Frame& f) { f.object_holder._buffer[1] = 2; }},
+      {"carried by a negative model", [](troupe_wire_Frame& f) { f.object_support._buffer[0] = -2; }},
+      {"object at no number", [=](troupe_wire_Frame& f) { f.object_y._buffer[1] = nan; }},
+      {"object falling with no number", [=](troupe_wire_Frame& f) { f.object_fall_speed._buffer[1] = nan; }},
+      {"short column of objects of events", [](troupe_wire_Frame& f) { f.event_object._length = 1; }},
+      {"event of a negative object", [](troupe_wire_Frame& f) { f.event_object._buffer[1] = -5; }},
       {"short column of robots of events", [](troupe_wire_Frame& f) { f.event_robot._length = 1; }},
       {"short column of others", [](troupe_wire_Frame& f) { f.event_other._length = 1; }},
       {"short column of details", [](troupe_wire_Frame& f) { f.event_detail._length = 1; }},
@@ -115,11 +156,15 @@ TEST(ConvertTest, MalformedProposalsAreRefused) {
       {"short column vx", [](troupe_wire_Proposal& p) { p.vx._length = 1; }},
       {"short column vy", [](troupe_wire_Proposal& p) { p.vy._length = 1; }},
       {"short column wz", [](troupe_wire_Proposal& p) { p.wz._length = 1; }},
+      {"short column joints", [](troupe_wire_Proposal& p) { p.joints._length = 1; }},
+      {"fewer joint velocities than counted", [](troupe_wire_Proposal& p) { p.joint_velocity._length = 2; }},
+      {"more joint velocities than counted", [](troupe_wire_Proposal& p) { p.joints._buffer[1] = 1; }},
+      {"joint counts beyond everything", [](troupe_wire_Proposal& p) { p.joints._buffer[0] = 0xffffffff; }},
       {"robots out of order", [](troupe_wire_Proposal& p) { std::swap(p.robot._buffer[0], p.robot._buffer[1]); }},
       {"a robot twice", [](troupe_wire_Proposal& p) { p.robot._buffer[1] = p.robot._buffer[0]; }},
   };
   ProposalMessage good;
-  good.proposals = {{RobotId(1), {}}, {RobotId(2), {}}};
+  good.proposals = {{RobotId(1), {}, {0.5}}, {RobotId(2), {}, {0.25, -0.25}}};
   for (const BadProposal& bad : cases) {
     WireArena arena;
     troupe_wire_Proposal wire = ToWire(good, arena);
@@ -132,11 +177,12 @@ TEST(ConvertTest, MalformedProposalsAreRefused) {
 // The step refuses it, with an event that names the robot.
 TEST(ConvertTest, AProposalThatIsNotFinitePasses) {
   ProposalMessage message;
-  message.proposals = {{RobotId(7), {std::nan(""), 0.0, 0.0}}};
+  message.proposals = {{RobotId(7), {std::nan(""), 0.0, 0.0}, {std::nan("")}}};
   WireArena arena;
   ProposalMessage back;
   ASSERT_FALSE(FromWire(ToWire(message, arena), back));
   EXPECT_TRUE(std::isnan(back.proposals.at(0).twist.vx));
+  EXPECT_TRUE(std::isnan(back.proposals.at(0).joint_velocities.at(0)));
 }
 
 SessionMessage SomeSession() {
@@ -152,6 +198,30 @@ SessionMessage SomeSession() {
   session.world.robots.resize(1);
   session.world.robots[0].name = "robot";
   session.world.robots[0].rangers.resize(1);
+  for (const char* name : {"robot.lift", "robot.left", "robot.right", "box"}) {
+    session.world.models.emplace_back().name = name;
+    session.world.models.back().parent = ModelId(0);
+  }
+  for (std::size_t model : {2u, 3u, 4u}) {
+    JointDescription& joint = session.world.joints.emplace_back();
+    joint.name = session.world.models[model].name;
+    joint.model = ModelId(model);
+  }
+  session.world.models[3].parent = session.world.models[4].parent = ModelId(2);
+  session.world.grippers.resize(1);
+  GripperDescription& gripper = session.world.grippers[0];
+  gripper = {.name = "lift",
+             .robot = RobotId(0),
+             .model = ModelId(2),
+             .left = JointId(1),
+             .right = JointId(2),
+             .left_pad = ModelId(3),
+             .right_pad = ModelId(4),
+             .lift = JointId(0),
+             .beams = {{}}};
+  session.world.models[5].parent.reset();
+  session.world.models[5].gripper_return = true;
+  session.world.objects = {ModelId(5)};
   return session;
 }
 
@@ -186,6 +256,24 @@ TEST(ConvertTest, MalformedSessionsAreRefused) {
       {"root that is a child", [](troupe_wire_Session& s) { s.world.robots._buffer[0].root = 1; }},
       {"ranger of no model", [](troupe_wire_Session& s) { s.world.robots._buffer[0].rangers._buffer[0].model = 9; }},
       {"drive type", [](troupe_wire_Session& s) { s.world.robots._buffer[0].drive.type = 3; }},
+      {"joint type", [](troupe_wire_Session& s) { s.world.joints._buffer[0].type = 2; }},
+      {"joint of no robot", [](troupe_wire_Session& s) { s.world.joints._buffer[0].robot = 1; }},
+      {"joint of no model", [](troupe_wire_Session& s) { s.world.joints._buffer[0].model = 99; }},
+      {"joint without an axis", [](troupe_wire_Session& s) { s.world.joints._buffer[0].axis_z = 0.0; }},
+      {"joint that starts out of its limits", [](troupe_wire_Session& s) { s.world.joints._buffer[0].start = 7.0; }},
+      {"joint limits upside down", [](troupe_wire_Session& s) { s.world.joints._buffer[0].position_min = 7.0; }},
+      {"joint speed", [](troupe_wire_Session& s) { s.world.joints._buffer[0].max_speed = std::nan(""); }},
+      {"gripper of no robot", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].robot = 1; }},
+      {"gripper of no model", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].model = 99; }},
+      {"finger that does not exist", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].left = 3; }},
+      {"lift that does not exist", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].lift = 3; }},
+      {"negative lift", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].lift = -2; }},
+      {"pad that does not exist", [](troupe_wire_Session& s) { s.world.grippers._buffer[0].right_pad = 99; }},
+      {"beam that is no number",
+       [](troupe_wire_Session& s) { s.world.grippers._buffer[0].beams._buffer[0].to_x = std::nan(""); }},
+      {"object that does not exist", [](troupe_wire_Session& s) { s.world.objects._buffer[0] = 99; }},
+      {"object that is a robot", [](troupe_wire_Session& s) { s.world.objects._buffer[0] = 0; }},
+      {"gravity upwards", [](troupe_wire_Session& s) { s.world.gravity = -1.0; }},
       {"localization type", [](troupe_wire_Session& s) { s.world.robots._buffer[0].localization.type = 2; }},
   };
   for (const BadSession& bad : cases) {

@@ -94,6 +94,48 @@ RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& na
   return robot;
 }
 
+JointDescription RandomMessages::RandomJoint(RobotId robot, ModelId model) {
+  JointDescription joint;
+  joint.name = "j" + Text();
+  joint.robot = robot;
+  joint.model = model;
+  if (Coin()) {
+    joint.type = JointType::kRevolute;
+  } else {
+    joint.axis_xy = {0.6, 0.0};
+    joint.axis_z = -0.8;
+  }
+  joint.position = RandomInterval(-2.0, 2.0);
+  joint.start = Number(joint.position.min, joint.position.max);
+  joint.max_speed = Number(0.0, 3.0);
+  return joint;
+}
+
+void RandomMessages::AddGripper(WorldDescription& world) {
+  const std::size_t root = world.models.size();
+  const RobotId robot(world.robots.size());
+  for (std::size_t i = 0; i < 4; ++i) {
+    world.models.push_back(RandomModel(root + i, world.shapes.size()));
+    if (i > 0) world.models.back().parent = ModelId(root + (i == 1 ? 0 : 1));
+  }
+  world.robots.push_back(RandomRobot(ModelId(root), world.models[root].name));
+  const std::size_t first = world.joints.size();
+  for (std::size_t i = 1; i < 4; ++i) world.joints.push_back(RandomJoint(robot, ModelId(root + i)));
+  GripperDescription gripper{.name = Text(),
+                             .robot = robot,
+                             .model = ModelId(root + 1),
+                             .left = JointId(first + 1),
+                             .right = JointId(first + 2),
+                             .left_pad = ModelId(root + 2),
+                             .right_pad = ModelId(root + 3),
+                             .beams = {}};
+  if (Coin()) gripper.lift = JointId(first);
+  gripper.beams.resize(Below(3));
+  for (BreakBeam& beam : gripper.beams) beam = {{Number(), Number()}, {Number(), Number()}, Number()};
+  gripper.autosnatch = Coin();
+  world.grippers.push_back(gripper);
+}
+
 WorldDescription RandomMessages::RandomWorld() {
   WorldDescription world;
   world.name = Text();
@@ -108,8 +150,12 @@ WorldDescription RandomMessages::RandomWorld() {
       world.models[i].parent = ModelId(Below(i));
     } else if (Coin()) {
       world.robots.push_back(RandomRobot(ModelId(i), world.models[i].name));
+    } else if (world.models[i].gripper_return) {
+      world.objects.emplace_back(i);
     }
   }
+  for (std::size_t grippers = Below(3); grippers > 0; --grippers) AddGripper(world);
+  world.gravity = Number(0.0);
   return world;
 }
 
@@ -127,6 +173,21 @@ AdmissionMessage RandomMessages::Admission() {
   return {Bits(), Bits(), Coin(), Text()};
 }
 
+void RandomMessages::FillManipulation(WorldState& state) {
+  state.joints.resize(Below(6));
+  state.grippers.resize(Below(4));
+  state.objects.resize(Below(6));
+  for (JointState& joint : state.joints) joint = {Number(), Number(), Coin()};
+  for (GripperState& gripper : state.grippers) {
+    gripper = {MaybeId<ModelId>(50), MaybeId<ModelId>(50), MaybeId<ObjectId>(state.objects.size())};
+  }
+  for (ObjectState& object : state.objects) {
+    object = {RandomPose(), static_cast<ObjectMode>(Below(3)), Number(), {}, MaybeId<ModelId>(50)};
+    object.holder = MaybeId<GripperId>(state.grippers.size());
+    if (object.holder) object.mode = ObjectMode::kHeld;
+  }
+}
+
 FrameMessage RandomMessages::Frame() {
   FrameMessage frame;
   frame.run = Bits();
@@ -135,14 +196,16 @@ FrameMessage RandomMessages::Frame() {
   for (RobotState& robot : frame.state.robots) {
     robot = {RandomPose(), {Number(), Number(), Number()}, Coin()};
   }
+  FillManipulation(frame.state);
   frame.state_hash = Bits();
   frame.last = Coin();
   frame.events.resize(Below(5));
   for (Event& event : frame.events) {
     event.tick = frame.state.tick;
-    event.type = static_cast<EventType>(Below(5));
+    event.type = static_cast<EventType>(Below(10));
     if (Coin() && !frame.state.robots.empty()) event.robot = RobotId(Below(frame.state.robots.size()));
-    if (Coin()) event.other = ModelId(Below(1000));
+    event.other = MaybeId<ModelId>(1000);
+    event.object = MaybeId<ModelId>(1000);
     event.detail = Text();
   }
   return frame;
@@ -155,7 +218,9 @@ ProposalMessage RandomMessages::Proposal() {
   message.tick = Bits();
   std::size_t robot = Below(10);
   for (std::size_t count = Below(5); count > 0; --count) {
-    message.proposals.push_back({RobotId(robot), {Number(), Number(), Number()}});
+    message.proposals.push_back({RobotId(robot), {Number(), Number(), Number()}, {}});
+    message.proposals.back().joint_velocities.resize(Below(4));
+    for (double& velocity : message.proposals.back().joint_velocities) velocity = Number();
     robot += 1 + Below(10);
   }
   message.reports = Texts();

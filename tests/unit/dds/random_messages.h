@@ -1,6 +1,7 @@
 // Messages with every field filled in at random, for round trips.
 #pragma once
 
+#include <optional>
 #include <random>
 
 #include "common/protocol/messages.h"
@@ -34,7 +35,17 @@ class RandomMessages {
   Shape RandomShape();
   ModelDescription RandomModel(std::size_t index, std::size_t shapes);
   RobotDescription RandomRobot(ModelId root, const std::string& name);
+  JointDescription RandomJoint(RobotId robot, ModelId model);
+  // A robot with a gripper, after all other models and robots.
+  void AddGripper(WorldDescription& world);
   WorldDescription RandomWorld();
+  // An id below `count`, or none.
+  template <typename Id>
+  std::optional<Id> MaybeId(std::size_t count) {
+    if (count == 0 || Coin()) return std::nullopt;
+    return Id(Below(count));
+  }
+  void FillManipulation(WorldState& state);
 
   std::mt19937_64 engine_;
 };

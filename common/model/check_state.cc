@@ -1,0 +1,49 @@
+#include "common/model/check_state.h"
+
+#include <cmath>
+
+namespace troupe {
+namespace {
+
+std::string CheckCount(const char* what, std::size_t found, std::size_t expected) {
+  if (found == expected) return "";
+  return "found a state of " + std::to_string(found) + " " + what + ", expected " + std::to_string(expected);
+}
+
+template <typename Id>
+bool IsBelow(const std::optional<Id>& id, std::size_t count) {
+  return !id || id->index() < count;
+}
+
+}  // namespace
+
+std::string CheckState(const WorldDescription& world, const WorldState& state) {
+  for (const std::string& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
+                                     CheckCount("joints", state.joints.size(), world.joints.size()),
+                                     CheckCount("grippers", state.grippers.size(), world.grippers.size()),
+                                     CheckCount("objects", state.objects.size(), world.objects.size())}) {
+    if (!problem.empty()) return problem;
+  }
+  bool finite = true;
+  bool known = true;
+  for (const RobotState& robot : state.robots) finite = finite && IsFinite(robot.X_WR) && IsFinite(robot.twist);
+  for (const JointState& joint : state.joints) {
+    finite = finite && std::isfinite(joint.position) && std::isfinite(joint.velocity);
+  }
+  for (const GripperState& gripper : state.grippers) {
+    known = known && IsBelow(gripper.left_contact, world.models.size()) &&
+            IsBelow(gripper.right_contact, world.models.size()) && IsBelow(gripper.clamped, world.objects.size());
+  }
+  for (const ObjectState& object : state.objects) {
+    finite = finite && IsFinite(object.X_WO) && std::isfinite(object.fall_speed);
+    known = known && IsBelow(object.holder, world.grippers.size()) && IsBelow(object.support, world.models.size());
+    if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
+      return "found an object that is held by nobody, or not held but by somebody";
+    }
+  }
+  if (!finite) return "found a number that is not finite in a state";
+  if (!known) return "found an id in a state that the world does not have";
+  return "";
+}
+
+}  // namespace troupe

@@ -1,0 +1,75 @@
+#include "common/model/check_state.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace troupe {
+namespace {
+
+// As many of each as CheckState looks at; nothing else of the description matters to it.
+WorldDescription SomeWorld() {
+  WorldDescription world;
+  world.models.resize(4);
+  world.robots.resize(1);
+  world.joints.resize(2);
+  world.grippers.resize(1);
+  world.objects.resize(2);
+  return world;
+}
+
+WorldState SomeState() {
+  WorldState state;
+  state.robots.resize(1);
+  state.joints.resize(2);
+  state.grippers.resize(1);
+  state.objects.resize(2);
+  return state;
+}
+
+TEST(CheckStateTest, AStateOfTheWorldPasses) {
+  WorldState state = SomeState();
+  state.grippers[0] = {ModelId(3), ModelId(3), ObjectId(1)};
+  state.objects[1].mode = ObjectMode::kHeld;
+  state.objects[1].holder = GripperId(0);
+  state.objects[0].support = ModelId(3);
+  EXPECT_EQ("", CheckState(SomeWorld(), state));
+}
+
+TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
+  struct Case {
+    const char* what;
+    std::function<void(WorldState&)> spoil;
+  };
+  const Case cases[] = {
+      {"robots", [](WorldState& s) { s.robots.clear(); }},
+      {"joints", [](WorldState& s) { s.joints.pop_back(); }},
+      {"grippers", [](WorldState& s) { s.grippers.resize(2); }},
+      {"objects", [](WorldState& s) { s.objects.resize(3); }},
+      {"pose of a robot", [](WorldState& s) { s.robots[0].X_WR.x = std::nan(""); }},
+      {"position of a joint", [](WorldState& s) { s.joints[1].position = std::nan(""); }},
+      {"velocity of a joint", [](WorldState& s) { s.joints[1].velocity = HUGE_VAL; }},
+      {"pose of an object", [](WorldState& s) { s.objects[1].X_WO.heading = std::nan(""); }},
+      {"fall speed", [](WorldState& s) { s.objects[0].fall_speed = std::nan(""); }},
+      {"left contact", [](WorldState& s) { s.grippers[0].left_contact = ModelId(4); }},
+      {"right contact", [](WorldState& s) { s.grippers[0].right_contact = ModelId(4); }},
+      {"clamped", [](WorldState& s) { s.grippers[0].clamped = ObjectId(2); }},
+      {"support", [](WorldState& s) { s.objects[0].support = ModelId(4); }},
+      {"held by nobody", [](WorldState& s) { s.objects[0].mode = ObjectMode::kHeld; }},
+      {"resting in a hand", [](WorldState& s) { s.objects[0].holder = GripperId(0); }},
+      {"held by an unknown gripper",
+       [](WorldState& s) {
+         s.objects[0].mode = ObjectMode::kHeld;
+         s.objects[0].holder = GripperId(1);
+       }},
+  };
+  for (const Case& bad : cases) {
+    WorldState state = SomeState();
+    bad.spoil(state);
+    EXPECT_NE("", CheckState(SomeWorld(), state)) << bad.what;
+  }
+}
+
+}  // namespace
+}  // namespace troupe
