@@ -20,7 +20,7 @@ template <typename Cast>
 void Run(benchmark::State& state, Cast cast) {
   const Scene scene(bench::CaveWorld(static_cast<std::size_t>(state.range(0)), 12));
   const WorldState world_state = InitialState(scene.world());
-  RobotIndex robots(scene);
+  BodyIndex robots(scene);
   robots.Assign(world_state);
   const std::vector<double> bearings = Bearings();
   std::size_t i = 0;
@@ -36,7 +36,7 @@ void Run(benchmark::State& state, Cast cast) {
 
 void BM_Fan(benchmark::State& state) {
   std::vector<std::optional<RayHit>> hits;
-  Run(state, [&](const Scene& scene, const RobotIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
+  Run(state, [&](const Scene& scene, const BodyIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
                  RobotId self) {
     CastFan(scene, robots, X_WR.translation(), X_WR.heading, bearings, 0.2, 8.0, self, hits);
     benchmark::DoNotOptimize(hits.data());
@@ -45,7 +45,7 @@ void BM_Fan(benchmark::State& state) {
 BENCHMARK(BM_Fan)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
 
 void BM_SingleRays(benchmark::State& state) {
-  Run(state, [](const Scene& scene, const RobotIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
+  Run(state, [](const Scene& scene, const BodyIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
                 RobotId self) {
     for (double bearing : bearings) {
       const SinCosResult trig = SinCos(X_WR.heading + bearing);

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "robot-agent/agent/robot.h"
 #include "robot-agent/sensors/ranger.h"
 #include "world-service/core/step.h"
@@ -19,7 +19,7 @@ Result<WorldState> RunToTick(const Scene& scene, Tick tick, std::vector<std::str
     if (!robot.ok()) return robot.error();
     robots.push_back(std::move(robot).value());
   }
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   std::vector<Proposal> proposals;
   while (state.tick < tick) {
     index.Assign(state);
@@ -36,7 +36,7 @@ Result<WorldState> RunToTick(const Scene& scene, Tick tick, std::vector<std::str
 }
 
 std::vector<ScanFan> MeasureFans(const Scene& scene, const WorldState& state) {
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   index.Assign(state);
   std::vector<ScanFan> fans;
   for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
@@ -44,7 +44,7 @@ std::vector<ScanFan> MeasureFans(const Scene& scene, const WorldState& state) {
     for (std::size_t j = 0; j < robot.rangers.size(); ++j) {
       RangerReading reading;
       MeasureRanger(scene, index, RobotId(i), j, state.tick, reading);
-      const Pose X_WM = state.robots[i].X_WR * scene.X_RM(robot.rangers[j].model);
+      const Pose X_WM = index.X_WM(robot.rangers[j].model);
       for (std::size_t k = 0; k < reading.scans.size(); ++k) {
         const RaySensorDescription& sensor = robot.rangers[j].sensors[k];
         fans.push_back({X_WM * sensor.X_MS, sensor.fov, sensor.range.max, Bearings(sensor), reading.scans[k].ranges});

@@ -96,26 +96,26 @@ void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Near
   });
 }
 
-// A robot that rays at some height from some point may meet.
+// A body that rays at some height from some point may meet.
 struct Candidate {
   Vec2 center;      // relative to the rays' origin, m
   double distance;  // of the centre, m
   double radius;    // m, a hair more than the body's
 };
 
-// The robots near `box` whose bodies reach into the height z.
+// The bodies near `box` that reach into the height z.
 template <typename Visit>
-void ForEachCandidate(const Scene& scene, const RobotIndex& robots, const Rectangle& box, const Vec2& origin, double z,
+void ForEachCandidate(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, const Vec2& origin, double z,
                       std::optional<RobotId> caster, Visit visit) {
-  std::vector<RobotId> near;
-  robots.Query(box, near);
-  for (RobotId robot : near) {
-    if (robot == caster) continue;
-    const RobotBody& body = scene.body(robot);
-    const Pose& X_WR = robots.X_WR(robot);
-    if (body.pieces.empty() || !(body.z + X_WR.z).Contains(z)) continue;
-    const Vec2 center = X_WR.translation() - origin;
-    visit(robot, Candidate{center, std::sqrt(center.squaredNorm()), body.radius * (1.0 + 1e-9) + 1e-9});
+  std::vector<BodyId> near;
+  bodies.Query(box, near);
+  for (BodyId id : near) {
+    if (caster && bodies.owner(id) == caster) continue;
+    const Body& body = scene.body(id);
+    const Pose& X_WB = bodies.X_WB(id);
+    if (body.pieces.empty() || !(body.z + X_WB.z).Contains(z)) continue;
+    const Vec2 center = X_WB.translation() - origin;
+    visit(id, Candidate{center, std::sqrt(center.squaredNorm()), body.radius * (1.0 + 1e-9) + 1e-9});
   }
 }
 
@@ -170,7 +170,7 @@ double HalfWidth(const Candidate& candidate) {
 
 }  // namespace
 
-std::optional<RayHit> CastRay(const Scene& scene, const RobotIndex& robots, const Vec2& origin, const Vec2& direction,
+std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
                               double z, double max_distance, std::optional<RobotId> caster) {
   const Ray ray{origin, direction};
   Nearest nearest{max_distance, std::nullopt};
@@ -179,16 +179,16 @@ std::optional<RayHit> CastRay(const Scene& scene, const RobotIndex& robots, cons
   Rectangle box = Rectangle::Nothing();
   box.Extend(origin);
   box.Extend(Vec2(origin + nearest.distance * direction));
-  ForEachCandidate(scene, robots, box, origin, z, caster, [&](RobotId robot, const Candidate& candidate) {
+  ForEachCandidate(scene, bodies, box, origin, z, caster, [&](BodyId body, const Candidate& candidate) {
     if (std::abs(Cross(direction, candidate.center)) > candidate.radius) return;
-    for (const ConvexPiece& piece : robots.pieces_in_world(robot)) {
+    for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
       if (IsSeenAt(piece, z)) MeetPolygon(piece.vertices, piece.model, ray, nearest);
     }
   });
   return nearest.hit();
 }
 
-void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, double heading,
+void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
              std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
              std::vector<std::optional<RayHit>>& hits) {
   std::vector<Vec2> directions(bearings.size());
@@ -203,13 +203,13 @@ void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, d
   const SortedBearings sorted(bearings);
   const Rectangle box = Rectangle{origin.x(), origin.y(), origin.x(), origin.y()}.Inflated(farthest);
   std::vector<SeenPiece> seen;
-  ForEachCandidate(scene, robots, box, origin, z, caster, [&](RobotId robot, const Candidate& candidate) {
+  ForEachCandidate(scene, bodies, box, origin, z, caster, [&](BodyId body, const Candidate& candidate) {
     if (candidate.distance - candidate.radius > farthest) return;
     seen.clear();
     const auto meet = [&](std::size_t i) {
       if (candidate.distance - candidate.radius > nearest[i].distance) return;
       if (seen.empty()) {
-        for (const ConvexPiece& piece : robots.pieces_in_world(robot)) {
+        for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
           if (IsSeenAt(piece, z)) seen.push_back({&piece, BoundingBox(piece.vertices)});
         }
       }

@@ -1,7 +1,7 @@
 // Ray casting: exact distances to the first piece that a ray meets in a horizontal plane.
 //
 // A ray at height z sees the pieces whose z range contains z and whose ranger_return is not negative, except those of
-// the robot that casts it. A ray that starts inside such a piece meets it at distance 0.
+// the robot that casts it and of what that robot holds. A ray that starts inside such a piece meets it at distance 0.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 #include "common/base/ids.h"
 #include "common/geometry/vec2.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 
 namespace troupe {
@@ -22,12 +22,12 @@ struct RayHit {
 
 // REQUIRES: direction has length 1; max_distance >= 0 and finite. Of pieces at the same distance the one with the
 // lowest model id counts.
-std::optional<RayHit> CastRay(const Scene& scene, const RobotIndex& robots, const Vec2& origin, const Vec2& direction,
+std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
                               double z, double max_distance, std::optional<RobotId> caster);
 
 // A fan of rays from one point: ray i leaves at heading + bearings[i] (radians, any order). The same as a CastRay for
 // each, found together. `hits` gets one entry for each bearing.
-void CastFan(const Scene& scene, const RobotIndex& robots, const Vec2& origin, double heading,
+void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
              std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
              std::vector<std::optional<RayHit>>& hits);
 

@@ -4,42 +4,127 @@
 #include <cmath>
 #include <utility>
 
+#include "common/model/model_poses.h"
+
 namespace troupe {
 
 Scene::Scene(WorldDescription world) : world_(std::move(world)) {
-  const std::size_t count = world_.models.size();
-  robot_of_.resize(count);
-  X_FM_.resize(count);
-  bodies_.resize(world_.robots.size());
-  for (std::size_t i = 0; i < world_.robots.size(); ++i) {
-    robot_of_[world_.robots[i].root.index()] = RobotId(i);
-    bodies_[i].z = {0.0, 0.0};
-  }
-
+  FindBodies();
   std::vector<ConvexPiece> standing;
-  for (std::size_t i = 0; i < count; ++i) {
-    const ModelDescription& model = world_.models[i];
-    if (model.parent) {
-      robot_of_[i] = robot_of_[model.parent->index()];
-      X_FM_[i] = X_FM_[model.parent->index()] * model.X_PM;
-    } else {
-      X_FM_[i] = robot_of_[i] ? Pose{} : model.X_PM;
-    }
-    std::vector<ConvexPiece> pieces = MakePieces(world_, ModelId(i), X_FM_[i]);
-    std::vector<ConvexPiece>& all = robot_of_[i] ? bodies_[robot_of_[i]->index()].pieces : standing;
-    std::move(pieces.begin(), pieces.end(), std::back_inserter(all));
-  }
+  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), standing);
   static_index_ = StaticIndex(std::move(standing));
-
-  for (RobotBody& body : bodies_) {
-    for (std::size_t i = 0; i < body.pieces.size(); ++i) {
-      const ConvexPiece& piece = body.pieces[i];
-      body.z.min = i == 0 ? piece.z.min : std::min(body.z.min, piece.z.min);
-      body.z.max = i == 0 ? piece.z.max : std::max(body.z.max, piece.z.max);
-      for (const Vec2& vertex : piece.vertices) body.radius = std::max(body.radius, vertex.norm());
-    }
+  for (Body& body : bodies_) {
+    MeasureBody(body);
     max_body_radius_ = std::max(max_body_radius_, body.radius);
   }
+}
+
+void Scene::FindBodies() {
+  const std::size_t models = world_.models.size();
+  body_of_.resize(models);
+  link_of_.resize(models, 0);
+  X_LM_.resize(models);
+  joint_of_.resize(models);
+  bodies_.resize(world_.robots.size() + world_.objects.size());
+  for (Body& body : bodies_) body.links.push_back({});
+  for (std::size_t i = 0; i < world_.robots.size(); ++i) body_of_[world_.robots[i].root.index()] = BodyId(i);
+  for (std::size_t i = 0; i < world_.objects.size(); ++i) {
+    body_of_[world_.objects[i].index()] = body_of(ObjectId(i));
+  }
+  joints_of_.resize(world_.robots.size());
+  grippers_of_.resize(world_.robots.size());
+  joint_links_.resize(world_.joints.size(), 0);
+  for (std::size_t i = 0; i < world_.joints.size(); ++i) {
+    joint_of_[world_.joints[i].model.index()] = JointId(i);
+    joints_of_[world_.joints[i].robot.index()].push_back(JointId(i));
+  }
+  for (std::size_t i = 0; i < world_.grippers.size(); ++i) {
+    grippers_of_[world_.grippers[i].robot.index()].push_back(GripperId(i));
+  }
+}
+
+void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& standing) {
+  const std::size_t i = id.index();
+  const ModelDescription& model = world_.models[i];
+  if (model.parent) {
+    const std::size_t parent = model.parent->index();
+    body_of_[i] = body_of_[parent];
+    link_of_[i] = link_of_[parent];
+    X_LM_[i] = X_LM_[parent] * model.X_PM;
+  } else {
+    X_LM_[i] = body_of_[i] ? Pose{} : model.X_PM;
+  }
+  if (!body_of_[i]) {
+    std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
+    std::move(pieces.begin(), pieces.end(), std::back_inserter(standing));
+    return;
+  }
+  Body& body = bodies_[body_of_[i]->index()];
+  if (joint_of_[i]) {
+    body.links.push_back({.joint = joint_of_[i], .parent = link_of_[i], .X_PL = X_LM_[i]});
+    link_of_[i] = static_cast<std::uint32_t>(body.links.size() - 1);
+    X_LM_[i] = Pose{};
+    joint_links_[joint_of_[i]->index()] = link_of_[i];
+  }
+  std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
+  body.piece_links.resize(body.piece_links.size() + pieces.size(), link_of_[i]);
+  std::move(pieces.begin(), pieces.end(), std::back_inserter(body.pieces));
+}
+
+void Scene::MeasureBody(Body& body) const {
+  // How far each link's origin may be from the body's, and at what heights.
+  std::vector<double> reach(body.links.size(), 0.0);
+  std::vector<ZRange> heights(body.links.size());
+  for (std::size_t k = 1; k < body.links.size(); ++k) {
+    const Link& link = body.links[k];
+    const JointDescription& joint = world_.joint(*link.joint);
+    reach[k] = reach[link.parent] + link.X_PL.translation().norm();
+    heights[k] = heights[link.parent] + link.X_PL.z;
+    if (joint.type == JointType::kRevolute) continue;
+    const double travel = std::max(std::abs(joint.position.min), std::abs(joint.position.max));
+    reach[k] += travel * joint.axis_xy.norm();
+    const double a = joint.position.min * joint.axis_z;
+    const double b = joint.position.max * joint.axis_z;
+    heights[k] = {heights[k].min + std::min(a, b), heights[k].max + std::max(a, b)};
+  }
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    const ConvexPiece& piece = body.pieces[i];
+    const std::uint32_t link = body.piece_links[i];
+    const ZRange z{piece.z.min + heights[link].min, piece.z.max + heights[link].max};
+    body.z.min = i == 0 ? z.min : std::min(body.z.min, z.min);
+    body.z.max = i == 0 ? z.max : std::max(body.z.max, z.max);
+    for (const Vec2& vertex : piece.vertices) body.radius = std::max(body.radius, reach[link] + vertex.norm());
+  }
+}
+
+std::optional<RobotId> Scene::robot_of(ModelId model) const {
+  const std::optional<BodyId>& body = body_of_[model.index()];
+  return body && body->index() < world_.robots.size() ? std::optional(RobotId(body->index())) : std::nullopt;
+}
+
+std::optional<ObjectId> Scene::object_of(ModelId model) const {
+  const std::optional<BodyId>& body = body_of_[model.index()];
+  if (!body || body->index() < world_.robots.size()) return std::nullopt;
+  return ObjectId(body->index() - world_.robots.size());
+}
+
+void Scene::ComputeLinkPoses(BodyId id, std::span<const double> positions, std::vector<Pose>& X_BL) const {
+  const Body& body = bodies_[id.index()];
+  X_BL.resize(body.links.size());
+  for (std::size_t k = 1; k < body.links.size(); ++k) {
+    const Link& link = body.links[k];
+    X_BL[k] = X_BL[link.parent] * link.X_PL * JointMotion(world_.joint(*link.joint), positions[link.joint->index()]);
+  }
+}
+
+Pose Scene::X_RM(ModelId model) const {
+  const std::uint32_t link = link_of(model);
+  if (link == 0) return X_LM(model);
+  std::vector<double> positions;
+  for (const JointDescription& joint : world_.joints) positions.push_back(joint.start);
+  std::vector<Pose> X_BL;
+  ComputeLinkPoses(*body_of(model), positions, X_BL);
+  return X_BL[link] * X_LM(model);
 }
 
 }  // namespace troupe

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/ids.h"
@@ -11,11 +13,22 @@
 
 namespace troupe {
 
-// What moves with a robot: its root model and everything below, as pieces in R.
-struct RobotBody {
-  std::vector<ConvexPiece> pieces;
-  double radius = 0.0;  // m: every vertex is within this distance of R's origin
-  ZRange z;             // m, spans all pieces, in R
+// A rigid part of a body. Link 0 is what no joint moves; its frame is the body's.
+struct Link {
+  std::optional<JointId> joint;  // that moves it; nothing: link 0
+  std::uint32_t parent = 0;      // link; smaller than its own number
+  Pose X_PL;                     // in the parent link's frame, at joint position 0
+};
+
+// Whatever moves as a whole: a robot or an object, with everything below its root model.
+struct Body {
+  std::vector<Link> links;
+  std::vector<ConvexPiece> pieces;         // each in the frame of its link
+  std::vector<std::uint32_t> piece_links;  // by piece
+  double radius = 0.0;  // m: every vertex stays within this distance of the body's origin, wherever its joints are
+  ZRange z;             // m, spans all pieces wherever its joints are, in the body's frame
+
+  bool has_joints() const { return links.size() > 1; }
 };
 
 class Scene {
@@ -25,19 +38,47 @@ class Scene {
 
   const WorldDescription& world() const { return world_; }
   const StaticIndex& static_index() const { return static_index_; }
-  const RobotBody& body(RobotId robot) const { return bodies_[robot.index()]; }
-  // The robot whose tree the model belongs to; nothing for a model that stands still.
-  std::optional<RobotId> robot_of(ModelId model) const { return robot_of_[model.index()]; }
-  // Pose of a robot's model in R; REQUIRES: robot_of(model).
-  const Pose& X_RM(ModelId model) const { return X_FM_[model.index()]; }
+
+  // Bodies: robots by id, then objects by id.
+  std::size_t body_count() const { return bodies_.size(); }
+  const Body& body(BodyId id) const { return bodies_[id.index()]; }
+  BodyId body_of(RobotId robot) const { return BodyId(robot.index()); }
+  BodyId body_of(ObjectId object) const { return BodyId(world_.robots.size() + object.index()); }
+  // The body that the model belongs to; nothing for a model that stands still.
+  std::optional<BodyId> body_of(ModelId model) const { return body_of_[model.index()]; }
+  std::optional<RobotId> robot_of(ModelId model) const;
+  std::optional<ObjectId> object_of(ModelId model) const;
+
+  // The link of its body that the model belongs to, and its pose in that link. REQUIRES: body_of(model)
+  std::uint32_t link_of(ModelId model) const { return link_of_[model.index()]; }
+  const Pose& X_LM(ModelId model) const { return X_LM_[model.index()]; }
+  // Poses of a body's links in its frame. `positions`: of all joints of the world, by JointId.
+  void ComputeLinkPoses(BodyId body, std::span<const double> positions, std::vector<Pose>& X_BL) const;
+  // Pose of a robot's model in the robot's frame with all joints at their starts. REQUIRES: robot_of(model)
+  Pose X_RM(ModelId model) const;
+
+  std::span<const JointId> joints_of(RobotId robot) const { return joints_of_[robot.index()]; }
+  std::span<const GripperId> grippers_of(RobotId robot) const { return grippers_of_[robot.index()]; }
+  // The link that the joint moves, of its robot's body.
+  std::uint32_t link_of(JointId joint) const { return joint_links_[joint.index()]; }
+
   // The largest of all bodies' radii, m.
   double max_body_radius() const { return max_body_radius_; }
 
  private:
+  void FindBodies();
+  void AddModel(ModelId id, std::vector<ConvexPiece>& standing);
+  void MeasureBody(Body& body) const;
+
   WorldDescription world_;
-  std::vector<std::optional<RobotId>> robot_of_;
-  std::vector<Pose> X_FM_;  // frame F: R for models of robots, W for the others
-  std::vector<RobotBody> bodies_;
+  std::vector<std::optional<BodyId>> body_of_;  // by model, like the next three
+  std::vector<std::uint32_t> link_of_;
+  std::vector<Pose> X_LM_;  // in W for models that stand still
+  std::vector<std::optional<JointId>> joint_of_;
+  std::vector<Body> bodies_;
+  std::vector<std::vector<JointId>> joints_of_;      // by robot
+  std::vector<std::vector<GripperId>> grippers_of_;  // by robot
+  std::vector<std::uint32_t> joint_links_;           // by joint
   StaticIndex static_index_;
   double max_body_radius_ = 0.0;
 };

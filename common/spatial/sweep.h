@@ -1,5 +1,7 @@
 // Sweep: how far a body gets along the arc of a constant twist before it first overlaps something.
 //
+// A body that also climbs or sinks overlaps another only while their heights do too; those times are closed as well.
+//
 // Exact: while body A moves with a constant twist, each of its vertices moves on a circle (a line without turning)
 // about the instant centre of rotation, and, seen from A, each vertex of a standing body B moves on a circle too.
 // Whether the two overlap can change only when a vertex of one meets an edge of the other; those times have closed
@@ -12,7 +14,7 @@
 
 #include "common/base/ids.h"
 #include "common/geometry/pose.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 
 namespace troupe {
@@ -24,16 +26,45 @@ namespace troupe {
 std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_WR, const Twist& twist, double duration,
                                     std::span<const Vec2> b_in_W);
 
+// A motion of frame F: along the arc of a constant twist, and up or down at a constant rate.
+struct Motion {
+  Pose X_WF;               // at the start
+  Twist twist;             // in F
+  double climb = 0.0;      // m/s, upwards
+  double duration = 0.0;   // s
+
+  bool IsRest() const { return (twist.IsZero() && climb == 0.0) || !(duration > 0.0); }
+  // Pose of F after so many seconds.
+  Pose After(double seconds) const;
+};
+
+// What moves as one.
+struct Mover {
+  std::span<const ConvexPiece> pieces;  // in F; those with `obstacle` take part
+  double radius = 0.0;                  // m: no vertex is farther from F's origin
+  ZRange z;                             // m, spans the pieces, in F
+  std::span<const BodyId> bodies;       // whose pieces are no obstacles to it, in order
+};
+
+// A whole body without joints, moving by itself. Good while `body` lives.
+inline Mover MoverOf(const Scene& scene, const BodyId& body) {
+  return {scene.body(body).pieces, scene.body(body).radius, scene.body(body).z, std::span(&body, 1)};
+}
+
 struct Contact {
   double time = 0.0;             // s after the start of the motion
+  ModelId mine;                  // the mover's model that met something
   std::optional<ModelId> other;  // what was met; nothing: the ground
 };
 
-// The first contact of `robot`'s whole tree, moving from X_WR under `twist` for `duration` seconds, with the standing
-// models and the other robots where `robots` says they are. Models with obstacle_return take part. A tree with an
-// obstacle below z = 0 is in contact with the ground whenever it moves. Of contacts at the same time the lowest model
-// id counts.
-std::optional<Contact> FirstContact(const Scene& scene, const RobotIndex& robots, RobotId robot, const Pose& X_WR,
-                                    const Twist& twist, double duration);
+// The first contact of the mover with the standing models and with the bodies where `bodies` says they are. Models with
+// obstacle_return take part. A mover with an obstacle below z = 0 is in contact with the ground unless it climbs. Of
+// contacts at the same time the lowest model id counts.
+std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
+                                    const Motion& motion);
+
+// The same with nothing but `standing`, pieces in W, and without the ground.
+std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> standing, const Mover& mover,
+                                        const Motion& motion);
 
 }  // namespace troupe

@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/agent/robot.h"
 #include "robot-agent/agent/scan_log.h"
@@ -35,7 +35,7 @@ class Replica {
   explicit Replica(WorldDescription world) : scene_(std::move(world)), index_(scene_) {}
 
   Scene scene_;
-  RobotIndex index_;
+  BodyIndex index_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
 };
 

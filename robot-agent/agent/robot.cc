@@ -5,7 +5,7 @@
 #include <exception>
 
 #include "common/base/random.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/agent/scan_log.h"
 #include "robot-agent/controller/create_controller.h"
@@ -65,21 +65,21 @@ std::string Robot::StartController() {
   return "";
 }
 
-Proposal Robot::Decide(const WorldState& state, const RobotIndex& robots) {
+Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies) {
   const RobotState& own = state.robots[id_.index()];
   odometry_.Update(own.X_WR);
-  Sense(state.tick, robots);
+  Sense(state.tick, bodies);
   const Command command = failure_.empty() ? AskController(state) : Command{};
   return {id_, DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds())};
 }
 
-void Robot::Sense(Tick tick, const RobotIndex& robots) {
+void Robot::Sense(Tick tick, const BodyIndex& bodies) {
   const std::vector<RangerDescription>& rangers = description().rangers;
   for (std::size_t i = 0; i < rangers.size(); ++i) {
     if (tick % rangers[i].period_ticks != 0 || (!subscribed_[i] && scan_log_ == nullptr)) continue;
     // A controller sees what it subscribed to and no more, so that it decides the same with and without a scan log.
     RangerReading& reading = subscribed_[i] ? readings_[i] : unread_;
-    MeasureRanger(*scene_, robots, id_, i, tick, reading);
+    MeasureRanger(*scene_, bodies, id_, i, tick, reading);
     if (scan_log_ != nullptr) scan_log_->Write(tick, description(), rangers[i], reading);
   }
 }

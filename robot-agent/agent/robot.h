@@ -13,7 +13,7 @@
 
 namespace troupe {
 
-class RobotIndex;
+class BodyIndex;
 class Scene;
 class ScanLog;
 
@@ -26,7 +26,7 @@ class Robot {
 
   // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
   // in order; ticks may be missing after the agent was away.
-  Proposal Decide(const WorldState& state, const RobotIndex& robots);
+  Proposal Decide(const WorldState& state, const BodyIndex& bodies);
 
   // Why the controller failed, once it has; then the robot stands still.
   const std::string& failure() const { return failure_; }
@@ -37,7 +37,7 @@ class Robot {
   const RobotDescription& description() const;
   // Makes the controller and asks for its subscriptions; "" or what went wrong.
   std::string StartController();
-  void Sense(Tick tick, const RobotIndex& robots);
+  void Sense(Tick tick, const BodyIndex& bodies);
   Command AskController(const WorldState& state);
 
   const Scene* scene_;

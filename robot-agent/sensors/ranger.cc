@@ -53,17 +53,17 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
 // A fan shares its work among its rays; for a few, as of a sonar, looking along each is less work.
 constexpr std::size_t kFewRays = 4;
 
-void Cast(const Scene& scene, const RobotIndex& robots, const Pose& X_WS, const std::vector<double>& bearings,
+void Cast(const Scene& scene, const BodyIndex& bodies, const Pose& X_WS, const std::vector<double>& bearings,
           double max_range, RobotId robot, std::vector<std::optional<RayHit>>& hits) {
   if (bearings.size() > kFewRays) {
-    CastFan(scene, robots, X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, robot, hits);
+    CastFan(scene, bodies, X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, robot, hits);
     return;
   }
   hits.clear();
   for (double bearing : bearings) {
     const SinCosResult direction = SinCos(X_WS.heading + bearing);
     hits.push_back(
-        CastRay(scene, robots, X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range, robot));
+        CastRay(scene, bodies, X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range, robot));
   }
 }
 
@@ -81,11 +81,11 @@ std::vector<double> Bearings(const RaySensorDescription& sensor) {
   return bearings;
 }
 
-void MeasureRanger(const Scene& scene, const RobotIndex& robots, RobotId robot, std::size_t ranger, Tick tick,
+void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, std::size_t ranger, Tick tick,
                    RangerReading& reading) {
   const WorldDescription& world = scene.world();
   const RangerDescription& description = world.robot(robot).rangers[ranger];
-  const Pose X_WM = robots.X_WR(robot) * scene.X_RM(description.model);
+  const Pose X_WM = bodies.X_WM(description.model);
   std::vector<std::optional<RayHit>> hits;
   reading.tick = tick;
   reading.scans.resize(description.sensors.size());
@@ -95,7 +95,7 @@ void MeasureRanger(const Scene& scene, const RobotIndex& robots, RobotId robot, 
     const Noise noise(world.seed, robot, ranger, s, tick);
     std::vector<double> bearings = Bearings(sensor);
     TurnRays(sensor, noise, bearings);
-    Cast(scene, robots, X_WS, bearings, sensor.range.max, robot, hits);
+    Cast(scene, bodies, X_WS, bearings, sensor.range.max, robot, hits);
     RangeScan& scan = reading.scans[s];
     scan.ranges.assign(bearings.size(), sensor.range.max);
     scan.intensities.assign(bearings.size(), 0.0);

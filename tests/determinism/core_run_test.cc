@@ -44,7 +44,7 @@ struct Outcome {
 Outcome RunCrowd() {
   const Scene scene(Crowd());
   WorldState state = InitialState(scene.world());
-  RobotIndex robots(scene);
+  BodyIndex robots(scene);
   Hasher hashes;
   Hasher events;
   Hasher ranges;

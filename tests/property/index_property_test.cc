@@ -1,7 +1,7 @@
 // Index queries against going through everything.
 #include <gtest/gtest.h>
 
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "tests/support/random_world.h"
 
 namespace troupe {
@@ -35,7 +35,7 @@ TEST(StaticIndexProperty, QueryFindsExactlyThePiecesWhoseBoxesOverlap) {
   }
 }
 
-TEST(RobotIndexProperty, QueryMissesNoRobotWhileTheyMove) {
+TEST(BodyIndexProperty, QueryMissesNoRobotWhileTheyMove) {
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     RandomStream random(seed + 5'000'000);
     double half_width = random.Uniform(2.0, 30.0);
@@ -46,28 +46,28 @@ TEST(RobotIndexProperty, QueryMissesNoRobotWhileTheyMove) {
     }
     const Scene scene(test.world);
     WorldState state = InitialState(scene.world());
-    RobotIndex index(scene);
+    BodyIndex index(scene);
     for (int round = 0; round < 12; ++round) {
       index.Assign(state);
       for (int query = 0; query < 10; ++query) {
         if (random.Chance(0.5)) {
-          const RobotId robot(random.Index(state.robots.size()));
-          state.robots[robot.index()].X_WR = RandomPose(random, half_width);
-          index.Move(robot, state.robots[robot.index()].X_WR);
+          const BodyId body(random.Index(state.robots.size()));
+          state.robots[body.index()].X_WR = RandomPose(random, half_width);
+          index.Move(body, state.robots[body.index()].X_WR);
         }
         const Rectangle box = RandomBox(random, half_width);
-        std::vector<RobotId> found;
+        std::vector<BodyId> found;
         index.Query(box, found);
         ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));
         ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
         for (std::size_t i = 0; i < state.robots.size(); ++i) {
-          const RobotId robot(i);
+          const BodyId body(i);
           Rectangle bounds = Rectangle::Nothing();
-          for (const ConvexPiece& piece : scene.body(robot).pieces) {
+          for (const ConvexPiece& piece : scene.body(body).pieces) {
             const ConvexPiece in_world = Transformed(piece, state.robots[i].X_WR);
             bounds.Extend(BoundingBox(in_world.vertices));
           }
-          const bool is_found = std::binary_search(found.begin(), found.end(), robot);
+          const bool is_found = std::binary_search(found.begin(), found.end(), body);
           if (bounds.Overlaps(box)) {
             ASSERT_TRUE(is_found) << "seed " << seed;
           }
@@ -85,29 +85,29 @@ TEST(RobotIndexProperty, QueryMissesNoRobotWhileTheyMove) {
   }
 }
 
-TEST(RobotIndexProperty, PiecesInWorldFollowTheRobot) {
+TEST(BodyIndexProperty, PiecesInWorldFollowTheRobot) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     RandomStream random(seed + 6'000'000);
     const Scene scene(test::RandomWorld(seed, 10.0, 0, 5));
     WorldState state = InitialState(scene.world());
-    RobotIndex index(scene);
+    BodyIndex index(scene);
     index.Assign(state);
     for (int round = 0; round < 20; ++round) {
-      const RobotId robot(random.Index(state.robots.size()));
+      const BodyId body(random.Index(state.robots.size()));
       if (random.Chance(0.7)) {
-        state.robots[robot.index()].X_WR = RandomPose(random, 10.0);
-        state.robots[robot.index()].X_WR.z = random.Uniform(0.0, 1.0);
+        state.robots[body.index()].X_WR = RandomPose(random, 10.0);
+        state.robots[body.index()].X_WR.z = random.Uniform(0.0, 1.0);
         if (random.Chance(0.5)) {
           index.Assign(state);
         } else {
-          index.Move(robot, state.robots[robot.index()].X_WR);
+          index.Move(body, state.robots[body.index()].X_WR);
         }
       }
-      ASSERT_EQ(index.X_WR(robot), state.robots[robot.index()].X_WR);
-      const std::vector<ConvexPiece>& pieces = index.pieces_in_world(robot);
-      ASSERT_EQ(pieces.size(), scene.body(robot).pieces.size());
+      ASSERT_EQ(index.X_WB(body), state.robots[body.index()].X_WR);
+      const std::vector<ConvexPiece>& pieces = index.pieces_in_world(body);
+      ASSERT_EQ(pieces.size(), scene.body(body).pieces.size());
       for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const ConvexPiece expected = Transformed(scene.body(robot).pieces[i], state.robots[robot.index()].X_WR);
+        const ConvexPiece expected = Transformed(scene.body(body).pieces[i], state.robots[body.index()].X_WR);
         ASSERT_EQ(pieces[i].vertices, expected.vertices);
         ASSERT_EQ(pieces[i].z, expected.z);
       }

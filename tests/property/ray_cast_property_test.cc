@@ -111,7 +111,7 @@ TEST(RayCastProperty, AgreesWithBruteForceOverRawOutlines) {
     const double half_width = random.Uniform(1.0, 10.0);
     const Scene scene(test::RandomWorld(seed, half_width, 10 + random.Index(20), random.Index(6)));
     const WorldState state = Shuffled(scene.world(), random, half_width);
-    RobotIndex robots(scene);
+    BodyIndex robots(scene);
     robots.Assign(state);
     for (int ray = 0; ray < 24; ++ray) {
       const Vec2 origin(random.Uniform(-1.5, 1.5) * half_width, random.Uniform(-1.5, 1.5) * half_width);
@@ -147,7 +147,7 @@ TEST(RayCastProperty, FanGivesTheSameBitsAsSingleRays) {
     const double half_width = random.Uniform(1.0, 10.0);
     const Scene scene(test::RandomWorld(seed, half_width, random.Index(12), random.Index(12)));
     const WorldState state = Shuffled(scene.world(), random, half_width);
-    RobotIndex robots(scene);
+    BodyIndex robots(scene);
     robots.Assign(state);
     const Vec2 origin(random.Uniform(-1.2, 1.2) * half_width, random.Uniform(-1.2, 1.2) * half_width);
     const double heading = random.Angle();
@@ -195,7 +195,7 @@ TEST(RayCastProperty, NoRaySlipsBetweenTheRectanglesOfAWall) {
     }
     shape.rectangles.push_back({1.1, 1.1, 1.2, 1.2});
     const Scene scene(test.world);
-    RobotIndex robots(scene);
+    BodyIndex robots(scene);
     robots.Assign(InitialState(scene.world()));
     const Vec2 origin = Transform2(X_WM) * Vec2(random.Uniform(-0.8, 0.8), random.Uniform(-0.8, 0.8));
     for (const ConvexPiece& piece : scene.static_index().pieces()) {

@@ -18,7 +18,7 @@ using test::RandomStream;
 double DeepestOverlap(const Scene& scene, const WorldState& state) {
   std::vector<std::vector<ConvexPiece>> bodies(state.robots.size());
   for (std::size_t i = 0; i < state.robots.size(); ++i) {
-    for (const ConvexPiece& piece : scene.body(RobotId(i)).pieces) {
+    for (const ConvexPiece& piece : scene.body(BodyId(i)).pieces) {
       bodies[i].push_back(Transformed(piece, state.robots[i].X_WR));
     }
   }
@@ -133,9 +133,10 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
       continue;
     }
     ++stalls;
-    RobotIndex index(scene);
+    BodyIndex index(scene);
+    const BodyId own(0);
     index.Assign(start);
-    const std::optional<Contact> contact = FirstContact(scene, index, RobotId(0), start.robots[0].X_WR, twist, 0.1);
+    const std::optional<Contact> contact = FirstContact(scene, index, MoverOf(scene, own), {start.robots[0].X_WR, twist, 0.0, 0.1});
     ASSERT_TRUE(contact.has_value());
     ASSERT_LE(contact->time, met_at) << "seed " << seed;
     // A millimetre further there is overlap.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/spatial/overlap.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/spatial/sweep.h"
 #include "robot-agent/agent/robot.h"
@@ -55,8 +55,9 @@ class ScenarioRun {
   std::string MetWithinOneMillimetre(const std::string& name) {
     index_.Assign(state_);
     const RobotId robot = Find(name);
-    const auto contact =
-        FirstContact(scene_, index_, robot, state_.robots[robot.index()].X_WR, Twist{0.001, 0.0, 0.0}, 1.0);
+    const BodyId body = scene_.body_of(robot);
+    const Motion motion{state_.robots[robot.index()].X_WR, {0.001, 0.0, 0.0}, 0.0, 1.0};
+    const std::optional<Contact> contact = FirstContact(scene_, index_, MoverOf(scene_, body), motion);
     return contact && contact->other ? scene_.world().model(*contact->other).name : "";
   }
 
@@ -64,9 +65,9 @@ class ScenarioRun {
   bool InsideSomething(const std::string& name) {
     index_.Assign(state_);
     const RobotId robot = Find(name);
-    const std::vector<ConvexPiece>& own = index_.pieces_in_world(robot);
+    const std::vector<ConvexPiece>& own = index_.pieces_in_world(BodyId(robot.index()));
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      if (RobotId(i) != robot && AnyOverlap(own, index_.pieces_in_world(RobotId(i)))) return true;
+      if (RobotId(i) != robot && AnyOverlap(own, index_.pieces_in_world(BodyId(i)))) return true;
     }
     return AnyOverlap(own, scene_.static_index().pieces());
   }
@@ -85,7 +86,7 @@ class ScenarioRun {
   }
 
   Scene scene_;
-  RobotIndex index_;
+  BodyIndex index_;
   WorldState state_;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::vector<bool> ever_stalled_;

@@ -1,72 +1,134 @@
 #include "world-service/core/step.h"
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "common/base/check.h"
-#include "common/spatial/robot_index.h"
 #include "common/spatial/sweep.h"
+#include "world-service/core/gravity.h"
+#include "world-service/core/grip.h"
+#include "world-service/core/motion.h"
+#include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {
 
-// The twist proposed for each robot, by id; nothing for a robot without a proposal.
-std::vector<std::optional<Twist>> TwistByRobot(std::size_t robots, std::span<const Proposal> proposals) {
-  std::vector<std::optional<Twist>> twists(robots);
+// The proposal of each robot, by id; null for a robot without one.
+std::vector<const Proposal*> ProposalByRobot(std::size_t robots, std::span<const Proposal> proposals) {
+  std::vector<const Proposal*> by_robot(robots, nullptr);
   for (std::size_t i = 0; i < proposals.size(); ++i) {
     TROUPE_CHECK(proposals[i].robot.index() < robots);
     TROUPE_CHECK(i == 0 || proposals[i - 1].robot < proposals[i].robot);
-    twists[proposals[i].robot.index()] = proposals[i].twist;
+    by_robot[proposals[i].robot.index()] = &proposals[i];
   }
-  return twists;
+  return by_robot;
 }
 
-// Moves one robot as far as it gets; returns the contact that cut its motion short.
-std::optional<Contact> MoveRobot(const Scene& scene, const RobotIndex& index, RobotId id, const Twist& twist,
-                                 RobotState& robot) {
-  const double duration = scene.world().interval_seconds();
-  const std::optional<Contact> contact = FirstContact(scene, index, id, robot.X_WR, twist, duration);
-  const double moved_for = contact ? contact->time : duration;
-  if (moved_for > 0.0) robot.X_WR = robot.X_WR * Integrate(twist, moved_for);
-  robot.twist = contact ? Twist{} : twist;
-  robot.stalled = contact.has_value();
-  return contact;
-}
+// One robot's turn.
+class RobotTurn {
+ public:
+  // `proposal` may be null.
+  RobotTurn(StepWorkspace& workspace, RobotId robot, const Proposal* proposal)
+      : workspace_(workspace), robot_(robot), proposal_(proposal) {}
+
+  void Act() {
+    for (GripperId gripper : workspace_.scene.grippers_of(robot_)) {
+      const GripperDescription& description = workspace_.world().gripper(gripper);
+      if (VelocityOf(description.left) < 0.0 || VelocityOf(description.right) < 0.0) LetGo(workspace_, gripper);
+    }
+    ActBase();
+    for (JointId joint : workspace_.scene.joints_of(robot_)) ActJoint(joint);
+    for (GripperId gripper : workspace_.scene.grippers_of(robot_)) {
+      const GripperDescription& description = workspace_.world().gripper(gripper);
+      TakeHold(workspace_, gripper, FingerOf(description.left), FingerOf(description.right));
+    }
+  }
+
+ private:
+  double VelocityOf(JointId joint) const {
+    if (proposal_ == nullptr || proposal_->joint_velocities.empty()) return 0.0;
+    return proposal_->joint_velocities[NumberOf(joint)];
+  }
+  // The joint's place among the robot's.
+  std::size_t NumberOf(JointId joint) const {
+    const std::span<const JointId> joints = workspace_.scene.joints_of(robot_);
+    return static_cast<std::size_t>(std::lower_bound(joints.begin(), joints.end(), joint) - joints.begin());
+  }
+  FingerMotion FingerOf(JointId joint) const { return {VelocityOf(joint), joint_contacts_[NumberOf(joint)]}; }
+
+  void ActBase() {
+    RobotState& robot = workspace_.next.robots[robot_.index()];
+    const bool was_stalled = robot.stalled;
+    std::optional<Contact> contact;
+    if (proposal_ == nullptr || proposal_->twist.IsZero()) {
+      robot.twist = {};
+      if (proposal_ != nullptr) robot.stalled = false;  // who does not want to move is not held up
+    } else {
+      contact = MoveBase(workspace_, robot_, proposal_->twist);
+      if (contact) workspace_.Touch(contact->other);
+    }
+    if (robot.stalled == was_stalled) return;
+    workspace_.robot_events.push_back({.tick = workspace_.next.tick,
+                                       .type = robot.stalled ? EventType::kStallBegan : EventType::kStallEnded,
+                                       .robot = robot_,
+                                       .other = robot.stalled ? contact->other : std::nullopt});
+  }
+
+  void ActJoint(JointId id) {
+    const bool was_blocked = workspace_.next.joints[id.index()].blocked;
+    const std::optional<Contact> contact = MoveJoint(workspace_, id, VelocityOf(id));
+    joint_contacts_.push_back(contact);
+    if (!contact) return;
+    workspace_.Touch(contact->other);
+    if (was_blocked || IsGrip(id, *contact)) return;
+    workspace_.robot_events.push_back({.tick = workspace_.next.tick,
+                                       .type = EventType::kBlocked,
+                                       .robot = robot_,
+                                       .other = contact->other,
+                                       .detail = workspace_.world().joint(id).name});
+  }
+
+  // A pad that meets an object is at work, not in trouble.
+  bool IsGrip(JointId joint, const Contact& contact) const {
+    if (!contact.other || !workspace_.scene.object_of(*contact.other)) return false;
+    for (GripperId id : workspace_.scene.grippers_of(robot_)) {
+      const GripperDescription& gripper = workspace_.world().gripper(id);
+      if ((joint == gripper.left && contact.mine == gripper.left_pad) ||
+          (joint == gripper.right && contact.mine == gripper.right_pad)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  StepWorkspace& workspace_;
+  const RobotId robot_;
+  const Proposal* const proposal_;
+  std::vector<std::optional<Contact>> joint_contacts_;  // by the robot's joints
+};
 
 }  // namespace
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals) {
   const std::size_t count = state.robots.size();
   TROUPE_CHECK(count == scene.world().robots.size());
-  const std::vector<std::optional<Twist>> twists = TwistByRobot(count, proposals);
+  const std::vector<const Proposal*> by_robot = ProposalByRobot(count, proposals);
 
-  StepResult result{.state = state, .events = {}};
-  WorldState& next = result.state;
-  next.tick = state.tick + 1;
-  RobotIndex index(scene);
-  index.Assign(state);
-  std::vector<std::optional<Contact>> contacts(count);
+  StepWorkspace workspace(scene, state);
+  workspace.next.tick = state.tick + 1;
+  if (state.tick == 0) FindWhatRests(workspace);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = (next.tick + k) % count;  // so that no robot always goes first
-    RobotState& robot = next.robots[i];
-    if (!twists[i] || twists[i]->IsZero()) {
-      robot.twist = {};
-      if (twists[i]) robot.stalled = false;  // who does not want to move is not held up
-      continue;
-    }
-    contacts[i] = MoveRobot(scene, index, RobotId(i), *twists[i], robot);
-    index.Move(RobotId(i), robot.X_WR);
+    const std::size_t i = (workspace.next.tick + k) % count;  // so that no robot always goes first
+    RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
+  ForgetWhatIsGone(workspace);
+  LetObjectsFall(workspace);
 
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool before = state.robots[i].stalled;
-    const bool now = next.robots[i].stalled;
-    if (before == now) continue;
-    result.events.push_back({.tick = next.tick,
-                             .type = now ? EventType::kStallBegan : EventType::kStallEnded,
-                             .robot = RobotId(i),
-                             .other = now ? contacts[i]->other : std::nullopt,
-                             .detail = ""});
-  }
+  StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
+  std::stable_sort(result.events.begin(), result.events.end(),
+                   [](const Event& a, const Event& b) { return a.robot < b.robot; });
+  std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
   return result;
 }
 

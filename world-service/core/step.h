@@ -1,9 +1,11 @@
 // Step: the simulation. A pure function from a state and what the robots ask for to the next state and what happened.
 // Start here to understand Troupe.
 //
-// Robots move one after another, each along the exact arc of its twist until its first contact, in an order that is a
-// fixed function of the tick; each sees those before it already moved. A robot cut short by a contact stands where the
-// contact is, with its stall flag set and its velocity zero.
+// Robots act one after another, in an order that is a fixed function of the tick; each sees those before it already
+// moved. A robot lets go of what its fingers open from, moves its base along the exact arc of its twist until its first
+// contact, moves its joints one by one, and takes hold of what its fingers close on. What it holds, and what stands on
+// it, goes along and collides with it. Then what has lost its support falls. A motion cut short by a contact ends where
+// the contact is; its stall or blocked flag is set and its velocity is zero.
 #pragma once
 
 #include <span>
@@ -18,7 +20,7 @@ namespace troupe {
 
 struct StepResult {
   WorldState state;
-  std::vector<Event> events;  // in robot-id order
+  std::vector<Event> events;  // of robots in robot-id order, then of objects
 };
 
 // REQUIRES: `state` belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid

@@ -1,5 +1,6 @@
 #include "world-service/core/validate_proposal.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "common/base/check.h"
@@ -12,6 +13,25 @@ std::string ToText(const Twist& twist) {
   char text[128];
   std::snprintf(text, sizeof text, "(%.6g m/s, %.6g m/s, %.6g rad/s)", twist.vx, twist.vy, twist.wz);
   return text;
+}
+
+// "" or what is wrong with the joint velocities.
+std::string CheckJointVelocities(const WorldDescription& world, const Proposal& proposal) {
+  const std::vector<double>& velocities = proposal.joint_velocities;
+  if (velocities.empty()) return "";
+  std::size_t number = 0;
+  for (const JointDescription& joint : world.joints) {
+    if (joint.robot != proposal.robot) continue;
+    if (number < velocities.size() && !(std::abs(velocities[number]) <= joint.max_speed * (1.0 + 1e-9))) {
+      char text[96];
+      std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[number], joint.max_speed);
+      return "found a velocity of joint '" + joint.name + "' of " + text;
+    }
+    ++number;
+  }
+  if (velocities.size() == number) return "";
+  return "found velocities of " + std::to_string(velocities.size()) + " joints, expected none or those of the robot's " +
+         std::to_string(number);
 }
 
 }  // namespace
@@ -32,7 +52,7 @@ std::string ValidateProposal(const WorldDescription& world, const WorldState& st
            ", expected one within the drive's bounds: " +
            ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest";
   }
-  return "";
+  return CheckJointVelocities(world, proposal);
 }
 
 }  // namespace troupe

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/agent/scan_log.h"
 #include "tests/support/small_world.h"
@@ -31,7 +31,7 @@ class RobotTest : public ::testing::Test {
       log_ = std::move(log).value();
     }
     scene_ = std::make_unique<Scene>(world_.world());
-    index_ = std::make_unique<RobotIndex>(*scene_);
+    index_ = std::make_unique<BodyIndex>(*scene_);
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, log_.get());
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
@@ -55,7 +55,7 @@ class RobotTest : public ::testing::Test {
   RobotId id_;
   std::unique_ptr<ScanLog> log_;
   std::unique_ptr<Scene> scene_;
-  std::unique_ptr<RobotIndex> index_;
+  std::unique_ptr<BodyIndex> index_;
   std::unique_ptr<Robot> robot_;
   WorldState state_;
 };

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/model/world_state.h"
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/sensors/ranger.h"
 #include "tests/support/small_world.h"
@@ -12,7 +12,7 @@ namespace troupe {
 inline RangerReading Measure(const WorldDescription& world, const WorldState& state, RobotId robot,
                              std::size_t ranger = 0) {
   const Scene scene(world);
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   index.Assign(state);
   RangerReading reading;
   MeasureRanger(scene, index, robot, ranger, state.tick, reading);

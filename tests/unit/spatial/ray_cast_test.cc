@@ -16,7 +16,7 @@ class RayCastTest : public testing::Test {
   std::optional<RayHit> Cast(const Vec2& origin, const Vec2& direction, double z = 0.5, double max_distance = 10.0,
                              std::optional<RobotId> caster = {}) const {
     const Scene scene(test_.world);
-    RobotIndex robots(scene);
+    BodyIndex robots(scene);
     robots.Assign(InitialState(scene.world()));
     return CastRay(scene, robots, origin, direction, z, max_distance, caster);
   }
@@ -114,7 +114,7 @@ TEST(CastFan, FillsOneEntryForEachBearing) {
   TestWorld test;
   test.AddModel(Box(2, -5, 3, 5));
   const Scene scene(test.world);
-  RobotIndex robots(scene);
+  BodyIndex robots(scene);
   robots.Assign(InitialState(scene.world()));
   std::vector<std::optional<RayHit>> hits(7);
   const std::vector<double> bearings{0.0, kPi, -kPi / 4.0};

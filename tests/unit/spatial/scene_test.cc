@@ -28,7 +28,7 @@ TEST(Scene, SeparatesWhatStandsFromWhatMovesWithRobots) {
   EXPECT_EQ(scene.X_RM(root), Pose{});
   EXPECT_EQ(scene.X_RM(mast), (Pose{0.3, 0.0, 0.5, 0.0}));
 
-  const RobotBody& body = scene.body(robot);
+  const Body& body = scene.body(scene.body_of(robot));
   ASSERT_EQ(body.pieces.size(), 2u);
   EXPECT_EQ(body.z, (ZRange{0.0, 1.5}));
   EXPECT_NEAR(body.radius, std::hypot(0.35, 0.05), 1e-15);
@@ -40,8 +40,8 @@ TEST(Scene, TakesARobotWithoutABody) {
   test.AddRobot(test::Square(0.4), {0.0, 0.5}, {});
   test.world.shapes[0].blocks.clear();
   const Scene scene(test.world);
-  EXPECT_TRUE(scene.body(RobotId(0)).pieces.empty());
-  EXPECT_EQ(scene.body(RobotId(0)).radius, 0.0);
+  EXPECT_TRUE(scene.body(BodyId(0)).pieces.empty());
+  EXPECT_EQ(scene.body(BodyId(0)).radius, 0.0);
 }
 
 }  // namespace

@@ -110,10 +110,11 @@ class FirstContactTest : public testing::Test {
  protected:
   std::optional<Contact> Move(const Twist& twist, double duration = 1.0) const {
     const Scene scene(test_.world);
-    RobotIndex robots(scene);
+    BodyIndex robots(scene);
     const WorldState state = InitialState(scene.world());
     robots.Assign(state);
-    return FirstContact(scene, robots, RobotId(0), state.robots[0].X_WR, twist, duration);
+    const BodyId own(0);
+    return FirstContact(scene, robots, MoverOf(scene, own), {state.robots[0].X_WR, twist, 0.0, duration});
   }
 
   TestWorld test_;

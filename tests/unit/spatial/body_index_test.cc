@@ -1,4 +1,4 @@
-#include "common/spatial/robot_index.h"
+#include "common/spatial/body_index.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 namespace troupe {
 namespace {
 
-std::vector<RobotId> Find(const RobotIndex& index, const Rectangle& box) {
-  std::vector<RobotId> result;
+std::vector<BodyId> Find(const BodyIndex& index, const Rectangle& box) {
+  std::vector<BodyId> result;
   index.Query(box, result);
   return result;
 }
@@ -17,48 +17,48 @@ Rectangle Around(double x, double y) {
   return {x - 0.01, y - 0.01, x + 0.01, y + 0.01};
 }
 
-TEST(RobotIndex, IsEmptyWithoutRobots) {
+TEST(BodyIndex, IsEmptyWithoutRobots) {
   const Scene scene{WorldDescription{}};
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   index.Assign({});
   EXPECT_TRUE(Find(index, {-1e6, -1e6, 1e6, 1e6}).empty());
 }
 
-TEST(RobotIndex, FollowsMoves) {
+TEST(BodyIndex, FollowsMoves) {
   test::TestWorld test;
   for (int i = 0; i < 3; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 0.0, 0.0, 0.0});
   const Scene scene(test.world);
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   index.Assign(InitialState(scene.world()));
-  EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::vector<RobotId>{RobotId(0)}));
-  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<RobotId>{RobotId(0), RobotId(1), RobotId(2)}));
-  index.Move(RobotId(0), {4.0, 0.1, 0.0, 1.0});
+  EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::vector<BodyId>{BodyId(0)}));
+  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<BodyId>{BodyId(0), BodyId(1), BodyId(2)}));
+  index.Move(BodyId(0), {4.0, 0.1, 0.0, 1.0});
   EXPECT_TRUE(Find(index, Around(0.1, 0.1)).empty());
-  EXPECT_EQ(Find(index, Around(4.0, 0.1)), (std::vector<RobotId>{RobotId(0), RobotId(2)}));
-  index.Move(RobotId(1), {1e9, -1e9, 0.0, 0.0});
-  EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::vector<RobotId>{RobotId(1)})) << "far outside the grid";
+  EXPECT_EQ(Find(index, Around(4.0, 0.1)), (std::vector<BodyId>{BodyId(0), BodyId(2)}));
+  index.Move(BodyId(1), {1e9, -1e9, 0.0, 0.0});
+  EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::vector<BodyId>{BodyId(1)})) << "far outside the grid";
 }
 
-TEST(RobotIndex, CopesWithThousandsOfRobots) {
+TEST(BodyIndex, CopesWithThousandsOfRobots) {
   test::TestWorld test;
   for (int i = 0; i < 10'000; ++i) {
     test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0 * (i % 100), 1.0 * (i / 100), 0.0, 0.0});
   }
   const Scene scene(test.world);
   WorldState state = InitialState(scene.world());
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   for (int tick = 0; tick < 10; ++tick) {
     for (RobotState& robot : state.robots) robot.X_WR.x += 0.01;
     index.Assign(state);
   }
-  EXPECT_EQ(Find(index, Around(50.1, 50.0)), (std::vector<RobotId>{RobotId(5050)}));
+  EXPECT_EQ(Find(index, Around(50.1, 50.0)), (std::vector<BodyId>{BodyId(5050)}));
 }
 
-TEST(RobotIndex, CopesWithAllRobotsInOnePlace) {
+TEST(BodyIndex, CopesWithAllRobotsInOnePlace) {
   test::TestWorld test;
   for (int i = 0; i < 500; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0, 1.0, 0.0, 0.0});
   const Scene scene(test.world);
-  RobotIndex index(scene);
+  BodyIndex index(scene);
   index.Assign(InitialState(scene.world()));
   index.Assign(InitialState(scene.world()));
   EXPECT_EQ(Find(index, Around(1.0, 1.0)).size(), 500u);

@@ -1,0 +1,173 @@
+#include "common/spatial/body_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr double kSmallestCell = 0.01;  // m
+
+Rectangle BoundsOf(const std::vector<Pose>& poses) {
+  Rectangle bounds = Rectangle::Nothing();
+  for (const Pose& pose : poses) bounds.Extend(pose.translation());
+  return bounds;
+}
+
+}  // namespace
+
+void BodyIndex::Assign(const WorldState& state) {
+  const WorldDescription& world = scene_->world();
+  TROUPE_CHECK(state.robots.size() == world.robots.size() && state.objects.size() == world.objects.size() &&
+               state.joints.size() == world.joints.size());
+  const std::size_t count = scene_->body_count();
+  const bool first = X_WB_.size() != count || positions_.size() != world.joints.size();
+  if (first) {
+    X_WB_.clear();
+    positions_.clear();
+    for (const RobotState& robot : state.robots) X_WB_.push_back(robot.X_WR);
+    for (const ObjectState& object : state.objects) X_WB_.push_back(object.X_WO);
+    for (const JointState& joint : state.joints) positions_.push_back(joint.position);
+    cache_.assign(count, {});
+    owner_.assign(count, std::nullopt);
+    for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
+    if (count > 0) Rebuild();
+  } else {
+    for (std::size_t i = 0; i < state.robots.size(); ++i) Move(BodyId(i), state.robots[i].X_WR);
+    for (std::size_t i = 0; i < state.objects.size(); ++i) {
+      Move(scene_->body_of(ObjectId(i)), state.objects[i].X_WO);
+    }
+    for (std::size_t i = 0; i < state.joints.size(); ++i) MoveJoint(JointId(i), state.joints[i].position);
+    if (count > 0 && !FitsGrid()) Rebuild();
+  }
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    const std::optional<GripperId>& holder = state.objects[i].holder;
+    owner_[world.robots.size() + i] = holder ? std::optional(world.gripper(*holder).robot) : std::nullopt;
+  }
+}
+
+void BodyIndex::Move(BodyId body, const Pose& X_WB) {
+  const auto index = static_cast<std::uint32_t>(body.index());
+  if (X_WB_[index] == X_WB) return;
+  X_WB_[index] = X_WB;
+  cache_[index].fresh = false;
+  if (grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
+  Remove(index);
+  Insert(index);
+}
+
+void BodyIndex::MoveJoint(JointId joint, double position) {
+  if (positions_[joint.index()] == position) return;
+  positions_[joint.index()] = position;
+  Cache& cache = cache_[scene_->body_of(scene_->world().joint(joint).robot).index()];
+  cache.fresh = false;
+  cache.links_fresh = false;
+}
+
+const std::vector<Pose>& BodyIndex::X_BL(BodyId body) const {
+  Cache& cache = cache_[body.index()];
+  if (!cache.links_fresh) scene_->ComputeLinkPoses(body, positions_, cache.X_BL);
+  cache.links_fresh = true;
+  return cache.X_BL;
+}
+
+Pose BodyIndex::X_WM(ModelId model) const {
+  const BodyId body = *scene_->body_of(model);
+  const std::uint32_t link = scene_->link_of(model);
+  const Pose& X_WB = X_WB_[body.index()];
+  return link == 0 ? X_WB * scene_->X_LM(model) : X_WB * X_BL(body)[link] * scene_->X_LM(model);
+}
+
+const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
+  Cache& cache = cache_[id.index()];
+  if (cache.fresh) return cache.pieces;
+  const Body& body = scene_->body(id);
+  const Pose& X_WB = X_WB_[id.index()];
+  if (cache.pieces.size() != body.pieces.size()) cache.pieces = body.pieces;
+  Pose X_WL = X_WB;
+  Transform2 transform(X_WL);
+  std::uint32_t link = 0;
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    if (body.piece_links[i] != link) {
+      link = body.piece_links[i];
+      X_WL = link == 0 ? X_WB : X_WB * X_BL(id)[link];
+      transform = Transform2(X_WL);
+    }
+    const ConvexPiece& from = body.pieces[i];
+    ConvexPiece& to = cache.pieces[i];
+    to.z = from.z + X_WL.z;
+    for (std::size_t v = 0; v < from.vertices.size(); ++v) to.vertices[v] = transform * from.vertices[v];
+  }
+  cache.fresh = true;
+  return cache.pieces;
+}
+
+void BodyIndex::Query(const Rectangle& box, std::vector<BodyId>& result) const {
+  if (X_WB_.empty() || box.empty()) return;
+  // A body is in the cell of its origin, so it may reach into the box from as far as the largest radius.
+  const CellRange range = grid_.CellsOf(box.Inflated(scene_->max_body_radius()));
+  if (range.count() >= X_WB_.size()) {
+    for (std::size_t i = 0; i < X_WB_.size(); ++i) {
+      if (MayOverlap(static_cast<std::uint32_t>(i), box)) result.push_back(BodyId(i));
+    }
+    return;
+  }
+  const auto first = static_cast<std::ptrdiff_t>(result.size());
+  for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+    for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+      for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) {
+        if (MayOverlap(i, box)) result.push_back(BodyId(i));
+      }
+    }
+  }
+  std::sort(result.begin() + first, result.end());
+}
+
+bool BodyIndex::MayOverlap(std::uint32_t body, const Rectangle& box) const {
+  // A hair more than the radius, because moving it rounds.
+  const double radius = scene_->body(BodyId(body)).radius * (1.0 + 1e-9) + 1e-9;
+  return box.Inflated(radius).Contains(X_WB_[body].translation());
+}
+
+// The grid fits as long as all bodies are in it and do not huddle in a small part of it. It is correct anyway, only
+// slower.
+bool BodyIndex::FitsGrid() const {
+  const Rectangle bounds = BoundsOf(X_WB_);
+  const Rectangle& grid = grid_.bounds();
+  return grid.Contains({bounds.min_x, bounds.min_y}) && grid.Contains({bounds.max_x, bounds.max_y}) &&
+         4.0 * (std::max(bounds.width(), bounds.height()) + grid_.cell_size()) >= std::max(grid.width(), grid.height());
+}
+
+void BodyIndex::Rebuild() {
+  const std::size_t count = X_WB_.size();
+  const Rectangle tight = BoundsOf(X_WB_);
+  const double smallest_cell = std::max(2.0 * scene_->max_body_radius(), kSmallestCell);
+  // Room to drive without having to rebuild.
+  const Rectangle bounds = tight.Inflated(0.25 * std::max(tight.width(), tight.height()) + smallest_cell);
+  const double bodies = static_cast<double>(count);
+  const double cell = std::max(smallest_cell, std::sqrt(bounds.width() * bounds.height() / bodies));
+  grid_ = Grid(bounds, cell, 2.0 * bodies + 16.0);
+  cell_first_.assign(grid_.cell_count(), kNone);
+  next_.assign(count, kNone);
+  cell_of_.assign(count, 0);
+  for (std::size_t i = 0; i < count; ++i) Insert(static_cast<std::uint32_t>(i));
+}
+
+void BodyIndex::Insert(std::uint32_t body) {
+  const std::size_t cell = grid_.CellOf(X_WB_[body].translation());
+  cell_of_[body] = static_cast<std::uint32_t>(cell);
+  next_[body] = cell_first_[cell];
+  cell_first_[cell] = body;
+}
+
+void BodyIndex::Remove(std::uint32_t body) {
+  std::uint32_t* link = &cell_first_[cell_of_[body]];
+  while (*link != body) link = &next_[*link];
+  *link = next_[body];
+}
+
+}  // namespace troupe

@@ -1,0 +1,69 @@
+// BodyIndex: where the bodies of a state are, for finding those near a box. Rebuilt or updated as they move.
+//
+// Not safe to share between threads, not even for reading: pieces_in_world fills a cache.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/geometry/rectangle.h"
+#include "common/model/world_state.h"
+#include "common/spatial/grid.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+class BodyIndex {
+ public:
+  // The scene must outlive the index.
+  explicit BodyIndex(const Scene& scene) : scene_(&scene) {}
+
+  // Takes in a state: the poses of all robots and objects, the joints, and who holds what. Cheap where nothing has
+  // moved since the last call.
+  void Assign(const WorldState& state);
+  // Takes in one body's new pose, or one joint's new position. REQUIRES: Assign has been called.
+  void Move(BodyId body, const Pose& X_WB);
+  void MoveJoint(JointId joint, double position);
+
+  const Pose& X_WB(BodyId body) const { return X_WB_[body.index()]; }
+  // Pose of a model at present, wherever its joints are. REQUIRES: it belongs to a body.
+  Pose X_WM(ModelId model) const;
+  // Poses of a body's links in its frame at present.
+  const std::vector<Pose>& X_BL(BodyId body) const;
+  // The body's pieces in W at present. Valid until the body is moved.
+  const std::vector<ConvexPiece>& pieces_in_world(BodyId body) const;
+  // The robot that the body is, or that held it when the state was taken in; nothing for an object that nobody holds.
+  std::optional<RobotId> owner(BodyId body) const { return owner_[body.index()]; }
+
+  // The bodies that may overlap `box`, in id order without repeats. Appends to `result`.
+  void Query(const Rectangle& box, std::vector<BodyId>& result) const;
+
+ private:
+  struct Cache {
+    std::vector<ConvexPiece> pieces;
+    bool fresh = false;
+    std::vector<Pose> X_BL;
+    bool links_fresh = false;
+  };
+
+  bool FitsGrid() const;
+  void Rebuild();
+  void Insert(std::uint32_t body);
+  void Remove(std::uint32_t body);
+  bool MayOverlap(std::uint32_t body, const Rectangle& box) const;
+
+  const Scene* scene_;
+  std::vector<Pose> X_WB_;
+  std::vector<double> positions_;  // by joint
+  std::vector<std::optional<RobotId>> owner_;
+  mutable std::vector<Cache> cache_;
+  // The bodies of a cell are a list: cell_first_, then next_ of each. kNone ends it.
+  Grid grid_;
+  std::vector<std::uint32_t> cell_first_;
+  std::vector<std::uint32_t> next_;
+  std::vector<std::uint32_t> cell_of_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,236 @@
+#include "world-service/core/gravity.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "common/spatial/overlap.h"
+
+namespace troupe {
+namespace {
+
+// An object this near above a support stands on it, and is put exactly there: far more than rounding, far less than a
+// picture could show.
+constexpr double kSettleReach = 1e-6;  // m
+
+// What is under an object: the highest top under its footprint.
+struct Support {
+  double height = -std::numeric_limits<double>::infinity();  // m; infinitely low where there is nothing, not even ground
+  bool is_under_center = false;
+  std::optional<ModelId> model;  // under the centre; nothing for the ground
+  std::optional<ModelId> any;    // of all at that height the one with the lowest id; nothing for the ground
+};
+
+class SupportFinder {
+ public:
+  SupportFinder(const StepWorkspace& workspace, ObjectId object)
+      : workspace_(workspace), body_(workspace.scene.body_of(object)) {
+    const std::vector<ConvexPiece>& pieces = Pieces();
+    if (pieces.empty()) bottom_ = workspace.bodies.X_WB(body_).z;
+    for (const ConvexPiece& piece : pieces) bottom_ = std::min(bottom_, piece.z.min);
+    center_ = Center();
+  }
+
+  // Height of the object's lowest block, m. Only the ground carries what is no obstacle.
+  double bottom() const { return bottom_; }
+
+  Support Find() const {
+    Support best;
+    if (bottom_ >= -kSettleReach) best = {.height = 0.0, .is_under_center = true, .model = {}, .any = {}};
+    const auto consider = [&](const ConvexPiece& piece) {
+      if (!piece.obstacle || piece.z.max > bottom_ + kSettleReach) return;
+      if (piece.z.max < best.height - kSettleReach) return;
+      if (!IsUnder(piece)) return;
+      const bool under_center = Contains(piece.vertices, center_);
+      if (piece.z.max > best.height + kSettleReach) {
+        best = {piece.z.max, under_center, under_center ? std::optional(piece.model) : std::nullopt, piece.model};
+        return;
+      }
+      // As high as the best so far, which may be the ground.
+      best.height = std::max(best.height, piece.z.max);
+      best.any = best.any ? std::min(*best.any, piece.model) : piece.model;
+      if (under_center) best.model = best.model ? std::min(*best.model, piece.model) : piece.model;
+      best.is_under_center = best.is_under_center || under_center;
+    };
+    Rectangle box = Rectangle::Nothing();
+    for (const ConvexPiece& piece : Pieces()) {
+      for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
+    }
+    std::vector<std::uint32_t> standing;
+    workspace_.scene.static_index().Query(box, standing);
+    for (std::uint32_t index : standing) consider(workspace_.scene.static_index().pieces()[index]);
+    std::vector<BodyId> near;
+    workspace_.bodies.Query(box, near);
+    for (BodyId other : near) {
+      if (other == body_) continue;
+      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(other)) consider(piece);
+    }
+    return best;
+  }
+
+ private:
+  const std::vector<ConvexPiece>& Pieces() const { return workspace_.bodies.pieces_in_world(body_); }
+
+  // The centre of the object's volume: what has to be over the support.
+  Vec2 Center() const {
+    Vec2 sum = Vec2::Zero();
+    double area = 0.0;
+    for (const ConvexPiece& piece : Pieces()) {
+      const Vec2& origin = piece.vertices.front();
+      for (std::size_t i = 1; i + 1 < piece.vertices.size(); ++i) {
+        const Vec2 a = piece.vertices[i] - origin;
+        const Vec2 b = piece.vertices[i + 1] - origin;
+        const double weight = 0.5 * Cross(a, b) * (piece.z.max - piece.z.min);
+        sum += weight * (origin + (a + b) / 3.0);
+        area += weight;
+      }
+    }
+    return area > 0.0 ? Vec2(sum / area) : workspace_.bodies.X_WB(body_).translation();
+  }
+
+  bool IsUnder(const ConvexPiece& below) const {
+    for (const ConvexPiece& piece : Pieces()) {
+      if (piece.obstacle && piece.z.min >= below.z.max - kSettleReach &&
+          PenetrationDepth(piece.vertices, below.vertices) > kTouchTolerance) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  static bool Contains(const std::vector<Vec2>& convex, const Vec2& p) {
+    for (std::size_t i = 0; i < convex.size(); ++i) {
+      const Vec2& a = convex[i];
+      const Vec2& b = convex[i + 1 < convex.size() ? i + 1 : 0];
+      if (Cross(b - a, p - a) < 0.0) return false;
+    }
+    return true;
+  }
+
+  const StepWorkspace& workspace_;
+  BodyId body_;
+  double bottom_ = std::numeric_limits<double>::infinity();
+  Vec2 center_ = Vec2::Zero();
+};
+
+class Settler {
+ public:
+  explicit Settler(StepWorkspace& workspace) : workspace_(workspace) {}
+
+  void Run() {
+    for (ObjectId object : FromTheLowestUp()) {
+      if (Needs(object)) Settle(object);
+    }
+  }
+
+ private:
+  bool Needs(ObjectId id) const {
+    const ObjectState& object = workspace_.next.objects[id.index()];
+    if (object.holder) return false;
+    return workspace_.needs_support[id.index()] || object.mode == ObjectMode::kFalling || IsBridge(id);
+  }
+
+  // Rests on something, but its centre is over nothing that it would go along with: what carries it may go away.
+  bool IsBridge(ObjectId id) const {
+    const ObjectState& object = workspace_.next.objects[id.index()];
+    return object.mode == ObjectMode::kResting && !object.support && object.X_WO.z != 0.0;
+  }
+
+  std::vector<ObjectId> FromTheLowestUp() const {
+    std::vector<ObjectId> order;
+    bool any = false;
+    for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
+      order.emplace_back(i);
+      any = any || Needs(ObjectId(i));
+    }
+    if (!any) return {};
+    std::stable_sort(order.begin(), order.end(), [&](ObjectId a, ObjectId b) {
+      return workspace_.next.objects[a.index()].X_WO.z < workspace_.next.objects[b.index()].X_WO.z;
+    });
+    return order;
+  }
+
+  void Settle(ObjectId id) {
+    const SupportFinder finder(workspace_, id);
+    const ObjectState& object = workspace_.next.objects[id.index()];
+    const Support support = finder.Find();
+    const double gap = finder.bottom() - support.height;
+    if (gap <= kSettleReach || gap <= workspace_.lowered[id.index()] + kSettleReach) {
+      Rest(id, support, gap, object.mode == ObjectMode::kFalling);
+    } else if (workspace_.world().gravity == 0.0 || support.height == -std::numeric_limits<double>::infinity()) {
+      Hang(id);
+    } else {
+      Fall(id, support, gap);
+    }
+  }
+
+  void Hang(ObjectId id) {
+    ObjectState& object = workspace_.next.objects[id.index()];
+    object.mode = ObjectMode::kPlaced;
+    object.support = std::nullopt;
+  }
+
+  void Fall(ObjectId id, const Support& support, double gap) {
+    const double seconds = workspace_.seconds();
+    ObjectState& object = workspace_.next.objects[id.index()];
+    const double gravity = workspace_.world().gravity;
+    const double distance = (object.fall_speed + 0.5 * gravity * seconds) * seconds;
+    if (distance >= gap) {
+      Rest(id, support, gap, true);
+      return;
+    }
+    object.mode = ObjectMode::kFalling;
+    object.support = std::nullopt;
+    object.fall_speed += gravity * seconds;
+    Lower(id, distance);
+  }
+
+  void Rest(ObjectId id, const Support& support, double gap, bool fell) {
+    ObjectState& object = workspace_.next.objects[id.index()];
+    const bool was_resting = object.mode == ObjectMode::kResting;
+    object.mode = ObjectMode::kResting;
+    object.fall_speed = 0.0;
+    object.support = support.model;
+    if (gap != 0.0) Lower(id, gap);
+    if (was_resting && !fell) return;  // it only followed its support
+    workspace_.object_events.push_back({.tick = workspace_.next.tick,
+                                        .type = support.is_under_center ? EventType::kLanded : EventType::kUnstable,
+                                        .other = support.model ? support.model : support.any,
+                                        .object = workspace_.world().objects[id.index()]});
+  }
+
+  // Moves an object down; what stands on it follows.
+  void Lower(ObjectId id, double distance) {
+    Pose X_WO = workspace_.next.objects[id.index()].X_WO;
+    X_WO.z -= distance;
+    workspace_.MoveObject(id, X_WO);
+    for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
+      const std::optional<ModelId>& below = workspace_.next.objects[i].support;
+      if (!below || workspace_.scene.object_of(*below) != id) continue;
+      workspace_.needs_support[i] = true;
+      workspace_.lowered[i] = std::max(workspace_.lowered[i], distance);
+    }
+  }
+
+  StepWorkspace& workspace_;
+};
+
+}  // namespace
+
+void FindWhatRests(StepWorkspace& workspace) {
+  for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
+    ObjectState& object = workspace.next.objects[i];
+    if (object.mode != ObjectMode::kPlaced) continue;
+    const SupportFinder finder(workspace, ObjectId(i));
+    const Support support = finder.Find();
+    if (finder.bottom() - support.height > kSettleReach) continue;
+    object.mode = ObjectMode::kResting;
+    object.support = support.model;
+  }
+}
+
+void LetObjectsFall(StepWorkspace& workspace) {
+  Settler(workspace).Run();
+}
+
+}  // namespace troupe

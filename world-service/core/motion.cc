@@ -1,0 +1,189 @@
+#include "world-service/core/motion.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/model/model_poses.h"
+#include "world-service/core/load.h"
+
+namespace troupe {
+namespace {
+
+// Pieces gathered from several bodies, in the frame F of their common motion.
+class MoverBuilder {
+ public:
+  void Add(const ConvexPiece& piece, const Pose& X_FL) {
+    pieces_.push_back(Transformed(piece, X_FL));
+    const ConvexPiece& added = pieces_.back();
+    for (const Vec2& vertex : added.vertices) radius_ = std::max(radius_, vertex.norm());
+    z_.min = pieces_.size() == 1 ? added.z.min : std::min(z_.min, added.z.min);
+    z_.max = pieces_.size() == 1 ? added.z.max : std::max(z_.max, added.z.max);
+  }
+  void AddObjects(const StepWorkspace& workspace, const std::vector<ObjectId>& objects, const Pose& X_WF) {
+    const Pose X_FW = Inverse(X_WF);
+    for (ObjectId object : objects) {
+      const BodyId body = workspace.scene.body_of(object);
+      const Pose X_FO = X_FW * workspace.next.objects[object.index()].X_WO;
+      for (const ConvexPiece& piece : workspace.scene.body(body).pieces) Add(piece, X_FO);
+      Exempt(body);
+    }
+  }
+  void Exempt(BodyId body) { bodies_.push_back(body); }
+
+  // Good while the builder lives and nothing is added.
+  Mover Build() {
+    std::sort(bodies_.begin(), bodies_.end());
+    return {pieces_, radius_, z_, bodies_};
+  }
+
+ private:
+  std::vector<ConvexPiece> pieces_;
+  double radius_ = 0.0;
+  ZRange z_;
+  std::vector<BodyId> bodies_;
+};
+
+std::optional<Contact> Earlier(const std::optional<Contact>& a, const std::optional<Contact>& b) {
+  if (!a || !b) return a ? a : b;
+  return b->time < a->time ? b : a;
+}
+
+// The links of a body that one of them takes along: itself and those below.
+std::vector<bool> LinksFrom(const Body& body, std::uint32_t first) {
+  std::vector<bool> moves(body.links.size(), false);
+  moves[first] = true;
+  for (std::size_t k = first + 1; k < body.links.size(); ++k) moves[k] = moves[body.links[k].parent];
+  return moves;
+}
+
+// The part of a robot that a joint moves, and what goes along.
+struct JointAssembly {
+  BodyId body;
+  std::vector<bool> links;  // that move
+  Load load;
+  Pose X_WF;  // F: frame of the joint's model at the start
+};
+
+JointAssembly Assemble(const StepWorkspace& workspace, JointId id) {
+  const Scene& scene = workspace.scene;
+  const JointDescription& joint = workspace.world().joint(id);
+  JointAssembly assembly;
+  assembly.body = scene.body_of(joint.robot);
+  assembly.links = LinksFrom(scene.body(assembly.body), scene.link_of(id));
+  assembly.load = FindLoad(workspace, [&](ModelId model) {
+    return scene.body_of(model) == assembly.body && assembly.links[scene.link_of(model)];
+  });
+  assembly.X_WF = workspace.bodies.X_WM(joint.model);
+  return assembly;
+}
+
+// The first contact of the part with the world, or of what it carries with the rest of its own robot.
+std::optional<Contact> SweepJoint(const StepWorkspace& workspace, const JointAssembly& assembly,
+                                  const std::vector<ObjectId>& load, const Motion& motion) {
+  const Body& body = workspace.scene.body(assembly.body);
+  const std::vector<Pose>& X_BL = workspace.bodies.X_BL(assembly.body);
+  const Pose X_FB = Inverse(motion.X_WF) * workspace.bodies.X_WB(assembly.body);
+  MoverBuilder whole;
+  std::vector<ConvexPiece> rest;  // of the robot, in W
+  const std::vector<ConvexPiece>& in_world = workspace.bodies.pieces_in_world(assembly.body);
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    const std::uint32_t link = body.piece_links[i];
+    if (assembly.links[link]) {
+      whole.Add(body.pieces[i], X_FB * X_BL[link]);
+    } else if (!load.empty()) {
+      rest.push_back(in_world[i]);
+    }
+  }
+  whole.AddObjects(workspace, load, motion.X_WF);
+  whole.Exempt(assembly.body);
+  const std::optional<Contact> contact = FirstContact(workspace.scene, workspace.bodies, whole.Build(), motion);
+  if (load.empty()) return contact;
+  MoverBuilder objects;
+  objects.AddObjects(workspace, load, motion.X_WF);
+  return Earlier(contact, FirstContactWith(rest, objects.Build(), motion));
+}
+
+}  // namespace
+
+std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twist& twist) {
+  const Scene& scene = workspace.scene;
+  RobotState& robot = workspace.next.robots[id.index()];
+  const BodyId own = scene.body_of(id);
+  const Body& body = scene.body(own);
+  const Motion motion{robot.X_WR, twist, 0.0, workspace.seconds()};
+  std::vector<ObjectId> load;
+  if (!workspace.next.objects.empty()) {
+    Load found = FindLoad(workspace, [&](ModelId model) { return scene.body_of(model) == own; });
+    load = std::move(found.held);
+    load.insert(load.end(), found.stacked.begin(), found.stacked.end());
+  }
+
+  std::optional<Contact> contact;
+  if (!body.has_joints() && load.empty()) {
+    contact = FirstContact(scene, workspace.bodies, MoverOf(scene, own), motion);
+  } else {
+    MoverBuilder builder;
+    const std::vector<Pose>& X_BL = workspace.bodies.X_BL(own);
+    for (std::size_t i = 0; i < body.pieces.size(); ++i) builder.Add(body.pieces[i], X_BL[body.piece_links[i]]);
+    builder.AddObjects(workspace, load, robot.X_WR);
+    builder.Exempt(own);
+    contact = FirstContact(scene, workspace.bodies, builder.Build(), motion);
+  }
+
+  const double moved_for = contact ? contact->time : motion.duration;
+  if (moved_for > 0.0) {
+    const Pose before = robot.X_WR;
+    robot.X_WR = motion.After(moved_for);
+    workspace.bodies.Move(own, robot.X_WR);
+    Carry(workspace, load, before, robot.X_WR, 0.0);
+  }
+  robot.twist = contact ? Twist{} : twist;
+  robot.stalled = contact.has_value();
+  return contact;
+}
+
+std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double velocity) {
+  const JointDescription& joint = workspace.world().joint(id);
+  JointState& state = workspace.next.joints[id.index()];
+  const double wanted = joint.position.Clamp(state.position + velocity * workspace.seconds());
+  const double start = state.position;
+  state.velocity = 0.0;
+  state.blocked = false;
+  if (wanted == start) return std::nullopt;
+
+  JointAssembly assembly = Assemble(workspace, id);
+  Motion motion{assembly.X_WF, {}, 0.0, (wanted - start) / velocity};
+  if (joint.type == JointType::kRevolute) {
+    motion.twist.wz = velocity;
+  } else {
+    motion.twist.vx = velocity * joint.axis_xy.x();
+    motion.twist.vy = velocity * joint.axis_xy.y();
+    motion.climb = velocity * joint.axis_z;
+  }
+  Load& load = assembly.load;
+  const bool sinks = motion.climb < 0.0;
+  std::vector<ObjectId> along = load.held;
+  if (!sinks) along.insert(along.end(), load.stacked.begin(), load.stacked.end());
+  std::sort(along.begin(), along.end());
+
+  const std::optional<Contact> contact = SweepJoint(workspace, assembly, along, motion);
+  state.position = contact ? start + velocity * contact->time : wanted;
+  state.position = joint.position.Clamp(state.position);
+  state.velocity = contact ? 0.0 : (wanted - start) / workspace.seconds();
+  state.blocked = contact.has_value();
+  workspace.bodies.MoveJoint(id, state.position);
+  const double moved_for = contact ? contact->time : motion.duration;
+  const Pose after = motion.After(moved_for);
+  const double dz = (state.position - start) * joint.axis_z;
+  Carry(workspace, along, assembly.X_WF, after, joint.type == JointType::kRevolute ? 0.0 : dz);
+  if (sinks) {
+    Carry(workspace, load.stacked, assembly.X_WF, after, 0.0);
+    for (ObjectId object : load.stacked) {
+      workspace.needs_support[object.index()] = true;
+      workspace.lowered[object.index()] -= dz;
+    }
+  }
+  return contact;
+}
+
+}  // namespace troupe

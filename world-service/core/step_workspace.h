@@ -1,0 +1,44 @@
+// StepWorkspace: a state on its way to the next one, shared by the parts of a step. Private to this folder.
+#pragma once
+
+#include <vector>
+
+#include "common/model/event.h"
+#include "common/model/world_state.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+struct StepWorkspace {
+  StepWorkspace(const Scene& scene_in, const WorldState& state)
+      : scene(scene_in), next(state), bodies(scene_in), needs_support(state.objects.size(), false),
+        lowered(state.objects.size(), 0.0) {
+    bodies.Assign(state);
+  }
+
+  const Scene& scene;
+  WorldState next;
+  BodyIndex bodies;  // always at `next`
+  std::vector<Event> robot_events;
+  std::vector<Event> object_events;
+
+  // By object: what carries it has to be found anew, because it was let go, touched, or its support went down.
+  std::vector<bool> needs_support;
+  std::vector<double> lowered;  // m that its support went down, so that it follows without falling
+
+  const WorldDescription& world() const { return scene.world(); }
+  double seconds() const { return world().interval_seconds(); }
+
+  void MoveObject(ObjectId object, const Pose& X_WO) {
+    next.objects[object.index()].X_WO = X_WO;
+    bodies.Move(scene.body_of(object), X_WO);
+  }
+  // A robot or a joint met `other`: an object that only stayed where a file had put it loses its hold on that place.
+  void Touch(const std::optional<ModelId>& other) {
+    const std::optional<ObjectId> object = other ? scene.object_of(*other) : std::nullopt;
+    if (object && next.objects[object->index()].mode == ObjectMode::kPlaced) needs_support[object->index()] = true;
+  }
+};
+
+}  // namespace troupe
