@@ -188,11 +188,12 @@ class Settler {
   void Rest(ObjectId id, const Support& support, double gap, bool fell) {
     ObjectState& object = workspace_.next.objects[id.index()];
     const bool was_resting = object.mode == ObjectMode::kResting;
+    const bool lost_balance = object.support && !support.is_under_center;
     object.mode = ObjectMode::kResting;
     object.fall_speed = 0.0;
     object.support = support.model;
     if (gap != 0.0) Lower(id, gap);
-    if (was_resting && !fell) return;  // it only followed its support
+    if (was_resting && !fell && !lost_balance) return;  // it only followed its support
     workspace_.object_events.push_back({.tick = workspace_.next.tick,
                                         .type = support.is_under_center ? EventType::kLanded : EventType::kUnstable,
                                         .other = support.model ? support.model : support.any,

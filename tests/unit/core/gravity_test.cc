@@ -1,0 +1,171 @@
+// What falls, what rests, and what goes along with what.
+#include <gtest/gtest.h>
+
+#include "tests/support/gripper_world.h"
+
+namespace troupe {
+namespace {
+
+using test::Box;
+using test::GripperRobot;
+using test::GripperRun;
+using test::GripperWorld;
+using test::Square;
+
+TEST(Gravity, WhatAFilePlacedInTheAirStaysThere) {
+  GripperWorld world;
+  const ObjectId box = world.AddObject({0.0, 0.0, 1.0, 0.0});
+  GripperRun run(world.world);
+  run.Step({}, 20);
+  EXPECT_EQ(run.object(box).X_WO.z, 1.0);
+  EXPECT_EQ(run.object(box).mode, ObjectMode::kPlaced);
+}
+
+TEST(Gravity, WhatHangsInTheAirFallsWhenItIsTouched) {
+  GripperWorld world;
+  world.AddRobot(Square(0.4), {0.0, 0.5}, {});
+  const ObjectId box = world.AddObject({0.5, 0.0, 0.3, 0.0});
+  GripperRun run(world.world);
+  run.Step({{.twist = {1.0, 0.0, 0.0}}}, 20);
+  EXPECT_EQ(run.object(box).X_WO.z, 0.0);
+  EXPECT_EQ(run.EventsOf(EventType::kLanded).size(), 1u);
+}
+
+TEST(Gravity, FindsWhatStandsOnWhat) {
+  GripperWorld world;
+  const ModelId table = world.AddModel(Square(1.0), {0.6, 0.7});
+  const ObjectId on_table = world.AddObject({0.0, 0.0, 0.7, 0.0});
+  const ObjectId on_box = world.AddObject({0.04, 0.0, 0.1 + 0.7, 0.0});
+  const ObjectId on_ground = world.AddObject({5.0, 0.0, 0.0, 0.0});
+  GripperRun run(world.world);
+  const WorldState before = run.state;
+  run.Step({}, 1);
+  EXPECT_EQ(run.object(on_table).support, table);
+  EXPECT_EQ(run.object(on_box).support, world.world.objects[on_table.index()]);
+  EXPECT_EQ(run.object(on_ground).support, std::nullopt);
+  EXPECT_EQ(run.object(on_ground).mode, ObjectMode::kResting);
+  EXPECT_TRUE(run.events.empty());
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(run.state.objects[i].X_WO, before.objects[i].X_WO);
+  const WorldState first = run.state;
+  run.Step({}, 50);
+  run.state.tick = first.tick;
+  EXPECT_EQ(run.state, first) << "an idle world stays as it is";
+}
+
+TEST(Gravity, ARobotCarriesWhatStandsOnIt) {
+  GripperWorld world;
+  world.AddRobot(Square(0.4), {0.0, 0.5}, {});
+  world.AddModel(Box(2.0, -1.0, 2.1, 1.0), {0.5, 1.0});  // a bar that only the load meets
+  const ObjectId lower = world.AddObject({0.15, 0.0, 0.5, 0.0});
+  const ObjectId upper = world.AddObject({0.15, 0.0, 0.6, 0.0});
+  GripperRun run(world.world);
+  run.Step({{.twist = {1.0, 0.0, 0.5}}}, 10);
+  EXPECT_NEAR((Inverse(run.state.robots[0].X_WR) * run.object(lower).X_WO).x, 0.15, 1e-12);
+  EXPECT_NEAR((Inverse(run.state.robots[0].X_WR) * run.object(upper).X_WO).x, 0.15, 1e-12);
+  EXPECT_EQ(run.object(upper).X_WO.z, 0.6);
+  run.Step({{.twist = {0.0, 0.0, -0.5}}}, 10);
+  run.Step({{.twist = {1.0, 0.0, 0.0}}}, 20);
+  EXPECT_TRUE(run.state.robots[0].stalled);
+  EXPECT_LT(run.object(lower).X_WO.x, 2.0);
+}
+
+TEST(Gravity, ABridgeFallsWhenItsLastSupportGoes) {
+  GripperWorld world;
+  world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {-0.3, 0.0, 0.0, 0.0});
+  world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {0.3, 0.0, 0.0, 0.0});
+  const ObjectId beam = world.AddObject({0.0, 0.0, 0.5, 0.0});
+  world.world.shapes.back().blocks = {{Box(-0.3, -0.05, 0.3, 0.05), {0.0, 0.1}}};
+  GripperRun run(world.world);
+  run.Step({{}, {}}, 1);
+  EXPECT_EQ(run.object(beam).mode, ObjectMode::kResting);
+  EXPECT_EQ(run.object(beam).support, std::nullopt);
+  run.Step({{.twist = {0.0, 1.0, 0.0}}, {}}, 10);
+  EXPECT_EQ(run.object(beam).X_WO.z, 0.5) << "one support is left";
+  run.Step({{}, {.twist = {0.0, 1.0, 0.0}}}, 10);
+  EXPECT_EQ(run.object(beam).X_WO.z, 0.0);
+}
+
+TEST(Gravity, TellsWhatStandsUnsafely) {
+  GripperWorld world;
+  const GripperRobot robot = world.AddGripperRobot({});
+  const ObjectId box = world.AddObject({0.33, 0.0, 0.0, 0.0});
+  const ModelId edge = world.AddModel(Box(0.36, -1.0, 2.0, 1.0), {0.2, 0.3});
+  GripperRun run(world.world);
+  ASSERT_EQ(run.scene.world().robot(robot.robot).root, robot.root);
+  run.Step({{.fingers = 0.05}}, 30);
+  run.Step({{.twist = {-0.5, 0.0, 0.0}}}, 10);
+  run.Step({{.lift = 0.5}}, 8);
+  run.Step({{.twist = {0.5, 0.0, 0.0}}}, 10);
+  run.Step({{.fingers = -0.05}}, 10);
+  EXPECT_EQ(run.object(box).X_WO.z, 0.3);
+  ASSERT_EQ(run.EventsOf(EventType::kUnstable).size(), 1u);
+  EXPECT_EQ(run.EventsOf(EventType::kUnstable)[0].other, edge);
+}
+
+// A robot with a tray on a lift.
+struct TrayWorld {
+  TrayWorld() {
+    const RobotId robot = world.AddRobot(Square(0.4), {0.0, 0.1}, {});
+    const ModelId tray = world.AddModel(Square(0.4), {0.1, 0.15}, {}, world.world.robot(robot).root);
+    lift = world.AddJoint(robot, tray, {0.0, 0.0}, 1.0, {0.0, 1.0});
+  }
+  void Lift(GripperRun& run, double velocity, int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      StepResult result = Step(run.scene, run.state, std::vector<Proposal>{{RobotId(0), {}, {velocity}}});
+      run.state = result.state;
+      run.events.insert(run.events.end(), result.events.begin(), result.events.end());
+    }
+  }
+  GripperWorld world;
+  JointId lift;
+};
+
+TEST(Gravity, WhatStandsOnALiftGoesUpAndDownWithIt) {
+  TrayWorld test;
+  const ObjectId lower = test.world.AddObject({0.0, 0.0, 0.15, 0.0});
+  const ObjectId upper = test.world.AddObject({0.0, 0.0, 0.25, 0.0});
+  GripperRun run(test.world.world);
+  test.Lift(run, 0.5, 20);
+  EXPECT_NEAR(run.object(lower).X_WO.z, 1.15, 1e-9);
+  test.Lift(run, -3.0, 2);  // faster than anything falls
+  EXPECT_NEAR(run.object(lower).X_WO.z, 0.55, 1e-9);
+  EXPECT_NEAR(run.object(upper).X_WO.z, 0.65, 1e-9);
+  EXPECT_EQ(run.object(lower).mode, ObjectMode::kResting);
+  EXPECT_TRUE(run.events.empty());
+}
+
+TEST(Gravity, ALiftThatSinksLeavesItsLoadOnAShelf) {
+  TrayWorld test;
+  const ModelId shelf = test.world.AddModel(Box(0.25, -1.0, 1.0, 1.0), {0.5, 0.55});
+  const ObjectId board = test.world.AddObject({0.2, 0.0, 0.95, 0.0}, 0.6, 0.02);
+  test.world.world.joints[0].start = 0.8;
+  GripperRun run(test.world.world);
+  test.Lift(run, -0.5, 20);
+  EXPECT_NEAR(run.object(board).X_WO.z, 0.55, 1e-12);
+  EXPECT_EQ(run.position(test.lift), 0.0);
+  EXPECT_EQ(run.object(board).support, std::nullopt) << "its centre is over the sunken tray";
+  EXPECT_EQ(run.object(board).mode, ObjectMode::kResting);
+  EXPECT_NE(shelf, test.world.world.objects[0]);
+}
+
+TEST(Gravity, GivesTheSameStackForHalfAndDoubleTicks) {
+  std::vector<double> heights;
+  for (std::int64_t interval_ns : {50'000'000, 100'000'000, 200'000'000}) {
+    GripperWorld world;
+    world.world.interval_ns = interval_ns;
+    world.AddGripperRobot({});
+    const ObjectId box = world.AddObject({0.33, 0.0, 0.0, 0.0});
+    world.AddObject({1.33, 0.0, 0.0, 0.0}, 0.12, 0.13);
+    GripperRun run(world.world);
+    const auto ticks = [&](double seconds) { return static_cast<int>(seconds * 1e9 / interval_ns + 0.5); };
+    run.Step({{.fingers = 0.05}}, ticks(3.0));
+    run.Step({{.lift = 0.5}}, ticks(1.6));
+    run.Step({{.twist = {1.0, 0.0, 0.0}}}, ticks(1.0));
+    run.Step({{.fingers = -0.05}}, ticks(1.0));  // from above
+    EXPECT_EQ(run.object(box).X_WO.z, 0.13);
+    EXPECT_NEAR(run.object(box).X_WO.x, 1.33, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace troupe
