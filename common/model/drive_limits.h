@@ -6,10 +6,10 @@
 
 namespace troupe {
 
-// The twist nearest to `desired` that the drive reaches from `current` within `seconds`: within the velocity bounds, and
-// changing no faster than the acceleration bounds, where the bounds leave room for that (a robot faster than its velocity
-// bound brakes as hard as it can). A differential drive has no vy. For a car, `velocity.x` bounds the speed of the steered
-// wheel and `velocity.heading` the steering angle.
+// The twist nearest to `desired` that the drive reaches from `current` within `seconds`: within the velocity bounds,
+// and changing no faster than the acceleration bounds, where the bounds leave room for that (a robot faster than its
+// velocity bound brakes as hard as it can). A differential drive has no vy. For a car, `velocity.x` bounds the speed of
+// the steered wheel and `velocity.heading` the steering angle.
 Twist ClampToLimits(const DriveDescription& drive, const Twist& current, const Twist& desired, double seconds);
 
 // True if ClampToLimits would leave `proposed` alone, up to rounding (1e-9).

@@ -14,11 +14,11 @@ enum class EventType : std::uint8_t {
   kJoined = 2,            // an agent took the robot up
   kLeft = 3,              // the robot's agent left or was lost
   kProposalRejected = 4,  // `detail` says why
-  kBlocked = 5,           // a joint's motion was cut short; `detail` names it, `other` is what it met, none for the ground
-  kGripped = 6,           // the robot's gripper, named by `detail`, holds `object` from now on
-  kReleased = 7,          // it has let `object` go
-  kLanded = 8,            // `object` came to rest on `other`, none for the ground
-  kUnstable = 9,          // likewise, but its centre is not over what carries it
+  kBlocked = 5,   // a joint's motion was cut short; `detail` names it, `other` is what it met, none for the ground
+  kGripped = 6,   // the robot's gripper, named by `detail`, holds `object` from now on
+  kReleased = 7,  // it has let `object` go
+  kLanded = 8,    // `object` came to rest on `other`, none for the ground
+  kUnstable = 9,  // likewise, but its centre is not over what carries it
 };
 
 struct Event {

@@ -50,20 +50,20 @@ struct Shape {
 };
 
 struct ModelDescription {
-  std::string name;              // unique, children as "parent.child"
-  std::string type;              // as in the world file: "model", "position", "ranger", ...
+  std::string name;  // unique, children as "parent.child"
+  std::string type;  // as in the world file: "model", "position", "ranger", ...
   std::optional<ModelId> parent;
-  Pose X_PM;                     // pose at load in the parent's frame (the world's without parent); stacking is included
+  Pose X_PM;  // pose at load in the parent's frame (the world's without parent); stacking is included
   ShapeId shape;
-  double size_x = 0.0;           // m, as declared
-  double size_y = 0.0;           // m
-  double size_z = 0.0;           // m
+  double size_x = 0.0;  // m, as declared
+  double size_y = 0.0;  // m
+  double size_z = 0.0;  // m
   Color color;
-  bool obstacle_return = true;   // takes part in collisions
-  double ranger_return = 1.0;    // intensity of a ranger's hit; negative: rangers look through it
-  bool gripper_return = false;   // may be gripped, moved and dropped
+  bool obstacle_return = true;  // takes part in collisions
+  double ranger_return = 1.0;   // intensity of a ranger's hit; negative: rangers look through it
+  bool gripper_return = false;  // may be gripped, moved and dropped
   std::int32_t fiducial_return = 0;
-  bool show_nose = false;        // pictures show its heading
+  bool show_nose = false;  // pictures show its heading
   bool operator==(const ModelDescription&) const = default;
 };
 
@@ -90,7 +90,7 @@ struct TwistBounds {
 
 struct DriveDescription {
   DriveType type = DriveType::kDifferential;
-  double wheelbase = 1.0;    // m, car only
+  double wheelbase = 1.0;  // m, car only
   TwistBounds velocity;
   TwistBounds acceleration;  // min: strongest braking or reversing (<= 0); max: strongest speeding up (>= 0)
   bool operator==(const DriveDescription&) const = default;
@@ -103,7 +103,7 @@ enum class LocalizationType : std::uint8_t {
 
 struct LocalizationDescription {
   LocalizationType type = LocalizationType::kGps;
-  Pose origin;             // odometry starts here (frame: odom)
+  Pose origin;  // odometry starts here (frame: odom)
   // Odometry's relative errors of x, y and heading: a motion d is read as d * (1 + error).
   double error_x = 0.0;
   double error_y = 0.0;
@@ -113,20 +113,20 @@ struct LocalizationDescription {
 
 // One fan of rays.
 struct RaySensorDescription {
-  Pose X_MS;                      // in the ranger model's frame; rays leave from here, at this height
-  Interval range{0.0, 5.0};       // m
-  double fov = 0.1;               // rad; the fan spans -fov/2 .. +fov/2, both ends included
-  std::uint32_t samples = 1;      // 1: a single ray straight ahead
-  double noise_variance = 0.0;    // m^2, added to a hit's range
+  Pose X_MS;                        // in the ranger model's frame; rays leave from here, at this height
+  Interval range{0.0, 5.0};         // m
+  double fov = 0.1;                 // rad; the fan spans -fov/2 .. +fov/2, both ends included
+  std::uint32_t samples = 1;        // 1: a single ray straight ahead
+  double noise_variance = 0.0;      // m^2, added to a hit's range
   double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
-  double noise_angle = 0.0;       // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
+  double noise_angle = 0.0;         // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
   bool operator==(const RaySensorDescription&) const = default;
 };
 
 // A ranger model: one or more ray sensors (a laser scanner has one, a sonar ring many).
 struct RangerDescription {
-  std::string name;               // the model's name without the robot's: "ranger:0"
-  ModelId model;                  // in the robot's tree
+  std::string name;                // the model's name without the robot's: "ranger:0"
+  ModelId model;                   // in the robot's tree
   std::uint32_t period_ticks = 1;  // due at every tick that is a multiple of this
   std::vector<RaySensorDescription> sensors;
   bool operator==(const RangerDescription&) const = default;
@@ -140,15 +140,15 @@ enum class JointType : std::uint8_t {
 // One degree of freedom of a robot: its model, with everything below, moves relative to the parent. At position q the
 // model's pose is X_PM * (a shift by q * axis, or a turn by q).
 struct JointDescription {
-  std::string name;       // the model's name without the robot's: "gripper.lift"
+  std::string name;  // the model's name without the robot's: "gripper.lift"
   RobotId robot;
-  ModelId model;          // in the robot's tree, not its root
+  ModelId model;  // in the robot's tree, not its root
   JointType type = JointType::kPrismatic;
   Vec2 axis_xy{0.0, 0.0};  // with axis_z a unit vector in the model's frame; revolute: (0, 0, 1)
   double axis_z = 1.0;
-  Interval position;      // limits, m or rad
-  double start = 0.0;     // position at load
-  double max_speed = 1.0; // m/s or rad/s, to both sides
+  Interval position;       // limits, m or rad
+  double start = 0.0;      // position at load
+  double max_speed = 1.0;  // m/s or rad/s, to both sides
   bool operator==(const JointDescription&) const = default;
 };
 
@@ -163,27 +163,27 @@ struct BreakBeam {
 // Two fingers that close on an object, and perhaps a lift that raises them. Finger joints are at their minimum when
 // open and move up towards each other. Frame G: the model that the fingers are mounted on.
 struct GripperDescription {
-  std::string name;             // the model's name without the robot's
+  std::string name;  // the model's name without the robot's
   RobotId robot;
-  ModelId model;                // frame G; moved by the lift
+  ModelId model;  // frame G; moved by the lift
   JointId left;
   JointId right;
-  ModelId left_pad;             // what must touch an object to hold it; moved by the left finger
+  ModelId left_pad;  // what must touch an object to hold it; moved by the left finger
   ModelId right_pad;
   std::optional<JointId> lift = {};  // 0 percent is its minimum, 100 percent its maximum
   std::vector<BreakBeam> beams;
-  bool autosnatch = false;      // closes by itself when a beam is broken, and opens when none is
+  bool autosnatch = false;  // closes by itself when a beam is broken, and opens when none is
   bool operator==(const GripperDescription&) const = default;
 };
 
 struct ControllerDescription {
-  std::string name = "idle";       // a built-in controller, or the path of a shared library
-  std::string parameters = "{}";   // a JSON object
+  std::string name = "idle";      // a built-in controller, or the path of a shared library
+  std::string parameters = "{}";  // a JSON object
   bool operator==(const ControllerDescription&) const = default;
 };
 
 struct RobotDescription {
-  std::string name;                // the root model's name
+  std::string name;  // the root model's name
   ModelId root;
   DriveDescription drive;
   LocalizationDescription localization;

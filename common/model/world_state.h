@@ -41,10 +41,10 @@ enum class ObjectMode : std::uint8_t {
 };
 
 struct ObjectState {
-  Pose X_WO = {};                    // of the object's root model
+  Pose X_WO = {};  // of the object's root model
   ObjectMode mode = ObjectMode::kPlaced;
-  double fall_speed = 0.0;           // m/s, downwards
-  std::optional<GripperId> holder = {};   // in mode kHeld
+  double fall_speed = 0.0;               // m/s, downwards
+  std::optional<GripperId> holder = {};  // in mode kHeld
   // In mode kResting: the model under the object's centre, with which it moves; nothing on the ground, or where the
   // centre is over nothing that carries it.
   std::optional<ModelId> support = {};

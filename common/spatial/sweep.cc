@@ -38,7 +38,7 @@ double RadiusOf(std::span<const Vec2> vertices) {
 struct Pair {
   std::span<const Vec2> a_in_F;
   std::span<const Vec2> b_in_W;
-  ZRange a_z;                  // at the start, in W
+  ZRange a_z;  // at the start, in W
   ZRange b_z;
   double initial_depth = 0.0;  // m
 
@@ -76,7 +76,6 @@ class PairSweep {
   }
 
  private:
-
   // Fills times_: the start, the events in order, the end.
   void FindTimes(const Pair& pair) {
     double end = motion_.duration;
@@ -240,8 +239,7 @@ std::optional<Contact> GroundContact(const Mover& mover, const Motion& motion) {
 }
 
 // The first contact of the mover with any of the obstacles.
-std::optional<Contact> MeetObstacles(const Mover& mover, const Motion& motion,
-                                     const std::vector<Obstacle>& obstacles) {
+std::optional<Contact> MeetObstacles(const Mover& mover, const Motion& motion, const std::vector<Obstacle>& obstacles) {
   std::optional<Contact> first;
   std::vector<Pair> pairs;  // all that come near each other
   PairSweep sweep(motion);

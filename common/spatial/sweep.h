@@ -28,10 +28,10 @@ std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_
 
 // A motion of frame F: along the arc of a constant twist, and up or down at a constant rate.
 struct Motion {
-  Pose X_WF;               // at the start
-  Twist twist;             // in F
-  double climb = 0.0;      // m/s, upwards
-  double duration = 0.0;   // s
+  Pose X_WF;              // at the start
+  Twist twist;            // in F
+  double climb = 0.0;     // m/s, upwards
+  double duration = 0.0;  // s
 
   bool IsRest() const { return (twist.IsZero() && climb == 0.0) || !(duration > 0.0); }
   // Pose of F after so many seconds.

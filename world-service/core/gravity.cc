@@ -15,7 +15,8 @@ constexpr double kSettleReach = 1e-6;  // m
 
 // What is under an object: the highest top under its footprint.
 struct Support {
-  double height = -std::numeric_limits<double>::infinity();  // m; infinitely low where there is nothing, not even ground
+  double height =
+      -std::numeric_limits<double>::infinity();  // m; infinitely low where there is nothing, not even ground
   bool is_under_center = false;
   std::optional<ModelId> model;  // under the centre; nothing for the ground
   std::optional<ModelId> any;    // of all at that height the one with the lowest id; nothing for the ground

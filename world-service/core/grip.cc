@@ -83,12 +83,12 @@ void TakeHold(StepWorkspace& workspace, GripperId id, const FingerMotion& left, 
     Hold(workspace, id, *object);
     return;
   }
-  workspace.robot_events.push_back(
-      {.tick = workspace.next.tick,
-       .type = EventType::kBlocked,
-       .robot = description.robot,
-       .other = workspace.world().objects[object->index()],
-       .detail = description.name + ": held by " + workspace.world().robot(workspace.world().gripper(*holder).robot).name});
+  workspace.robot_events.push_back({.tick = workspace.next.tick,
+                                    .type = EventType::kBlocked,
+                                    .robot = description.robot,
+                                    .other = workspace.world().objects[object->index()],
+                                    .detail = description.name + ": held by " +
+                                              workspace.world().robot(workspace.world().gripper(*holder).robot).name});
 }
 
 void ForgetWhatIsGone(StepWorkspace& workspace) {

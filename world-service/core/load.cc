@@ -33,8 +33,8 @@ Load FindLoad(const StepWorkspace& workspace, const std::function<bool(ModelId)>
 void Carry(StepWorkspace& workspace, const std::vector<ObjectId>& objects, const Pose& X_WF_before,
            const Pose& X_WF_after, double dz) {
   const Pose X_FW = Inverse(X_WF_before);
-  const bool shifted = X_WF_before.x != X_WF_after.x || X_WF_before.y != X_WF_after.y ||
-                       X_WF_before.heading != X_WF_after.heading;
+  const bool shifted =
+      X_WF_before.x != X_WF_after.x || X_WF_before.y != X_WF_after.y || X_WF_before.heading != X_WF_after.heading;
   for (ObjectId object : objects) {
     const Pose before = workspace.next.objects[object.index()].X_WO;
     Pose after = shifted ? X_WF_after * (X_FW * before) : before;

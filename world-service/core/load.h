@@ -9,7 +9,7 @@
 namespace troupe {
 
 struct Load {
-  std::vector<ObjectId> held;    // by a gripper on what moves, in id order
+  std::vector<ObjectId> held;     // by a gripper on what moves, in id order
   std::vector<ObjectId> stacked;  // on what moves, or on other objects that go along, in id order
 
   bool empty() const { return held.empty() && stacked.empty(); }

@@ -23,8 +23,8 @@ struct StepResult {
   std::vector<Event> events;  // of robots in robot-id order, then of objects
 };
 
-// REQUIRES: `state` belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid
-// (validate_proposal.h). A robot without a proposal stands still.
+// REQUIRES: `state` belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and
+// valid (validate_proposal.h). A robot without a proposal stands still.
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals);
 
 }  // namespace troupe

@@ -12,7 +12,10 @@ namespace troupe {
 
 struct StepWorkspace {
   StepWorkspace(const Scene& scene_in, const WorldState& state)
-      : scene(scene_in), next(state), bodies(scene_in), needs_support(state.objects.size(), false),
+      : scene(scene_in),
+        next(state),
+        bodies(scene_in),
+        needs_support(state.objects.size(), false),
         lowered(state.objects.size(), 0.0) {
     bodies.Assign(state);
   }

@@ -30,8 +30,8 @@ std::string CheckJointVelocities(const WorldDescription& world, const Proposal& 
     ++number;
   }
   if (velocities.size() == number) return "";
-  return "found velocities of " + std::to_string(velocities.size()) + " joints, expected none or those of the robot's " +
-         std::to_string(number);
+  return "found velocities of " + std::to_string(velocities.size()) +
+         " joints, expected none or those of the robot's " + std::to_string(number);
 }
 
 }  // namespace

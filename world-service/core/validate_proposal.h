@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-// "" if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and, from the
-// velocity it has in `state`, acceleration) and of its joints; else what is wrong with it, for an event.
+// "" if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and, from
+// the velocity it has in `state`, acceleration) and of its joints; else what is wrong with it, for an event.
 std::string ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal);
 
 }  // namespace troupe
