@@ -61,6 +61,9 @@ GripperWorld RandomScene(RandomStream& random) {
     const double y = 1.2 * static_cast<double>(i);
     const Pose X_WR{random.Uniform(-0.2, 0.2), y, 0.0, random.Uniform(-0.3, 0.3)};
     const GripperRobot robot = world.AddGripperRobot(X_WR);
+    if (random.Chance(0.3)) {  // a roof over the gripper, part of the robot
+      world.AddModel(Box(0.1, -0.3, 0.5, 0.3), {0.6, 0.65}, {}, robot.root);
+    }
     const Pose X_WO = X_WR * Pose{0.34, random.Uniform(-0.05, 0.05), 0.0, random.Uniform(-0.5, 0.5)};
     const double height = random.Uniform(0.05, 0.2);
     world.AddObject(X_WO, random.Uniform(0.05, 0.12), height);
