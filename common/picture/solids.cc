@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/model/model_poses.h"
 #include "common/picture/rectangle_outline.h"
 
 namespace troupe {
@@ -59,16 +60,11 @@ std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState
   std::vector<std::optional<RobotId>> robot_of(world.models.size());
   for (std::size_t i = 0; i < world.robots.size(); ++i) robot_of[world.robots[i].root.index()] = RobotId(i);
 
-  std::vector<Pose> X_WM(world.models.size());
+  const std::vector<Pose> X_WM = ModelPoses(world, state);
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const ModelDescription& model = world.models[i];
-    if (model.parent) {
-      robot_of[i] = robot_of[model.parent->index()];
-      X_WM[i] = X_WM[model.parent->index()] * model.X_PM;
-    } else {
-      X_WM[i] = robot_of[i] ? state.robots[robot_of[i]->index()].X_WR : model.X_PM;
-    }
+    if (model.parent) robot_of[i] = robot_of[model.parent->index()];
     const Shape& shape = world.shape(model.shape);
     const bool map = !robot_of[i] && !shape.rectangles.empty() && !model.gripper_return;
     const auto add = [&](Solid solid) {

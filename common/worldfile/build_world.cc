@@ -34,6 +34,7 @@ void ReadWorldProperties(PropertyReader& reader, LoadedWorld& loaded) {
   const std::string file = std::filesystem::path(reader.entity().where.file).filename().string();
   loaded.world.name = reader.Text("name", file);
   loaded.world.interval_ns = std::llround(reader.Number("interval_sim", 100.0, 0.001, 1'000'000.0) * 1e6);
+  loaded.world.gravity = reader.Number("gravity", 9.81, 0.0, 1000.0);
   const double quit_seconds = reader.Number("quit_time", 0.0, 0.0, 1e9);
   if (quit_seconds > 0.0) {
     const std::int64_t quit_ns = std::llround(quit_seconds * 1e9);

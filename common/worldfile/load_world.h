@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct LoadedWorld {
   RunSettings settings;
   std::vector<Warning> warnings;             // in the order of the file
   std::vector<std::string> files;            // every file that was read
+  std::map<ModelId, ModelId> placed_alone;   // models without a parent, and what the file has them below
   int map_width = 0;                         // pixels of the largest bitmap; 0 without one
   int map_height = 0;
 };

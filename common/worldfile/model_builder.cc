@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "common/base/random.h"
+#include "common/worldfile/actuator_reader.h"
 #include "common/worldfile/color_names.h"
 #include "common/worldfile/entity_names.h"
-#include "common/worldfile/model_shape.h"
 #include "common/worldfile/quote.h"
 #include "common/worldfile/ranger_reader.h"
 #include "common/worldfile/robot_reader.h"
@@ -30,6 +30,7 @@ Size ReadSize(PropertyReader& reader, const Size& otherwise) {
 
 void ModelBuilder::BuildTree() {
   BuildChildren(context_.tree.world, nullptr);
+  GripperBuilder(context_).Describe(grippers_);
 }
 
 void ModelBuilder::BuildChildren(const Entity& entity, const Parent* parent) {
@@ -91,25 +92,32 @@ void ModelBuilder::BuildModel(const Entity& entity, const std::string& name, con
   if (is_position && parent != nullptr && !in_robot) {
     context_.diagnostics.Warn(entity.where,
                               "a 'position' below a model that does not move is placed in the world by itself");
-    model.X_PM = X_WM;
-  } else {
-    model.X_PM = X_PM;
-    if (parent != nullptr) model.parent = parent->id;
   }
-  ReadAppearance(reader, *type, model);
   model.obstacle_return = reader.Flag("obstacle_return", true);
   model.ranger_return = reader.Number("ranger_return", 1.0);
   model.gripper_return = reader.Flag("gripper_return", false);
+  const bool is_object = model.gripper_return && !is_position && !in_robot;
+  if (model.gripper_return && !is_object) {
+    context_.diagnostics.Warn(reader.Where("gripper_return"),
+                              "property 'gripper_return' has no effect on a robot: none of its parts can be taken");
+  }
+  const ModelId id(world.models.size());
+  const bool is_placed_alone = parent != nullptr && !in_robot && (is_position || is_object);
+  model.X_PM = is_placed_alone ? X_WM : X_PM;
+  if (is_placed_alone) context_.loaded.placed_alone.emplace(id, parent->id);
+  if (parent != nullptr && !is_placed_alone) model.parent = parent->id;
+  if (is_object) world.objects.push_back(id);
+  ReadAppearance(reader, *type, model);
   model.fiducial_return =
       static_cast<std::int32_t>(reader.Integer("fiducial_return", 0, -1'000'000'000, 1'000'000'000));
-  model.shape = context_.shapes.Add(map ? RosMapShape(reader, *map, size, origin)
-                                        : ReadModelShape(reader, *type, size, origin, context_));
+  std::optional<RobotId> robot;
+  if (parent != nullptr) robot = parent->robot;
+  const std::optional<GripperSettings> gripper =
+      entity.type == "gripper" ? ReadGripperOf(reader, size, X_WM, robot) : std::nullopt;
+  model.shape = context_.shapes.Add(ReadShape(reader, *type, map, size, origin, gripper));
   WarnIfNotSimulated(entity, *type);
   WarnIfSeenButNotHit(reader, model);
 
-  const ModelId id(world.models.size());
-  std::optional<RobotId> robot;
-  if (parent != nullptr) robot = parent->robot;
   if (is_position) {
     if (robot) {
       context_.diagnostics.Warn(entity.where, "a 'position' on a robot moves with it; its own drive is not simulated");
@@ -123,9 +131,11 @@ void ModelBuilder::BuildModel(const Entity& entity, const std::string& name, con
     context_.diagnostics.Warn(control->where, "property 'ctrl' has no effect: only a 'position' has a controller");
   }
   if (entity.type == "ranger") AddRanger(reader, origin, model, id, robot);
+  if (entity.type == "actuator") AddActuator(reader, model, id, robot);
   const bool stack_children = reader.Flag("stack_children", true);
   WarnOfUnused(reader, entity.type);
   world.models.push_back(model);
+  if (gripper) AddGripper(entity, *gripper, size, origin, id, *robot);
 
   const Parent self{id, name, entity.type, X_WM, stack_children ? size.z : 0.0, robot};
   BuildChildren(entity, &self);
@@ -191,6 +201,54 @@ void ModelBuilder::AddRanger(PropertyReader& reader, const Pose& origin, const M
   ranger.name = model.name.starts_with(prefix) ? model.name.substr(prefix.size()) : model.name;
   ranger.model = id;
   owner.rangers.push_back(std::move(ranger));
+}
+
+void ModelBuilder::AddActuator(PropertyReader& reader, const ModelDescription& model, ModelId id,
+                               std::optional<RobotId> robot) {
+  if (!robot) {
+    ReadStandingActuator(reader);
+    return;
+  }
+  WorldDescription& world = context_.loaded.world;
+  JointDescription joint = ReadActuator(reader);
+  joint.robot = *robot;
+  joint.model = id;
+  joint.name = NameOnRobot(world, *robot, model.name);
+  world.joints.push_back(std::move(joint));
+}
+
+// Nothing for a gripper on no robot, which is only a body.
+std::optional<GripperSettings> ModelBuilder::ReadGripperOf(PropertyReader& reader, const Size& size, const Pose& X_WM,
+                                                           std::optional<RobotId> robot) {
+  const WorldDescription& world = context_.loaded.world;
+  const double base = robot ? world.model(world.robot(*robot).root).X_PM.z : X_WM.z;
+  const GripperSettings settings = ReadGripper(reader, size, X_WM.z - base);
+  if (robot) return settings;
+  context_.diagnostics.Warn(reader.entity().where, "this gripper is on no robot, so it is only a body");
+  return std::nullopt;
+}
+
+void ModelBuilder::AddGripper(const Entity& entity, GripperSettings settings, const Size& size, const Pose& origin,
+                              ModelId id, RobotId robot) {
+  GripperDraft draft{entity.where, id, robot, std::move(settings), std::nullopt};
+  if (draft.settings.paddles) {
+    draft.own = AddPaddles(*draft.settings.paddles, size, origin, entity.where, id, robot, context_);
+    for (const ModelId part : draft.own->models) CheckName(entity, context_.loaded.world.model(part).name);
+  }
+  grippers_.push_back(std::move(draft));
+}
+
+Shape ModelBuilder::ReadShape(PropertyReader& reader, TypeDefaults type, const std::optional<RosMap>& map,
+                              const Size& size, const Pose& origin, const std::optional<GripperSettings>& gripper) {
+  if (map) return RosMapShape(reader, *map, size, origin);
+  if (!gripper) return ReadModelShape(reader, type, size, origin, context_);
+  if (gripper->paddles) {
+    const PaddleSettings& paddles = *gripper->paddles;
+    type.has_body = paddles.size.x < size.x;
+    return ReadModelShape(reader, type, BackSize(size, paddles), BackOrigin(origin, paddles), context_);
+  }
+  type.has_body = false;  // what is there beside its parts is said by blocks
+  return ReadModelShape(reader, type, size, origin, context_);
 }
 
 void ModelBuilder::CheckName(const Entity& entity, const std::string& name) {

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "common/base/random.h"
+#include "common/model/model_poses.h"
+#include "common/model/world_state.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
@@ -41,19 +43,28 @@ struct PlacedBody {
   Rectangle box = Rectangle::Nothing();
 };
 
-// Every model's root and its pose in the root's frame.
+// Every model's root in the file, which spawning moves it with, and its pose in the root's frame. What is placed in the
+// world by itself belongs to what the file has it below.
 struct Tree {
   ModelId root;
   Pose X_RM;
 };
 
-std::vector<Tree> FindTrees(const WorldDescription& world) {
+std::vector<Tree> FindTrees(const LoadedWorld& loaded) {
+  const std::vector<Pose> X_WM = ModelPoses(loaded.world, InitialState(loaded.world));
+  std::map<ModelId, const JointDescription*> joints;
+  for (const JointDescription& joint : loaded.world.joints) joints.emplace(joint.model, &joint);
   std::vector<Tree> trees;
-  for (std::size_t i = 0; i < world.models.size(); ++i) {
-    const ModelDescription& model = world.models[i];
-    if (model.parent) {
+  for (std::size_t i = 0; i < loaded.world.models.size(); ++i) {
+    const ModelDescription& model = loaded.world.models[i];
+    if (const auto alone = loaded.placed_alone.find(ModelId(i)); alone != loaded.placed_alone.end()) {
+      const ModelId root = trees[alone->second.index()].root;
+      trees.push_back({root, Inverse(X_WM[root.index()]) * X_WM[i]});
+    } else if (model.parent) {
       const Tree& parent = trees[model.parent->index()];
-      trees.push_back({parent.root, parent.X_RM * model.X_PM});
+      const auto joint = joints.find(ModelId(i));
+      const Pose X_PM = joint == joints.end() ? model.X_PM : model.X_PM * JointMotion(*joint->second, joint->second->start);
+      trees.push_back({parent.root, parent.X_RM * X_PM});
     } else {
       trees.push_back({ModelId(i), Pose{}});
     }
@@ -63,8 +74,8 @@ std::vector<Tree> FindTrees(const WorldDescription& world) {
 
 class Placer {
  public:
-  Placer(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, WorldDescription* world)
-      : spawns_(spawns), seed_(seed), world_(world) {}
+  Placer(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded)
+      : spawns_(spawns), seed_(seed), loaded_(*loaded), world_(&loaded->world) {}
 
   Status Run() {
     Prepare();
@@ -89,7 +100,8 @@ class Placer {
     }
     for (std::size_t i = 0; i < world_->robots.size(); ++i) robots_.emplace(world_->robots[i].root, i);
     std::vector<ConvexPiece> standing;
-    const std::vector<Tree> trees = FindTrees(*world_);
+    const std::vector<Tree> trees = FindTrees(loaded_);
+    for (const auto& [alone, below] : loaded_.placed_alone) followers_[trees[alone.index()].root].push_back(alone);
     for (std::size_t i = 0; i < trees.size(); ++i) {
       const auto body = bodies_.find(trees[i].root);
       const bool placed = body == bodies_.end();
@@ -144,6 +156,10 @@ class Placer {
       Pose& origin = world_->robots[robot->second].localization.origin;
       origin = origin * Inverse(X_PM) * X_WR;
     }
+    for (const ModelId follower : followers_[root]) {
+      Pose& X_WF = world_->models[follower.index()].X_PM;
+      X_WF = X_WR * (Inverse(X_PM) * X_WF);
+    }
     X_PM = X_WR;
     placed_.push_back(std::move(body));
     return true;
@@ -177,19 +193,21 @@ class Placer {
 
   const std::vector<PlannedSpawn>& spawns_;
   std::uint64_t seed_;
+  const LoadedWorld& loaded_;
   WorldDescription* world_;
   std::map<std::string, ModelId> roots_;
   std::map<ModelId, std::size_t> robots_;               // by root
   std::map<ModelId, std::vector<ConvexPiece>> bodies_;  // by root, frame R
+  std::map<ModelId, std::vector<ModelId>> followers_;   // placed in the world by themselves, by root
   StaticIndex standing_;
   std::vector<PlacedBody> placed_;
 };
 
 }  // namespace
 
-Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, WorldDescription* world) {
+Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded) {
   if (spawns.empty()) return std::nullopt;
-  return Placer(spawns, seed, world).Run();
+  return Placer(spawns, seed, loaded).Run();
 }
 
 }  // namespace troupe

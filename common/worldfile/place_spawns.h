@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/model/world_description.h"
+#include "common/worldfile/load_world.h"
 #include "common/worldfile/scenario_tree.h"
 
 namespace troupe {
@@ -14,6 +14,6 @@ namespace troupe {
 // hit or seen, neither what stands in the world nor what was placed before, and keeps the rule's spacing. Overlap is
 // that of collisions: in area and in height. The same world, rules and `seed` give the same poses. The error says how
 // many found room.
-Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, WorldDescription* world);
+Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded);
 
 }  // namespace troupe

@@ -18,13 +18,13 @@ constexpr TypeDefaults kTypes[] = {
     {"model", true, {0.4, 0.4, 1.0}, kRed, true},
     {"position", true, {0.4, 0.4, 1.0}, kRed, true},
     {"ranger", false, {0.15, 0.15, 0.2}, kDarkBlue, true},
-    {"actuator", true, {0.4, 0.4, 1.0}, kRed, false},
+    {"actuator", true, {0.4, 0.4, 1.0}, kRed, true},
     {"blinkenlight", true, {0.02, 0.02, 0.02}, kGreen, false},
     {"blobfinder", false, {0.4, 0.4, 1.0}, kRed, false},
     {"bumper", true, {0.4, 0.4, 1.0}, kRed, false},
     {"camera", true, {0.1, 0.07, 0.05}, kBlack, false},
     {"fiducial", false, {0.0, 0.0, 0.0}, kRed, false},
-    {"gripper", true, {0.2, 0.3, 0.2}, kRed, false},
+    {"gripper", true, {0.2, 0.3, 0.2}, kRed, true},
     {"lightindicator", true, {0.4, 0.4, 1.0}, kRed, false},
 };
 

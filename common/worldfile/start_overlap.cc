@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 
+#include "common/model/model_poses.h"
+#include "common/model/world_state.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
@@ -27,18 +31,19 @@ bool Overlap(const ConvexPiece& a, const ConvexPiece& b) {
   return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > kNoticeableDepth;
 }
 
-// All pieces of a world that collide, in W, in one index.
+// All pieces of a world that collide, in W, in one index. A body is what moves as one: a robot's tree or an object's.
 class Pieces {
  public:
   explicit Pieces(const WorldDescription& world) : world_(world) {
-    for (std::size_t i = 0; i < world.robots.size(); ++i) robot_of_[world.robots[i].root] = RobotId(i);
-    const std::vector<Pose> poses = InitialModelPoses(world);
+    for (const RobotDescription& robot : world.robots) body_of_[robot.root] = robot.root;
+    for (const ModelId object : world.objects) body_of_[object] = object;
+    const std::vector<Pose> poses = ModelPoses(world, InitialState(world));
     std::vector<ConvexPiece> pieces;
     for (std::size_t i = 0; i < world.models.size(); ++i) {
       const ModelDescription& model = world.models[i];
       if (model.parent) {
-        const auto parent = robot_of_.find(*model.parent);
-        if (parent != robot_of_.end()) robot_of_[ModelId(i)] = parent->second;
+        const auto parent = body_of_.find(*model.parent);
+        if (parent != body_of_.end()) body_of_[ModelId(i)] = parent->second;
       }
       if (!model.obstacle_return) continue;
       for (const ConvexPiece& piece : PiecesOf(ModelId(i))) {
@@ -49,19 +54,19 @@ class Pieces {
     index_ = StaticIndex(std::move(pieces));
   }
 
-  // For each robot what it starts inside of, if anything: the model with the lowest id.
-  std::map<RobotId, ModelId> FindOverlaps() const {
-    std::map<RobotId, ModelId> found;
+  // For each body, by its root, what it starts inside of, if anything: the model with the lowest id.
+  std::map<ModelId, ModelId> FindOverlaps() const {
+    std::map<ModelId, ModelId> found;
     std::vector<std::uint32_t> near;
     for (const ConvexPiece& piece : index_.pieces()) {
-      const std::optional<RobotId> robot = RobotOf(piece.model);
-      if (!robot) continue;
+      const std::optional<ModelId> body = BodyOf(piece.model);
+      if (!body) continue;
       near.clear();
       index_.Query(BoxOf(piece), near);
       for (const std::uint32_t i : near) {
         const ConvexPiece& other = index_.pieces()[i];
-        if (RobotOf(other.model) == robot || !Overlap(piece, other)) continue;
-        const auto [entry, is_new] = found.emplace(*robot, other.model);
+        if (BodyOf(other.model) == body || !Overlap(piece, other)) continue;
+        const auto [entry, is_new] = found.emplace(*body, other.model);
         if (!is_new) entry->second = std::min(entry->second, other.model);
       }
     }
@@ -69,9 +74,9 @@ class Pieces {
   }
 
  private:
-  std::optional<RobotId> RobotOf(ModelId model) const {
-    const auto found = robot_of_.find(model);
-    return found == robot_of_.end() ? std::nullopt : std::optional(found->second);
+  std::optional<ModelId> BodyOf(ModelId model) const {
+    const auto found = body_of_.find(model);
+    return found == body_of_.end() ? std::nullopt : std::optional(found->second);
   }
 
   // In the model's frame; cut into pieces once for all models of one shape.
@@ -82,24 +87,39 @@ class Pieces {
   }
 
   const WorldDescription& world_;
-  std::map<ModelId, RobotId> robot_of_;
+  std::map<ModelId, ModelId> body_of_;
   std::map<ShapeId, std::vector<ConvexPiece>> by_shape_;
   StaticIndex index_;
 };
 
+// The messages of one kind of body; of many only their number.
+std::vector<std::string> Describe(const std::string& kind, const std::string& consequence,
+                                  const std::vector<std::pair<std::string, std::string>>& overlaps) {
+  std::vector<std::string> messages;
+  for (const auto& [name, other] : overlaps) {
+    if (messages.size() == kMaxMessages) {
+      messages.push_back(std::to_string(overlaps.size() - kMaxMessages) + " more " + kind + "s start inside something");
+      break;
+    }
+    messages.push_back(kind + " " + Quoted(name) + " starts inside " + Quoted(other) + consequence);
+  }
+  return messages;
+}
+
 }  // namespace
 
 std::vector<std::string> FindStartOverlaps(const WorldDescription& world) {
-  std::vector<std::string> messages;
-  if (world.robots.empty()) return messages;
-  const std::map<RobotId, ModelId> overlaps = Pieces(world).FindOverlaps();
-  for (const auto& [robot, model] : overlaps) {
-    if (messages.size() == kMaxMessages) {
-      messages.push_back(std::to_string(overlaps.size() - kMaxMessages) + " more robots start inside something");
-      break;
-    }
-    messages.push_back("robot " + Quoted(world.robot(robot).name) + " starts inside " +
-                       Quoted(world.model(model).name) + ", so it may be stuck");
+  if (world.robots.empty()) return {};
+  std::set<ModelId> robots;
+  for (const RobotDescription& robot : world.robots) robots.insert(robot.root);
+  std::vector<std::pair<std::string, std::string>> of_robots;
+  std::vector<std::pair<std::string, std::string>> of_objects;
+  for (const auto& [root, other] : Pieces(world).FindOverlaps()) {
+    (robots.contains(root) ? of_robots : of_objects).emplace_back(world.model(root).name, world.model(other).name);
+  }
+  std::vector<std::string> messages = Describe("robot", ", so it may be stuck", of_robots);
+  for (std::string& message : Describe("object", ", so a gripper may not move it", of_objects)) {
+    messages.push_back(std::move(message));
   }
   return messages;
 }

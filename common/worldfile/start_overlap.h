@@ -1,4 +1,4 @@
-// Robots that a world places where they cannot be.
+// Robots and objects that a world places where they cannot be.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-// One message for each robot that starts inside something that it collides with: "robot 'r0' starts inside 'wall'".
-// After the twentieth only their number.
+// One message for each robot and each object that starts inside something that it collides with: "robot 'r0' starts
+// inside 'wall'". After the twentieth of a kind only their number.
 std::vector<std::string> FindStartOverlaps(const WorldDescription& world);
 
 }  // namespace troupe

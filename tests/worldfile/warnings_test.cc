@@ -34,8 +34,8 @@ TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
 
 TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
   EXPECT_THAT(
-      WorldFolder().WarningsOf("define hand gripper( )\nposition( hand( )\n hand( ) )\nhand( pose [5 0 0 0] )\n"),
-      ElementsAre("w.world:2:11: warning: 'hand' is only a body: 'gripper' models are not simulated yet"));
+      WorldFolder().WarningsOf("define skirt bumper( )\nposition( skirt( )\n skirt( ) )\nskirt( pose [5 0 0 0] )\n"),
+      ElementsAre("w.world:2:11: warning: 'skirt' is only a body: 'bumper' models are not simulated yet"));
 }
 
 TEST(Warnings, ValuesThatStageTakesInAnotherWayAreNamed) {
