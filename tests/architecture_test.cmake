@@ -24,10 +24,11 @@ set(may_include_world-service
 
 set(may_include_robot-agent/controller common/base common/geometry common/model)
 set(may_include_robot-agent/drive common/base common/geometry common/model robot-agent/controller)
+set(may_include_robot-agent/gripper common/base common/model robot-agent/controller)
 set(may_include_robot-agent/sensors common/base common/geometry common/model common/spatial robot-agent/controller)
 set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial common/protocol
-  robot-agent/controller robot-agent/drive robot-agent/sensors)
+  robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/sensors)
 set(may_include_robot-agent/program common/base common/command_line common/protocol robot-agent/agent)
 set(may_include_robot-agent common/base common/command_line common/dds robot-agent/program)
 

@@ -25,9 +25,15 @@ double TimeOf(const WorldDescription& world, Tick tick) {
 }  // namespace
 
 Robot::Robot(const Scene& scene, RobotId id, ScanLog* scan_log)
-    : scene_(&scene), id_(id), scan_log_(scan_log), odometry_(scene.world().robot(id).localization) {
+    : scene_(&scene),
+      id_(id),
+      scan_log_(scan_log),
+      odometry_(scene.world().robot(id).localization),
+      manipulator_(scene.world(), id) {
   subscribed_.resize(description().rangers.size(), false);
   readings_.resize(description().rangers.size());
+  for (const GripperInfo& gripper : manipulator_.grippers()) reads_beams_.push_back(gripper.description->autosnatch);
+  beams_.resize(reads_beams_.size());
 }
 
 Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, ScanLog* scan_log) {
@@ -43,7 +49,11 @@ const RobotDescription& Robot::description() const {
 }
 
 std::string Robot::StartController() {
-  RobotInfo info{.robot = &description(), .parameters = description().controller.parameters, .X_RM = {}};
+  RobotInfo info{.robot = &description(),
+                 .parameters = description().controller.parameters,
+                 .X_RM = {},
+                 .joints = manipulator_.joints(),
+                 .grippers = manipulator_.grippers()};
   for (const RangerDescription& ranger : description().rangers) info.X_RM.push_back(scene_->X_RM(ranger.model));
   Result<std::unique_ptr<Controller>> controller = CreateController(info);
   if (!controller.ok()) return controller.error().message;
@@ -57,6 +67,13 @@ std::string Robot::StartController() {
       }
       subscribed_[ranger] = true;
     }
+    for (std::size_t gripper : controller_->BeamSubscriptions()) {
+      if (gripper >= reads_beams_.size()) {
+        return fmt::format("controller {} subscribes to the beams of gripper {}, but the robot has {}", name, gripper,
+                           reads_beams_.size());
+      }
+      reads_beams_[gripper] = true;
+    }
   } catch (const std::exception& exception) {
     return fmt::format("controller {}: {}", name, exception.what());
   } catch (...) {
@@ -69,8 +86,11 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies) {
   const RobotState& own = state.robots[id_.index()];
   odometry_.Update(own.X_WR);
   Sense(state.tick, bodies);
+  manipulator_.Sense(state, beams_);
   const Command command = failure_.empty() ? AskController(state) : Command{};
-  return {id_, DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds())};
+  const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
+  // After a failure the joints stay where they are, and hold what they hold.
+  return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{}};
 }
 
 void Robot::Sense(Tick tick, const BodyIndex& bodies) {
@@ -95,9 +115,13 @@ Command Robot::AskController(const WorldState& state) {
   observation.twist = own.twist;
   observation.stalled = own.stalled;
   observation.rangers = readings_;
+  observation.joints = manipulator_.joint_readings();
+  observation.grippers = manipulator_.gripper_readings();
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   try {
-    return controller_->Update(observation);
+    Command command = controller_->Update(observation);
+    failure_ = manipulator_.Take(command);
+    if (failure_.empty()) return command;
   } catch (const std::exception& exception) {
     failure_ = exception.what();
   } catch (...) {

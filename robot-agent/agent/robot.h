@@ -10,6 +10,7 @@
 #include "common/model/world_state.h"
 #include "robot-agent/controller/controller.h"
 #include "robot-agent/drive/odometry.h"
+#include "robot-agent/gripper/manipulator.h"
 
 namespace troupe {
 
@@ -45,9 +46,13 @@ class Robot {
   ScanLog* scan_log_;
   std::unique_ptr<Controller> controller_;
   Odometry odometry_;
+  Manipulator manipulator_;
   std::vector<bool> subscribed_;         // by ranger
   std::vector<RangerReading> readings_;  // by ranger; empty where not subscribed
   RangerReading unread_;                 // what only the scan log wants
+  std::vector<bool> reads_beams_;        // by gripper: the controller subscribed, or it closes by itself
+  std::vector<std::vector<std::optional<ObjectId>>>
+      beams_;  // by gripper and beam: what breaks it; empty where not read
   std::string failure_;
 };
 

@@ -17,6 +17,7 @@
 #include "common/base/random.h"
 #include "common/geometry/pose.h"
 #include "common/model/world_description.h"
+#include "robot-agent/controller/manipulation.h"
 
 namespace troupe {
 
@@ -40,24 +41,33 @@ struct Observation {
   Twist twist;            // executed during the last tick, in R
   bool stalled = false;
   std::span<const RangerReading> rangers;  // by ranger, as in RobotDescription; empty scans where not subscribed
-  std::uint64_t random_key = 0;            // of this robot and tick
+  std::span<const JointReading> joints;
+  std::span<const GripperReading> grippers;
+  std::uint64_t random_key = 0;  // of this robot and tick
 
   // The i-th of this tick's uniform random numbers in [0, 1), the same in every run with the same seed.
   double Random(std::uint64_t i) const { return RandomUniform({random_key, i}); }
 };
 
-// What a controller asks its drive for. The drive bounds it (common/model/drive_limits.h).
+// What a controller asks for. The drive bounds the motion (common/model/drive_limits.h), which has to be asked for anew
+// in each tick; what grippers and joints were told stays until they are told something else.
 struct Command {
   Twist twist;            // differential and omni drives, in R
   double speed = 0.0;     // m/s, car drive: speed of the steered wheel
   double steering = 0.0;  // rad, car drive
+  // Done in order, grippers first. A number that is not finite, a percentage or position out of range, or a gripper or
+  // joint that is not there is a failure of the controller.
+  std::vector<GripperCommand> grippers = {};
+  std::vector<JointCommand> joints = {};
 };
 
 // What a controller may know of its robot before the first tick.
 struct RobotInfo {
-  const RobotDescription* robot = nullptr;  // never null; lives as long as the controller
-  std::string parameters = "{}";            // a JSON object
-  std::vector<Pose> X_RM;                   // by ranger: where it is mounted on the robot
+  const RobotDescription* robot = nullptr;           // never null; lives as long as the controller
+  std::string parameters = "{}";                     // a JSON object
+  std::vector<Pose> X_RM;                            // by ranger: where it is mounted on the robot
+  std::vector<const JointDescription*> joints = {};  // in id order; never null, live as long as the controller
+  std::vector<GripperInfo> grippers = {};            // in id order
 };
 
 class Controller {
@@ -66,6 +76,9 @@ class Controller {
 
   // Indices of the rangers that Update reads. The others are not computed.
   virtual std::vector<std::size_t> Subscriptions() const { return {}; }
+
+  // Indices of the grippers whose break beams Update reads. The others are not computed.
+  virtual std::vector<std::size_t> BeamSubscriptions() const { return {}; }
 
   // Decides. Called once each tick, in order of ticks; ticks may be missing after the agent was away. An exception
   // stops the robot and is reported; the run goes on.
@@ -77,7 +90,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 1
+#define TROUPE_CONTROLLER_ABI 2
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

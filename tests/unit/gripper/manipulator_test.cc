@@ -1,0 +1,162 @@
+#include "robot-agent/gripper/manipulator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/gripper/hand.h"
+
+namespace troupe::test {
+namespace {
+
+class ManipulatorTest : public testing::Test {
+ protected:
+  ManipulatorTest() { Restart(); }
+  void Restart() {
+    manipulator_ = std::make_unique<Manipulator>(hand_.world, RobotId(0));
+    manipulator_->Sense(hand_.state, beams_);
+  }
+  void Tick(int ticks = 1) {
+    for (int i = 0; i < ticks; ++i) {
+      hand_.Move(manipulator_->Propose(hand_.state));
+      manipulator_->Sense(hand_.state, beams_);
+    }
+  }
+  const GripperReading& gripper() const { return manipulator_->gripper_readings().at(0); }
+  const JointReading& joint(std::size_t i) const { return manipulator_->joint_readings().at(i); }
+  static Command Lift(double percent) { return {.twist = {}, .grippers = {{.lift = percent}}, .joints = {}}; }
+  static Command Joint(JointCommand command) { return {.twist = {}, .grippers = {}, .joints = {command}}; }
+
+  Hand hand_;
+  std::vector<std::vector<std::optional<ObjectId>>> beams_{{}};
+  std::unique_ptr<Manipulator> manipulator_;
+};
+
+TEST_F(ManipulatorTest, DescribesJointsAndGrippersOfItsRobotOnly) {
+  hand_.world.robots.emplace_back().name = "r1";
+  hand_.world.joints[Hand::kArm].robot = RobotId(1);
+  Restart();
+  EXPECT_EQ(manipulator_->joints().size(), 3u);
+  ASSERT_EQ(manipulator_->grippers().size(), 1u);
+  const GripperInfo& info = manipulator_->grippers()[0];
+  EXPECT_EQ(info.description->name, "lift");
+  EXPECT_EQ(info.left, 1u);
+  EXPECT_EQ(info.right, 2u);
+  EXPECT_EQ(info.lift, 0u);
+  const Manipulator other(hand_.world, RobotId(1));
+  EXPECT_EQ(other.joints(), std::vector<const JointDescription*>{&hand_.world.joints[Hand::kArm]});
+  EXPECT_TRUE(other.grippers().empty());
+}
+
+TEST_F(ManipulatorTest, AsksForNothingWhenNothingIsToMove) {
+  EXPECT_TRUE(manipulator_->Propose(hand_.state).empty());
+}
+
+TEST_F(ManipulatorTest, MovesToAHeightInPercent) {
+  EXPECT_EQ(manipulator_->Take(Lift(40.0)), "");
+  Tick();
+  EXPECT_TRUE(gripper().lift_moving);
+  Tick(20);
+  EXPECT_FALSE(gripper().lift_moving);
+  EXPECT_NEAR(gripper().lift_position, 0.65, 1e-12);  // 0.4 (1.25 - 0.25) + 0.25
+  EXPECT_NEAR(gripper().lift_percent, 40.0, 1e-9);
+  EXPECT_EQ(manipulator_->Take(Lift(100.0)), "");
+  Tick(40);
+  EXPECT_EQ(gripper().lift_position, 1.25);
+  EXPECT_EQ(gripper().lift_percent, 100.0);
+  EXPECT_EQ(manipulator_->Take(Lift(0.0)), "");
+  Tick(40);
+  EXPECT_EQ(gripper().lift_position, 0.25);
+}
+
+TEST_F(ManipulatorTest, WhatACommandLeavesOutGoesOn) {
+  EXPECT_EQ(manipulator_->Take(Lift(40.0)), "");
+  EXPECT_EQ(manipulator_->Take({.twist = {}, .grippers = {{.fingers = FingerCommand::kClose}}, .joints = {}}), "");
+  EXPECT_EQ(manipulator_->Take({}), "");
+  Tick(20);
+  EXPECT_NEAR(gripper().lift_position, 0.65, 1e-12);
+  EXPECT_EQ(gripper().fingers, FingerState::kClosed);
+}
+
+TEST_F(ManipulatorTest, JointsGoToPositionsAndAtVelocities) {
+  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kArm, .position = -1.1})), "");
+  Tick();
+  EXPECT_TRUE(joint(Hand::kArm).moving);
+  EXPECT_NEAR(joint(Hand::kArm).velocity, -2.0, 1e-12);
+  Tick(9);
+  EXPECT_NEAR(joint(Hand::kArm).position, -1.1, 1e-12);
+  EXPECT_FALSE(joint(Hand::kArm).moving);
+  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kArm, .velocity = 0.5})), "");
+  Tick(2);
+  EXPECT_NEAR(joint(Hand::kArm).position, -1.0, 1e-12);
+}
+
+TEST_F(ManipulatorTest, ALiftIsAJointToo) {
+  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kLift, .position = 0.5})), "");
+  Tick(10);
+  EXPECT_NEAR(gripper().lift_position, 0.5, 1e-12);
+}
+
+TEST_F(ManipulatorTest, SaysWhatItTouchesAndHolds) {
+  hand_.state.grippers[0] = {ModelId(5), ModelId(6), std::nullopt};
+  Restart();
+  EXPECT_EQ(gripper().left_contact, (SeenModel{ModelId(5), "box"}));
+  EXPECT_EQ(gripper().right_contact, (SeenModel{ModelId(6), "wall"}));
+  EXPECT_FALSE(gripper().clamped);
+  hand_.state.grippers[0].clamped = ObjectId(0);
+  Restart();
+  EXPECT_EQ(gripper().clamped, (SeenModel{ModelId(5), "box"}));
+  EXPECT_FALSE(gripper().held);  // somebody else holds it
+  hand_.state.objects[0].mode = ObjectMode::kHeld;
+  hand_.state.objects[0].holder = GripperId(0);
+  Restart();
+  EXPECT_EQ(gripper().held, (SeenModel{ModelId(5), "box"}));
+}
+
+TEST_F(ManipulatorTest, SaysWhatBreaksItsBeams) {
+  EXPECT_TRUE(gripper().beams.empty());
+  beams_ = {{std::nullopt, ObjectId(0)}};
+  Restart();
+  ASSERT_EQ(gripper().beams.size(), 2u);
+  EXPECT_FALSE(gripper().beams[0]);
+  EXPECT_EQ(gripper().beams[1], (SeenModel{ModelId(5), "box"}));
+}
+
+TEST_F(ManipulatorTest, ABrokenBeamIsEnoughForAutosnatch) {
+  hand_.world.grippers[0].autosnatch = true;
+  Restart();
+  beams_ = {{std::nullopt, ObjectId(0)}};
+  Tick(2);
+  EXPECT_EQ(gripper().fingers, FingerState::kClosing);
+}
+
+TEST_F(ManipulatorTest, RefusesWhatMakesNoSense) {
+  const double nan = std::nan("");
+  struct Case {
+    Command command;
+    const char* problem;
+  };
+  const Case cases[] = {
+      {Lift(140.0), "commands gripper 'lift' to a height of 140 percent, expected 0 to 100"},
+      {Lift(-1.0), "commands gripper 'lift' to a height of -1 percent, expected 0 to 100"},
+      {Lift(nan), "commands gripper 'lift' to a height of nan percent, expected 0 to 100"},
+      {{.twist = {}, .grippers = {{.gripper = 1}}, .joints = {}}, "commands gripper 1, but the robot has 1"},
+      {Joint({.joint = 4, .position = 0.0}), "commands joint 4, but the robot has 4"},
+      {Joint({.joint = Hand::kArm, .position = 2.5}), "commands joint 'arm' to 2.5, expected -2 to 2"},
+      {Joint({.joint = Hand::kArm, .position = nan}), "commands joint 'arm' to nan, expected -2 to 2"},
+      {Joint({.joint = Hand::kArm, .velocity = nan}), "commands joint 'arm' to a velocity of nan"},
+      {Joint({.joint = Hand::kArm}),
+       "commands joint 'arm' to both or neither of a position and a velocity, expected one"},
+      {Joint({.joint = Hand::kArm, .position = 0.0, .velocity = 0.0}),
+       "commands joint 'arm' to both or neither of a position and a velocity, expected one"},
+      {Joint({.joint = Hand::kLeft, .position = 0.1}),
+       "commands joint 'left', a finger of gripper 'lift', expected a command to the gripper"},
+  };
+  for (const Case& bad : cases) EXPECT_EQ(manipulator_->Take(bad.command), bad.problem);
+  hand_.world.grippers[0].lift.reset();
+  Restart();
+  EXPECT_EQ(manipulator_->Take(Lift(50.0)), "commands the lift of gripper 'lift', which has none");
+}
+
+}  // namespace
+}  // namespace troupe::test
