@@ -10,6 +10,7 @@
 #include "robot-agent/agent/scan_log.h"
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/drive/drive.h"
+#include "robot-agent/sensors/break_beam.h"
 #include "robot-agent/sensors/ranger.h"
 
 namespace troupe {
@@ -101,6 +102,10 @@ void Robot::Sense(Tick tick, const BodyIndex& bodies) {
     RangerReading& reading = subscribed_[i] ? readings_[i] : unread_;
     MeasureRanger(*scene_, bodies, id_, i, tick, reading);
     if (scan_log_ != nullptr) scan_log_->Write(tick, description(), rangers[i], reading);
+  }
+  const std::span<const GripperId> grippers = scene_->grippers_of(id_);
+  for (std::size_t i = 0; i < grippers.size(); ++i) {
+    if (reads_beams_[i]) MeasureBeams(*scene_, bodies, grippers[i], beams_[i]);
   }
 }
 

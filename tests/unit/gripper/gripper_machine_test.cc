@@ -128,7 +128,7 @@ TEST_F(GripperMachineTest, AutosnatchClosesOnABrokenBeamAndOpensWithoutOne) {
   Tick();
   EXPECT_EQ(state(), FingerState::kOpen);
   beam_ = true;
-  Tick();
+  Tick(2);
   EXPECT_EQ(state(), FingerState::kClosing);
   beam_ = false;
   Tick();
