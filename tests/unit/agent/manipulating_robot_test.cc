@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "common/spatial/body_index.h"
 #include "robot-agent/agent/robot.h"
 #include "tests/support/gripper_world.h"
 
