@@ -63,6 +63,28 @@ bool Parameters::ReadNumber(const char* key, const Interval& allowed, double& va
   return true;
 }
 
+bool Parameters::ReadNumberOrName(const char* key, const Interval& allowed, const std::vector<NamedNumber>& names,
+                                  double& value) {
+  const json* found = Find(key);
+  if (found == nullptr) return false;
+  std::vector<std::string> expected;
+  if (allowed.min <= allowed.max) expected.push_back(Expected(allowed));
+  for (const NamedNumber& named : names) {
+    if (found->is_string() && *found == named.name) {
+      value = named.value;
+      return true;
+    }
+    expected.push_back(fmt::format("\"{}\"", named.name));
+  }
+  const double number = found->is_number() ? found->get<double>() : std::nan("");
+  if (std::isfinite(number) && number >= allowed.min && number <= allowed.max) {
+    value = number;
+  } else {
+    Fail(fmt::format("'{}' is {}, expected {}", key, Shown(*found), fmt::join(expected, " or ")));
+  }
+  return true;
+}
+
 bool Parameters::ReadBool(const char* key, bool& value) {
   const json* found = Find(key);
   if (found == nullptr) return false;
@@ -80,6 +102,18 @@ std::vector<json> Parameters::ReadArray(const char* key) {
   if (found->is_array()) return *found;
   Fail(fmt::format("'{}' is {}, expected a list", key, Shown(*found)));
   return {};
+}
+
+std::vector<std::pair<std::string, json>> Parameters::ReadObject(const char* key) {
+  const json* found = Find(key);
+  if (found == nullptr) return {};
+  std::vector<std::pair<std::string, json>> members;
+  if (!found->is_object()) {
+    Fail(fmt::format("'{}' is {}, expected an object", key, Shown(*found)));
+    return members;
+  }
+  for (const auto& [name, value] : found->items()) members.emplace_back(name, value);
+  return members;
 }
 
 void Parameters::Fail(const std::string& message) {

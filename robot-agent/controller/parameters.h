@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/model/world_description.h"
@@ -13,6 +14,11 @@ namespace troupe {
 
 class Parameters {
  public:
+  struct NamedNumber {
+    const char* name;
+    double value;
+  };
+
   // `place` starts every message, for instance "wander" or "script: command 3".
   Parameters(std::string place, const std::string& json);
   Parameters(std::string place, const nlohmann::json& object);
@@ -21,8 +27,12 @@ class Parameters {
   // Each sets `value` if the key is there, and returns whether it is.
   bool ReadNumber(const char* key, const Interval& allowed, double& value);
   bool ReadBool(const char* key, bool& value);
+  // A number, or one of the `names` for a number. `allowed` may be empty (upside down): names only.
+  bool ReadNumberOrName(const char* key, const Interval& allowed, const std::vector<NamedNumber>& names, double& value);
   // The elements of an array; nothing if it is missing or wrong.
   std::vector<nlohmann::json> ReadArray(const char* key);
+  // The members of an object, by name; nothing if it is missing or wrong.
+  std::vector<std::pair<std::string, nlohmann::json>> ReadObject(const char* key);
 
   void Fail(const std::string& message);
 

@@ -66,7 +66,29 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"script", R"({"commands": [{"at": 1}, {"at": 1}]})",
              "script: command 2: 'at' is 1, expected a time after that of the command before it, 1"},
         Case{"script", R"({"commands": [{"at": 0, "vz": 1}]})",
-             "script: command 1: unknown parameter \"vz\", expected one of: at, speed, steering, vx, vy, wz"},
+             "script: command 1: unknown parameter \"vz\", expected one of: at, gripper, grippers, joints, lift, "
+             "speed, steering, vx, vy, wz"},
+        Case{"script", R"({"commands": [{"at": 0, "gripper": "ajar"}]})",
+             "script: command 1: 'gripper' is \"ajar\", expected \"open\" or \"close\""},
+        Case{"script", R"({"commands": [{"at": 0, "lift": 140}]})",
+             "script: command 1: 'lift' is 140, expected a number between 0 and 100 or \"up\" or \"down\""},
+        Case{"script", R"({"commands": [{"at": 0, "grippers": {"left hand": {"lift": -1}}}]})",
+             "script: command 1: gripper 'left hand': 'lift' is -1, expected a number between 0 and 100 or \"up\" or "
+             "\"down\""},
+        Case{"script", R"({"commands": [{"at": 0, "grippers": {"a": {}}}]})",
+             "script: command 1: gripper 'a': nothing to do, expected 'gripper' or 'lift'"},
+        Case{"script", R"({"commands": [{"at": 0, "grippers": {"a": {"lift": 1, "close": 1}}}]})",
+             "script: command 1: gripper 'a': unknown parameter \"close\", expected one of: gripper, lift"},
+        Case{"script", R"({"commands": [{"at": 0, "grippers": 7}]})",
+             "script: command 1: 'grippers' is 7, expected an object"},
+        Case{"script", R"({"commands": [{"at": 0, "lift": 1, "grippers": {"a": {"lift": 1}}}]})",
+             "script: command 1: gives both 'grippers' and, for a robot's only gripper, 'gripper' or 'lift', expected "
+             "one of them"},
+        Case{"script", R"({"commands": [{"at": 0, "joints": {"arm": "up"}}]})",
+             "script: command 1: joints: 'arm' is \"up\", expected a number"},
+        Case{"script", R"({"commands": [{"at": 0}, {"at": 1, "gripper": "open"}], "repeat": true})",
+             "script: the last command only marks the end and is never done, expected none for grippers or joints in "
+             "it"},
         Case{
             "script", R"({"commands": [{"at": 0, "vx": 1, "steering": 0}]})",
             "script: command 1: gives both a twist (vx, vy, wz) and a car's command (speed, steering), expected one of "

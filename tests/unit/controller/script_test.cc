@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -75,6 +78,107 @@ TEST(ScriptTest, RefusesWhatTheDriveCannotDo) {
             "script: command 2: only a car is driven by 'speed' and 'steering', expected 'vx', 'vy' and 'wz'");
   EXPECT_EQ(error("\"vx\": 1", DriveType::kCar),
             "script: command 2: a car is driven by 'speed' and 'steering', not by 'vx', 'vy' and 'wz'");
+}
+
+// A robot with one gripper "hand" on a lift, and a joint "arm".
+class ScriptedGripperTest : public testing::Test {
+ protected:
+  ScriptedGripperTest() {
+    robot_ = MakeRobot("script", "{}");
+    for (std::size_t i = 0; i < 4; ++i) {
+      joints_[i].name = std::array{"hand", "hand.left", "hand.right", "arm"}[i];
+      joints_[i].position = {-1.0, 1.0};
+      info_.joints.push_back(&joints_[i]);
+    }
+    hands_[0].name = "hand";
+    hands_[1].name = "other";
+    info_.robot = &robot_;
+    info_.grippers = {{&hands_[0], 1, 2, 0}};
+  }
+  Result<std::unique_ptr<Controller>> Make(const std::string& commands, const std::string& rest = "") {
+    info_.parameters = R"({"commands": [)" + commands + "]" + rest + "}";
+    return CreateController(info_);
+  }
+  std::string ErrorOf(const std::string& command) {
+    const auto controller = Make(R"({"at": 0}, {"at": 1, )" + command + "}");
+    return controller.ok() ? "" : controller.error().message;
+  }
+  // "close 0" or "lift 0 to 50" or "joint 3 to 0.5", for each thing told.
+  static std::string Told(Controller& controller, Tick tick) {
+    const Command command = controller.Update(At(tick, {}));
+    std::string text;
+    const auto add = [&](const std::string& told) { text += (text.empty() ? "" : ", ") + told; };
+    for (const GripperCommand& gripper : command.grippers) {
+      const std::string number = std::to_string(gripper.gripper);
+      if (gripper.fingers) add((*gripper.fingers == FingerCommand::kClose ? "close " : "open ") + number);
+      if (gripper.lift) add("lift " + number + " to " + std::to_string(std::lround(*gripper.lift)));
+    }
+    for (const JointCommand& joint : command.joints) {
+      add("joint " + std::to_string(joint.joint) + " to " + std::to_string(std::lround(100 * *joint.position)) +
+          "/100");
+    }
+    return text;
+  }
+
+  RobotDescription robot_;
+  std::array<JointDescription, 4> joints_;
+  std::array<GripperDescription, 2> hands_;
+  RobotInfo info_;
+};
+
+TEST_F(ScriptedGripperTest, TellsEachThingOnceAndKeepsMotionApart) {
+  auto script = Make(R"({"at": 0.2, "gripper": "close", "vx": 1}, {"at": 0.4, "lift": "up"},
+                        {"at": 0.5, "lift": 30, "gripper": "open", "joints": {"arm": -0.25}})");
+  ASSERT_TRUE(script.ok()) << script.error().message;
+  EXPECT_EQ(Told(*script.value(), 0), "");
+  EXPECT_EQ(Told(*script.value(), 2), "close 0");
+  EXPECT_EQ(Told(*script.value(), 3), "");
+  EXPECT_EQ(SpeedAt(*script.value(), 3), 1.0);  // motion holds
+  EXPECT_EQ(Told(*script.value(), 4), "lift 0 to 100");
+  EXPECT_EQ(SpeedAt(*script.value(), 4), 0.0);  // what a command does not name is 0
+  EXPECT_EQ(Told(*script.value(), 5), "open 0, lift 0 to 30, joint 3 to -25/100");
+  EXPECT_EQ(Told(*script.value(), 600), "");
+}
+
+TEST_F(ScriptedGripperTest, ALateStartTellsWhatWouldHaveBeenTold) {
+  auto script = Make(R"({"at": 0.2, "gripper": "close"}, {"at": 0.4, "lift": "down"}, {"at": 9, "gripper": "open"})");
+  EXPECT_EQ(Told(*script.value(), 50), "close 0, lift 0 to 0");
+  EXPECT_EQ(Told(*script.value(), 51), "");
+}
+
+TEST_F(ScriptedGripperTest, RepeatsWithTheScript) {
+  auto script =
+      Make(R"({"at": 0, "gripper": "close"}, {"at": 0.3, "gripper": "open"}, {"at": 0.5})", R"(, "repeat": true)");
+  for (Tick round : {0, 5, 10}) {
+    EXPECT_EQ(Told(*script.value(), round), "close 0");
+    EXPECT_EQ(Told(*script.value(), round + 3), "open 0");
+    EXPECT_EQ(Told(*script.value(), round + 4), "");
+  }
+  auto late = Make(R"({"at": 0, "gripper": "close"}, {"at": 0.3, "lift": 10})", R"(, "repeat": true, "period": 1)");
+  EXPECT_EQ(Told(*late.value(), 51), "lift 0 to 10, close 0");  // of the round before, and of this one
+}
+
+TEST_F(ScriptedGripperTest, NamesSeveralGrippers) {
+  info_.grippers.push_back({&hands_[1], 1, 2, {}});
+  auto script = Make(R"({"at": 0, "grippers": {"other": {"gripper": "open"}, "hand": {"lift": 5}}})");
+  ASSERT_TRUE(script.ok()) << script.error().message;
+  EXPECT_EQ(Told(*script.value(), 0), "lift 0 to 5, open 1");
+  EXPECT_EQ(ErrorOf(R"("gripper": "open")"),
+            "script: command 2: the robot has 2 grippers, expected 'grippers' with one of: hand, other");
+  EXPECT_EQ(ErrorOf(R"("grippers": {"foot": {"lift": 1}})"),
+            "script: command 2: unknown gripper 'foot', expected one of: hand, other");
+  EXPECT_EQ(ErrorOf(R"("grippers": {"other": {"lift": 1}})"), "script: command 2: gripper 'other' has no lift");
+}
+
+TEST_F(ScriptedGripperTest, RefusesWhatTheRobotDoesNotHave) {
+  EXPECT_EQ(ErrorOf(R"("joints": {"leg": 1})"),
+            "script: command 2: unknown joint 'leg', expected one of: hand, hand.left, hand.right, arm");
+  EXPECT_EQ(ErrorOf(R"("joints": {"arm": 1.5})"), "script: command 2: joint 'arm' is to go to 1.5, expected -1 to 1");
+  EXPECT_EQ(ErrorOf(R"("joints": {"hand.left": 0})"),
+            "script: command 2: joint 'hand.left' is a finger, expected 'gripper': \"open\" or \"close\"");
+  EXPECT_EQ(ErrorOf(R"("joints": {"hand": 0.5})"), "");  // a lift, by its position
+  info_.grippers.clear();
+  EXPECT_EQ(ErrorOf(R"("gripper": "open")"), "script: command 2: the robot has no gripper");
 }
 
 }  // namespace

@@ -1,0 +1,41 @@
+// The parameters of the controller `script`, as read from JSON; docs/controllers.md has their format.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robot-agent/controller/controller.h"
+
+namespace troupe {
+
+// What a command says to one gripper. Without a name: to the robot's only one.
+struct ScriptGripper {
+  std::string name;
+  std::optional<FingerCommand> fingers = {};
+  std::optional<double> lift = {};  // percent
+};
+
+struct ScriptJoint {
+  std::string name;
+  double position = 0.0;  // m or rad
+};
+
+struct ScriptCommand {
+  double at = 0.0;          // s, simulated
+  Command motion;           // its twist, or a car's speed and steering; no more
+  bool for_car = false;     // it gives speed or steering
+  bool for_others = false;  // it gives vx, vy or wz
+  std::vector<ScriptGripper> grippers;
+  std::vector<ScriptJoint> joints;
+};
+
+struct ScriptParameters {
+  std::vector<ScriptCommand> commands;  // never empty; their times rise
+  double period = 0.0;                  // s; 0: no repetition
+};
+
+// "" or what is wrong.
+std::string ParseScript(const std::string& json, ScriptParameters& parameters);
+
+}  // namespace troupe
