@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -84,6 +85,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   AgentOptions agent_options;
   agent_options.agent = 1;
   agent_options.scan_log = options.scans;
+  agent_options.threads = std::max(1u, std::thread::hardware_concurrency());
 
   Scene scene(std::move(loaded.value().world));
   SignalWatch signals;

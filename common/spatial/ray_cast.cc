@@ -13,9 +13,11 @@ namespace {
 struct Ray {
   Vec2 origin;
   Vec2 direction;
-  Vec2 slant;  // |direction| by components
+  Vec2 slant;    // |direction| by components
+  Vec2 inverse;  // 1 / direction by components
 
-  Ray(const Vec2& from, const Vec2& towards) : origin(from), direction(towards), slant(towards.cwiseAbs()) {}
+  Ray(const Vec2& from, const Vec2& towards)
+      : origin(from), direction(towards), slant(towards.cwiseAbs()), inverse(towards.cwiseInverse()) {}
 
   // False only if the ray does not meet the box before `distance`. Cheap, and never wrong by rounding.
   bool MayMeet(const Rectangle& box, double distance) const {
@@ -77,9 +79,32 @@ double DistanceTo(std::span<const Vec2> vertices, const Ray& ray) {
   return leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
 }
 
-void MeetPolygon(std::span<const Vec2> vertices, ModelId model, const Ray& ray, Nearest& nearest) {
-  const double distance = DistanceTo(vertices, ray);
+// The same for a box along the axes. Two boxes that share a side give the same bits for it, so that no ray slips
+// through between them.
+double DistanceTo(const Rectangle& box, const Ray& ray) {
+  double enter = -std::numeric_limits<double>::infinity();
+  double leave = std::numeric_limits<double>::infinity();
+  const auto cut = [&](double from, double along, double inverse, double low, double high) {
+    if (along == 0.0) {
+      if (from < low || from > high) leave = -1.0;
+      return;
+    }
+    const double a = (low - from) * inverse;
+    const double b = (high - from) * inverse;
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  };
+  cut(ray.origin.x(), ray.direction.x(), ray.inverse.x(), box.min_x, box.max_x);
+  cut(ray.origin.y(), ray.direction.y(), ray.inverse.y(), box.min_y, box.max_y);
+  return enter <= leave && leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
+}
+
+void Meet(double distance, ModelId model, Nearest& nearest) {
   if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
+}
+
+void MeetPolygon(std::span<const Vec2> vertices, ModelId model, const Ray& ray, Nearest& nearest) {
+  Meet(DistanceTo(vertices, ray), model, nearest);
 }
 
 void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Nearest& nearest) {
@@ -89,34 +114,15 @@ void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Near
     if (walked > nearest.distance + kHair) return false;
     for (std::uint32_t i : pieces) {
       const StaticIndex::RayPiece& piece = index.ray_piece(i);
+      if (piece.is_box) {
+        if (piece.z.Contains(z)) Meet(DistanceTo(piece.box, ray), piece.model, nearest);
+        continue;
+      }
       if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
       MeetPolygon(index.vertices(piece), piece.model, ray, nearest);
     }
     return true;
   });
-}
-
-// A body that rays at some height from some point may meet.
-struct Candidate {
-  Vec2 center;      // relative to the rays' origin, m
-  double distance;  // of the centre, m
-  double radius;    // m, a hair more than the body's
-};
-
-// The bodies near `box` that reach into the height z.
-template <typename Visit>
-void ForEachCandidate(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, const Vec2& origin, double z,
-                      std::optional<RobotId> caster, Visit visit) {
-  std::vector<BodyId> near;
-  bodies.Query(box, near);
-  for (BodyId id : near) {
-    if (caster && bodies.owner(id) == caster) continue;
-    const Body& body = scene.body(id);
-    const Pose& X_WB = bodies.X_WB(id);
-    if (body.pieces.empty() || !(body.z + X_WB.z).Contains(z)) continue;
-    const Vec2 center = X_WB.translation() - origin;
-    visit(id, Candidate{center, std::sqrt(center.squaredNorm()), body.radius * (1.0 + 1e-9) + 1e-9});
-  }
 }
 
 // A piece of a candidate and the box around it.
@@ -161,55 +167,75 @@ class SortedBearings {
   std::vector<std::size_t> order_;
 };
 
-// The angles under which the candidate is seen from the origin: centre +- half width. A half width of pi: all around.
-double HalfWidth(const Candidate& candidate) {
-  if (candidate.distance <= candidate.radius) return kPi;
-  return Atan2(candidate.radius,
-               std::sqrt((candidate.distance - candidate.radius) * (candidate.distance + candidate.radius)));
+// The angles under which a circle is seen from outside: its centre +- this. pi: all around.
+double HalfWidth(double distance, double radius) {
+  if (distance <= radius) return kPi;
+  return Atan2(radius, std::sqrt((distance - radius) * (distance + radius)));
+}
+
+Rectangle BoxOf(const Vec2& origin, const Vec2& end) {
+  Rectangle box = Rectangle::Nothing();
+  box.Extend(origin);
+  box.Extend(end);
+  return box;
 }
 
 }  // namespace
 
-std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
-                              double z, double max_distance, std::optional<RobotId> caster) {
+RayCaster::RayCaster(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, std::optional<RobotId> caster)
+    : scene_(scene), bodies_(bodies) {
+  std::vector<BodyId> near;
+  bodies.Query(box, near);
+  candidates_.reserve(near.size());
+  for (BodyId id : near) {
+    if (caster && bodies.owner(id) == caster) continue;
+    const Body& body = scene.body(id);
+    if (body.pieces.empty()) continue;
+    const Pose& X_WB = bodies.X_WB(id);
+    candidates_.push_back({id, X_WB.translation(), body.radius * (1.0 + 1e-9) + 1e-9, body.z + X_WB.z});
+  }
+}
+
+std::optional<RayHit> RayCaster::CastRay(const Vec2& origin, const Vec2& direction, double z,
+                                         double max_distance) const {
   const Ray ray{origin, direction};
   Nearest nearest{max_distance, std::nullopt};
-  MeetStandingPieces(scene.static_index(), ray, z, nearest);
-
-  Rectangle box = Rectangle::Nothing();
-  box.Extend(origin);
-  box.Extend(Vec2(origin + nearest.distance * direction));
-  ForEachCandidate(scene, bodies, box, origin, z, caster, [&](BodyId body, const Candidate& candidate) {
-    if (std::abs(Cross(direction, candidate.center)) > candidate.radius) return;
-    for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
+  MeetStandingPieces(scene_.static_index(), ray, z, nearest);
+  for (const Candidate& candidate : candidates_) {
+    const Vec2 center = candidate.center - origin;
+    if (std::abs(Cross(direction, center)) > candidate.radius) continue;
+    const double along = direction.dot(center);
+    if (along < -candidate.radius || along > nearest.distance + candidate.radius) continue;
+    if (!candidate.z.Contains(z)) continue;
+    for (const ConvexPiece& piece : bodies_.pieces_in_world(candidate.body)) {
       if (IsSeenAt(piece, z)) MeetPolygon(piece.vertices, piece.model, ray, nearest);
     }
-  });
+  }
   return nearest.hit();
 }
 
-void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
-             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
-             std::vector<std::optional<RayHit>>& hits) {
+void RayCaster::CastFan(const Vec2& origin, double heading, std::span<const double> bearings, double z,
+                        double max_distance, std::vector<std::optional<RayHit>>& hits) const {
   std::vector<Vec2> directions(bearings.size());
   std::vector<Nearest> nearest(bearings.size(), {max_distance, std::nullopt});
   double farthest = 0.0;
   for (std::size_t i = 0; i < bearings.size(); ++i) {
     directions[i] = DirectionOf(heading + bearings[i]);
-    MeetStandingPieces(scene.static_index(), {origin, directions[i]}, z, nearest[i]);
+    MeetStandingPieces(scene_.static_index(), {origin, directions[i]}, z, nearest[i]);
     farthest = std::max(farthest, nearest[i].distance);
   }
 
   const SortedBearings sorted(bearings);
-  const Rectangle box = Rectangle{origin.x(), origin.y(), origin.x(), origin.y()}.Inflated(farthest);
   std::vector<SeenPiece> seen;
-  ForEachCandidate(scene, bodies, box, origin, z, caster, [&](BodyId body, const Candidate& candidate) {
-    if (candidate.distance - candidate.radius > farthest) return;
+  for (const Candidate& candidate : candidates_) {
+    const Vec2 center = candidate.center - origin;
+    const double distance = std::sqrt(center.squaredNorm());
+    if (distance - candidate.radius > farthest || !candidate.z.Contains(z)) continue;
     seen.clear();
     const auto meet = [&](std::size_t i) {
-      if (candidate.distance - candidate.radius > nearest[i].distance) return;
+      if (distance - candidate.radius > nearest[i].distance) return;
       if (seen.empty()) {
-        for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
+        for (const ConvexPiece& piece : bodies_.pieces_in_world(candidate.body)) {
           if (IsSeenAt(piece, z)) seen.push_back({&piece, BoundingBox(piece.vertices)});
         }
       }
@@ -218,17 +244,30 @@ void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, do
         if (ray.MayMeet(s.box, nearest[i].distance)) MeetPolygon(s.piece->vertices, s.piece->model, ray, nearest[i]);
       }
     };
-    const double half_width = HalfWidth(candidate);
+    const double half_width = HalfWidth(distance, candidate.radius);
     if (half_width >= kPi) {
       for (std::size_t i = 0; i < bearings.size(); ++i) meet(i);
     } else {
-      const double center = Atan2(candidate.center.y(), candidate.center.x()) - heading;
-      sorted.ForEachWithin(center - half_width, center + half_width, meet);
+      const double bearing = Atan2(center.y(), center.x()) - heading;
+      sorted.ForEachWithin(bearing - half_width, bearing + half_width, meet);
     }
-  });
+  }
 
   hits.resize(bearings.size());
   for (std::size_t i = 0; i < bearings.size(); ++i) hits[i] = nearest[i].hit();
+}
+
+std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
+                              double z, double max_distance, std::optional<RobotId> caster) {
+  const Rectangle box = BoxOf(origin, origin + max_distance * direction);
+  return RayCaster(scene, bodies, box, caster).CastRay(origin, direction, z, max_distance);
+}
+
+void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
+             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
+             std::vector<std::optional<RayHit>>& hits) {
+  const Rectangle box = BoxOf(origin, origin).Inflated(max_distance);
+  RayCaster(scene, bodies, box, caster).CastFan(origin, heading, bearings, z, max_distance, hits);
 }
 
 }  // namespace troupe

@@ -20,13 +20,38 @@ struct RayHit {
   ModelId model;          // what was met
 };
 
-// REQUIRES: direction has length 1; max_distance >= 0 and finite. Of pieces at the same distance the one with the
-// lowest model id counts.
+// Casts many rays near each other: finds the bodies that they may meet once for all.
+class RayCaster {
+ public:
+  // For rays that stay within `box`. `caster`: whose own pieces are not seen. Good until a body moves.
+  RayCaster(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, std::optional<RobotId> caster);
+
+  // REQUIRES: direction has length 1; max_distance >= 0 and finite. Of pieces at the same distance the one with the
+  // lowest model id counts.
+  std::optional<RayHit> CastRay(const Vec2& origin, const Vec2& direction, double z, double max_distance) const;
+
+  // A fan of rays from one point: ray i leaves at heading + bearings[i] (radians, any order). The same as a CastRay for
+  // each, found together. `hits` gets one entry for each bearing.
+  void CastFan(const Vec2& origin, double heading, std::span<const double> bearings, double z, double max_distance,
+               std::vector<std::optional<RayHit>>& hits) const;
+
+ private:
+  // A body that rays may meet.
+  struct Candidate {
+    BodyId body;
+    Vec2 center;    // m, in W
+    double radius;  // m, a hair more than the body's
+    ZRange z;       // m, in W
+  };
+
+  const Scene& scene_;
+  const BodyIndex& bodies_;
+  std::vector<Candidate> candidates_;
+};
+
+// One ray, or one fan, by itself.
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
                               double z, double max_distance, std::optional<RobotId> caster);
-
-// A fan of rays from one point: ray i leaves at heading + bearings[i] (radians, any order). The same as a CastRay for
-// each, found together. `hits` gets one entry for each bearing.
 void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
              std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
              std::vector<std::optional<RayHit>>& hits);

@@ -13,6 +13,15 @@ constexpr double kCellsPerPiece = 4.0;
 constexpr std::size_t kMaxEntriesPerPiece = 12;
 constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance along a ray
 
+// True for a rectangle along the axes.
+bool IsBox(const std::vector<Vec2>& vertices) {
+  if (vertices.size() != 4) return false;
+  const Rectangle box = BoundingBox(vertices);
+  return std::all_of(vertices.begin(), vertices.end(), [&](const Vec2& p) {
+    return (p.x() == box.min_x || p.x() == box.max_x) && (p.y() == box.min_y || p.y() == box.max_y);
+  });
+}
+
 }  // namespace
 
 StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pieces)) {
@@ -23,6 +32,7 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pi
     ray_pieces_.push_back({.box = BoundingBox(piece.vertices),
                            .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
                            .model = piece.model,
+                           .is_box = IsBox(piece.vertices),
                            .first_vertex = static_cast<std::uint32_t>(vertices_.size()),
                            .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
     vertices_.insert(vertices_.end(), piece.vertices.begin(), piece.vertices.end());

@@ -28,6 +28,7 @@ class StaticIndex {
     Rectangle box;  // m, around the piece
     ZRange z;       // m; empty if rays look through the piece
     ModelId model;
+    bool is_box = false;  // the piece fills the box
     std::uint32_t first_vertex = 0;
     std::uint32_t vertex_count = 0;
   };

@@ -143,7 +143,7 @@ Status AgentHost::Prepare() {
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = {}};
   Result<std::unique_ptr<Replica>> replica =
-      Replica::Create(std::move(session->world), options_.robots, scan_log_.get());
+      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads);
   const std::lock_guard lock(mutex_);
   if (!replica.ok()) {
     bad_request_ = true;

@@ -9,6 +9,9 @@
 namespace troupe {
 namespace {
 
+// Robots for which a thread of their own is worth its hand-offs.
+constexpr std::size_t kRobotsPerThread = 16;
+
 Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<RobotId> ids;
   if (names.empty()) {
@@ -35,7 +38,7 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
 }  // namespace
 
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log) {
+                                                 ScanLog* scan_log, std::size_t threads) {
   Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world)));
@@ -44,6 +47,10 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
     if (!robot.ok()) return robot.error();
     replica->robots_.push_back(std::move(robot).value());
   }
+  if (scan_log != nullptr) threads = 1;
+  threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
+  replica->indices_.assign(threads, BodyIndex(replica->scene_));
+  if (threads > 1) replica->crew_.emplace(threads);
   return replica;
 }
 
@@ -58,14 +65,27 @@ std::string Replica::CheckState(const WorldState& state) const {
 }
 
 void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
-  index_.Assign(state);
+  const std::size_t count = robots_.size();
   answer.tick = state.tick + 1;
-  answer.proposals.clear();
+  answer.proposals.resize(count);
   answer.reports.clear();
-  for (const auto& robot : robots_) {
-    const bool worked = robot->failure().empty();
-    answer.proposals.push_back(robot->Decide(state, index_));
-    if (worked && !robot->failure().empty()) answer.reports.push_back(robot->failure());
+  std::vector<bool> worked;
+  for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
+  const auto decide = [&](std::size_t thread) {
+    BodyIndex& bodies = indices_[thread];
+    bodies.Assign(state);
+    const std::size_t end = count * (thread + 1) / indices_.size();
+    for (std::size_t i = count * thread / indices_.size(); i < end; ++i) {
+      answer.proposals[i] = robots_[i]->Decide(state, bodies);
+    }
+  };
+  if (crew_) {
+    crew_->Run(decide);
+  } else {
+    decide(0);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "common/protocol/messages.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "robot-agent/agent/crew.h"
 #include "robot-agent/agent/robot.h"
 #include "robot-agent/agent/scan_log.h"
 
@@ -17,9 +19,10 @@ namespace troupe {
 class Replica {
  public:
   // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null.
-  // The error is a robot that is unknown or named twice, or a controller that cannot be made.
+  // `threads` share the robots, at most one for each 16; with a scan log, one. The error is a robot that is unknown or
+  // named twice, or a controller that cannot be made.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log);
+                                                 ScanLog* scan_log, std::size_t threads = 1);
 
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
@@ -32,11 +35,12 @@ class Replica {
   void Answer(const WorldState& state, ProposalMessage& answer);
 
  private:
-  explicit Replica(WorldDescription world) : scene_(std::move(world)), index_(scene_) {}
+  explicit Replica(WorldDescription world) : scene_(std::move(world)) {}
 
   Scene scene_;
-  BodyIndex index_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
+  std::vector<BodyIndex> indices_;              // one for each thread
+  std::optional<Crew> crew_;                    // of several threads
 };
 
 }  // namespace troupe

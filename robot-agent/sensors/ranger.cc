@@ -53,18 +53,28 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
 // A fan shares its work among its rays; for a few, as of a sonar, looking along each is less work.
 constexpr std::size_t kFewRays = 4;
 
-void Cast(const Scene& scene, const BodyIndex& bodies, const Pose& X_WS, const std::vector<double>& bearings,
-          double max_range, RobotId robot, std::vector<std::optional<RayHit>>& hits) {
+void Cast(const RayCaster& caster, const Pose& X_WS, const std::vector<double>& bearings, double max_range,
+          std::vector<std::optional<RayHit>>& hits) {
   if (bearings.size() > kFewRays) {
-    CastFan(scene, bodies, X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, robot, hits);
+    caster.CastFan(X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, hits);
     return;
   }
   hits.clear();
   for (double bearing : bearings) {
     const SinCosResult direction = SinCos(X_WS.heading + bearing);
-    hits.push_back(
-        CastRay(scene, bodies, X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range, robot));
+    hits.push_back(caster.CastRay(X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range));
   }
+}
+
+// Where the rays of a ranger may go.
+Rectangle ReachOf(const RangerDescription& ranger, const Pose& X_WM) {
+  Rectangle reach = Rectangle::Nothing();
+  for (const RaySensorDescription& sensor : ranger.sensors) {
+    Rectangle box = Rectangle::Nothing();
+    box.Extend((X_WM * sensor.X_MS).translation());
+    reach.Extend(box.Inflated(sensor.range.max));
+  }
+  return reach;
 }
 
 }  // namespace
@@ -86,6 +96,7 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
   const WorldDescription& world = scene.world();
   const RangerDescription& description = world.robot(robot).rangers[ranger];
   const Pose X_WM = bodies.X_WM(description.model);
+  const RayCaster caster(scene, bodies, ReachOf(description, X_WM), robot);
   std::vector<std::optional<RayHit>> hits;
   reading.tick = tick;
   reading.scans.resize(description.sensors.size());
@@ -95,7 +106,7 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
     const Noise noise(world.seed, robot, ranger, s, tick);
     std::vector<double> bearings = Bearings(sensor);
     TurnRays(sensor, noise, bearings);
-    Cast(scene, bodies, X_WS, bearings, sensor.range.max, robot, hits);
+    Cast(caster, X_WS, bearings, sensor.range.max, hits);
     RangeScan& scan = reading.scans[s];
     scan.ranges.assign(bearings.size(), sensor.range.max);
     scan.intensities.assign(bearings.size(), 0.0);

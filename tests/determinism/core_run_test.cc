@@ -87,7 +87,7 @@ TEST(CoreRun, StatesEventsAndRangesHaveTheirKnownHashes) {
   EXPECT_EQ(run.hashes, 0xe68559858bcf2356u);
   EXPECT_EQ(run.last, 0xfc2f7f3689aae030u);
   EXPECT_EQ(run.events, 0x3ba595428407b1fau);
-  EXPECT_EQ(run.ranges, 0xfa172f1ac2b4a59du);
+  EXPECT_EQ(run.ranges, 0xf2dff4a018e48384u);
 }
 
 }  // namespace

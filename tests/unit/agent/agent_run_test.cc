@@ -23,8 +23,8 @@ class QuietObserver final : public RunObserver {
   std::vector<std::string> notices;
 };
 
-// Six robots with noisy sonars that wander and expand in a walled yard.
-WorldDescription Yard() {
+// Robots with noisy sonars that wander and expand: six in a walled yard, the others in rows beside it.
+WorldDescription Yard(int robots = 6) {
   SmallWorld world;
   for (int side = 0; side < 4; ++side) {
     const bool along_x = side % 2 == 0;
@@ -32,8 +32,9 @@ WorldDescription Yard() {
     world.AddBox("wall" + std::to_string(side), along_x ? 0.0 : at, along_x ? at : 0.0, along_x ? 9.0 : 0.2,
                  along_x ? 0.2 : 9.0, {0.0, 1.0});
   }
-  for (int i = 0; i < 6; ++i) {
-    const RobotId robot = world.AddRobot("r" + std::to_string(i), {0.9 * i - 2.2, 0.3 * i, 0.0, 0.5 * i});
+  for (int i = 0; i < robots; ++i) {
+    const Pose X_WR{0.9 * (i % 6) - 2.2, 0.3 * (i % 6) + 9.0 * (i / 6), 0.0, WrapAngle(0.5 * i)};
+    const RobotId robot = world.AddRobot("r" + std::to_string(i), X_WR);
     std::vector<RaySensorDescription> ring;
     for (int k = 0; k < 8; ++k) {
       RaySensorDescription sonar = OneRay();
@@ -55,7 +56,7 @@ struct Outcome {
 };
 
 Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<std::string>>& packing,
-                 const Faults& faults = {}) {
+                 const Faults& faults = {}, std::size_t agent_threads = 1) {
   std::unique_ptr<Transport> transport = MakeMemoryTransport();
   if (faults.any()) transport = MakeFaultyTransport(std::move(transport), faults);
   const std::atomic<bool> stop = false;
@@ -64,7 +65,11 @@ Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<st
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < packing.size(); ++i) {
     threads.emplace_back([&, i] {
-      const AgentOptions options{.agent = i + 1, .robots = packing[i], .scan_log = "", .session_timeout_seconds = 60.0};
+      const AgentOptions options{.agent = i + 1,
+                                 .robots = packing[i],
+                                 .scan_log = "",
+                                 .threads = agent_threads,
+                                 .session_timeout_seconds = 60.0};
       outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
     });
   }
@@ -94,6 +99,13 @@ TEST(AgentRunTest, TheResultDoesNotDependOnThePacking) {
   EXPECT_NE(one_agent, 0u);
   EXPECT_EQ(HashAtTheEnd(Simulate(Yard(), {{"r3", "r0"}, {"r5", "r1", "r2", "r4"}})), one_agent);
   EXPECT_EQ(HashAtTheEnd(Simulate(Yard(), {{"r0"}, {"r1"}, {"r2"}, {"r3"}, {"r4"}, {"r5"}})), one_agent);
+}
+
+TEST(AgentRunTest, TheResultDoesNotDependOnTheNumberOfThreads) {
+  const WorldDescription world = Yard(50);
+  const std::uint64_t one_thread = HashAtTheEnd(Simulate(world, {{}}));
+  EXPECT_EQ(HashAtTheEnd(Simulate(world, {{}}, {}, 2)), one_thread);
+  EXPECT_EQ(HashAtTheEnd(Simulate(world, {{}}, {}, 3)), one_thread);
 }
 
 TEST(AgentRunTest, TheResultDoesNotDependOnFaultsOfTheTransport) {
