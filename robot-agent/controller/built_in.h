@@ -21,5 +21,6 @@ BuiltInController Idle();
 BuiltInController Wander();
 BuiltInController Expand();
 BuiltInController Script();
+BuiltInController Fetch();
 
 }  // namespace troupe

@@ -11,8 +11,8 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 4> BuiltIns() {
-  return {Expand(), Idle(), Script(), Wander()};
+std::array<BuiltInController, 5> BuiltIns() {
+  return {Expand(), Fetch(), Idle(), Script(), Wander()};
 }
 
 bool IsLibrary(const std::string& name) {

@@ -34,7 +34,9 @@ class ScenarioRun {
       index_.Assign(state_);
       std::vector<Proposal> proposals;
       for (const auto& robot : robots_) proposals.push_back(robot->Decide(state_, index_));
-      state_ = Step(scene_, state_, proposals).state;
+      StepResult result = Step(scene_, state_, proposals);
+      state_ = std::move(result.state);
+      events_.insert(events_.end(), result.events.begin(), result.events.end());
       for (std::size_t r = 0; r < robots_.size(); ++r) {
         if (state_.robots[r].stalled) ever_stalled_[r] = true;
       }
@@ -43,6 +45,7 @@ class ScenarioRun {
 
   const Scene& scene() const { return scene_; }
   const WorldState& state() const { return state_; }
+  const std::vector<Event>& events() const { return events_; }  // of all ticks
   RobotId Find(const std::string& name) const {
     const std::optional<RobotId> robot = FindRobot(scene_.world(), name);
     EXPECT_TRUE(robot.has_value()) << name;
@@ -88,6 +91,7 @@ class ScenarioRun {
   Scene scene_;
   BodyIndex index_;
   WorldState state_;
+  std::vector<Event> events_;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::vector<bool> ever_stalled_;
 };

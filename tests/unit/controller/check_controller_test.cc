@@ -10,7 +10,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
-  EXPECT_THAT(BuiltInControllers(), ElementsAre("expand", "idle", "script", "wander"));
+  EXPECT_THAT(BuiltInControllers(), ElementsAre("expand", "fetch", "idle", "script", "wander"));
 }
 
 struct Case {
@@ -40,8 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"./my.so", R"({"anything": [1, 2]})", ""},  //
         Case{"my.so", "{}", ""},
         Case{"fly", "{}",
-             "unknown controller 'fly', expected one of: expand, idle, script, wander, or the path of a shared library "
-             "(.so)"},
+             "unknown controller 'fly', expected one of: expand, fetch, idle, script, wander, or the path of a shared "
+             "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
         Case{"idle", "{", "idle: the parameters are not JSON"},
         Case{"idle", "7", "idle: found 7 as parameters, expected a JSON object"},
