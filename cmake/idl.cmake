@@ -1,8 +1,13 @@
-# troupe_idl_library(NAME FILES a.idl ...): the C types of IDL files, made by Cyclone's idlc at build time, as a static
-# library. The generated header of idl/frame.idl is "idl/frame.h".
+# troupe_idl_library(NAME [NO_TYPE_INFO] FILES a.idl ...): the C types of IDL files, made by Cyclone's idlc at build
+# time, as a static library. The generated header of idl/frame.idl is "idl/frame.h".
 function(troupe_idl_library name)
-  cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
-  idlc_generate(TARGET ${name}_types BASE_DIR ${PROJECT_SOURCE_DIR} FILES ${arg_FILES} WARNINGS no-implicit-extensibility)
+  cmake_parse_arguments(arg "NO_TYPE_INFO" "" "FILES" ${ARGN})
+  set(options)
+  if(arg_NO_TYPE_INFO)
+    set(options NO_TYPE_INFO)
+  endif()
+  idlc_generate(TARGET ${name}_types ${options} BASE_DIR ${PROJECT_SOURCE_DIR} FILES ${arg_FILES}
+    WARNINGS no-implicit-extensibility)
   add_library(${name} STATIC)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_link_libraries(${name} PRIVATE ${name}_types PUBLIC CycloneDDS::ddsc)

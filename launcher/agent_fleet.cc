@@ -52,7 +52,7 @@ Status AgentFleet::Start(const ReadyReport& ready, int output) {
         ready.robots.begin() + static_cast<std::ptrdiff_t>(std::min(ready.robots.size(), (group + 1) * packing));
     std::vector<std::string> robots(first, last);
     std::vector<std::string> command = {program_};
-    for (std::string& word : AgentArguments(options_, address, robots)) command.push_back(std::move(word));
+    for (std::string& word : AgentArguments(options_, address, robots, ready.ros)) command.push_back(std::move(word));
     std::string restart_command;
     for (const std::string& word : command) restart_command += (restart_command.empty() ? "" : " ") + Quoted(word);
     if (!scan_parts_.empty()) command.push_back("--scans=" + ScanFile(group));

@@ -19,6 +19,8 @@
 #include "launcher/progress.h"
 #include "launcher/signal_watch.h"
 #include "robot-agent/agent/agent_host.h"
+#include "robot-agent/ros/ros_gateway.h"
+#include "world-service/ros/ros_world_gateway.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
@@ -86,6 +88,10 @@ RunEnd RunInProcess(const RunOptions& options) {
   agent_options.agent = 1;
   agent_options.scan_log = options.scans;
   agent_options.threads = std::max(1u, std::thread::hardware_concurrency());
+  if (service_options.settings.ros) {
+    service_options.make_gateway = MakeRosWorldGateway(options.ros.options);
+    agent_options.make_gateway = MakeRosGateway(options.ros.options);
+  }
 
   Scene scene(std::move(loaded.value().world));
   SignalWatch signals;

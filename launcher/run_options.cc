@@ -132,12 +132,9 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       "Seconds for all robots to come; 0: for ever (default: 60)")
       ->check(NumberFromZero())
       ->type_name("SECONDS");
-  command.add_flag("--ros", options.ros, "Talk to ROS 2 (not part of this build yet)")->group(processes);
-  command
-      .add_flag_callback(
-          "--no-ros", [&options] { options.ros = false; }, "Do not talk to ROS 2 (default)")
-      ->group(processes);
   command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
+
+  AddRosFlags(command, options.ros, "ROS 2");
 
   const char* outputs = "Output files";
   add(outputs, "--hash-log", options.hash_log, "A line 'tick hash' for each tick")->type_name("FILE");
@@ -157,7 +154,6 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
 }
 
 Status CompleteRunOptions(RunOptions& options) {
-  if (options.ros) return Error{{}, "--ros: ROS 2 is not part of this build yet; expected --no-ros"};
   if (options.session.empty()) options.session = OwnSession(options.file);
   return CheckOutputs(options);
 }
@@ -173,6 +169,7 @@ void ApplyTo(RunSettings& settings, const RunOptions& options) {
   if (options.on_agent_loss == "freeze") settings.on_agent_loss = OnAgentLoss::kFreeze;
   if (options.on_agent_loss == "pause") settings.on_agent_loss = OnAgentLoss::kPause;
   if (options.on_agent_loss == "abort") settings.on_agent_loss = OnAgentLoss::kAbort;
+  if (options.ros.on) settings.ros = *options.ros.on;
 }
 
 std::vector<std::string> ServiceArguments(const RunOptions& options) {
@@ -188,15 +185,20 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
   Append(arguments, "--record", options.record);
+  if (options.ros.on) arguments.emplace_back(*options.ros.on ? "--ros" : "--no-ros");
+  for (std::string& argument : RosArguments(options.ros.options)) arguments.push_back(std::move(argument));
   return arguments;
 }
 
 std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
-                                        const std::vector<std::string>& robots) {
+                                        const std::vector<std::string>& robots, bool ros) {
   std::vector<std::string> arguments;
   AppendConnection(arguments, options);
   Append(arguments, "--service", service_address);
   for (const std::string& robot : robots) Append(arguments, "--robot", robot);
+  if (!ros) return arguments;
+  arguments.emplace_back("--ros");
+  for (std::string& argument : RosArguments(options.ros.options)) arguments.push_back(std::move(argument));
   return arguments;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/command_line/ros_flags.h"
 #include "common/worldfile/load_world.h"
 
 namespace troupe {
@@ -30,7 +31,7 @@ struct RunOptions {
   std::string network_interface = "lo";
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;
-  bool ros = false;
+  RosFlags ros;
   bool headless = false;  // no viewer exists yet: every run is headless
 
   std::string hash_log;
@@ -57,8 +58,9 @@ void ApplyTo(RunSettings& settings, const RunOptions& options);
 // The arguments of the program world-service for this run, without the report's descriptor.
 std::vector<std::string> ServiceArguments(const RunOptions& options);
 
-// The arguments of the program robot-agent for the robots named. `service_address` is "host:port".
+// The arguments of the program robot-agent for the robots named. `service_address` is "host:port"; `ros`: the run shows
+// its robots to ROS 2.
 std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
-                                        const std::vector<std::string>& robots);
+                                        const std::vector<std::string>& robots, bool ros);
 
 }  // namespace troupe

@@ -26,6 +26,7 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "robots", report.robots);
   Get(json, "robots_per_process", report.robots_per_process);
   Get(json, "port", report.port);
+  Get(json, "ros", report.ros);
   return report;
 }
 

@@ -17,6 +17,7 @@ struct ReadyReport {
   std::vector<std::string> robots;  // in id order
   std::uint32_t robots_per_process = 1;
   std::uint16_t port = 0;  // UDP, where agents find the service; 0: not known
+  bool ros = false;        // the run shows its robots to ROS 2
 };
 
 // "started": all robots are there.

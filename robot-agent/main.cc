@@ -11,6 +11,7 @@
 #include "common/base/stop_signals.h"
 #include "common/dds/dds_transport.h"
 #include "robot-agent/program/command_line.h"
+#include "robot-agent/ros/ros_gateway.h"
 
 namespace troupe {
 namespace {
@@ -53,6 +54,7 @@ int Run(const CommandLine& line) {
   const std::unique_ptr<Transport> transport = MakeTransport(line);
   AgentOptions options = line.agent;
   options.agent = MakeAgentId();
+  if (line.ros.on.value_or(false)) options.make_gateway = MakeRosGateway(line.ros.options);
   bool bad_request = false;
   const Result<bool> over =
       RunAgent(transport->MakeAgentEndpoint(options.agent), options, signals.requested(), &bad_request);

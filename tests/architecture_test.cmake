@@ -11,16 +11,22 @@ set(may_include_common/spatial common/base common/geometry common/model)
 set(may_include_common/picture common/base common/geometry common/model)
 set(may_include_common/worldfile common/base common/geometry common/model common/bitmap common/spatial)
 set(may_include_common/protocol common/base common/geometry common/model)
-set(may_include_common/command_line common/base common/protocol)
+set(may_include_common/command_line common/base common/protocol common/ros)
 set(may_include_common/dds common/base common/geometry common/model common/protocol idl)
+# The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.
+set(may_include_common/ros common/base common/geometry common/model common/spatial common/dds idl/ros)
+set(may_include_common/ros_dds common/dds common/ros idl/ros)
 
 set(may_include_world-service/core common/base common/geometry common/model common/spatial)
 set(may_include_world-service/service
   common/base common/geometry common/model common/spatial common/worldfile common/protocol world-service/core)
+set(may_include_world-service/ros
+  common/base common/geometry common/model common/spatial common/protocol common/dds common/ros common/ros_dds
+  world-service/service)
 set(may_include_world-service/program
   common/base common/command_line common/protocol common/worldfile world-service/service)
 set(may_include_world-service
-  common/base common/command_line common/dds common/spatial world-service/program)
+  common/base common/command_line common/dds common/spatial world-service/program world-service/ros)
 
 set(may_include_robot-agent/controller common/base common/geometry common/model)
 set(may_include_robot-agent/drive common/base common/geometry common/model robot-agent/controller)
@@ -29,17 +35,23 @@ set(may_include_robot-agent/sensors common/base common/geometry common/model com
 set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial common/protocol
   robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/sensors)
+set(may_include_robot-agent/ros
+  common/base common/geometry common/model common/spatial common/dds common/ros common/ros_dds
+  robot-agent/agent robot-agent/controller)
 set(may_include_robot-agent/program common/base common/command_line common/protocol robot-agent/agent)
-set(may_include_robot-agent common/base common/command_line common/dds robot-agent/program)
+set(may_include_robot-agent common/base common/command_line common/dds robot-agent/program robot-agent/ros)
 
 set(may_include_launcher
   common/base common/command_line common/dds common/geometry common/model common/picture common/protocol
-  common/spatial common/worldfile robot-agent/agent robot-agent/controller robot-agent/sensors world-service/core
-  world-service/service)
+  common/spatial common/worldfile robot-agent/agent robot-agent/controller robot-agent/ros robot-agent/sensors world-service/core
+  world-service/ros world-service/service)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users launcher/session_table.h launcher/top_command.cc robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others common/dds/dds_transport.h common/dds/session_monitor.h)
+# These folders are the way to ROS 2, which is DDS throughout.
+set(dds_folders common/ros common/ros_dds robot-agent/ros world-service/ros)
+set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/ros/ros_world_gateway.h)
 
 set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
@@ -54,7 +66,7 @@ foreach(file IN LISTS files)
   file(STRINGS ${ROOT}/${file} lines REGEX "^#include ")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^#include [\"<]([^\">]*)[\">].*" "\\1" header "${line}")
-    if(header MATCHES "^dds/" AND NOT folder STREQUAL "common/dds")
+    if(header MATCHES "^dds/" AND NOT folder STREQUAL "common/dds" AND NOT folder IN_LIST dds_folders)
       list(APPEND failures "${file} includes ${header}: DDS stays in common/dds")
     elseif(line MATCHES "\"")
       get_filename_component(from ${header} DIRECTORY)
@@ -63,7 +75,9 @@ foreach(file IN LISTS files)
       endif()
       if(NOT from IN_LIST may_include_${folder})
         list(APPEND failures "${file} includes ${header}: ${folder} must not depend on ${from}")
-      elseif(from STREQUAL "common/dds" AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
+      elseif(from MATCHES "^(robot-agent|world-service)/ros$" AND NOT header IN_LIST ros_headers_for_others)
+        list(APPEND failures "${file} includes ${header}: only what makes a gateway is for others")
+      elseif(from STREQUAL "common/dds" AND NOT folder IN_LIST dds_folders AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
         list(APPEND failures "${file} includes ${header}: only the programs' edges use common/dds")
       endif()
     endif()
@@ -71,8 +85,8 @@ foreach(file IN LISTS files)
 endforeach()
 
 # The headers that others may include keep DDS behind them.
-foreach(header IN LISTS dds_headers_for_others)
-  file(STRINGS ${ROOT}/${header} lines REGEX "^#include .(dds/|idl/|common/dds/)")
+foreach(header IN LISTS dds_headers_for_others ros_headers_for_others)
+  file(STRINGS ${ROOT}/${header} lines REGEX "^#include .(dds/|idl/|common/dds/|common/ros_dds/)")
   if(lines)
     list(APPEND failures "${header} shows DDS to those who include it: ${lines}")
   endif()

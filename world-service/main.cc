@@ -11,6 +11,7 @@
 #include "world-service/program/command_line.h"
 #include "world-service/program/reporter.h"
 #include "world-service/program/session_lock.h"
+#include "world-service/ros/ros_world_gateway.h"
 
 namespace troupe {
 namespace {
@@ -28,6 +29,7 @@ int Run(const CommandLine& line, Reporter& reporter) {
   line.ApplyTo(loaded.value().settings);
   ServiceOptions options = line.service;
   options.settings = loaded.value().settings;
+  if (options.settings.ros) options.make_gateway = MakeRosWorldGateway(line.ros.options);
   const Scene scene(loaded.value().world);
 
   const StopSignals stop;

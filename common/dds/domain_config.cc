@@ -36,6 +36,11 @@ std::string MessageSizes(const DomainConfig& config) {
   return "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
 }
 
+std::string Multicast(const DomainConfig& config) {
+  if (config.data_multicast) return config.discovery_multicast ? "spdp,asm" : "asm";
+  return config.discovery_multicast ? "spdp" : "false";
+}
+
 std::string Peers(const DomainConfig& config) {
   std::string peers;
   for (const std::string& peer : config.peers) peers += R"(<Peer address=")" + Escaped(peer) + R"("/>)";
@@ -53,8 +58,7 @@ std::string ToXml(const DomainConfig& config) {
   const std::string lease = std::to_string(config.lease_seconds) + "s";
   std::string xml = R"(<CycloneDDS><Domain Id="any">)";
   xml += "<General><Interfaces>" + NetworkInterface(config) + "</Interfaces>";
-  xml +=
-      config.discovery_multicast ? "<AllowMulticast>spdp,asm</AllowMulticast>" : "<AllowMulticast>asm</AllowMulticast>";
+  xml += "<AllowMulticast>" + Multicast(config) + "</AllowMulticast>";
   xml += MessageSizes(config) + "</General>";
   xml += "<Discovery><ExternalDomainId>" + std::to_string(config.domain) + "</ExternalDomainId>";
   xml += "<ParticipantIndex>" + index + "</ParticipantIndex>";

@@ -14,6 +14,7 @@ struct DomainConfig {
   std::string network_interface = "lo";  // a name; "auto": Cyclone's choice
   // A number fixes the ports, so that others can name this participant as a peer; without one it takes any free port.
   std::optional<std::uint32_t> participant_index;
+  bool data_multicast = true;       // to many readers at once
   bool discovery_multicast = true;  // announce itself to everybody; otherwise only to the peers
   std::vector<std::string> peers;   // "host" or "host:port" of discovery; a host alone: its first ports
   double lease_seconds = 10.0;      // others forget a participant that is silent for longer

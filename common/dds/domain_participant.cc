@@ -24,10 +24,10 @@ Entity CreateDomain(const DomainConfig& config, dds_domainid_t& local_id) {
 
 }  // namespace
 
-DomainParticipant::DomainParticipant(const DomainConfig& config) {
+DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos) {
   dds_domainid_t local_id = 0;
   domain_ = CreateDomain(config, local_id);
-  participant_ = Entity(Check(dds_create_participant(local_id, nullptr, nullptr), "creating a participant"));
+  participant_ = Entity(Check(dds_create_participant(local_id, qos.get(), nullptr), "creating a participant"));
 }
 
 }  // namespace troupe::dds

@@ -3,13 +3,14 @@
 
 #include "common/dds/domain_config.h"
 #include "common/dds/entity.h"
+#include "common/dds/qos.h"
 
 namespace troupe::dds {
 
 class DomainParticipant {
  public:
   // Throws Exception: no such network interface, ports taken, out of resources.
-  explicit DomainParticipant(const DomainConfig& config);
+  explicit DomainParticipant(const DomainConfig& config, const Qos& qos = Qos());
 
   dds_entity_t handle() const { return participant_.handle(); }
 

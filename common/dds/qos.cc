@@ -54,6 +54,11 @@ Qos& Qos::operator<<(const IgnoreLocal& policy) {
   return *this;
 }
 
+Qos& Qos::operator<<(const UserData& policy) {
+  dds_qset_userdata(qos_.get(), policy.bytes.data(), policy.bytes.size());
+  return *this;
+}
+
 bool operator==(const Qos& a, const Qos& b) {
   return dds_qos_equal(a.get(), b.get());
 }

@@ -49,6 +49,11 @@ struct Partition {
   std::string name;
 };
 
+// Bytes that travel with the announcement of a participant, a reader or a writer.
+struct UserData {
+  std::string bytes;
+};
+
 // Whether deleting a writer disposes its instances.
 struct WriterDataLifecycle {
   bool autodispose_unregistered_instances;
@@ -78,6 +83,7 @@ class Qos {
   Qos& operator<<(const Partition& policy);
   Qos& operator<<(const WriterDataLifecycle& policy);
   Qos& operator<<(const IgnoreLocal& policy);
+  Qos& operator<<(const UserData& policy);
 
   const dds_qos_t* get() const { return qos_.get(); }
 

@@ -24,6 +24,7 @@ struct RunSettings {
   OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
   std::uint32_t robots_per_process = 1;
   double agent_deadline_seconds = 10.0;      // wall time that the barrier waits for a silent agent before it is lost
+  bool ros = false;                          // show the robots to ROS 2
 };
 
 struct LoadedWorld {

@@ -205,10 +205,9 @@ bool Reader::ReadSettings(const json& root, ScenarioFile* file) {
     settings.robots_per_process = root["robots_per_process"].get<std::uint32_t>();
   }
   if (root.contains("agent_deadline")) settings.agent_deadline_seconds = root["agent_deadline"].get<double>();
-  for (const char* key : {"hosts", "ros"}) {
-    const auto value = root.find(key);
-    if (value == root.end() || *value == false) continue;
-    file->warnings.push_back({document_.WhereKey(*value), std::string("'") + key + "' is not used yet"});
+  if (root.contains("ros")) settings.ros = root["ros"].get<bool>();
+  if (const auto hosts = root.find("hosts"); hosts != root.end()) {
+    file->warnings.push_back({document_.WhereKey(*hosts), "'hosts' is not used yet"});
   }
   return true;
 }

@@ -143,7 +143,8 @@ Status AgentHost::Prepare() {
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = {}};
   Result<std::unique_ptr<Replica>> replica =
-      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads);
+      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
+                      options_.make_gateway);
   const std::lock_guard lock(mutex_);
   if (!replica.ok()) {
     bad_request_ = true;
@@ -230,7 +231,8 @@ void AgentHost::OnServiceGone() {
 void AgentHost::Answer(const FrameMessage& frame) {
   const Tick tick = frame.state.tick;
   if (answered_ && tick < *answered_) return;
-  if (!answered_ || tick > *answered_) {
+  const bool is_new = !answered_ || tick > *answered_;
+  if (is_new) {
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
       return Fail({{}, "the world service sent a bad frame: " + problem});
     }
@@ -241,6 +243,7 @@ void AgentHost::Answer(const FrameMessage& frame) {
     if (scan_log_ && scan_log_->status()) return Fail(*scan_log_->status());
   }
   endpoint_.SendProposal(answer_);
+  if (is_new) replica_->Publish(frame.state);  // last, so that no tick waits for it
 }
 
 void AgentHost::Fail(Error error) {

@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/transport.h"
+#include "robot-agent/agent/gateway.h"
 
 namespace troupe {
 
@@ -18,6 +19,7 @@ struct AgentOptions {
   std::string scan_log;             // file for all scans; empty: none
   std::size_t threads = 1;          // that share the robots; with a scan log always one, so that scans come in order
   double session_timeout_seconds = 60;  // for a session to appear; 0: wait for ever
+  MakeGateway make_gateway = {};        // empty: none
 };
 
 // Runs until the service ends the run (true), `stop` (false), or a failure: no session, refused (the service's reason),

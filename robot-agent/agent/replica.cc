@@ -35,10 +35,30 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
   return ids;
 }
 
+class View final : public RobotView {
+ public:
+  View(Robot& robot, const WorldState& state, const BodyIndex& bodies)
+      : robot_(robot), state_(state), bodies_(bodies) {}
+
+  RobotId id() const override { return robot_.id(); }
+  const RobotState& state() const override { return state_.robots[robot_.id().index()]; }
+  const WorldState& world_state() const override { return state_; }
+  const Pose& pose_estimate() const override { return robot_.pose_estimate(); }
+  const RangerReading& Measure(std::size_t ranger) const override {
+    return robot_.Measure(ranger, state_.tick, bodies_);
+  }
+
+ private:
+  Robot& robot_;
+  const WorldState& state_;
+  const BodyIndex& bodies_;
+};
+
 }  // namespace
 
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log, std::size_t threads) {
+                                                 ScanLog* scan_log, std::size_t threads,
+                                                 const MakeGateway& make_gateway) {
   Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world)));
@@ -51,6 +71,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
   threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
   replica->indices_.assign(threads, BodyIndex(replica->scene_));
   if (threads > 1) replica->crew_.emplace(threads);
+  if (make_gateway) replica->gateway_ = make_gateway(replica->scene_, ids.value());
   return replica;
 }
 
@@ -69,6 +90,9 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   answer.tick = state.tick + 1;
   answer.proposals.resize(count);
   answer.reports.clear();
+  // Before the robots are shared among threads: a gateway need not know of them.
+  std::vector<std::optional<Command>> outside(count);
+  for (std::size_t i = 0; i < count && gateway_; ++i) outside[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
   const auto decide = [&](std::size_t thread) {
@@ -76,7 +100,7 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
     bodies.Assign(state);
     const std::size_t end = count * (thread + 1) / indices_.size();
     for (std::size_t i = count * thread / indices_.size(); i < end; ++i) {
-      answer.proposals[i] = robots_[i]->Decide(state, bodies);
+      answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i]);
     }
   };
   if (crew_) {
@@ -87,6 +111,18 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   for (std::size_t i = 0; i < count; ++i) {
     if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
   }
+  if (!gateway_) return;
+  for (std::string& report : gateway_->TakeReports()) answer.reports.push_back(std::move(report));
+}
+
+void Replica::Publish(const WorldState& state) {
+  if (!gateway_) return;
+  std::vector<View> views;
+  views.reserve(robots_.size());
+  for (const auto& robot : robots_) views.emplace_back(*robot, state, indices_.front());
+  std::vector<const RobotView*> robots;
+  for (const View& view : views) robots.push_back(&view);
+  gateway_->Publish(state.tick, robots);
 }
 
 }  // namespace troupe

@@ -11,6 +11,7 @@
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/agent/crew.h"
+#include "robot-agent/agent/gateway.h"
 #include "robot-agent/agent/robot.h"
 #include "robot-agent/agent/scan_log.h"
 
@@ -18,11 +19,12 @@ namespace troupe {
 
 class Replica {
  public:
-  // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null.
-  // `threads` share the robots, at most one for each 16; with a scan log, one. The error is a robot that is unknown or
-  // named twice, or a controller that cannot be made.
+  // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null, and
+  // `make_gateway` empty. `threads` share the robots, at most one for each 16; with a scan log, one. The error is a robot
+  // that is unknown or named twice, or a controller that cannot be made. Throws what `make_gateway` throws.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log, std::size_t threads = 1);
+                                                 ScanLog* scan_log, std::size_t threads = 1,
+                                                 const MakeGateway& make_gateway = {});
 
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
@@ -34,6 +36,10 @@ class Replica {
   // REQUIRES: CheckState(state) is "".
   void Answer(const WorldState& state, ProposalMessage& answer);
 
+  // Shows the gateway the state of the last Answer.
+  // REQUIRES: `state` is that state.
+  void Publish(const WorldState& state);
+
  private:
   explicit Replica(WorldDescription world) : scene_(std::move(world)) {}
 
@@ -41,6 +47,7 @@ class Replica {
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
   std::optional<Crew> crew_;                    // of several threads
+  std::unique_ptr<Gateway> gateway_;            // may be null
 };
 
 }  // namespace troupe

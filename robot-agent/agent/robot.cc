@@ -83,15 +83,25 @@ std::string Robot::StartController() {
   return "";
 }
 
-Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies) {
+Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const std::optional<Command>& outside) {
   const RobotState& own = state.robots[id_.index()];
   odometry_.Update(own.X_WR);
   Sense(state.tick, bodies);
   manipulator_.Sense(state, beams_);
-  const Command command = failure_.empty() ? AskController(state) : Command{};
+  // Asked even when it is overruled: it is called at every tick, and goes on from there when it decides again.
+  Command command = failure_.empty() ? AskController(state) : Command{};
+  if (outside) command = *outside;
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
   // After a failure the joints stay where they are, and hold what they hold.
   return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{}};
+}
+
+const RangerReading& Robot::Measure(std::size_t ranger, Tick tick, const BodyIndex& bodies) {
+  if (subscribed_[ranger] && readings_[ranger].tick == tick && !readings_[ranger].scans.empty()) {
+    return readings_[ranger];
+  }
+  MeasureRanger(*scene_, bodies, id_, ranger, tick, unread_);
+  return unread_;
 }
 
 void Robot::Sense(Tick tick, const BodyIndex& bodies) {

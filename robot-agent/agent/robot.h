@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,15 @@ class Robot {
   RobotId id() const { return id_; }
 
   // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
-  // in order; ticks may be missing after the agent was away.
-  Proposal Decide(const WorldState& state, const BodyIndex& bodies);
+  // in order; ticks may be missing after the agent was away. A command from `outside` goes before the controller's.
+  Proposal Decide(const WorldState& state, const BodyIndex& bodies,
+                  const std::optional<Command>& outside = std::nullopt);
+
+  const Pose& pose_estimate() const { return odometry_.estimate(); }
+
+  // What a ranger measures in the state of the last Decide, whether the controller looked or not. Valid until the next
+  // call of this or of Decide.
+  const RangerReading& Measure(std::size_t ranger, Tick tick, const BodyIndex& bodies);
 
   // Why the controller failed, once it has; then the robot stands still.
   const std::string& failure() const { return failure_; }

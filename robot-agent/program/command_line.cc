@@ -31,6 +31,7 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& faults) {
                  "for the world service to appear; 0: wait for ever")
       ->check(NumberFromZero())
       ->capture_default_str();
+  AddRosFlags(app, line.ros, "ROS 2");
   app.add_option("--faults", faults, "for tests: lose, delay, double and reorder what arrives")
       ->type_name("SPEC")
       ->check(FaultsValue());

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/command_line/parse_command_line.h"
+#include "common/command_line/ros_flags.h"
 #include "common/protocol/faulty_transport.h"
 #include "robot-agent/agent/agent_host.h"
 
@@ -18,6 +19,7 @@ struct CommandLine {
   std::string service_address;    // "host" or "host:port"; empty: on this machine
   std::string network_interface;  // a name, or "auto"
   double lease_seconds = 2.0;
+  RosFlags ros;
   Faults faults;                   // for tests
   double start_delay_seconds = 0;  // for tests: wait before joining
 };

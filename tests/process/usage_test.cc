@@ -35,7 +35,7 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
       {{"run", pen, "--session", "a/b"}, "error: --session: found 'a/b', expected 1 to 64 letters"},
       {{"run", pen, "--on-agent-loss", "weep"}, "error: --on-agent-loss: found 'weep', expected one of freeze"},
       {{"run", pen, "--faults", "gremlins"}, "error: --faults: "},
-      {{"run", pen, "--ros"}, "error: --ros: ROS 2 is not part of this build yet"},
+      {{"run", pen, "--ros", "--ros-distro", "foxy"}, "error: --ros-distro: found 'foxy', expected one of humble"},
       {{"run", pen, "--fast"}, "error: "},
       {{"run", pen, pen}, "error: "},
       {{"run", pen, "--poses", "/no/such/folder/poses"},

@@ -49,6 +49,7 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& speed, std::strin
   app.add_option("--start-timeout", line.service.start_timeout_seconds, "for all robots to join; 0: wait for ever")
       ->check(NumberFromZero())
       ->capture_default_str();
+  AddRosFlags(app, line.ros, "ROS 2");
   app.add_option("--faults", faults, "for tests: lose, delay, double and reorder what arrives")->check(FaultsValue());
   app.add_option("--report-fd", line.report_fd, "descriptor to report to, as JSON lines, for a launcher")
       ->check(WholeNumber(0, 1 << 20));
@@ -62,6 +63,7 @@ void CommandLine::ApplyTo(RunSettings& settings) const {
   if (mode) settings.mode = *mode;
   if (speed || speed_max) settings.speed = speed;
   if (on_agent_loss) settings.on_agent_loss = *on_agent_loss;
+  if (ros.on) settings.ros = *ros.on;
 }
 
 std::variant<CommandLine, int> ParseCommandLine(int argc, const char* const* argv) {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/command_line/parse_command_line.h"
+#include "common/command_line/ros_flags.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/run_service.h"
@@ -20,6 +21,7 @@ struct CommandLine {
   std::uint32_t domain = 42;
   std::string network_interface = "lo";
   ServiceOptions service;  // without the settings: those come from the world, and then from here
+  RosFlags ros;
   std::optional<int> report_fd;
   Faults faults;
 

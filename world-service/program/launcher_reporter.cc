@@ -22,7 +22,8 @@ class LauncherReporter final : public Reporter {
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
           {"robots_per_process", loaded.settings.robots_per_process},
-          {"port", port}});
+          {"port", port},
+          {"ros", loaded.settings.ros}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnStatus(const StatusMessage& status) override {

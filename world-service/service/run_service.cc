@@ -49,10 +49,10 @@ std::string HostName() {
 class Driver final : private ServiceHandler {
  public:
   Driver(const Scene& scene, const CoordinatorOptions& options, std::unique_ptr<ServiceEndpoint> endpoint,
-         Recorder& recorder, RunObserver& observer)
+         Recorder& recorder, WorldGateway* gateway, RunObserver& observer)
       : scene_(scene),
         observer_(observer),
-        coordinator_(scene, options, *endpoint, recorder, Now()),
+        coordinator_(scene, options, *endpoint, recorder, Now(), gateway),
         endpoint_(std::move(endpoint)) {}
 
   void Start(const SessionMessage& session) {
@@ -163,7 +163,8 @@ Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
   session.lease_seconds = options.lease_seconds;
   session.world = scene.world();
 
-  Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), observer);
+  const std::unique_ptr<WorldGateway> gateway = options.make_gateway ? options.make_gateway(scene) : nullptr;
+  Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), gateway.get(), observer);
   driver.Start(session);
   driver.Run(stop);
   Result<RunSummary> summary = driver.Finish();

@@ -14,6 +14,7 @@
 #include "common/worldfile/load_world.h"
 #include "world-service/service/recorder.h"
 #include "world-service/service/run_summary.h"
+#include "world-service/service/world_gateway.h"
 
 namespace troupe {
 
@@ -23,6 +24,7 @@ struct ServiceOptions {
   std::string session;
   double lease_seconds = 2.0;           // an agent that the transport has not heard of for longer is gone
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
+  MakeWorldGateway make_gateway;        // empty: none
 };
 
 // Told how the run goes, on the thread that runs it.

@@ -27,11 +27,12 @@ std::optional<double> SpeedOf(const RunSettings& settings) {
 }  // namespace
 
 TickCoordinator::TickCoordinator(const Scene& scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint,
-                                 Recorder& recorder, double now)
+                                 Recorder& recorder, double now, WorldGateway* gateway)
     : scene_(scene),
       options_(options),
       endpoint_(endpoint),
       recorder_(recorder),
+      gateway_(gateway),
       members_(scene.world(), options.lease_seconds),
       proposals_(scene.world(), options.settings.mode),
       pacer_(SpeedOf(options.settings), scene.world().interval_seconds()),
@@ -211,6 +212,7 @@ void TickCoordinator::Publish(double now) {
   committed_at_ = arrived_at_ = now;
   barrier_.Open(next_tick());
   repeat_timer_.Start(now, kFirstRepeat);
+  if (gateway_ != nullptr) gateway_->Publish(frame_);
   if (Status error = recorder_.Write(frame_)) return Fail(*error, now);
   if (frame_.last) End(now);
 }

@@ -21,6 +21,7 @@
 #include "world-service/service/recorder.h"
 #include "world-service/service/repeat_timer.h"
 #include "world-service/service/run_summary.h"
+#include "world-service/service/world_gateway.h"
 
 namespace troupe {
 
@@ -40,9 +41,10 @@ class TickCoordinator {
     kOver,
   };
 
-  // Scene, endpoint and recorder must outlive the coordinator. The recorder gets every frame.
+  // Scene, endpoint, recorder and gateway must outlive the coordinator. The recorder and the gateway, which may be
+  // null, get every frame.
   TickCoordinator(const Scene& scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint, Recorder& recorder,
-                  double now);
+                  double now, WorldGateway* gateway = nullptr);
 
   // What arrives from the transport.
   void OnJoin(const JoinMessage& join, double now);
@@ -95,6 +97,7 @@ class TickCoordinator {
   const CoordinatorOptions options_;
   ServiceEndpoint& endpoint_;
   Recorder& recorder_;
+  WorldGateway* const gateway_;
 
   Phase phase_ = Phase::kGathering;
   Status error_;

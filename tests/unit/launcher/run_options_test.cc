@@ -64,7 +64,7 @@ TEST(RunOptions, TakesEveryOptionOfTheManual) {
   EXPECT_EQ(parsed.options.ticks, 600u);
   EXPECT_EQ(parsed.options.robots_per_process, 2u);
   EXPECT_EQ(parsed.options.domain, 3u);
-  EXPECT_FALSE(parsed.options.ros);
+  EXPECT_EQ(parsed.options.ros.on, false);
 }
 
 TEST(RunOptions, SaysWhatWasExpectedOfABadValue) {
@@ -100,14 +100,13 @@ TEST(RunOptions, SaysWhatWasExpectedOfABadValue) {
   EXPECT_THAT(Parse({}).error, HasSubstr("FILE is required"));
 }
 
-TEST(RunOptions, RefusesWhatThisBuildOrThisMachineCannotDo) {
+TEST(RunOptions, RefusesWhatThisMachineCannotDo) {
   auto complete = [](std::vector<std::string> words) {
     words.insert(words.begin(), "w.world");
     RunOptions options = Parse(words).options;
     Status failure = CompleteRunOptions(options);
     return failure ? failure->ToString() : "";
   };
-  EXPECT_THAT(complete({"--ros"}), HasSubstr("error: --ros: ROS 2 is not part of this build"));
   EXPECT_THAT(complete({"--poses", "/no/such/folder/p"}),
               HasSubstr("--poses: cannot write /no/such/folder/p: No such"));
   EXPECT_THAT(complete({"--summary", "/tmp"}), HasSubstr("--summary: cannot write /tmp: Is a directory"));
@@ -141,10 +140,32 @@ TEST(RunOptions, PassOnToServiceAndAgentsWhatEachNeeds) {
   std::vector<std::string> service = ServiceArguments(options);
   EXPECT_EQ(service.front(), "w.world");
   EXPECT_THAT(service, testing::IsSupersetOf({"--ticks=9", "--session=s", "--domain=42", "--poses=p", "--lease=0.5"}));
-  std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"});
+  std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"}, false);
   EXPECT_THAT(agent, testing::IsSupersetOf(
                          {"--session=s", "--service=127.0.0.1:7", "--robot=r 0", "--robot=-r", "--lease=0.5"}));
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ticks"))));
+  EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ros"))));
+}
+
+TEST(RunOptions, PassOnWhatIsSaidAboutRos) {
+  RunOptions options = Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface",
+                              "lo", "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25",
+                              "--ros-tf", "namespaced", "--no-ros-map-odom"})
+                           .options;
+  const std::vector<std::string> words = {"--ros",
+                                          "--ros-domain=7",
+                                          "--ros-distro=humble",
+                                          "--ros-interface=lo",
+                                          "--ros-cmd-vel=both",
+                                          "--ros-reliable-commands",
+                                          "--ros-command-timeout=0.25",
+                                          "--ros-tf=namespaced",
+                                          "--no-ros-map-odom"};
+  EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));
+  EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, true), testing::IsSupersetOf(words));
+  RunSettings settings;
+  ApplyTo(settings, options);
+  EXPECT_TRUE(settings.ros);
 }
 
 }  // namespace

@@ -1,0 +1,142 @@
+#include "common/ros/convert_world.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "common/ros/convert.h"
+#include "common/ros/names.h"
+
+namespace troupe::ros {
+namespace {
+
+constexpr std::int32_t kTriangleList = 11;
+constexpr std::int8_t kOccupied = 100;
+constexpr std::int8_t kFree = 0;
+
+using PointMessage = geometry_msgs_msg_dds__Point_;
+
+// The corners of the triangles that bound a prism, seen from outside counter-clockwise.
+void AddPrism(const ConvexPiece& piece, std::vector<PointMessage>& points) {
+  const std::vector<Vec2>& v = piece.vertices;
+  const auto at = [&](std::size_t i, double z) { return PointMessage{v[i].x(), v[i].y(), z}; };
+  const auto triangle = [&points](const PointMessage& a, const PointMessage& b, const PointMessage& c) {
+    points.push_back(a);
+    points.push_back(b);
+    points.push_back(c);
+  };
+  const double low = piece.z.min;
+  const double high = piece.z.max;
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
+    triangle(at(0, high), at(i, high), at(i + 1, high));
+    triangle(at(0, low), at(i + 1, low), at(i, low));
+  }
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const std::size_t next = (i + 1) % v.size();
+    triangle(at(i, low), at(next, low), at(next, high));
+    triangle(at(i, low), at(next, high), at(i, high));
+  }
+}
+
+// Markers of pieces, one for each model.
+class Markers {
+ public:
+  Markers(const WorldDescription& world, const char* name_space) : world_(world), name_space_(name_space) {}
+
+  // `pose`: of what the pieces' frame is in `frame`. `follows`: the frame moves, and the marker with it.
+  void Add(const std::map<ModelId, std::vector<const ConvexPiece*>>& pieces_by_model, const std::string& frame,
+           const Pose& pose, bool follows, dds::WireArena& arena) {
+    for (const auto& [model, pieces] : pieces_by_model) {
+      if (pieces.size() > kMaxMarkerPieces) continue;
+      const Color& color = world_.model(model).color;
+      Marker marker{};
+      marker.header = MakeHeader({}, frame, arena);
+      marker.ns = arena.Copy(name_space_);
+      marker.id = static_cast<std::int32_t>(model.index());
+      marker.type = kTriangleList;
+      marker.pose = ToMessage(pose);
+      marker.scale = {1.0, 1.0, 1.0};
+      marker.color = {static_cast<float>(color.r), static_cast<float>(color.g), static_cast<float>(color.b),
+                      static_cast<float>(color.a)};
+      marker.frame_locked = follows;
+      std::vector<PointMessage> points;
+      for (const ConvexPiece* piece : pieces) AddPrism(*piece, points);
+      std::copy(points.begin(), points.end(), arena.Fill(marker.points, points.size()));
+      markers_.push_back(marker);
+    }
+  }
+
+  MarkerArray Message(dds::WireArena& arena) const {
+    MarkerArray message{};
+    std::copy(markers_.begin(), markers_.end(), arena.Fill(message.markers, markers_.size()));
+    return message;
+  }
+
+ private:
+  const WorldDescription& world_;
+  const char* name_space_;
+  std::vector<Marker> markers_;
+};
+
+std::map<ModelId, std::vector<const ConvexPiece*>> ByModel(const std::vector<ConvexPiece>& pieces) {
+  std::map<ModelId, std::vector<const ConvexPiece*>> by_model;
+  for (const ConvexPiece& piece : pieces) by_model[piece.model].push_back(&piece);
+  return by_model;
+}
+
+// A body's pieces in its own frame, with all joints at their starts.
+std::vector<ConvexPiece> PiecesAtStart(const Scene& scene, BodyId id) {
+  std::vector<double> positions;
+  for (const JointDescription& joint : scene.world().joints) positions.push_back(joint.start);
+  std::vector<Pose> X_BL;
+  scene.ComputeLinkPoses(id, positions, X_BL);
+  const Body& body = scene.body(id);
+  std::vector<ConvexPiece> pieces;
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    pieces.push_back(Transformed(body.pieces[i], X_BL[body.piece_links[i]]));
+  }
+  return pieces;
+}
+
+}  // namespace
+
+OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
+  OccupancyGridMessage message{};
+  message.header = MakeHeader({}, kMapFrame, arena);
+  message.info.resolution = static_cast<float>(grid.resolution);
+  message.info.width = grid.width;
+  message.info.height = grid.height;
+  message.info.origin = ToMessage(Pose{grid.origin_x, grid.origin_y, 0.0, 0.0});
+  std::int8_t* cell = arena.Fill(message.data, grid.occupied.size());
+  for (const bool occupied : grid.occupied) *cell++ = occupied ? kOccupied : kFree;
+  return message;
+}
+
+MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::string>& robot_base_frames,
+                             dds::WireArena& arena) {
+  Markers markers(scene.world(), "blocks");
+  markers.Add(ByModel(scene.static_index().pieces()), kMapFrame, {}, false, arena);
+  for (std::size_t i = 0; i < robot_base_frames.size(); ++i) {
+    const std::vector<ConvexPiece> pieces = PiecesAtStart(scene, scene.body_of(RobotId(i)));
+    markers.Add(ByModel(pieces), robot_base_frames[i], {}, true, arena);
+  }
+  return markers.Message(arena);
+}
+
+MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena) {
+  Markers markers(scene.world(), "objects");
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    markers.Add(ByModel(scene.body(scene.body_of(ObjectId(i))).pieces), kMapFrame, state.objects[i].X_WO, false, arena);
+  }
+  return markers.Message(arena);
+}
+
+std::string EventJson(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = {{"tick", event.tick}, {"event", ToString(event.type)}, {"detail", event.detail}};
+  if (event.robot) json["robot"] = world.robot(*event.robot).name;
+  if (event.other) json["other"] = world.model(*event.other).name;
+  if (event.object) json["object"] = world.model(*event.object).name;
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace troupe::ros

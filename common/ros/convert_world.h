@@ -1,0 +1,28 @@
+// Converters from a world to ROS messages: its map, and the shapes of what is in it. Pure functions, as in convert.h.
+#pragma once
+
+#include <string>
+
+#include "common/dds/wire.h"
+#include "common/model/event.h"
+#include "common/model/world_state.h"
+#include "common/ros/messages.h"
+#include "common/spatial/occupancy_grid.h"
+
+namespace troupe::ros {
+
+OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena);
+
+// All that stands still in frame map, and the robots each in its own frame `<name>/base_link`, with their joints at
+// their starts. A model of more pieces than kMaxMarkerPieces is left out: it is a bitmap, and the map shows it.
+inline constexpr std::size_t kMaxMarkerPieces = 5000;
+MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::string>& robot_base_frames,
+                             dds::WireArena& arena);
+
+// The objects that can be gripped, where they are in `state`.
+MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena);
+
+// A JSON object: {"tick": 7, "event": "stall_began", "robot": "r0", "other": "wall", "detail": ""}.
+std::string EventJson(const WorldDescription& world, const Event& event);
+
+}  // namespace troupe::ros

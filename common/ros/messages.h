@@ -1,0 +1,34 @@
+// The ROS 2 messages that Troupe speaks, as C structs that idlc makes of idl/ros. Strings and sequences in them belong
+// to somebody else: a dds::WireArena when Troupe made the message, Cyclone when it came from the network.
+#pragma once
+
+#include "idl/ros/geometry.h"
+#include "idl/ros/humble.h"
+#include "idl/ros/navigation.h"
+#include "idl/ros/sensors.h"
+#include "idl/ros/std.h"
+#include "idl/ros/visualization.h"
+
+namespace troupe::ros {
+
+using Time = builtin_interfaces_msg_dds__Time_;
+using Header = std_msgs_msg_dds__Header_;
+using Bool = std_msgs_msg_dds__Bool_;
+using String = std_msgs_msg_dds__String_;
+using Clock = rosgraph_msgs_msg_dds__Clock_;
+using PoseMessage = geometry_msgs_msg_dds__Pose_;
+using TwistMessage = geometry_msgs_msg_dds__Twist_;
+using TwistStamped = geometry_msgs_msg_dds__TwistStamped_;
+using TransformStamped = geometry_msgs_msg_dds__TransformStamped_;
+using TfMessage = tf2_msgs_msg_dds__TFMessage_;
+using OdometryMessage = nav_msgs_msg_dds__Odometry_;
+using OccupancyGridMessage = nav_msgs_msg_dds__OccupancyGrid_;
+using LaserScan = sensor_msgs_msg_dds__LaserScan_;
+using RangeMessage = sensor_msgs_msg_dds__Range_;
+using HumbleRangeMessage = humble_sensor_msgs_msg_dds__Range_;
+using PointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
+using JointStateMessage = sensor_msgs_msg_dds__JointState_;
+using Marker = visualization_msgs_msg_dds__Marker_;
+using MarkerArray = visualization_msgs_msg_dds__MarkerArray_;
+
+}  // namespace troupe::ros

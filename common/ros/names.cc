@@ -1,0 +1,103 @@
+#include "common/ros/names.h"
+
+#include <algorithm>
+#include <set>
+
+namespace troupe::ros {
+namespace {
+
+// ASCII only, whatever the locale.
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool IsAlphanumeric(char c) {
+  return IsDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+// Gives each name once: a name that is taken gets the first number from 1 on that makes it a new one.
+class UniqueNames {
+ public:
+  std::string Take(const std::string& name) {
+    std::string unique = name;
+    for (int number = 1; !taken_.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
+    return unique;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+// "ranger:0", the name that a model without one gets.
+bool IsAutomatic(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  return colon != std::string::npos && colon + 1 < name.size() &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(colon) + 1, name.end(), IsDigit);
+}
+
+bool IsLaser(const RaySensorDescription& sensor) {
+  return sensor.samples > 1;
+}
+
+std::string BaseName(const RangerDescription& ranger) {
+  if (!IsAutomatic(ranger.name)) return RosName(ranger.name);
+  return std::any_of(ranger.sensors.begin(), ranger.sensors.end(), IsLaser) ? "scan" : "sonar";
+}
+
+}  // namespace
+
+std::string RosName(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
+    if (IsAlphanumeric(c)) {
+      name += c;
+    } else if (!name.empty() && name.back() != '_') {
+      name += '_';
+    }
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  if (name.empty()) return "unnamed";
+  return IsDigit(name.front()) ? "n" + name : name;
+}
+
+std::vector<std::string> RobotNames(const WorldDescription& world) {
+  UniqueNames unique;
+  std::vector<std::string> names;
+  for (const RobotDescription& robot : world.robots) names.push_back(unique.Take(RosName(robot.name)));
+  return names;
+}
+
+FrameNames FramesOf(const std::string& robot, bool prefixed) {
+  const std::string prefix = prefixed ? robot + "/" : "";
+  return {.odom = prefix + "odom", .base = prefix + "base_link", .prefix = prefix};
+}
+
+SensorTopics SensorTopicsOf(const RobotDescription& robot) {
+  SensorTopics topics;
+  UniqueNames names;
+  UniqueNames frames;
+  for (const char* taken :
+       {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states", "robot_description"}) {
+    names.Take(taken);
+  }
+  for (const char* taken : {"odom", "base_link", "map"}) frames.Take(taken);
+  for (std::size_t r = 0; r < robot.rangers.size(); ++r) {
+    const RangerDescription& ranger = robot.rangers[r];
+    const std::string base = BaseName(ranger);
+    SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
+    for (std::size_t s = 0; s < ranger.sensors.size(); ++s) {
+      const std::string frame = frames.Take(ranger.sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
+      if (IsLaser(ranger.sensors[s])) {
+        topics.lasers.push_back({r, s, names.Take(base), frame});
+      } else {
+        sonar.sensors.push_back({s, frame});
+      }
+    }
+    if (sonar.sensors.empty()) continue;
+    const bool mixed = sonar.sensors.size() < ranger.sensors.size();
+    sonar.topic = names.Take(mixed ? base + "_ranges" : base);
+    topics.sonars.push_back(std::move(sonar));
+  }
+  return topics;
+}
+
+}  // namespace troupe::ros

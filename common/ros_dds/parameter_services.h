@@ -1,0 +1,29 @@
+// ParameterServices: the six parameter services of a node, so that `ros2 param` gets answers. Parameters cannot be
+// changed: they say how the run was started.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "common/ros_dds/ros_participant.h"
+
+namespace troupe::ros {
+
+using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
+using Parameters = std::map<std::string, ParameterValue>;  // by name
+
+class ParameterServices {
+ public:
+  // `node`: its name in the service names, as in /anna/robot/list_parameters.
+  ParameterServices(const RosNode& node, const std::string& name, Parameters parameters);
+  ~ParameterServices();
+
+ private:
+  struct Services;
+  std::unique_ptr<Services> services_;
+};
+
+}  // namespace troupe::ros

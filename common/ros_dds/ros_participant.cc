@@ -1,0 +1,154 @@
+#include "common/ros_dds/ros_participant.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <variant>
+
+#include "common/dds/data_writer.h"
+#include "common/dds/domain_config.h"
+#include "common/dds/wire.h"
+#include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/topic_types.h"
+
+namespace troupe::ros {
+namespace {
+
+constexpr const char* kDiscoveryTopic = "ros_discovery_info";
+constexpr std::size_t kLongestName = 256;
+
+dds::DomainConfig ConfigOf(const RosOptions& options) {
+  dds::DomainConfig config;
+  config.domain = options.domain;
+  config.network_interface = options.network_interface;
+  config.data_multicast = false;  // ROS leaves it to users' settings, and not every network has it
+  return config;
+}
+
+dds_guid_t GuidOf(dds_entity_t entity) {
+  dds_guid_t guid{};
+  dds::Check(dds_get_guid(entity, &guid), "reading an entity's GUID");
+  return guid;
+}
+
+// The DDS GUID, and zeros where the distribution has room for more.
+template <typename Gid>
+void Set(Gid& gid, const dds_guid_t& guid) {
+  std::memset(gid.data, 0, sizeof gid.data);
+  std::memcpy(gid.data, guid.v, sizeof guid.v);
+}
+
+void Set(char (&field)[kLongestName + 1], const std::string& text) {
+  std::memset(field, 0, sizeof field);
+  std::memcpy(field, text.data(), std::min(text.size(), kLongestName));
+}
+
+struct Node {
+  std::string node_namespace;
+  std::string name;
+  std::vector<dds_guid_t> readers;
+  std::vector<dds_guid_t> writers;
+};
+
+}  // namespace
+
+class RosParticipant::Announcer {
+ public:
+  virtual ~Announcer() = default;
+  virtual void Write() = 0;
+
+  dds_guid_t participant{};
+  std::mutex mutex;  // guards the nodes
+  std::vector<Node> nodes;
+};
+
+namespace {
+
+template <typename Info, typename Base>
+class InfoWriter final : public Base {
+ public:
+  explicit InfoWriter(const RosParticipant& owner)
+      : topic_(owner.participant(), kDiscoveryTopic), writer_(owner.publisher(), topic_, Discovery()) {}
+
+  void Write() override {
+    dds::WireArena arena;
+    Info info{};
+    Set(info.gid, this->participant);
+    auto* out = arena.Fill(info.node_entities_info_seq, this->nodes.size());
+    for (const Node& node : this->nodes) {
+      Set(out->node_namespace, node.node_namespace);
+      Set(out->node_name, node.name);
+      FillGids(out->reader_gid_seq, node.readers, arena);
+      FillGids(out->writer_gid_seq, node.writers, arena);
+      ++out;
+    }
+    writer_.write(info);
+  }
+
+ private:
+  template <typename Sequence>
+  static void FillGids(Sequence& sequence, const std::vector<dds_guid_t>& guids, dds::WireArena& arena) {
+    auto* gid = arena.Fill(sequence, guids.size());
+    for (const dds_guid_t& guid : guids) Set(*gid++, guid);
+  }
+
+  dds::Topic<Info> topic_;
+  dds::DataWriter<Info> writer_;
+};
+
+}  // namespace
+
+RosParticipant::RosParticipant(const RosOptions& options)
+    : distribution_(options.distribution),
+      participant_(ConfigOf(options), dds::Qos() << dds::UserData{"enclave=/;"}),
+      publisher_(participant_),
+      subscriber_(participant_) {
+  if (distribution_ == Distribution::kHumble) {
+    announcer_ =
+        std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
+  } else {
+    announcer_ = std::make_unique<InfoWriter<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
+  }
+  announcer_->participant = GuidOf(participant_.handle());
+}
+
+RosParticipant::~RosParticipant() = default;
+
+std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std::string& name) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->nodes.push_back({node_namespace, name, {}, {}});
+  return announcer_->nodes.size() - 1;
+}
+
+void RosParticipant::AddReader(std::size_t node, dds_entity_t reader) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->nodes[node].readers.push_back(GuidOf(reader));
+}
+
+void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->nodes[node].writers.push_back(GuidOf(writer));
+}
+
+void RosParticipant::Announce() {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->Write();
+}
+
+std::string NewServiceId() {
+  std::random_device device;
+  std::string id;
+  for (int i = 0; i < 16; ++i) {
+    char byte[4];
+    std::snprintf(byte, sizeof byte, "%s%02x", i == 0 ? "" : ".", static_cast<unsigned>(device() & 0xffU));
+    id += byte;
+  }
+  return id;
+}
+
+RosNode MakeNode(RosParticipant& participant, const std::string& node_namespace, const std::string& name) {
+  return {&participant, participant.AddNode(node_namespace, name), node_namespace};
+}
+
+}  // namespace troupe::ros

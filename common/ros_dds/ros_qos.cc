@@ -1,0 +1,42 @@
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe::ros {
+namespace {
+
+using dds::Durability;
+using dds::DurabilityService;
+using dds::History;
+using dds::Qos;
+using dds::Reliability;
+using dds::WriterDataLifecycle;
+
+// s. A write must not hold up a tick. Not 100 ms either, the default, which Cyclone leaves out of its announcements and
+// some other implementations then cannot read.
+constexpr double kMaxBlockingTime = 0.001;
+
+}  // namespace
+
+Qos Stream(std::int32_t depth) {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << Durability::Volatile() << History::KeepLast(depth)
+               << WriterDataLifecycle{false};
+}
+
+Qos Latched(std::int32_t depth) {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << Durability::TransientLocal() << History::KeepLast(depth)
+               << DurabilityService{History::KeepLast(depth)} << WriterDataLifecycle{false};
+}
+
+Qos Commands(bool reliable) {
+  return Qos() << (reliable ? Reliability::Reliable(kMaxBlockingTime) : Reliability::BestEffort())
+               << Durability::Volatile() << History::KeepLast(1);
+}
+
+Qos Service(std::int32_t depth) {
+  return Stream(depth);
+}
+
+Qos Discovery() {
+  return Latched(1);
+}
+
+}  // namespace troupe::ros

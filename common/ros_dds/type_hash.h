@@ -1,0 +1,17 @@
+// Type hashes: what ROS 2 from Iron on shows, and compares for recordings, of each reader's and writer's type.
+#pragma once
+
+#include <string>
+
+namespace troupe::ros {
+
+// A JSON object from ROS type names to hashes, of Jazzy: configs/ros-type-hashes-jazzy.json.
+extern const char* const kTypeHashesText;
+
+// "std_msgs/msg/String" for "std_msgs::msg::dds_::String_"; "" if that is not the name of a ROS type on DDS.
+std::string RosTypeName(const std::string& dds_type_name);
+
+// "RIHS01_..." of a ROS type on DDS; "" if it is not known.
+std::string TypeHash(const std::string& dds_type_name);
+
+}  // namespace troupe::ros

@@ -1,0 +1,56 @@
+#include "robot-agent/ros/command_input.h"
+
+#include <fmt/format.h>
+
+#include "common/ros_dds/ros_qos.h"
+#include "robot-agent/ros/twist_command.h"
+
+namespace troupe {
+namespace {
+
+constexpr const char* kTopic = "cmd_vel";
+
+}  // namespace
+
+CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
+                           double interval_seconds)
+    : robot_(&robot), timeout_ticks_(options.command_timeout / interval_seconds) {
+  const dds::Qos qos = ros::Commands(options.reliable_commands);
+  if (options.command_type != ros::CommandType::kTwistStamped) {
+    twists_ = std::make_unique<ros::RosReader<ros::TwistMessage>>(node, kTopic, qos);
+  }
+  if (options.command_type != ros::CommandType::kTwist) {
+    stamped_twists_ = std::make_unique<ros::RosReader<ros::TwistStamped>>(node, kTopic, qos);
+  }
+}
+
+std::optional<Command> CommandInput::At(Tick tick) {
+  if (twists_) {
+    twists_->Drain([&](const ros::TwistMessage& twist) { Take(twist, tick); });
+  }
+  if (stamped_twists_) {
+    stamped_twists_->Drain([&](const ros::TwistStamped& stamped) { Take(stamped.twist, tick); });
+  }
+  const bool expired = timeout_ticks_ > 0.0 && static_cast<double>(tick - received_) >= timeout_ticks_;
+  if (expired) command_.reset();
+  return command_;
+}
+
+void CommandInput::Take(const ros::TwistMessage& twist, Tick tick) {
+  const std::optional<Command> command = CommandFromTwist(twist, robot_->drive);
+  if (!command) {
+    ++refused_;
+    return;
+  }
+  command_ = command;
+  received_ = tick;
+}
+
+// Told at 1, 10, 100, ...: one who sends a thousand a second would fill the log.
+std::string CommandInput::TakeReport() {
+  if (refused_ == 0 || (reported_ > 0 && refused_ < 10 * reported_)) return "";
+  reported_ = refused_;
+  return fmt::format("robot {}: cmd_vel: ignored a command that is not finite ({} so far)", robot_->name, refused_);
+}
+
+}  // namespace troupe

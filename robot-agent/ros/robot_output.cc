@@ -1,0 +1,161 @@
+#include "robot-agent/ros/robot_output.h"
+
+#include "common/ros/convert.h"
+#include "common/ros/robot_description.h"
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kDepth = 10;
+
+}  // namespace
+
+RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
+                         const std::string& name)
+    : scene_(&scene),
+      id_(robot),
+      map_to_odom_(options.map_to_odom),
+      frames_(ros::FramesOf(name, !options.namespaced_tf)),
+      odometry_error_(description().localization),
+      odom_(node, "odom", ros::Stream(kDepth)),
+      ground_truth_(node, "ground_truth", ros::Stream(kDepth)),
+      stalled_(node, "stalled", ros::Stream(kDepth)),
+      joint_states_(node, "joint_states", ros::Stream(kDepth)),
+      robot_description_(node, "robot_description", ros::Latched()) {
+  dds::WireArena arena;
+  robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, name, frames_))});
+  const ros::SensorTopics topics = ros::SensorTopicsOf(description());
+  for (const ros::LaserTopic& topic : topics.lasers) {
+    lasers_.push_back(
+        {topic, std::make_unique<ros::RosWriter<ros::LaserScan>>(node, topic.topic, ros::Stream(kDepth))});
+  }
+  for (const ros::SonarTopic& topic : topics.sonars) {
+    // All sensors of a ring share the topic.
+    const dds::Qos qos = ros::Stream(kDepth * static_cast<std::int32_t>(topic.sensors.size()));
+    Sonar sonar{topic, nullptr, nullptr, nullptr};
+    sonar.points =
+        std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points", ros::Stream(kDepth));
+    if (options.distribution == ros::Distribution::kHumble) {
+      sonar.humble_writer = std::make_unique<ros::RosWriter<ros::HumbleRangeMessage>>(node, topic.topic, qos);
+    } else {
+      sonar.writer = std::make_unique<ros::RosWriter<ros::RangeMessage>>(node, topic.topic, qos);
+    }
+    sonars_.push_back(std::move(sonar));
+  }
+}
+
+ros::Time RobotOutput::Stamp(Tick tick) const {
+  return ros::ToTime(tick, scene_->world().interval_ns);
+}
+
+bool RobotOutput::Due(Tick tick, std::size_t ranger) const {
+  return tick % description().rangers[ranger].period_ticks == 0;
+}
+
+void RobotOutput::Publish(Tick tick, const RobotView& robot) {
+  const RobotState& state = robot.state();
+  odometry_error_.Moved(state.twist, scene_->world().interval_seconds());
+  if (odom_.wanted()) {
+    dds::WireArena arena;
+    odom_.Write(ros::MakeOdometry(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), state.twist,
+                                  odometry_error_.covariance(), arena));
+  }
+  if (ground_truth_.wanted()) {
+    dds::WireArena arena;
+    ground_truth_.Write(
+        ros::MakeOdometry(Stamp(tick), ros::kMapFrame, frames_.base, state.X_WR, state.twist, {}, arena));
+  }
+  if (stalled_.wanted()) stalled_.Write({state.stalled});
+  for (Laser& laser : lasers_) PublishLaser(tick, robot, laser);
+  for (Sonar& sonar : sonars_) {
+    PublishSonar(tick, robot, sonar);
+    PublishPoints(tick, robot, sonar);
+  }
+  if (joint_states_.wanted()) PublishJoints(tick, robot);
+}
+
+void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
+  const std::size_t ranger = sonar.topic.ranger;
+  if (!sonar.points->wanted() || !Due(tick, ranger)) return;
+  const RangerReading& reading = robot.Measure(ranger);
+  std::vector<Pose> poses;
+  std::vector<double> ranges;
+  std::vector<double> limits;
+  for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
+    poses.push_back(X_RS(ranger, sensor.index));
+    ranges.push_back(reading.scans[sensor.index].ranges.front());
+    limits.push_back(description().rangers[ranger].sensors[sensor.index].range.max);
+  }
+  dds::WireArena arena;
+  sonar.points->Write(ros::MakePointCloud(Stamp(tick), frames_.base, poses, ranges, limits, arena));
+}
+
+void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
+  std::vector<ros::NamedJoint> joints;
+  for (const JointId joint : scene_->joints_of(id_)) {
+    joints.push_back({ros::RosName(scene_->world().joint(joint).name), robot.world_state().joints[joint.index()]});
+  }
+  dds::WireArena arena;
+  joint_states_.Write(ros::MakeJointState(Stamp(tick), joints, arena));
+}
+
+Pose RobotOutput::X_RS(std::size_t ranger, std::size_t sensor) const {
+  const RangerDescription& description_of_ranger = description().rangers[ranger];
+  return scene_->X_RM(description_of_ranger.model) * description_of_ranger.sensors[sensor].X_MS;
+}
+
+void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {
+  const auto& [ranger, sensor, topic, frame] = laser.topic;
+  if (!Due(tick, ranger) || !laser.writer->wanted()) return;
+  const RangerDescription& description_of_ranger = description().rangers[ranger];
+  const RangeScan& scan = robot.Measure(ranger).scans[sensor];
+  dds::WireArena arena;
+  laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, description_of_ranger,
+                                         description_of_ranger.sensors[sensor], scene_->world().interval_seconds(),
+                                         scan.ranges, scan.intensities, arena));
+}
+
+void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) {
+  const std::size_t ranger = sonar.topic.ranger;
+  const bool wanted = sonar.writer ? sonar.writer->wanted() : sonar.humble_writer->wanted();
+  if (!wanted || !Due(tick, ranger)) return;
+  const RangerReading& reading = robot.Measure(ranger);
+  for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
+    dds::WireArena arena;
+    const ros::RangeMessage message =
+        ros::MakeRange(Stamp(tick), frames_.prefix + sensor.frame, description().rangers[ranger].sensors[sensor.index],
+                       reading.scans[sensor.index].ranges.front(), arena);
+    if (sonar.writer) {
+      sonar.writer->Write(message);
+    } else {
+      sonar.humble_writer->Write(ros::WithoutVariance(message));
+    }
+  }
+}
+
+ros::TransformStamped RobotOutput::OdomToBase(Tick tick, const RobotView& robot, dds::WireArena& arena) const {
+  return ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena);
+}
+
+std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView& robot, dds::WireArena& arena) const {
+  const auto add = [&](std::vector<ros::TransformStamped>& transforms, std::size_t ranger, std::size_t sensor,
+                       const std::string& frame) {
+    transforms.push_back(
+        ros::MakeTransform(Stamp(0), frames_.base, frames_.prefix + frame, X_RS(ranger, sensor), arena));
+  };
+  std::vector<ros::TransformStamped> transforms;
+  for (const Laser& laser : lasers_) add(transforms, laser.topic.ranger, laser.topic.sensor, laser.topic.frame);
+  for (const Sonar& sonar : sonars_) {
+    for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
+      add(transforms, sonar.topic.ranger, sensor.index, sensor.frame);
+    }
+  }
+  if (map_to_odom_) {
+    const Pose X_WO = ros::OdomInMap(description().localization, robot.state().X_WR, robot.pose_estimate());
+    transforms.push_back(ros::MakeTransform(Stamp(0), ros::kMapFrame, frames_.odom, X_WO, arena));
+  }
+  return transforms;
+}
+
+}  // namespace troupe

@@ -1,0 +1,133 @@
+#include "robot-agent/ros/ros_gateway.h"
+
+#include <memory>
+#include <utility>
+
+#include "common/ros/convert.h"
+#include "common/ros_dds/parameter_services.h"
+#include "common/ros_dds/ros_qos.h"
+#include "robot-agent/ros/command_input.h"
+#include "robot-agent/ros/robot_output.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kTransformDepth = 100;
+// With more robots in the world, their nodes have no parameter services: twelve endpoints each.
+constexpr std::size_t kMostRobotsWithParameters = 10;
+constexpr const char* kNodeName = "robot";
+
+struct RosRobot;
+using RosRobots = std::vector<RosRobot*>;  // by id; null for robots of other agents
+
+// The topics tf and tf_static: of one robot, or of all robots of the process.
+class Transforms {
+ public:
+  Transforms(const ros::RosNode& node, const std::string& prefix)
+      : moving_(node, prefix + "tf", ros::Stream(kTransformDepth)),
+        fixed_(node, prefix + "tf_static", ros::Latched()) {}
+
+  void Write(Tick tick, std::span<const RobotView* const> robots, const RosRobots& by_id);
+
+ private:
+  ros::RosWriter<ros::TfMessage> moving_;
+  ros::RosWriter<ros::TfMessage> fixed_;
+  bool fixed_written_ = false;
+};
+
+struct RosRobot {
+  RosRobot(const ros::RosNode& node_of_robot, const ros::RosOptions& options, const Scene& scene, RobotId robot,
+           const std::string& name)
+      : node(node_of_robot),
+        input(node, options, scene.world().robot(robot), scene.world().interval_seconds()),
+        output(node, options, scene, robot, name) {
+    if (options.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
+    if (scene.world().robots.size() <= kMostRobotsWithParameters) {
+      parameters =
+          std::make_unique<ros::ParameterServices>(node, kNodeName,
+                                                   ros::Parameters{{"use_sim_time", true},
+                                                                   {"command_timeout", options.command_timeout},
+                                                                   {"robot", scene.world().robot(robot).name}});
+    }
+  }
+
+  ros::RosNode node;
+  CommandInput input;
+  RobotOutput output;
+  std::unique_ptr<Transforms> transforms;              // null where robots share them
+  std::unique_ptr<ros::ParameterServices> parameters;  // null where there are many robots
+};
+
+void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, const RosRobots& by_id) {
+  if (!fixed_written_) {
+    // One message for all, because only the last one is kept for latecomers.
+    fixed_written_ = true;
+    dds::WireArena arena;
+    std::vector<ros::TransformStamped> fixed;
+    for (const RobotView* robot : robots) {
+      const auto of_robot = by_id[robot->id().index()]->output.StaticTransforms(*robot, arena);
+      fixed.insert(fixed.end(), of_robot.begin(), of_robot.end());
+    }
+    fixed_.Write(ros::MakeTfMessage(fixed, arena));
+  }
+  if (!moving_.wanted()) return;
+  dds::WireArena arena;
+  std::vector<ros::TransformStamped> moving;
+  for (const RobotView* robot : robots) {
+    moving.push_back(by_id[robot->id().index()]->output.OdomToBase(tick, *robot, arena));
+  }
+  moving_.Write(ros::MakeTfMessage(moving, arena));
+}
+
+class RosGateway final : public Gateway {
+ public:
+  RosGateway(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotId>& robots)
+      : participant_(options), by_id_(scene.world().robots.size()) {
+    const std::vector<std::string> names = ros::RobotNames(scene.world());
+    for (const RobotId robot : robots) {
+      const std::string& name = names[robot.index()];
+      const ros::RosNode node = ros::MakeNode(participant_, "/" + name, kNodeName);
+      robots_.push_back(std::make_unique<RosRobot>(node, options, scene, robot, name));
+      by_id_[robot.index()] = robots_.back().get();
+    }
+    if (!options.namespaced_tf && !robots_.empty()) {
+      shared_transforms_ = std::make_unique<Transforms>(robots_.front()->node, "/");
+    }
+    participant_.Announce();
+  }
+
+  std::optional<Command> CommandFor(RobotId robot, Tick tick) override { return by_id_[robot.index()]->input.At(tick); }
+
+  void Publish(Tick tick, std::span<const RobotView* const> robots) override {
+    for (const RobotView* robot : robots) by_id_[robot->id().index()]->output.Publish(tick, *robot);
+    if (shared_transforms_) {
+      shared_transforms_->Write(tick, robots, by_id_);
+    } else {
+      for (const RobotView* robot : robots) by_id_[robot->id().index()]->transforms->Write(tick, {&robot, 1}, by_id_);
+    }
+  }
+
+  std::vector<std::string> TakeReports() override {
+    std::vector<std::string> reports;
+    for (const auto& robot : robots_) {
+      if (std::string report = robot->input.TakeReport(); !report.empty()) reports.push_back(std::move(report));
+    }
+    return reports;
+  }
+
+ private:
+  ros::RosParticipant participant_;
+  std::vector<std::unique_ptr<RosRobot>> robots_;
+  RosRobots by_id_;
+  std::unique_ptr<Transforms> shared_transforms_;  // null where each robot has its own
+};
+
+}  // namespace
+
+MakeGateway MakeRosGateway(const ros::RosOptions& options) {
+  return [options](const Scene& scene, const std::vector<RobotId>& robots) -> std::unique_ptr<Gateway> {
+    return std::make_unique<RosGateway>(options, scene, robots);
+  };
+}
+
+}  // namespace troupe

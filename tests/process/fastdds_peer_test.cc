@@ -1,0 +1,238 @@
+// A program on Fast DDS, which shares no code with Troupe's side, drives two robots and reads their topics: what it
+// reads is what the run writes to its files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/command_line/parse_command_line.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/process/run_files.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
+constexpr int kEnough = 150;                       // scans
+
+Tick TickOf(const json& message) {
+  return message["stamp"].get<std::uint64_t>() / kIntervalNs;
+}
+
+class FastDdsPeerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(ProgramPath("fastdds_peer"))) {
+      GTEST_SKIP() << "fastdds_peer was not built: needs libfastrtps-dev and fastddsgen";
+    }
+  }
+
+  // Runs pen.world, with a peer that drives r0 and r1.
+  void Run() {
+    const std::string domain = std::to_string(TestRosOptions().domain);
+    Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), "r0=0.25,0.5", "r1=-0.2,0"});
+    peer.WaitForLine("ready");
+    Program run = RunPen({"--ros", "--ros-interface", "lo", "--ros-domain", domain, "--speed", "4", "--poses",
+                          folder_.Path("poses"), "--scans", folder_.Path("scans")});
+    // Until it has seen enough, however long they took to meet.
+    peer.WaitForLine("\"enough\"");
+    run.Signal(SIGINT);
+    ASSERT_EQ(run.Wait(), kExitInterrupted) << run.output();
+    std::istringstream lines(peer.output());
+    for (std::string line; std::getline(lines, line);) {
+      const json message = json::parse(line, nullptr, false);
+      ASSERT_TRUE(message.is_object()) << line;
+      messages_[message["topic"]].push_back(message);
+    }
+    poses_ = ReadPoses(folder_.Read("poses"));
+    scans_ = ReadScans(folder_.Read("scans"));
+  }
+
+  void CheckTruth(const std::string& robot);
+  void CheckOdometry(const std::string& robot);
+  void CheckScans(const std::string& robot);
+  void CheckRanges(const std::string& robot);
+
+  OutputFolder folder_;
+  std::map<std::string, std::vector<json>> messages_;
+  std::map<std::pair<Tick, std::string>, LoggedPose> poses_;
+  std::map<std::tuple<Tick, std::string, std::string>, std::vector<double>> scans_;
+};
+
+void FastDdsPeerTest::CheckTruth(const std::string& robot) {
+  const std::vector<json>& truths = messages_["/" + robot + "/ground_truth"];
+  EXPECT_GT(truths.size(), 50u);
+  for (const json& truth : truths) {
+    const Pose& pose = poses_.at({TickOf(truth), robot}).X_WR;
+    ASSERT_EQ(truth["frame"], "map");
+    ASSERT_EQ(truth["child"], robot + "/base_link");
+    ASSERT_EQ(truth["position"], json({pose.x, pose.y, pose.z}));
+    ASSERT_NEAR(2.0 * std::atan2(truth["orientation"][2].get<double>(), truth["orientation"][3].get<double>()),
+                pose.heading, 1e-12);
+    ASSERT_EQ(truth["orientation"][0], 0.0);
+    ASSERT_EQ(truth["orientation"][1], 0.0);
+  }
+}
+
+void FastDdsPeerTest::CheckOdometry(const std::string& robot) {
+  const std::vector<json>& odometry = messages_["/" + robot + "/odom"];
+  EXPECT_GT(odometry.size(), 50u);
+  double variance = 0.0;
+  for (const json& message : odometry) {
+    ASSERT_EQ(message["frame"], robot + "/odom");
+    ASSERT_EQ(message["child"], robot + "/base_link");
+    ASSERT_GE(message["pose_covariance"][0].get<double>(), variance);
+    variance = message["pose_covariance"][0];
+    ASSERT_EQ(message["pose_covariance"][1], 0.0);
+    ASSERT_EQ(message["linear"][1], 0.0);
+    ASSERT_EQ(message["angular"][0], 0.0);
+  }
+  EXPECT_GT(variance, 0.0);
+}
+
+void FastDdsPeerTest::CheckScans(const std::string& robot) {
+  const std::vector<json>& scans = messages_["/" + robot + "/scan"];
+  EXPECT_GT(scans.size(), 100u);
+  for (const json& scan : scans) {
+    const std::vector<double>& logged = scans_.at({TickOf(scan), robot, "ranger:1.0"});
+    ASSERT_EQ(scan["ranges"].get<std::vector<float>>(), std::vector<float>(logged.begin(), logged.end()));
+    ASSERT_EQ(scan["intensities"].size(), logged.size());
+    ASSERT_EQ(scan["frame"], robot + "/scan");
+    ASSERT_EQ(scan["limits"], json({0.0, 8.0}));
+    ASSERT_NEAR(scan["angles"][0].get<double>(), -0.5 * kPi, 1e-6);
+    ASSERT_NEAR(scan["angles"][1].get<double>(), 0.5 * kPi, 1e-6);
+    ASSERT_NEAR(scan["angles"][2].get<double>(), kPi / 18.0, 1e-6);
+    ASSERT_EQ(scan["times"][0], 0.0);
+    ASSERT_NEAR(scan["times"][1].get<double>(), 0.1, 1e-6);
+  }
+}
+
+void FastDdsPeerTest::CheckRanges(const std::string& robot) {
+  const std::vector<json>& ranges = messages_["/" + robot + "/sonar"];
+  EXPECT_GT(ranges.size(), 150u);
+  for (const json& range : ranges) {
+    const std::string frame = range["frame"];
+    const std::string sensor = "ranger:0." + frame.substr(frame.size() - 1);
+    ASSERT_EQ(frame.substr(0, frame.size() - 1), robot + "/sonar_");
+    ASSERT_EQ(range["range"].get<float>(), static_cast<float>(scans_.at({TickOf(range), robot, sensor}).front()));
+    ASSERT_EQ(range["radiation"], 0);
+    ASSERT_EQ(range["limits"], json({0.0, 4.0}));
+    ASSERT_NEAR(range["fov"].get<double>(), kPi / 18.0, 1e-6);
+  }
+}
+
+TEST_F(FastDdsPeerTest, DrivesTwoRobotsAndReadsWhatTheRunWritesToItsFiles) {
+  Run();
+  for (const char* robot : {"r0", "r1"}) {
+    SCOPED_TRACE(robot);
+    CheckTruth(robot);
+    CheckOdometry(robot);
+    CheckScans(robot);
+    CheckRanges(robot);
+  }
+
+  const auto was_driven = [&](const std::string& robot, double vx, double wz) {
+    for (const json& odometry : messages_["/" + robot + "/odom"]) {
+      if (odometry["linear"][0] == vx && odometry["angular"][2] == wz) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(was_driven("r0", 0.25, 0.5));
+  EXPECT_TRUE(was_driven("r1", -0.2, 0.0));
+
+  std::set<bool> stalled;
+  for (const json& message : messages_["/r1/stalled"]) stalled.insert(message["data"].get<bool>());
+  EXPECT_EQ(stalled, (std::set<bool>{false, true})) << "r1 backs into a wall";
+}
+
+// Every frame has one parent, and all lead to the map.
+TEST_F(FastDdsPeerTest, SeesOneTreeOfFrames) {
+  Run();
+  std::map<std::string, std::string> parents;
+  for (const char* topic : {"/tf_static", "/tf"}) {
+    for (const json& message : messages_[topic]) {
+      for (const json& transform : message["transforms"]) {
+        const auto [parent, is_new] = parents.emplace(transform["child"], transform["frame"]);
+        ASSERT_EQ(parent->second, transform["frame"]) << transform;
+      }
+    }
+  }
+  EXPECT_EQ(parents.size(), 4u * 6u);  // odom, base_link, scan and three sonars of each robot
+  for (const auto& [child, parent] : parents) {
+    std::string ancestor = parent;
+    for (int steps = 0; ancestor != "map" && steps < 10; ++steps) ancestor = parents[ancestor];
+    EXPECT_EQ(ancestor, "map") << child;
+  }
+  for (const json& message : messages_["/tf_static"]) {
+    for (const json& transform : message["transforms"]) {
+      if (transform["child"] != "r0/scan") continue;
+      EXPECT_EQ(transform["translation"][0], 0.1);
+      EXPECT_EQ(transform["translation"][1], 0.0);
+      EXPECT_GT(transform["translation"][2].get<double>(), 0.29) << "on top of the robot";
+    }
+  }
+
+  std::set<std::string> nodes;
+  for (const json& message : messages_["ros_discovery_info"]) {
+    for (const json& node : message["nodes"]) {
+      nodes.insert(node["namespace"].get<std::string>() + " " + node["name"].get<std::string>());
+    }
+  }
+  EXPECT_THAT(nodes, testing::IsSupersetOf({"/ world", "/r0 robot", "/r1 robot", "/r2 robot", "/r3 robot"}));
+}
+
+TEST_F(FastDdsPeerTest, ReadsTheMapTheBlocksAndTheRobots) {
+  Run();
+  ASSERT_EQ(messages_["/map"].size(), 1u);
+  const json& map = messages_["/map"].front();
+  EXPECT_EQ(map["frame"], "map");
+  EXPECT_NEAR(map["resolution"].get<double>(), 0.05, 1e-6);
+  EXPECT_EQ(map["width"], 128);  // 6.4 m
+  EXPECT_EQ(map["height"], 128);
+  EXPECT_NEAR(map["origin"][0].get<double>(), -3.2, 1e-9);
+  EXPECT_EQ(map["cells"], 128 * 128);
+  EXPECT_EQ(map["occupied"].get<int>() + map["free"].get<int>(), 128 * 128);
+  EXPECT_EQ(map["occupied"], 4 * 4 * 124);  // the walls; the bars are below and above the scanners
+
+  ASSERT_EQ(messages_["/blocks"].size(), 1u);
+  std::set<std::string> frames;
+  for (const json& marker : messages_["/blocks"].front()["markers"]) {
+    frames.insert(marker["frame"]);
+    EXPECT_EQ(marker["type"], 11);
+    EXPECT_EQ(marker["points"].get<int>() % 3, 0);
+    EXPECT_EQ(marker["scale"], json({1.0, 1.0, 1.0}));
+  }
+  EXPECT_EQ(frames, (std::set<std::string>{"map", "r0/base_link", "r1/base_link", "r2/base_link", "r3/base_link"}));
+
+  ASSERT_EQ(messages_["/r0/robot_description"].size(), 1u);
+  EXPECT_THAT(messages_["/r0/robot_description"].front()["data"].get<std::string>(),
+              testing::HasSubstr("<link name=\"r0/base_link\">"));
+  EXPECT_GT(messages_["/r0/joint_states"].size(), 50u);
+  EXPECT_EQ(messages_["/r0/joint_states"].front()["name"], json::array());
+
+  EXPECT_GT(messages_["/r0/sonar/points"].size(), 50u);
+  for (const json& cloud : messages_["/r0/sonar/points"]) {
+    ASSERT_EQ(cloud["frame"], "r0/base_link");
+    ASSERT_EQ(cloud["steps"][0], 12);
+    ASSERT_EQ(cloud["data"].size(), 12u * cloud["size"][0].get<unsigned>());
+    ASSERT_EQ(cloud["fields"], json({{"x", 0, 7, 1}, {"y", 4, 7, 1}, {"z", 8, 7, 1}}));
+  }
+
+  bool stalled = false;
+  for (const json& message : messages_["/events"]) {
+    const json event = json::parse(message["data"].get<std::string>());
+    stalled = stalled || (event["event"] == "stall_began" && event["robot"] == "r1");
+  }
+  EXPECT_TRUE(stalled);
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,46 @@
+#include "common/ros/odometry_error.h"
+
+#include <gtest/gtest.h>
+
+namespace troupe::ros {
+namespace {
+
+LocalizationDescription Odometry() {
+  LocalizationDescription localization;
+  localization.type = LocalizationType::kOdometry;
+  localization.error_x = 0.1;
+  localization.error_y = 0.2;
+  localization.error_heading = 0.05;
+  return localization;
+}
+
+TEST(OdometryError, IsNothingForGps) {
+  LocalizationDescription gps = Odometry();
+  gps.type = LocalizationType::kGps;
+  OdometryError error(gps);
+  error.Moved({1.0, 1.0, 1.0}, 10.0);
+  EXPECT_EQ(error.covariance().x, 0.0);
+  EXPECT_EQ(error.covariance().wz, 0.0);
+}
+
+TEST(OdometryError, GrowsWithTheWayInBothDirections) {
+  OdometryError error(Odometry());
+  error.Moved({2.0, 0.0, 0.0}, 1.0);
+  EXPECT_NEAR(error.covariance().x, 0.04, 1e-12);
+  EXPECT_EQ(error.covariance().y, 0.0);
+  EXPECT_NEAR(error.covariance().vx, 0.04, 1e-12);
+  error.Moved({-2.0, 0.0, 0.0}, 1.0);
+  EXPECT_NEAR(error.covariance().x, 0.16, 1e-12);
+  error.Moved({0.0, 0.0, 2.0}, 1.0);
+  EXPECT_NEAR(error.covariance().heading, 0.01, 1e-12);
+  EXPECT_EQ(error.covariance().vx, 0.0);
+}
+
+TEST(OdometryError, OfAHeadingLeadsAstraySideways) {
+  OdometryError error(Odometry());
+  error.Moved({1.0, 0.0, 1.0}, 2.0);
+  EXPECT_NEAR(error.covariance().y, 0.04, 1e-12);
+}
+
+}  // namespace
+}  // namespace troupe::ros

@@ -1,0 +1,130 @@
+#include "common/ros_dds/parameter_services.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/ros_dds/ros_service.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::ros {
+namespace {
+
+using test::Eventually;
+using testing::ElementsAre;
+
+// Calls a service as rmw_cyclonedds does.
+template <typename Request, typename Response>
+class Client {
+ public:
+  Client(const RosParticipant& participant, const std::string& service)
+      : request_topic_(participant.participant(), "rq" + service + "Request"),
+        response_topic_(participant.participant(), "rr" + service + "Reply"),
+        writer_(participant.publisher(), request_topic_, Service()),
+        reader_(participant.subscriber(), response_topic_, Service()) {}
+
+  // Calls, and gives the answer to `check`.
+  template <typename Check>
+  void Call(Request request, const Check& check) {
+    ASSERT_TRUE(Eventually([&] {
+      return writer_.publication_matched_status().current_count > 0 &&
+             reader_.subscription_matched_status().current_count > 0;
+    }));
+    request.client_guid = 4711;
+    request.sequence_number = ++calls_;
+    writer_.write(request);
+    bool answered = false;
+    ASSERT_TRUE(Eventually([&] {
+      for (const auto sample : reader_.take()) {
+        EXPECT_EQ(sample.data().client_guid, 4711u);
+        EXPECT_EQ(sample.data().sequence_number, calls_);
+        check(sample.data());
+        answered = true;
+      }
+      return answered;
+    }));
+  }
+
+ private:
+  dds::Topic<Request> request_topic_;
+  dds::Topic<Response> response_topic_;
+  dds::DataWriter<Request> writer_;
+  dds::DataReader<Response> reader_;
+  std::int64_t calls_ = 0;
+};
+
+class ParameterServicesTest : public testing::Test {
+ protected:
+  RosParticipant server_{test::TestRosOptions()};
+  RosNode node_ = MakeNode(server_, "/r0", "robot");
+  ParameterServices services_{node_, "robot", {{"use_sim_time", true}, {"speed", 0.5}, {"who", "r0"}}};
+  RosParticipant client_{test::TestRosOptions()};
+};
+
+TEST_F(ParameterServicesTest, ListsAndGets) {
+  Client<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list(
+      client_, "/r0/robot/list_parameters");
+  list.Call({}, [](const auto& response) {
+    EXPECT_THAT(dds::Strings(response.result.names), ElementsAre("speed", "use_sim_time", "who"));
+  });
+  Client<rcl_interfaces_srv_dds__GetParameters_Request_, rcl_interfaces_srv_dds__GetParameters_Response_> get(
+      client_, "/r0/robot/get_parameters");
+  dds::WireArena arena;
+  rcl_interfaces_srv_dds__GetParameters_Request_ request{};
+  arena.FillStrings(request.names, {"use_sim_time", "no_such", "who", "speed"});
+  get.Call(request, [](const auto& response) {
+    const auto values = dds::Elements(response.values);
+    ASSERT_EQ(values.size(), 4u);
+    EXPECT_EQ(values[0].type, 1);
+    EXPECT_TRUE(values[0].bool_value);
+    EXPECT_EQ(values[1].type, 0);
+    EXPECT_EQ(values[2].type, 4);
+    EXPECT_STREQ(values[2].string_value, "r0");
+    EXPECT_EQ(values[3].type, 3);
+    EXPECT_EQ(values[3].double_value, 0.5);
+  });
+}
+
+TEST_F(ParameterServicesTest, DescribesAndTellsTypes) {
+  dds::WireArena arena;
+  Client<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_> types(
+      client_, "/r0/robot/get_parameter_types");
+  rcl_interfaces_srv_dds__GetParameterTypes_Request_ type_request{};
+  arena.FillStrings(type_request.names, {"speed", "no_such"});
+  types.Call(type_request, [](const auto& response) { EXPECT_THAT(dds::Elements(response.types), ElementsAre(3, 0)); });
+  Client<rcl_interfaces_srv_dds__DescribeParameters_Request_, rcl_interfaces_srv_dds__DescribeParameters_Response_>
+      describe(client_, "/r0/robot/describe_parameters");
+  rcl_interfaces_srv_dds__DescribeParameters_Request_ request{};
+  arena.FillStrings(request.names, {"who"});
+  describe.Call(request, [](const auto& response) {
+    ASSERT_EQ(response.descriptors._length, 1u);
+    EXPECT_STREQ(response.descriptors._buffer[0].name, "who");
+    EXPECT_TRUE(response.descriptors._buffer[0].read_only);
+  });
+}
+
+TEST_F(ParameterServicesTest, LetsNothingBeChanged) {
+  Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
+      client_, "/r0/robot/set_parameters");
+  dds::WireArena arena;
+  rcl_interfaces_srv_dds__SetParameters_Request_ request{};
+  auto* parameter = arena.Fill(request.parameters, 3);
+  parameter[0].name = arena.Copy("use_sim_time");
+  parameter[0].value.type = 1;
+  parameter[0].value.bool_value = true;
+  parameter[1].name = arena.Copy("speed");
+  parameter[1].value.type = 3;
+  parameter[1].value.double_value = 9.0;
+  parameter[2].name = arena.Copy("no_such");
+  set.Call(request, [](const auto& response) {
+    const auto results = dds::Elements(response.results);
+    ASSERT_EQ(results.size(), 3u);
+    EXPECT_TRUE(results[0].successful);
+    EXPECT_FALSE(results[1].successful);
+    EXPECT_STREQ(results[1].reason, "the parameter is read-only");
+    EXPECT_STREQ(results[2].reason, "no such parameter");
+  });
+}
+
+}  // namespace
+}  // namespace troupe::ros

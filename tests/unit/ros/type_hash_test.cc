@@ -1,0 +1,43 @@
+#include "common/ros_dds/type_hash.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/ros_dds/topic_types.h"
+
+namespace troupe::ros {
+namespace {
+
+TEST(TypeHash, IsThatOfJazzy) {
+  EXPECT_EQ(RosTypeName("std_msgs::msg::dds_::String_"), "std_msgs/msg/String");
+  EXPECT_THAT(TypeHash("std_msgs::msg::dds_::String_"), testing::StartsWith("RIHS01_df668c740482bbd4"));
+  EXPECT_THAT(TypeHash("geometry_msgs::msg::dds_::Twist_"), testing::StartsWith("RIHS01_9c45bf16fe0983d8"));
+  EXPECT_EQ(TypeHash("geometry_msgs::msg::dds_::Twist_").size(), 7u + 64u);
+}
+
+TEST(TypeHash, IsNothingForWhatRosDoesNotKnow) {
+  for (const char* name : {"", "troupe::wire::Frame", "std_msgs::msg::dds_::NoSuch_", "dds_::", "::dds_::x"}) {
+    EXPECT_EQ(TypeHash(name), "") << name;
+  }
+}
+
+template <typename T>
+std::string NameOnDds() {
+  return dds::TopicTraits<T>::descriptor()->m_typename;
+}
+
+TEST(TopicTypes, HaveTheNamesAndHashesOfRos) {
+  for (const std::string& name : {NameOnDds<Bool>(), NameOnDds<String>(), NameOnDds<Clock>(), NameOnDds<TwistMessage>(),
+                                  NameOnDds<TwistStamped>(), NameOnDds<TfMessage>(), NameOnDds<OdometryMessage>(),
+                                  NameOnDds<OccupancyGridMessage>(), NameOnDds<LaserScan>(), NameOnDds<RangeMessage>(),
+                                  NameOnDds<PointCloud2>(), NameOnDds<JointStateMessage>(), NameOnDds<MarkerArray>(),
+                                  NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>()}) {
+    EXPECT_NE(TypeHash(name), "") << name;
+  }
+  EXPECT_EQ(NameOnDds<HumbleRangeMessage>(), NameOnDds<RangeMessage>());
+  EXPECT_EQ(NameOnDds<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>(),
+            NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>());
+}
+
+}  // namespace
+}  // namespace troupe::ros
