@@ -136,6 +136,29 @@ void RosParticipant::Announce() {
   announcer_->Write();
 }
 
+bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {
+  dds_builtintopic_endpoint_t* const sender = dds_get_matched_publication_data(reader, publication);
+  if (sender == nullptr) return true;  // it is gone; whoever answers it does no harm
+  const dds_guid_t participant = sender->participant_key;
+  dds_builtintopic_free_endpoint(sender);
+  std::vector<dds_instance_handle_t> subscriptions(64);
+  dds_return_t count = 0;
+  for (;;) {
+    count = dds_get_matched_subscriptions(writer, subscriptions.data(), subscriptions.size());
+    if (count <= static_cast<dds_return_t>(subscriptions.size())) break;
+    subscriptions.resize(static_cast<std::size_t>(count));
+  }
+  for (dds_return_t i = 0; i < count; ++i) {
+    dds_builtintopic_endpoint_t* const receiver =
+        dds_get_matched_subscription_data(writer, subscriptions[static_cast<std::size_t>(i)]);
+    if (receiver == nullptr) continue;
+    const bool same = std::memcmp(receiver->participant_key.v, participant.v, sizeof participant.v) == 0;
+    dds_builtintopic_free_endpoint(receiver);
+    if (same) return true;
+  }
+  return false;
+}
+
 std::string NewServiceId() {
   std::random_device device;
   std::string id;

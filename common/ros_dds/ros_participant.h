@@ -61,6 +61,9 @@ struct RosNode {
   }
 };
 
+// Whether `writer` has met a reader of the participant whose writer `publication` sent something to `reader`.
+bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication);
+
 // 16 bytes in the way of ROS, "01.0f.10...", different for each service of all processes.
 std::string NewServiceId();
 

@@ -3,8 +3,12 @@
 // message, where Cyclone's interface gives no access.
 #pragma once
 
+#include <algorithm>
+#include <list>
 #include <functional>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "common/dds/data_reader.h"
 #include "common/dds/data_writer.h"
@@ -47,9 +51,15 @@ class RosService {
     dds::DataReaderListener listener;
     listener.on_data_available = [this] { Serve(); };
     reader_.set_listener(std::move(listener));
+    dds::DataWriterListener met;
+    met.on_publication_matched = [this](const dds::PublicationMatchedStatus&) { Serve(); };
+    writer_.set_listener(std::move(met));
     Serve();
   }
-  ~RosService() { reader_.clear_listener(); }
+  ~RosService() {
+    reader_.clear_listener();
+    writer_.clear_listener();
+  }
   RosService(const RosService&) = delete;
   RosService& operator=(const RosService&) = delete;
 
@@ -61,15 +71,39 @@ class RosService {
   }
 
  private:
+  // Requests that came together, and which of them were handled.
+  struct Batch {
+    dds::LoanedSamples<Request> samples;
+    std::vector<bool> handled;
+  };
+  static constexpr std::size_t kMostWaiting = 100;
+
+  // A request may come before its caller's reader of answers was met; then it waits for that, or the answer were lost.
   void Serve() {
+    const std::lock_guard lock(mutex_);
     for (;;) {
-      const dds::LoanedSamples<Request> samples = reader_.take();
-      if (samples.empty()) return;
-      for (const auto sample : samples) {
-        if (!sample.info().valid()) continue;
-        handler_({sample.data().client_guid, sample.data().sequence_number}, sample.data());
-      }
+      dds::LoanedSamples<Request> samples = reader_.take();
+      if (samples.empty()) break;
+      std::vector<bool> handled(samples.length(), false);
+      waiting_.push_back({std::move(samples), std::move(handled)});
+      if (waiting_.size() > kMostWaiting) waiting_.pop_front();
     }
+    for (Batch& batch : waiting_) {
+      for (std::size_t i = 0; i < batch.samples.length(); ++i) Handle(batch, i);
+    }
+    std::erase_if(waiting_, [](const Batch& batch) {
+      return std::find(batch.handled.begin(), batch.handled.end(), false) == batch.handled.end();
+    });
+  }
+
+  void Handle(Batch& batch, std::size_t i) {
+    if (batch.handled[i]) return;
+    const auto sample = batch.samples[i];
+    if (sample.info().valid()) {
+      if (!HasReaderOf(writer_.handle(), reader_.handle(), sample.info().publication_handle())) return;
+      handler_({sample.data().client_guid, sample.data().sequence_number}, sample.data());
+    }
+    batch.handled[i] = true;
   }
 
   std::string id_;
@@ -77,8 +111,10 @@ class RosService {
   dds::Topic<Response> response_topic_;
   RosParticipant* participant_;
   Handler handler_;
+  std::mutex mutex_;  // guards what waits
   dds::DataWriter<Response> writer_;
   dds::DataReader<Request> reader_;
+  std::list<Batch> waiting_;  // before the reader that lent the samples
 };
 
 }  // namespace troupe::ros

@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
-constexpr int kEnough = 150;                       // scans
+constexpr int kEnough = 200;                       // scans
 
 Tick TickOf(const json& message) {
   return message["stamp"].get<std::uint64_t>() / kIntervalNs;
@@ -38,7 +38,7 @@ class FastDdsPeerTest : public testing::Test {
   // Runs pen.world, with a peer that drives r0 and r1.
   void Run() {
     const std::string domain = std::to_string(TestRosOptions().domain);
-    Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), "r0=0.25,0.5", "r1=-0.2,0"});
+    Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), "r0=0.25,0.5", "r1=-0.4,0"});
     peer.WaitForLine("ready");
     Program run = RunPen({"--ros", "--ros-interface", "lo", "--ros-domain", domain, "--speed", "4", "--poses",
                           folder_.Path("poses"), "--scans", folder_.Path("scans")});
@@ -146,7 +146,7 @@ TEST_F(FastDdsPeerTest, DrivesTwoRobotsAndReadsWhatTheRunWritesToItsFiles) {
     return false;
   };
   EXPECT_TRUE(was_driven("r0", 0.25, 0.5));
-  EXPECT_TRUE(was_driven("r1", -0.2, 0.0));
+  EXPECT_TRUE(was_driven("r1", -0.4, 0.0));
 
   std::set<bool> stalled;
   for (const json& message : messages_["/r1/stalled"]) stalled.insert(message["data"].get<bool>());
