@@ -23,7 +23,8 @@ troupe::ScenarioTools MakeTools() {
   troupe::ScenarioTools tools;
   tools.read_world = [world = troupe::ParseStageText(kWorld, "fuzz/w.world")](const std::string&) { return world; };
   tools.build.without_bitmaps = true;
-  tools.max_spawned = 50;
+  tools.max_spawned = 20;
+  tools.max_spawn_draws = 50;
   return tools;
 }
 

@@ -10,13 +10,11 @@
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
+#include "common/worldfile/cell_map.h"
 #include "common/worldfile/quote.h"
 
 namespace troupe {
 namespace {
-
-// After so many draws for one model the region counts as full.
-constexpr std::uint64_t kMaxDraws = 5000;
 
 // Sets the placing of models apart from other uses of the same seed.
 constexpr std::uint64_t kSpawnStream = 0x7370'6177'6e00;
@@ -35,6 +33,15 @@ Rectangle BoxOf(const std::vector<ConvexPiece>& pieces) {
     for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
   }
   return box;
+}
+
+// The size of the smallest box around the origin that holds the pieces however they are turned.
+double WidthOf(const std::vector<ConvexPiece>& pieces) {
+  double radius = 0.0;
+  for (const ConvexPiece& piece : pieces) {
+    for (const Vec2& vertex : piece.vertices) radius = std::max(radius, vertex.norm());
+  }
+  return 2.0 * radius;
 }
 
 // A body at its place.
@@ -74,8 +81,8 @@ std::vector<Tree> FindTrees(const LoadedWorld& loaded) {
 
 class Placer {
  public:
-  Placer(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded)
-      : spawns_(spawns), seed_(seed), loaded_(*loaded), world_(&loaded->world) {}
+  Placer(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, std::uint64_t max_draws, LoadedWorld* loaded)
+      : spawns_(spawns), seed_(seed), max_draws_(max_draws), loaded_(*loaded), world_(&loaded->world) {}
 
   Status Run() {
     Prepare();
@@ -111,16 +118,20 @@ class Placer {
       }
     }
     standing_ = StaticIndex(std::move(standing));
+    double width = 0.0;
+    for (const auto& [root, pieces] : bodies_) width = std::max(width, WidthOf(pieces));
+    placed_cells_ = CellMap(width);
   }
 
   Status Place(const PlannedSpawn& spawn, std::size_t rule_number) {
     const SpawnEntry& rule = *spawn.rule;
     const Rectangle region = BoundingBox(rule.region);
     std::vector<Vec2> origins;
+    CellMap origin_cells(rule.spacing);
     for (std::size_t i = 0; i < spawn.names.size(); ++i) {
       const ModelId root = roots_.at(spawn.names[i]);
       bool found = false;
-      for (std::uint64_t draw = 0; draw < kMaxDraws && !found; ++draw) {
+      for (std::uint64_t draw = 0; draw < max_draws_ && !found; ++draw) {
         const auto random = [&](std::uint64_t component) {
           if (rule.seed) return RandomUniform({*rule.seed, kSpawnStream, i, draw, component});
           return RandomUniform({seed_, kSpawnStream, rule_number, i, draw, component});
@@ -129,20 +140,23 @@ class Placer {
         X_WR.x = region.min_x + random(0) * region.width();
         X_WR.y = region.min_y + random(1) * region.height();
         X_WR.heading = rule.heading ? *rule.heading : WrapAngle((2.0 * random(2) - 1.0) * kPi);
-        found = Contains(rule.region, X_WR.translation()) && HasSpacing(X_WR.translation(), rule.spacing, origins) &&
+        found = Contains(rule.region, X_WR.translation()) && HasSpacing(X_WR.translation(), rule.spacing, origins, origin_cells) &&
                 TryPlace(root, X_WR, spawn.origin_at_start);
       }
       if (!found) return NoRoom(rule, i);
-      origins.push_back(world_->model(root).X_PM.translation());
+      if (rule.spacing == 0.0) continue;
+      const Vec2 origin = world_->model(root).X_PM.translation();
+      origin_cells.Insert({origin.x(), origin.y(), origin.x(), origin.y()}, static_cast<std::uint32_t>(origins.size()));
+      origins.push_back(origin);
     }
     return std::nullopt;
   }
 
-  static bool HasSpacing(const Vec2& origin, double spacing, const std::vector<Vec2>& origins) {
-    for (const Vec2& other : origins) {
-      if ((other - origin).squaredNorm() < spacing * spacing) return false;
-    }
-    return true;
+  static bool HasSpacing(const Vec2& origin, double spacing, const std::vector<Vec2>& others, const CellMap& cells) {
+    const Rectangle near{origin.x() - spacing, origin.y() - spacing, origin.x() + spacing, origin.y() + spacing};
+    return !cells.AnyNear(near, [&](std::uint32_t other) {
+      return (others[other] - origin).squaredNorm() < spacing * spacing;
+    });
   }
 
   bool TryPlace(ModelId root, const Pose& X_WR, bool origin_at_start) {
@@ -161,6 +175,7 @@ class Placer {
       X_WF = X_WR * (Inverse(X_PM) * X_WF);
     }
     X_PM = X_WR;
+    if (!body.box.empty()) placed_cells_.Insert(body.box, static_cast<std::uint32_t>(placed_.size()));
     placed_.push_back(std::move(body));
     return true;
   }
@@ -170,18 +185,20 @@ class Placer {
     standing_.Query(body.box, near);
     for (const ConvexPiece& piece : body.pieces) {
       for (const std::uint32_t index : near) {
-        if (Overlap(piece, standing_.pieces()[index])) return false;
+        if (troupe::Overlap(piece, standing_.pieces()[index])) return false;
       }
     }
-    for (const PlacedBody& other : placed_) {
-      if (!other.box.Overlaps(body.box)) continue;
-      for (const ConvexPiece& piece : body.pieces) {
-        for (const ConvexPiece& other_piece : other.pieces) {
-          if (Overlap(piece, other_piece)) return false;
-        }
+    return !placed_cells_.AnyNear(body.box, [&](std::uint32_t other) { return Overlap(body, placed_[other]); });
+  }
+
+  static bool Overlap(const PlacedBody& a, const PlacedBody& b) {
+    if (!a.box.Overlaps(b.box)) return false;
+    for (const ConvexPiece& piece_of_a : a.pieces) {
+      for (const ConvexPiece& piece_of_b : b.pieces) {
+        if (troupe::Overlap(piece_of_a, piece_of_b)) return true;
       }
     }
-    return true;
+    return false;
   }
 
   static Error NoRoom(const SpawnEntry& rule, std::size_t fitted) {
@@ -193,6 +210,7 @@ class Placer {
 
   const std::vector<PlannedSpawn>& spawns_;
   std::uint64_t seed_;
+  std::uint64_t max_draws_;
   const LoadedWorld& loaded_;
   WorldDescription* world_;
   std::map<std::string, ModelId> roots_;
@@ -201,13 +219,15 @@ class Placer {
   std::map<ModelId, std::vector<ModelId>> followers_;   // placed in the world by themselves, by root
   StaticIndex standing_;
   std::vector<PlacedBody> placed_;
+  CellMap placed_cells_{0.0};
 };
 
 }  // namespace
 
-Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded) {
+Status PlaceSpawns(const std::vector<PlannedSpawn>& spawns, std::uint64_t seed, LoadedWorld* loaded,
+                   std::uint64_t max_draws) {
   if (spawns.empty()) return std::nullopt;
-  return Placer(spawns, seed, loaded).Run();
+  return Placer(spawns, seed, max_draws, loaded).Run();
 }
 
 }  // namespace troupe

@@ -124,7 +124,7 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
     const auto controller = plan.value().controllers.find(robot.name);
     if (controller != plan.value().controllers.end()) robot.controller = controller->second;
   }
-  if (Status error = PlaceSpawns(plan.value().spawns, result.world.seed, &result)) return *error;
+  if (Status error = PlaceSpawns(plan.value().spawns, result.world.seed, &result, tools.max_spawn_draws)) return *error;
   result.warnings.insert(result.warnings.begin(), file.warnings.begin(), file.warnings.end());
   return loaded;
 }

@@ -8,6 +8,7 @@
 #include "common/base/result.h"
 #include "common/worldfile/build_world.h"
 #include "common/worldfile/load_world.h"
+#include "common/worldfile/place_spawns.h"
 #include "common/worldfile/scenario_file.h"
 #include "common/worldfile/scenario_schema.h"
 #include "common/worldfile/world_tree.h"
@@ -31,6 +32,7 @@ struct ScenarioTools {
   std::function<Result<WorldTree>(const std::string& path)> read_world = ReadWorldTree;
   BuildOptions build;
   std::uint32_t max_spawned = kMaxSpawned;
+  std::uint64_t max_spawn_draws = kMaxSpawnDraws;
 };
 
 // The same from text: `path` names it in messages and says where relative paths start.
