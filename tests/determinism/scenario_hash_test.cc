@@ -9,6 +9,7 @@
 
 #include "common/model/state_hash.h"
 #include "common/worldfile/load_world.h"
+#include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
 
 namespace troupe {
@@ -36,8 +37,7 @@ TEST(ScenarioHash, TheSwarmIsTheSameAsEver) { EXPECT_EQ(HashAfter("swarm.json", 
 
 // Stage's benchmark with walls that can be hit, which its map file turns off.
 TEST(SolidCave, NoRobotIsEverInsideAWallOrAnotherRobot) {
-  const char* folder = std::getenv("TROUPE_STAGE_WORLDS");
-  const std::string worlds = folder != nullptr ? folder : SourceDirectory() + "/../shared/stage-worlds";
+  const std::string worlds = test::StageWorldsFolder();
   if (!std::filesystem::exists(worlds + "/benchmark/cave.world")) {
     GTEST_SKIP() << "no Stage worlds in " << worlds << "; set TROUPE_STAGE_WORLDS";
   }

@@ -2,28 +2,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/stage_worlds.h"
 
 namespace troupe::test {
 namespace {
-
-// The folder of Stage's worlds: of the environment, or beside this checkout.
-std::string StageWorlds() {
-  if (const char* folder = std::getenv("TROUPE_STAGE_WORLDS")) return folder;
-  const char* source = std::getenv("TROUPE_SOURCE_DIR");
-  return (source != nullptr ? std::string(source) : ".") + "/../shared/stage-worlds";
-}
 
 class StageWorld : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(World())) GTEST_SKIP() << "no " << World() << "; set TROUPE_STAGE_WORLDS";
   }
-  static std::string World() { return StageWorlds() + "/" + GetParam(); }
+  static std::string World() { return StageWorldsFolder() + "/" + GetParam(); }
 
   struct Files {
     std::string hashes;

@@ -5,98 +5,15 @@
 #include <optional>
 
 #include "common/spatial/ray_cast.h"
+#include "tests/support/brute_force_rays.h"
 #include "tests/support/random_world.h"
 
 namespace troupe {
 namespace {
 
+using test::BruteForceHit;
+using test::BruteForceRays;
 using test::RandomStream;
-
-struct Real2 {
-  long double x;
-  long double y;
-};
-
-struct Frame {
-  long double x = 0.0L;
-  long double y = 0.0L;
-  long double z = 0.0L;
-  long double heading = 0.0L;
-
-  Real2 operator*(const Real2& p) const {
-    return {x + std::cos(heading) * p.x - std::sin(heading) * p.y,
-            y + std::sin(heading) * p.x + std::cos(heading) * p.y};
-  }
-};
-
-Frame FrameOf(const WorldDescription& world, const WorldState& state, ModelId id) {
-  const ModelDescription& model = world.model(id);
-  for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (world.robots[i].root != id) continue;
-    const Pose& pose = state.robots[i].X_WR;
-    return {pose.x, pose.y, pose.z, pose.heading};
-  }
-  const Pose& local = model.X_PM;
-  if (!model.parent) return {local.x, local.y, local.z, local.heading};
-  const Frame parent = FrameOf(world, state, *model.parent);
-  const Real2 p = parent * Real2{local.x, local.y};
-  return {p.x, p.y, parent.z + local.z, parent.heading + local.heading};
-}
-
-// Distance to a polygon, 0 inside; negative for a miss.
-long double DistanceToOutline(const std::vector<Real2>& outline, const Real2& origin, const Real2& direction) {
-  bool inside = false;
-  long double nearest = -1.0L;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Real2& a = outline[i];
-    const Real2& b = outline[(i + 1) % outline.size()];
-    if ((a.y > origin.y) != (b.y > origin.y) && origin.x < a.x + (b.x - a.x) * (origin.y - a.y) / (b.y - a.y)) {
-      inside = !inside;
-    }
-    const Real2 edge{b.x - a.x, b.y - a.y};
-    const Real2 to{a.x - origin.x, a.y - origin.y};
-    const long double denominator = direction.x * edge.y - direction.y * edge.x;
-    if (denominator == 0.0L) continue;
-    const long double t = (to.x * edge.y - to.y * edge.x) / denominator;
-    const long double s = (to.x * direction.y - to.y * direction.x) / denominator;
-    if (t >= 0.0L && s >= 0.0L && s <= 1.0L && (nearest < 0.0L || t < nearest)) nearest = t;
-  }
-  return inside ? 0.0L : nearest;
-}
-
-struct BruteHit {
-  long double distance;
-  ModelId model;
-};
-
-// The nearest hit of each model, unsorted.
-std::vector<BruteHit> BruteForce(const Scene& scene, const WorldState& state, const Vec2& origin, const Vec2& direction,
-                                 double z, double max_distance, std::optional<RobotId> caster) {
-  std::vector<BruteHit> hits;
-  const WorldDescription& world = scene.world();
-  for (std::size_t m = 0; m < world.models.size(); ++m) {
-    const ModelId id(m);
-    if (world.model(id).ranger_return < 0.0) continue;
-    std::optional<ModelId> root = id;
-    while (world.model(*root).parent) root = world.model(*root).parent;
-    if (caster && world.robot(*caster).root == *root) continue;
-    const Frame frame = FrameOf(world, state, id);
-    const Shape& shape = world.shape(world.model(id).shape);
-    const auto try_outline = [&](const Polygon& outline, const ZRange& heights) {
-      if (z < heights.min + frame.z || z >= heights.max + frame.z) return;
-      std::vector<Real2> in_world;
-      for (const Vec2& vertex : outline) in_world.push_back(frame * Real2{vertex.x(), vertex.y()});
-      const long double distance =
-          DistanceToOutline(in_world, {origin.x(), origin.y()}, {direction.x(), direction.y()});
-      if (distance >= 0.0L && distance <= max_distance) hits.push_back({distance, id});
-    };
-    for (const Block& block : shape.blocks) try_outline(block.outline, block.z);
-    for (const Rectangle& r : shape.rectangles) {
-      try_outline(test::Box(r.min_x, r.min_y, r.max_x, r.max_y), shape.rectangles_z);
-    }
-  }
-  return hits;
-}
 
 WorldState Shuffled(const WorldDescription& world, RandomStream& random, double half_width) {
   WorldState state = InitialState(world);
@@ -113,6 +30,7 @@ TEST(RayCastProperty, AgreesWithBruteForceOverRawOutlines) {
     const WorldState state = Shuffled(scene.world(), random, half_width);
     BodyIndex robots(scene);
     robots.Assign(state);
+    const BruteForceRays rays(scene.world(), state);
     for (int ray = 0; ray < 24; ++ray) {
       const Vec2 origin(random.Uniform(-1.5, 1.5) * half_width, random.Uniform(-1.5, 1.5) * half_width);
       const SinCosResult trig = SinCos(random.Angle());
@@ -122,17 +40,16 @@ TEST(RayCastProperty, AgreesWithBruteForceOverRawOutlines) {
       std::optional<RobotId> caster;
       if (!state.robots.empty() && random.Chance(0.5)) caster = RobotId(random.Index(state.robots.size()));
 
-      const auto brute = BruteForce(scene, state, origin, direction, z, max_distance, caster);
+      const auto brute = rays.Cast(origin, direction, z, max_distance, caster);
       const std::optional<RayHit> hit = CastRay(scene, robots, origin, direction, z, max_distance, caster);
       ASSERT_EQ(hit.has_value(), !brute.empty()) << "seed " << seed << " ray " << ray;
       if (!hit) continue;
       ++hits;
-      const BruteHit& nearest = *std::min_element(
-          brute.begin(), brute.end(), [](const BruteHit& a, const BruteHit& b) { return a.distance < b.distance; });
+      const BruteForceHit nearest = BruteForceRays::Nearest(brute);
       ASSERT_NEAR(hit->distance, static_cast<double>(nearest.distance), 1e-9) << "seed " << seed << " ray " << ray;
       // The lowest model id among the hits at that distance.
       ModelId expected = nearest.model;
-      for (const BruteHit& other : brute) {
+      for (const BruteForceHit& other : brute) {
         if (other.distance <= nearest.distance + 1e-12L) expected = std::min(expected, other.model);
       }
       ASSERT_EQ(hit->model, expected) << "seed " << seed << " ray " << ray;

@@ -1,6 +1,6 @@
-// Worlds of the Stage project, which are not part of this one: the folder comes from TROUPE_STAGE_WORLDS, or lies
-// beside the checkout.
-#include <cstdlib>
+// Worlds of the Stage project.
+#include "tests/support/stage_worlds.h"
+
 #include <filesystem>
 
 #include "tests/worldfile/world_folder.h"
@@ -14,9 +14,7 @@ using testing::Field;
 class StageWorlds : public testing::Test {
  protected:
   void SetUp() override {
-    const char* folder = std::getenv("TROUPE_STAGE_WORLDS");
-    const char* source = std::getenv("TROUPE_SOURCE_DIR");
-    folder_ = folder != nullptr ? folder : std::string(source != nullptr ? source : ".") + "/../shared/stage-worlds";
+    folder_ = test::StageWorldsFolder();
     if (!std::filesystem::exists(folder_ + "/simple.world")) {
       GTEST_SKIP() << "no Stage worlds in " << folder_ << "; set TROUPE_STAGE_WORLDS";
     }

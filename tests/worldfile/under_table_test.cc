@@ -7,22 +7,18 @@
 #include <filesystem>
 
 #include "common/worldfile/scenario.h"
+#include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
 
 namespace troupe {
 namespace {
 
+using test::StageWorldsFolder;
+
 constexpr double kMillimetre = 1e-3;
 
 std::string SourceFolder() {
   return std::getenv("TROUPE_SOURCE_DIR");
-}
-
-// The folder of Stage's worlds; "" if it is not there.
-std::string StageWorldsFolder() {
-  const char* given = std::getenv("TROUPE_STAGE_WORLDS");
-  const std::string folder = given != nullptr ? given : SourceFolder() + "/../shared/stage-worlds";
-  return std::filesystem::exists(folder + "/uoa_robotics_lab.world") ? folder : "";
 }
 
 ScenarioRun LoadAndRun(Result<LoadedWorld> loaded, int ticks) {
@@ -76,7 +72,9 @@ TEST_F(UnderTableScenario, RobotsThatMeetHeadOnStallAtContact) {
 class LabTable : public testing::Test {
  protected:
   void SetUp() override {
-    if (StageWorldsFolder().empty()) GTEST_SKIP() << "no Stage worlds: set TROUPE_STAGE_WORLDS to their folder";
+    if (!std::filesystem::exists(StageWorldsFolder() + "/uoa_robotics_lab.world")) {
+      GTEST_SKIP() << "no Stage worlds in " << StageWorldsFolder() << "; set TROUPE_STAGE_WORLDS";
+    }
   }
 
   // Drives a robot of `model` from (x, 0.3) towards the table's front for `seconds`, then stops it.
