@@ -35,17 +35,18 @@ std::string Quoted(const std::string& word) {
 
 }  // namespace
 
-AgentFleet::AgentFleet(const RunOptions& options, std::string program, std::string scan_parts)
-    : options_(options), program_(std::move(program)), scan_parts_(std::move(scan_parts)) {}
-
-std::string AgentFleet::ScanFile(std::size_t group) const {
-  return scan_parts_ + "/" + std::to_string(group);
-}
+AgentFleet::AgentFleet(const RunOptions& options, std::string program)
+    : options_(options), program_(std::move(program)), scan_parts_(options.scans) {}
 
 Status AgentFleet::Start(const ReadyReport& ready, int output) {
   std::string address = LocalAddress(options_.network_interface) + ":" + std::to_string(ready.port);
   std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready.robots_per_process));
   std::size_t groups = (ready.robots.size() + packing - 1) / packing;
+  for (std::size_t group = 0; group < groups && !options_.scans.empty(); ++group) {
+    Result<std::string> file = scan_parts_.Add();
+    if (!file.ok()) return file.error();
+    scan_files_.push_back(file.value());
+  }
   for (std::size_t group : StartOrder(groups, options_.shuffle_start)) {
     auto first = ready.robots.begin() + static_cast<std::ptrdiff_t>(group * packing);
     auto last =
@@ -53,9 +54,10 @@ Status AgentFleet::Start(const ReadyReport& ready, int output) {
     std::vector<std::string> robots(first, last);
     std::vector<std::string> command = {program_};
     for (std::string& word : AgentArguments(options_, address, robots, ready.ros)) command.push_back(std::move(word));
+    if (!scan_files_.empty()) command.push_back("--scans=" + scan_files_[group]);
     std::string restart_command;
     for (const std::string& word : command) restart_command += (restart_command.empty() ? "" : " ") + Quoted(word);
-    if (!scan_parts_.empty()) command.push_back("--scans=" + ScanFile(group));
+    if (!scan_files_.empty()) restart_command += " --keep-scans";
     if (options_.shuffle_start) {
       double delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, group});
       command.push_back("--start-delay=" + std::to_string(delay));
@@ -93,12 +95,6 @@ double AgentFleet::peak_memory_mib() const {
     if (agent.process.end()) peak = std::max(peak, agent.process.end()->peak_memory_mib);
   }
   return peak;
-}
-
-std::vector<std::string> AgentFleet::scan_files() const {
-  std::vector<std::string> files;
-  for (std::size_t group = 0; group < agents_.size(); ++group) files.push_back(ScanFile(group));
-  return files;
 }
 
 }  // namespace troupe

@@ -7,6 +7,7 @@
 #include "common/base/result.h"
 #include "launcher/process.h"
 #include "launcher/run_options.h"
+#include "launcher/scan_parts.h"
 #include "launcher/service_report.h"
 
 namespace troupe {
@@ -19,8 +20,8 @@ struct AgentProcess {
 
 class AgentFleet {
  public:
-  // `scan_parts` is the folder for the agents' scan files; empty: none.
-  AgentFleet(const RunOptions& options, std::string program, std::string scan_parts);
+  // The options must outlive this.
+  AgentFleet(const RunOptions& options, std::string program);
 
   // Starts an agent for every `robots_per_process` robots. Children write what they say to `output`.
   Status Start(const ReadyReport& ready, int output);
@@ -34,15 +35,14 @@ class AgentFleet {
 
   // Of the largest agent.
   double peak_memory_mib() const;
-  // The agents' scan files in the order of their robots, whether they exist or not.
-  std::vector<std::string> scan_files() const;
+  // The agents' scan files in the order of their robots; none without --scans.
+  const std::vector<std::string>& scan_files() const { return scan_files_; }
 
  private:
-  std::string ScanFile(std::size_t group) const;
-
   const RunOptions& options_;
   std::string program_;
-  std::string scan_parts_;
+  ScanParts scan_parts_;
+  std::vector<std::string> scan_files_;
   std::vector<AgentProcess> agents_;  // in the order of starting
   std::size_t running_ = 0;
 };

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <utility>
 
 #include "launcher/agent_fleet.h"
@@ -28,42 +26,12 @@ constexpr auto kTimeToEnd = std::chrono::seconds(10);
 // The same for agents after the service has ended the run: they leave at once unless they hang.
 constexpr auto kTimeToLeave = std::chrono::seconds(5);
 
-// A folder for the agents' scan files, gone with this object: beside the file that they are merged into, or with other
-// temporary files if that is a device.
-class ScanFolder {
- public:
-  explicit ScanFolder(const std::string& output) {
-    path_ = std::filesystem::is_regular_file(output)
-                ? output
-                : (std::filesystem::temp_directory_path() / "troupe-scans").string();
-    path_ += ".parts-" + std::to_string(getpid());
-    std::error_code failure;
-    std::filesystem::create_directory(path_, failure);
-    if (failure) failure_ = Error{{}, "--scans: cannot make the folder " + path_ + ": " + failure.message()};
-  }
-  ~ScanFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScanFolder(const ScanFolder&) = delete;
-  ScanFolder& operator=(const ScanFolder&) = delete;
-
-  const std::string& path() const { return path_; }
-  const Status& failure() const { return failure_; }
-
- private:
-  std::string path_;
-  Status failure_;
-};
-
 class DistributedRun {
  public:
-  DistributedRun(const RunOptions& options, std::string service_program, std::string agent_program,
-                 std::string scan_parts)
+  DistributedRun(const RunOptions& options, std::string service_program, std::string agent_program)
       : options_(options),
         service_program_(std::move(service_program)),
-        agents_(options, std::move(agent_program), scan_parts),
-        scan_parts_(std::move(scan_parts)) {}
+        agents_(options, std::move(agent_program)) {}
 
   RunEnd Run();
 
@@ -93,7 +61,6 @@ class DistributedRun {
   Progress progress_;
   std::optional<Process> service_;
   AgentFleet agents_;
-  std::string scan_parts_;
   Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set when told to stop
   std::size_t robots_ = 0;
@@ -230,7 +197,7 @@ RunEnd DistributedRun::End() {
   end.exit_status = exit_status_;
   end.error = error_;
   // Scans of a run that failed half-way may tell why.
-  Status unmerged = started_ && !scan_parts_.empty() ? MergeScans(agents_.scan_files(), options_.scans) : Status();
+  Status unmerged = started_ && !options_.scans.empty() ? MergeScans(agents_.scan_files(), options_.scans) : Status();
   bool failed = exit_status_ != kExitDone && exit_status_ != kExitInterrupted;
   if (unmerged && !failed) return {kExitFailed, std::nullopt, unmerged};
   if (!summary_ || failed) return end;
@@ -257,12 +224,7 @@ RunEnd RunDistributed(const RunOptions& options) {
   if (!service_program.ok()) return {kExitFailed, std::nullopt, service_program.error()};
   Result<std::string> agent_program = FindProgram("robot-agent");
   if (!agent_program.ok()) return {kExitFailed, std::nullopt, agent_program.error()};
-  std::optional<ScanFolder> scans;
-  if (!options.scans.empty()) {
-    scans.emplace(options.scans);
-    if (scans->failure()) return {kExitBadInput, std::nullopt, scans->failure()};
-  }
-  return DistributedRun(options, service_program.value(), agent_program.value(), scans ? scans->path() : "").Run();
+  return DistributedRun(options, service_program.value(), agent_program.value()).Run();
 }
 
 }  // namespace troupe

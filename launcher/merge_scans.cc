@@ -1,7 +1,6 @@
 #include "launcher/merge_scans.h"
 
 #include <string.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -52,18 +51,25 @@ class Part {
   bool done_ = false;
 };
 
-// All parts are open at once.
-void AllowOpenFiles(std::size_t count) {
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, std::max<rlim_t>(limit.rlim_cur, count + 64));
-  setrlimit(RLIMIT_NOFILE, &limit);
+// Writes the lines that `part` has of `tick`. A robot that is started again may measure a tick that its last process
+// has written already, wholly or in part: what comes again is left out.
+Status WriteTick(Part& part, std::uint64_t tick, OutputFile& file) {
+  const std::string first = part.line();
+  std::size_t written = 0;
+  std::size_t position = 0;
+  for (; !part.done() && part.tick() == tick; part.Next(), ++position) {
+    if (part.line() == first) position = 0;
+    if (position < written) continue;
+    file.Append(part.line());
+    if (Status failure = file.EndLine()) return failure;
+    ++written;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 Status MergeScans(const std::vector<std::string>& parts, const std::string& output) {
-  AllowOpenFiles(parts.size());
   std::vector<std::unique_ptr<Part>> open;
   for (const std::string& path : parts) {
     if (!std::filesystem::exists(path)) continue;
@@ -80,10 +86,7 @@ Status MergeScans(const std::vector<std::string>& parts, const std::string& outp
                            return a->tick() < b->tick();
                          }))->tick();
     for (const auto& part : open) {
-      for (; !part->done() && part->tick() == tick; part->Next()) {
-        file.value().Append(part->line());
-        failure = file.value().EndLine();
-      }
+      if (!failure && part->tick() == tick) failure = WriteTick(*part, tick, file.value());
     }
   }
   return file.value().Close();

@@ -105,7 +105,7 @@ Result<bool> AgentHost::Run() {
 
 Status AgentHost::OpenScanLog() {
   if (options_.scan_log.empty()) return {};
-  Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(options_.scan_log);
+  Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(options_.scan_log, options_.keep_scan_log);
   if (!log.ok()) return log.error();
   scan_log_ = std::move(log).value();
   return {};

@@ -1,5 +1,7 @@
 #include "robot-agent/agent/scan_log.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -18,10 +20,27 @@ std::string Quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// Cuts off what follows the last line end. False if the file cannot be cut.
+bool CutToWholeLines(std::FILE* file) {
+  off_t end = 0;
+  off_t position = 0;
+  for (int c = std::getc(file); c != EOF; c = std::getc(file)) {
+    ++position;
+    if (c == '\n') end = position;
+  }
+  return ftruncate(fileno(file), end) == 0 && fseeko(file, end, SEEK_SET) == 0;
+}
+
 }  // namespace
 
-Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "we");
+Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool keep) {
+  std::FILE* file = keep ? std::fopen(path.c_str(), "r+e") : nullptr;
+  if (file != nullptr && !CutToWholeLines(file)) {
+    std::fclose(file);
+    file = nullptr;
+  } else if (file == nullptr && (!keep || errno == ENOENT)) {
+    file = std::fopen(path.c_str(), "we");
+  }
   if (file == nullptr) return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno)};
   return std::unique_ptr<ScanLog>(new ScanLog(file, path));
 }

@@ -17,7 +17,8 @@ class ScanLog {
   ScanLog(const ScanLog&) = delete;
   ScanLog& operator=(const ScanLog&) = delete;
 
-  static Result<std::unique_ptr<ScanLog>> Open(const std::string& path);
+  // With `keep` it adds to what the file holds, but for a last line without its end, as a killed agent leaves.
+  static Result<std::unique_ptr<ScanLog>> Open(const std::string& path, bool keep = false);
 
   // Sensors are named "<ranger>.<index>", for instance "ranger:0.3".
   void Write(Tick tick, const RobotDescription& robot, const RangerDescription& ranger, const RangerReading& reading);

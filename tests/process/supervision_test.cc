@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -90,6 +91,15 @@ TEST(Supervision, AKilledLauncherLeavesNobody) {
   run.ExpectNobodyLeft();
 }
 
+TEST(Supervision, AKilledLauncherLeavesNoFilesButItsOutputs) {
+  OutputFolder folder;
+  LongRun run({"--scans", folder.Path("scans")});
+  run.program().Signal(SIGKILL);
+  run.program().Wait();
+  run.ExpectNobodyLeft();
+  EXPECT_EQ(folder.size(), 1u);
+}
+
 TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNobody) {
   LongRun run;
   run.program().Signal(SIGSTOP);
@@ -140,6 +150,22 @@ TEST(AgentLoss, ARobotStartedAgainByHandIsTakenUpAgain) {
   EXPECT_EQ(run.program().Wait(), 130);
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
   run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, ScansOfARobotStartedAgainAreInTheFile) {
+  OutputFolder folder;
+  LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--on-agent-loss", "pause"});
+  kill(run.Child("--robot=r1"), SIGKILL);
+  Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
+  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  std::istringstream scans(folder.Read("scans"));
+  std::map<std::string, int> last_tick;
+  for (std::string line; std::getline(scans, line);) {
+    nlohmann::json scan = nlohmann::json::parse(line);
+    last_tick[scan["robot"]] = scan["tick"];
+  }
+  EXPECT_EQ(last_tick, (std::map<std::string, int>{{"r0", 99}, {"r1", 99}, {"r2", 99}, {"r3", 99}}));
 }
 
 TEST(AgentLoss, ARobotThatIsBackBeforeItWasMissedIsTakenUpAgain) {

@@ -54,6 +54,25 @@ TEST_F(ScanLogTest, NamesAreJsonWhateverTheyHold) {
   EXPECT_TRUE(nlohmann::json::accept(Text())) << Text();
 }
 
+TEST_F(ScanLogTest, AddsToWholeLinesIfAskedToKeepThem) {
+  RangerReading reading;
+  reading.scans.push_back({{1.0}, {}});
+  for (int tick = 0; tick < 2; ++tick) {  // the first time there is no file
+    auto log = ScanLog::Open(path_, true);
+    ASSERT_TRUE(log.ok()) << log.error().ToString();
+    log.value()->Write(tick, {}, {}, reading);
+    EXPECT_FALSE(log.value()->Flush());
+    std::ofstream(path_, std::ios::app) << "{\"tick\":9,\"rob";
+  }
+  auto log = ScanLog::Open(path_, true);
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(Text(),
+            "{\"tick\":0,\"robot\":\"\",\"sensor\":\".0\",\"ranges\":[1]}\n"
+            "{\"tick\":1,\"robot\":\"\",\"sensor\":\".0\",\"ranges\":[1]}\n");
+  EXPECT_TRUE(ScanLog::Open(path_).ok());
+  EXPECT_EQ(Text(), "");
+}
+
 TEST_F(ScanLogTest, KeepsItsFirstError) {
   auto log = ScanLog::Open("/dev/full");
   ASSERT_TRUE(log.ok());
