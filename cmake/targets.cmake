@@ -46,6 +46,12 @@ function(troupe_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}"
-    ENVIRONMENT "TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR};TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR}")
+  set(environment TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR} TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR})
+  if(TROUPE_SANITIZER)
+    # What is said to be wrong in other people's libraries; the files tell why it is not, or not ours.
+    list(APPEND environment
+      LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
+      TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/thread.supp)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}")
 endfunction()
