@@ -48,6 +48,7 @@ function(troupe_test name)
   endif()
   set(environment TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR} TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR})
   if(TROUPE_SANITIZER)
+    math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
     # What is said to be wrong in other people's libraries; the files tell why it is not, or not ours.
     list(APPEND environment
       LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
