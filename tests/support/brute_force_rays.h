@@ -62,6 +62,10 @@ class BruteForceRays {
       return {x + std::cos(heading) * p.x - std::sin(heading) * p.y,
               y + std::sin(heading) * p.x + std::cos(heading) * p.y};
     }
+    Frame operator*(const Frame& inner) const {
+      const Point p = *this * Point{inner.x, inner.y};
+      return {p.x, p.y, z + inner.z, heading + inner.heading};
+    }
   };
 
   struct Outline {
@@ -72,18 +76,27 @@ class BruteForceRays {
     ModelId root;
   };
 
+  static Frame FrameOf(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
+
   Frame FrameOf(const WorldState& state, ModelId id) const {
-    const ModelDescription& model = world_.model(id);
     for (std::size_t i = 0; i < world_.robots.size(); ++i) {
-      if (world_.robots[i].root != id) continue;
-      const Pose& pose = state.robots[i].X_WR;
-      return {pose.x, pose.y, pose.z, pose.heading};
+      if (world_.robots[i].root == id) return FrameOf(state.robots[i].X_WR);
     }
-    const Pose& local = model.X_PM;
-    if (!model.parent) return {local.x, local.y, local.z, local.heading};
-    const Frame parent = FrameOf(state, *model.parent);
-    const Point p = parent * Point{local.x, local.y};
-    return {p.x, p.y, parent.z + local.z, parent.heading + local.heading};
+    for (std::size_t i = 0; i < world_.objects.size(); ++i) {
+      if (world_.objects[i] == id) return FrameOf(state.objects[i].X_WO);
+    }
+    const ModelDescription& model = world_.model(id);
+    Frame frame = FrameOf(model.X_PM);
+    if (model.parent) frame = FrameOf(state, *model.parent) * frame;
+    for (std::size_t i = 0; i < world_.joints.size(); ++i) {
+      const JointDescription& joint = world_.joints[i];
+      if (joint.model != id) continue;
+      const long double q = state.joints[i].position;
+      const bool turns = joint.type == JointType::kRevolute;
+      frame = frame * (turns ? Frame{0.0L, 0.0L, 0.0L, q}
+                             : Frame{q * joint.axis_xy.x(), q * joint.axis_xy.y(), q * joint.axis_z, 0.0L});
+    }
+    return frame;
   }
 
   void AddModel(ModelId id, const WorldState& state) {
