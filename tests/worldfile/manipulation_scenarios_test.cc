@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 #include <string>
 
 #include "common/model/model_poses.h"
@@ -13,16 +14,18 @@ namespace {
 
 class ManipulationScenario : public testing::Test {
  protected:
-  // Runs a scenario of this source tree to its end.
-  void RunScenario(const std::string& name) {
+  // Runs a scenario of this source tree to its end, with ticks longer by a factor.
+  void RunScenario(const std::string& name, double longer = 1.0) {
     const char* source = std::getenv("TROUPE_SOURCE_DIR");
     Result<LoadedWorld> loaded =
         LoadWorld(std::string(source != nullptr ? source : ".") + "/worlds/scenarios/" + name + ".json");
     ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
     for (const Warning& warning : loaded.value().warnings) ADD_FAILURE() << warning.ToString();
     ASSERT_TRUE(loaded.value().settings.ticks);
-    run_.emplace(std::move(loaded.value().world));
-    run_->Run(static_cast<int>(*loaded.value().settings.ticks));
+    WorldDescription& world = loaded.value().world;
+    world.interval_ns = static_cast<std::int64_t>(static_cast<double>(world.interval_ns) * longer);
+    run_.emplace(std::move(world));
+    run_->Run(static_cast<int>(static_cast<double>(*loaded.value().settings.ticks) / longer));
   }
 
   const WorldDescription& world() const { return run_->scene().world(); }
@@ -86,6 +89,23 @@ TEST_F(ManipulationScenario, StackingBuildsATowerTakesItDownAndBuildsItElsewhere
   EXPECT_EQ(CountEvents(EventType::kReleased), 6);
   EXPECT_EQ(CountEvents(EventType::kUnstable), 0);
   EXPECT_EQ(CountEvents(EventType::kStallBegan), 0);
+}
+
+TEST_F(ManipulationScenario, TicksOfHalfAndDoubleLengthBuildTheSameTower) {
+  std::map<std::string, Pose> usual;
+  for (const double longer : {1.0, 0.5, 2.0}) {
+    RunScenario("stacking", longer);
+    SCOPED_TRACE(Story());
+    double height = 0.0;
+    for (const std::string name : {"blue", "green", "red"}) {
+      const Pose& pose = usual.emplace(name, Object(name).X_WO).first->second;
+      EXPECT_NEAR(Object(name).X_WO.x, pose.x, 1e-3) << name << " " << longer;
+      EXPECT_NEAR(Object(name).X_WO.y, pose.y, 1e-3) << name << " " << longer;
+      EXPECT_EQ(Object(name).X_WO.z, height) << name << " " << longer;
+      EXPECT_EQ(Object(name).mode, ObjectMode::kResting) << name << " " << longer;
+      height += 0.2;
+    }
+  }
 }
 
 TEST_F(ManipulationScenario, MarinaBringsTheBoatFromItsBerthToTheWater) {

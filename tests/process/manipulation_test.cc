@@ -1,0 +1,46 @@
+// The scenarios with grippers give the same hash at each tick, over DDS with a process for each robot and in one process.
+#include <gtest/gtest.h>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+std::string HashesOf(const std::string& scenario, const std::string& ticks, std::vector<std::string> more) {
+  OutputFolder folder;
+  std::vector<std::string> arguments{"run", WorldPath("../../../worlds/scenarios/" + scenario + ".json"),
+                                     "--domain", std::to_string(TestDomain()),
+                                     "--ticks", ticks,
+                                     "--speed", "max",
+                                     "--headless", "--hash-log",
+                                     folder.Path("hashes")};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Finished run = Finish(Troupe(std::move(arguments)));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  return folder.Read("hashes");
+}
+
+void ExpectSameHashes(const std::string& scenario, const std::string& ticks) {
+  const std::string in_process = HashesOf(scenario, ticks, {"--in-process"});
+  EXPECT_FALSE(in_process.empty());
+  EXPECT_TRUE(HashesOf(scenario, ticks, {}) == in_process);
+}
+
+TEST(ManipulationOverDds, StackingIsTheSame) {
+  ExpectSameHashes("stacking", "1000");
+}
+TEST(ManipulationOverDds, MarinaIsTheSame) {
+  ExpectSameHashes("marina", "700");
+}
+TEST(ManipulationOverDds, LabIsTheSame) {
+  ExpectSameHashes("lab", "450");
+}
+// Ten robots, as far as the beam has been handed over and laid down.
+TEST(ManipulationOverDds, RelayIsTheSame) {
+  ExpectSameHashes("relay", "600");
+}
+
+}  // namespace
+}  // namespace troupe::test
