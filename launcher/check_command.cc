@@ -50,6 +50,41 @@ std::string DescribeRobot(const RobotDescription& robot) {
   return text + "\n";
 }
 
+std::string DescribeJoint(const JointDescription& joint) {
+  const bool turns = joint.type == JointType::kRevolute;
+  return fmt::format("    joint {}: {} from {} to {} {}, at most {} {}/s\n", joint.name, turns ? "turns" : "shifts",
+                     joint.position.min, joint.position.max, turns ? "rad" : "m", joint.max_speed, turns ? "rad" : "m");
+}
+
+std::string DescribeGripper(const WorldDescription& world, const GripperDescription& gripper) {
+  return fmt::format("    gripper {}: fingers {} and {}, {}, {}{}\n", gripper.name, world.joint(gripper.left).name,
+                     world.joint(gripper.right).name,
+                     gripper.lift ? "lift " + world.joint(*gripper.lift).name : std::string("no lift"),
+                     Count(gripper.beams.size(), "beam"), gripper.autosnatch ? ", autosnatch" : "");
+}
+
+std::string DescribeManipulation(const WorldDescription& world, RobotId robot) {
+  std::string text;
+  for (const JointDescription& joint : world.joints) {
+    if (joint.robot == robot) text += DescribeJoint(joint);
+  }
+  for (const GripperDescription& gripper : world.grippers) {
+    if (gripper.robot == robot) text += DescribeGripper(world, gripper);
+  }
+  return text;
+}
+
+// Nothing for a world without objects.
+std::string DescribeObjects(const WorldDescription& world) {
+  if (world.objects.empty()) return "";
+  std::string text = fmt::format("objects: {} (gravity {} m/s^2)\n", world.objects.size(), world.gravity);
+  for (ModelId id : world.objects) {
+    const ModelDescription& model = world.model(id);
+    text += fmt::format("  {}: {} x {} x {} m\n", model.name, model.size_x, model.size_y, model.size_z);
+  }
+  return text;
+}
+
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
   std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
@@ -76,7 +111,10 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
   text += fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
                       Count(rectangles, "rectangle"));
   text += fmt::format("robots: {}\n", world.robots.size());
-  for (const RobotDescription& robot : world.robots) text += DescribeRobot(robot);
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
+  }
+  text += DescribeObjects(world);
   text += DescribeSettings(loaded);
   text += fmt::format("warnings: {}\n", loaded.warnings.size());
   for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";

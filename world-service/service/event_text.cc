@@ -1,6 +1,14 @@
 #include "world-service/service/event_text.h"
 
 namespace troupe {
+namespace {
+
+// What something met or rests on.
+std::string Name(const WorldDescription& world, const std::optional<ModelId>& model) {
+  return model ? world.model(*model).name : "the ground";
+}
+
+}  // namespace
 
 std::string EventText(const WorldDescription& world, const Event& event) {
   const std::string robot = event.robot ? world.robot(*event.robot).name : "";
@@ -23,9 +31,20 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       text += "proposal rejected";
       if (event.robot) text += " for " + robot;
       break;
-    default:
-      text += robot + " " + ToString(event.type);
-      if (event.other) text += " " + world.model(*event.other).name;
+    case EventType::kBlocked:
+      text += robot + " is blocked by " + Name(world, event.other);
+      break;
+    case EventType::kGripped:
+      text += robot + " holds " + Name(world, event.object);
+      break;
+    case EventType::kReleased:
+      text += robot + " has let go of " + Name(world, event.object);
+      break;
+    case EventType::kLanded:
+      text += Name(world, event.object) + " landed on " + Name(world, event.other);
+      break;
+    case EventType::kUnstable:
+      text += Name(world, event.object) + " landed out of balance on " + Name(world, event.other);
       break;
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/version.h"
+#include "common/model/model_poses.h"
 
 namespace troupe {
 namespace {
@@ -22,10 +23,30 @@ std::string Dump(const nlohmann::json& json) {
 nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
   nlohmann::json json = {{"event", ToString(event.type)}};
   if (event.robot) json["robot"] = world.robot(*event.robot).name;
+  if (event.object) json["object"] = world.model(*event.object).name;
   if (event.other) json["other"] = world.model(*event.other).name;
   // Which process took a robot up differs from run to run; recordings of one simulation are equal.
   if (!event.detail.empty() && event.type != EventType::kJoined) json["detail"] = event.detail;
   return json;
+}
+
+const char* NameOf(ObjectMode mode) {
+  switch (mode) {
+    case ObjectMode::kPlaced:
+      return "placed";
+    case ObjectMode::kResting:
+      return "resting";
+    case ObjectMode::kFalling:
+      return "falling";
+    case ObjectMode::kHeld:
+      return "held";
+  }
+  return "";
+}
+
+// The model that an object is held by or stands on; nothing on the ground.
+std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object) {
+  return object.holder ? world.gripper(*object.holder).model : object.support;
 }
 
 Status CreateInto(const std::string& path, std::optional<OutputFile>& file) {
@@ -44,9 +65,7 @@ Result<Recorder> Recorder::Create(const WorldDescription& world, const OutputFil
   if (Status error = CreateInto(files.poses, recorder.poses_)) return *error;
   if (Status error = CreateInto(files.record, recorder.record_)) return *error;
   if (recorder.poses_) {
-    for (const RobotDescription& robot : world.robots) recorder.csv_names_.push_back(QuoteForCsv(robot.name));
-    recorder.poses_->Append("tick,robot,x,y,z,heading,stalled");
-    if (Status error = recorder.poses_->EndLine()) return *error;
+    if (Status error = recorder.WritePosesHeading()) return *error;
   }
   if (recorder.record_) {
     if (Status error = recorder.WriteRecordHeader()) return *error;
@@ -54,14 +73,31 @@ Result<Recorder> Recorder::Create(const WorldDescription& world, const OutputFil
   return recorder;
 }
 
+Status Recorder::WritePosesHeading() {
+  for (const ModelDescription& model : world_->models) csv_names_.push_back(QuoteForCsv(model.name));
+  poses_->Append("tick,robot,x,y,z,heading,stalled");
+  if (manipulates()) poses_->Append(",kind,position,mode,on");
+  return poses_->EndLine();
+}
+
 Status Recorder::WriteRecordHeader() {
   nlohmann::json robots = nlohmann::json::array();
   for (const RobotDescription& robot : world_->robots) robots.push_back(robot.name);
-  record_->Append(Dump({{"troupe", VersionText()},
-                        {"world", world_->name},
-                        {"seed", world_->seed},
-                        {"interval_ns", world_->interval_ns},
-                        {"robots", std::move(robots)}}));
+  nlohmann::json header = {{"troupe", VersionText()},
+                           {"world", world_->name},
+                           {"seed", world_->seed},
+                           {"interval_ns", world_->interval_ns},
+                           {"robots", std::move(robots)}};
+  if (manipulates()) {
+    for (const char* part : {"joints", "grippers", "objects"}) header[part] = nlohmann::json::array();
+    for (const JointDescription& joint : world_->joints) header["joints"].push_back(world_->model(joint.model).name);
+    for (const GripperDescription& gripper : world_->grippers) {
+      header["grippers"].push_back(world_->model(gripper.model).name);
+    }
+    for (ModelId object : world_->objects) header["objects"].push_back(world_->model(object).name);
+    for (const ModelDescription& model : world_->models) json_names_.push_back(Dump(model.name));
+  }
+  record_->Append(Dump(header));
   return record_->EndLine();
 }
 
@@ -87,14 +123,51 @@ Status Recorder::WritePoses(const FrameMessage& frame) {
   Status error;
   for (std::size_t i = 0; i < frame.state.robots.size() && !error; ++i) {
     const RobotState& robot = frame.state.robots[i];
-    poses_->Append(frame.state.tick);
+    AppendPose(frame.state.tick, world_->robots[i].root, robot.X_WR, robot.stalled);
+    if (manipulates()) poses_->Append(",robot,,,");
+    error = poses_->EndLine();
+  }
+  if (!error) error = WriteObjectPoses(frame.state);
+  if (!error) error = WriteJointPoses(frame.state);
+  return error;
+}
+
+void Recorder::AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag) {
+  poses_->Append(tick);
+  poses_->Append(",");
+  poses_->Append(csv_names_[model.index()]);
+  for (double number : {X_WM.x, X_WM.y, X_WM.z, X_WM.heading}) {
     poses_->Append(",");
-    poses_->Append(csv_names_[i]);
-    for (double number : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
-      poses_->Append(",");
-      poses_->Append(number);
-    }
-    poses_->Append(robot.stalled ? ",1" : ",0");
+    poses_->Append(number);
+  }
+  poses_->Append(flag ? ",1" : ",0");
+}
+
+Status Recorder::WriteObjectPoses(const WorldState& state) {
+  Status error;
+  for (std::size_t i = 0; i < state.objects.size() && !error; ++i) {
+    const ObjectState& object = state.objects[i];
+    AppendPose(state.tick, world_->objects[i], object.X_WO, false);
+    poses_->Append(",object,,");
+    poses_->Append(NameOf(object.mode));
+    poses_->Append(",");
+    const std::optional<ModelId> on = CarrierOf(*world_, object);
+    if (on) poses_->Append(csv_names_[on->index()]);
+    error = poses_->EndLine();
+  }
+  return error;
+}
+
+Status Recorder::WriteJointPoses(const WorldState& state) {
+  if (state.joints.empty()) return std::nullopt;
+  const std::vector<Pose> X_WM = ModelPoses(*world_, state);
+  Status error;
+  for (std::size_t i = 0; i < state.joints.size() && !error; ++i) {
+    const ModelId model = world_->joints[i].model;
+    AppendPose(state.tick, model, X_WM[model.index()], state.joints[i].blocked);
+    poses_->Append(",joint,");
+    poses_->Append(state.joints[i].position);
+    poses_->Append(",,");
     error = poses_->EndLine();
   }
   return error;
@@ -117,6 +190,11 @@ Status Recorder::WriteRecord(const FrameMessage& frame) {
     separator = ",[";
   }
   record_->Append("]");
+  if (manipulates()) {
+    AppendJoints(frame.state);
+    AppendGrippers(frame.state);
+    AppendObjects(frame.state);
+  }
   if (!frame.events.empty()) {
     nlohmann::json events = nlohmann::json::array();
     for (const Event& event : frame.events) events.push_back(EventJson(*world_, event));
@@ -125,6 +203,55 @@ Status Recorder::WriteRecord(const FrameMessage& frame) {
   }
   record_->Append("}");
   return record_->EndLine();
+}
+
+void Recorder::AppendJoints(const WorldState& state) {
+  record_->Append(R"(,"joints":[)");
+  const char* separator = "[";
+  for (const JointState& joint : state.joints) {
+    record_->Append(separator);
+    record_->Append(joint.position);
+    record_->Append(",");
+    record_->Append(joint.velocity);
+    record_->Append(joint.blocked ? ",1]" : ",0]");
+    separator = ",[";
+  }
+  record_->Append("]");
+}
+
+void Recorder::AppendGrippers(const WorldState& state) {
+  record_->Append(R"(,"grippers":[)");
+  const char* separator = "[";
+  for (const GripperState& gripper : state.grippers) {
+    std::optional<ModelId> clamped;
+    if (gripper.clamped) clamped = world_->objects[gripper.clamped->index()];
+    for (const std::optional<ModelId>& model : {gripper.left_contact, gripper.right_contact, clamped}) {
+      record_->Append(separator);
+      record_->Append(model ? json_names_[model->index()] : "null");
+      separator = ",";
+    }
+    separator = "],[";
+  }
+  record_->Append(state.grippers.empty() ? "]" : "]]");
+}
+
+void Recorder::AppendObjects(const WorldState& state) {
+  record_->Append(R"(,"objects":[)");
+  const char* separator = "[";
+  for (const ObjectState& object : state.objects) {
+    for (double number : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) {
+      record_->Append(separator);
+      record_->Append(number);
+      separator = ",";
+    }
+    record_->Append(",\"");
+    record_->Append(NameOf(object.mode));
+    record_->Append("\",");
+    const std::optional<ModelId> on = CarrierOf(*world_, object);
+    record_->Append(on ? json_names_[on->index()] : "null");
+    separator = "],[";
+  }
+  record_->Append(state.objects.empty() ? "]" : "]]");
 }
 
 Status Recorder::Close() {

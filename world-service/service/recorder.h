@@ -14,7 +14,7 @@ namespace troupe {
 // Files to write while running; empty: none. docs/running.md has their formats.
 struct OutputFiles {
   std::string hash_log;  // "tick hash" a line
-  std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled
+  std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
   std::string record;    // JSON lines: header, then a line for each tick
 };
 
@@ -31,11 +31,22 @@ class Recorder {
   explicit Recorder(const WorldDescription& world) : world_(&world) {}
   Status WriteRecordHeader();
   Status WriteHash(const FrameMessage& frame);
+  Status WritePosesHeading();
   Status WritePoses(const FrameMessage& frame);
+  Status WriteObjectPoses(const WorldState& state);
+  Status WriteJointPoses(const WorldState& state);
+  // tick,name,x,y,z,heading,flag
+  void AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag);
   Status WriteRecord(const FrameMessage& frame);
+  void AppendJoints(const WorldState& state);
+  void AppendGrippers(const WorldState& state);
+  void AppendObjects(const WorldState& state);
+  // The world has joints or objects, and the files say so.
+  bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
   const WorldDescription* world_;
-  std::vector<std::string> csv_names_;  // by robot, quoted where CSV needs it
+  std::vector<std::string> csv_names_;   // by model, quoted where CSV needs it
+  std::vector<std::string> json_names_;  // by model, quoted; empty without joints and objects
   std::optional<OutputFile> hash_log_;
   std::optional<OutputFile> poses_;
   std::optional<OutputFile> record_;

@@ -55,6 +55,91 @@ TEST_F(ManipulatingRobotTest, ARobotThatWantsNothingProposesNoJointMotion) {
   EXPECT_TRUE(Decide().joint_velocities.empty());
 }
 
+// A box is gripped, lifted over another one, set down on it, and left.
+constexpr const char* kStack = R"({"at": 0, "gripper": "close"}, {"at": 2, "lift": 50}, {"at": 4, "vx": 0.5},
+                                  {"at": 6, "lift": 5}, {"at": 8, "gripper": "open"}, {"at": 10, "vx": -0.5}, {"at": 11})";
+
+class StackingRobotTest : public ManipulatingRobotTest, public testing::WithParamInterface<std::int64_t> {
+ protected:
+  StackingRobotTest() {
+    below_ = world_.AddObject({1.35, 0.0, 0.0, 0.0});
+    world_.world.interval_ns = GetParam() * 1'000'000;
+    for (JointDescription& joint : world_.world.joints) joint.max_speed = 0.5;
+    SetScript(kStack);
+  }
+  void RunUntil(double seconds) {
+    while (static_cast<double>(state_.tick) * world_.world.interval_seconds() < seconds - 1e-9) Run(1);
+  }
+  void ExpectCarried() {
+    EXPECT_EQ(box().holder, parts_.gripper);
+    EXPECT_NEAR(box().X_WO.z, 0.5, 1e-9);
+  }
+  void ExpectStacked() {
+    EXPECT_EQ(box().mode, ObjectMode::kResting);
+    EXPECT_EQ(box().support, world_.world.objects[below_.index()]);
+    EXPECT_EQ(box().X_WO.z, 0.1);
+    EXPECT_NEAR(box().X_WO.x, 1.35, 1e-9);
+    EXPECT_EQ(box().X_WO.y, 0.0);
+    EXPECT_EQ(state_.objects[below_.index()].X_WO, (Pose{1.35, 0.0, 0.0, 0.0}));
+    EXPECT_NEAR(state_.robots[0].X_WR.x, 0.5, 1e-9);
+    EXPECT_EQ(state_.joints[parts_.left.index()].position, 0.0);
+  }
+
+  ObjectId below_;
+};
+
+TEST_P(StackingRobotTest, PutsABoxOnAnother) {
+  Make();
+  RunUntil(2.0);
+  EXPECT_EQ(box().holder, parts_.gripper);
+  EXPECT_EQ(box().X_WO, (Pose{0.35, 0.0, 0.0, 0.0}));  // nothing jumps
+  RunUntil(5.0);
+  ExpectCarried();
+  EXPECT_NEAR(box().X_WO.x, 0.85, 1e-9);
+  RunUntil(12.0);
+  ExpectStacked();
+}
+
+TEST_P(StackingRobotTest, AnAgentThatComesBackCarriesOn) {
+  Make();
+  RunUntil(5.0);
+  Make();
+  RunUntil(6.0);
+  ExpectCarried();
+  RunUntil(12.0);
+  ExpectStacked();
+}
+
+TEST_P(StackingRobotTest, AnAgentWithAnotherControllerHoldsOn) {
+  Make();
+  RunUntil(5.0);
+  world_.world.robots[0].controller = {"idle", "{}"};
+  Make();
+  RunUntil(7.0);
+  ExpectCarried();
+  EXPECT_NEAR(box().X_WO.x, 0.85, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(LengthsOfTicks, StackingRobotTest, testing::Values(50, 100, 200),
+                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
+
+TEST_F(ManipulatingRobotTest, APercentageOutOfRangeStopsTheRobotButDropsNothing) {
+  world_.world.robots[0].controller = {TEST_LIBRARY_FOLDER "/libcontroller_bad_lift.so", "{}"};
+  Make();
+  Run(4);
+  EXPECT_EQ(box().holder, parts_.gripper);
+  EXPECT_GT(state_.robots[0].twist.vx, 0.0);
+  EXPECT_EQ(robot_->failure(), "");
+  Run(3);
+  EXPECT_NE(
+      robot_->failure().find("failed at tick 5: commands gripper 'gripper' to a height of 140 percent, expected 0 "
+                             "to 100"),
+      std::string::npos)
+      << robot_->failure();
+  EXPECT_EQ(state_.robots[0].twist.vx, 0.0);
+  EXPECT_EQ(box().holder, parts_.gripper);
+}
+
 TEST_F(ManipulatingRobotTest, AutosnatchTakesWhatBreaksABeamWithoutAController) {
   world_.world.grippers[0].autosnatch = true;
   Make();

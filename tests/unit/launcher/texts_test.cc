@@ -97,6 +97,26 @@ TEST(DescribeWorld, TellsWhatAWorldHolds) {
   ranger.sensors[1].samples = 180;
   robot.rangers.push_back(ranger);
   loaded.world.robots.push_back(robot);
+  for (const char* name : {"lift", "left", "right"}) {
+    JointDescription joint;
+    joint.name = name;
+    joint.position = {0.0, 0.25};
+    joint.max_speed = 0.5;
+    loaded.world.joints.push_back(joint);
+  }
+  loaded.world.joints[2].type = JointType::kRevolute;
+  GripperDescription gripper;
+  gripper.name = "hand";
+  gripper.left = JointId(1);
+  gripper.right = JointId(2);
+  gripper.beams.resize(2);
+  loaded.world.grippers = {gripper};
+  gripper.lift = JointId(0);
+  gripper.autosnatch = true;
+  loaded.world.grippers.push_back(gripper);
+  loaded.world.models[1].name = "box";
+  loaded.world.models[1].size_x = 0.5;
+  loaded.world.objects = {ModelId(1)};
   loaded.map_width = 40;
   loaded.map_height = 30;
   loaded.warnings.push_back({{"w.world", 3, 1}, "unknown property \"fancy\""});
@@ -104,6 +124,12 @@ TEST(DescribeWorld, TellsWhatAWorldHolds) {
   EXPECT_THAT(text, HasSubstr("map: 40 x 30 pixels\n"));
   EXPECT_THAT(text, HasSubstr("models: 2 (0 blocks, 24 rectangles from bitmaps)\n"));
   EXPECT_THAT(text, HasSubstr("  r0: differential drive, controller idle, ranger:0 (2 sensors, 181 rays)\n"));
+  EXPECT_THAT(text, HasSubstr("rays)\n    joint lift: shifts from 0 to 0.25 m, at most 0.5 m/s\n"
+                              "    joint left: shifts from 0 to 0.25 m, at most 0.5 m/s\n"
+                              "    joint right: turns from 0 to 0.25 rad, at most 0.5 rad/s\n"
+                              "    gripper hand: fingers left and right, no lift, 2 beams\n"
+                              "    gripper hand: fingers left and right, lift lift, 2 beams, autosnatch\n"
+                              "objects: 1 (gravity 9.81 m/s^2)\n  box: 0.5 x 0 x 0 m\n"));
   EXPECT_THAT(text, HasSubstr("warnings: 1\n  w.world:3:1: warning: unknown property \"fancy\"\n"));
 }
 

@@ -98,6 +98,76 @@ TEST_F(RecorderTest, RecordIsAJsonObjectForEachTick) {
   EXPECT_FALSE(std::getline(lines, line));
 }
 
+// A robot with a lift that is the gripper and turns, which is enough for a recorder, and two boxes.
+class ManipulationRecorderTest : public RecorderTest {
+ protected:
+  ManipulationRecorderTest() {
+    for (const char* name : {"r1.lift", "box", "lid, \"red\""}) {
+      world_.models.push_back(world_.models.back());
+      world_.models.back().name = name;
+      world_.models.back().X_PM = {1.0, 0.0, 0.5, 0.0};
+    }
+    world_.models[2].parent = world_.robots[1].root;
+    JointDescription joint;
+    joint.name = "lift";
+    joint.robot = RobotId(1);
+    joint.model = ModelId(2);
+    world_.joints = {joint};
+    GripperDescription gripper;
+    gripper.model = ModelId(2);
+    world_.grippers = {gripper};
+    world_.objects = {ModelId(3), ModelId(4)};
+    state_ = InitialState(world_);
+    state_.joints[0] = {0.25, -0.5, true};
+    state_.grippers[0] = {ModelId(3), {}, ObjectId(0)};
+    state_.objects[0].mode = ObjectMode::kHeld;
+    state_.objects[0].holder = GripperId(0);
+    state_.objects[1].mode = ObjectMode::kResting;
+    state_.objects[1].support = ModelId(3);
+  }
+  void RecordState(const OutputFiles& files, const std::vector<Event>& events = {}) {
+    Result<Recorder> recorder = Recorder::Create(world_, files);
+    ASSERT_TRUE(recorder.ok()) << recorder.error().ToString();
+    FrameMessage frame;
+    frame.state = state_;
+    frame.events = events;
+    EXPECT_FALSE(recorder.value().Write(frame));
+    EXPECT_FALSE(recorder.value().Close());
+  }
+  WorldState state_;
+};
+
+TEST_F(ManipulationRecorderTest, PosesHaveObjectsAndJointsAfterTheRobots) {
+  RecordState({.hash_log = "", .poses = path_, .record = ""});
+  EXPECT_EQ(Text(),
+            "tick,robot,x,y,z,heading,stalled,kind,position,mode,on\n"
+            "0,r0,0,0,0,0,0,robot,,,\n"
+            "0,r1,0,10,0,0,0,robot,,,\n"
+            "0,box,1,0,0.5,0,0,object,,held,r1.lift\n"
+            "0,\"lid, \"\"red\"\"\",1,0,0.5,0,0,object,,resting,box\n"
+            "0,r1.lift,1,10,0.75,0,1,joint,0.25,,\n");
+}
+
+TEST_F(ManipulationRecorderTest, TheRecordHasThemToo) {
+  RecordState({.hash_log = "", .poses = "", .record = path_},
+              {{0, EventType::kGripped, RobotId(1), {}, "lift", ModelId(3)}});
+  std::istringstream lines(Text());
+  std::string line;
+  std::getline(lines, line);
+  const auto header = nlohmann::json::parse(line);
+  EXPECT_EQ(header["joints"], nlohmann::json({"r1.lift"}));
+  EXPECT_EQ(header["grippers"], nlohmann::json({"r1.lift"}));
+  EXPECT_EQ(header["objects"], nlohmann::json({"box", "lid, \"red\""}));
+  std::getline(lines, line);
+  const auto frame = nlohmann::json::parse(line);
+  EXPECT_EQ(frame["joints"], nlohmann::json::parse("[[0.25,-0.5,1]]"));
+  EXPECT_EQ(frame["grippers"], nlohmann::json::parse(R"([["box",null,"box"]])"));
+  EXPECT_EQ(frame["objects"],
+            nlohmann::json::parse(R"([[1.0,0.0,0.5,0.0,"held","r1.lift"],[1.0,0.0,0.5,0.0,"resting","box"]])"));
+  EXPECT_EQ(frame["events"][0],
+            nlohmann::json::parse(R"({"event":"gripped","robot":"r1","object":"box","detail":"lift"})"));
+}
+
 TEST_F(RecorderTest, RecordOfAWorldWithoutRobotsIsJsonToo) {
   world_ = test::PlaneWorld(0);
   Result<Recorder> recorder = Recorder::Create(world_, {.hash_log = "", .poses = "", .record = path_});
