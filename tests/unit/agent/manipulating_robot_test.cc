@@ -121,7 +121,7 @@ TEST_P(StackingRobotTest, AnAgentWithAnotherControllerHoldsOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(LengthsOfTicks, StackingRobotTest, testing::Values(50, 100, 200),
-                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
+                         [](const auto& length) { return std::to_string(length.param) + "ms"; });
 
 TEST_F(ManipulatingRobotTest, APercentageOutOfRangeStopsTheRobotButDropsNothing) {
   world_.world.robots[0].controller = {TEST_LIBRARY_FOLDER "/libcontroller_bad_lift.so", "{}"};

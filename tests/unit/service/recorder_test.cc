@@ -56,7 +56,7 @@ TEST_F(RecorderTest, HashLogHasALineForEachTick) {
 }
 
 TEST_F(RecorderTest, PosesReadBackToTheLastBit) {
-  world_.robots[1].name = "odd, \"name\"";
+  world_.robots[1].name = world_.models[1].name = "odd, \"name\"";
   Record({.hash_log = "", .poses = path_, .record = ""});
   std::istringstream lines(Text());
   std::string line;
