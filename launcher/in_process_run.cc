@@ -84,6 +84,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   service_options.session = options.session;
   service_options.lease_seconds = options.lease_seconds;
   service_options.start_timeout_seconds = options.start_timeout_seconds;
+  service_options.start_paused = options.paused;
   AgentOptions agent_options;
   agent_options.agent = 1;
   agent_options.scan_log = options.scans;

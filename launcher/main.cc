@@ -5,6 +5,7 @@
 #include "common/command_line/option_checks.h"
 #include "common/command_line/parse_command_line.h"
 #include "launcher/check_command.h"
+#include "launcher/ctl_command.h"
 #include "launcher/run_command.h"
 #include "launcher/run_options.h"
 #include "launcher/snapshot_command.h"
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
   top->final_callback([&] { exit_status = troupe::TopCommand(top_options); });
 
   troupe::AddSnapshotCommand(app, exit_status);
+  troupe::AddCtlCommand(app, exit_status);
 
   return troupe::ParseCommandLine(app, argc, argv).value_or(exit_status);
 }

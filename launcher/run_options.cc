@@ -105,6 +105,8 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   add(simulation, "--controller", options.controller,
       "Controller of the robots that the file gives none: idle, wander, expand, or a library's path")
       ->type_name("NAME");
+  command.add_flag("--paused", options.paused, "Begin with a pause, until troupe ctl or ROS 2 says otherwise")
+      ->group(simulation);
   add(simulation, "--on-agent-loss", options.on_agent_loss,
       "When a robot's process is lost: freeze the robot, pause the run until it is back, or abort")
       ->check(OneOf({"freeze", "pause", "abort"}))
@@ -185,6 +187,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
   Append(arguments, "--record", options.record);
+  if (options.paused) arguments.emplace_back("--paused");
   if (options.ros.on) arguments.emplace_back(*options.ros.on ? "--ros" : "--no-ros");
   for (std::string& argument : RosArguments(options.ros.options)) arguments.push_back(std::move(argument));
   return arguments;

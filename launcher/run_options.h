@@ -31,6 +31,7 @@ struct RunOptions {
   std::string network_interface = "lo";
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;
+  bool paused = false;  // at the start
   RosFlags ros;
   bool headless = false;  // no viewer exists yet: every run is headless
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/dds/convert_admission.h"
+#include "common/dds/convert_control.h"
 #include "common/dds/convert_frame.h"
 #include "common/dds/convert_join.h"
 #include "common/dds/convert_proposal.h"

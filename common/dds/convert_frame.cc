@@ -254,6 +254,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
   wire.tick = message.state.tick;
   wire.state_hash = message.state_hash;
   wire.last = message.last;
+  wire.paused = message.paused;
   RobotsToWire(message.state.robots, wire, arena);
   JointsToWire(message.state.joints, wire, arena);
   GrippersToWire(message.state.grippers, wire, arena);
@@ -267,6 +268,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.state.tick = wire.tick;
   message.state_hash = wire.state_hash;
   message.last = wire.last;
+  message.paused = wire.paused;
   WorldState& state = message.state;
   if (Status failed = RobotsFromWire(wire, state.robots)) return failed;
   if (Status failed = JointsFromWire(wire, state.joints)) return failed;

@@ -35,6 +35,7 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
     joint_velocity = std::copy(proposal.joint_velocities.begin(), proposal.joint_velocities.end(), joint_velocity);
   }
   arena.FillStrings(wire.reports, message.reports);
+  wire.held = message.held;
   return wire;
 }
 
@@ -52,6 +53,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   }
   message.agent = wire.agent;
   message.run = wire.run;
+  message.held = wire.held;
   message.tick = wire.tick;
   message.proposals.clear();
   message.proposals.reserve(robot.size());

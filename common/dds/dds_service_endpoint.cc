@@ -11,13 +11,16 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::Frame()),
       statuses_(connection, topics::kStatus, qos_profiles::Status()),
+      control_replies_(connection, topics::kControlReply, qos_profiles::Control()),
       joins_(connection, topics::kJoin, qos_profiles::Join()),
       proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
+      controls_(connection, topics::kControl, qos_profiles::Control()),
       rivals_(connection, topics::kSession, qos_profiles::Description() << IgnoreLocal::Participant()) {}
 
 DdsServiceEndpoint::~DdsServiceEndpoint() {
   joins_.Close();
   proposals_.Close();
+  controls_.Close();
   rivals_.Close();
 }
 
@@ -29,10 +32,12 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
   }
   joins_.Listen([this] { DrainJoins(); });
   proposals_.Listen([this] { DrainProposals(); });
+  controls_.Listen([this] { DrainControls(); });
   rivals_.Listen([this] { DrainSessions(); });
   DrainSessions();
   DrainJoins();
   DrainProposals();
+  DrainControls();
 }
 
 void DdsServiceEndpoint::DrainJoins() {
@@ -50,6 +55,11 @@ void DdsServiceEndpoint::DrainJoins() {
 void DdsServiceEndpoint::DrainProposals() {
   const std::lock_guard lock(mutex_);
   proposals_.Drain([this](const ProposalMessage& proposal) { handler_->OnProposal(proposal); });
+}
+
+void DdsServiceEndpoint::DrainControls() {
+  const std::lock_guard lock(mutex_);
+  controls_.Drain([this](const ControlRequest& request) { handler_->OnControl(request); });
 }
 
 void DdsServiceEndpoint::DrainSessions() {
@@ -71,12 +81,17 @@ void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
   statuses_.Send(status);
 }
 
+void DdsServiceEndpoint::SendControlReply(const ControlReply& reply) {
+  control_replies_.Send(reply);
+}
+
 void DdsServiceEndpoint::Flush(double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
   const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
   sessions_.writer().wait_for_acknowledgments(remaining());
   admissions_.writer().wait_for_acknowledgments(remaining());
+  control_replies_.writer().wait_for_acknowledgments(remaining());
   frames_.writer().wait_for_acknowledgments(remaining());
 }
 

@@ -21,19 +21,23 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void SendAdmission(const AdmissionMessage& admission) override;
   void SendFrame(const FrameMessage& frame) override;
   void SendStatus(const StatusMessage& status) override;
+  void SendControlReply(const ControlReply& reply) override;
   void Flush(double seconds) override;
 
  private:
   void DrainJoins();
   void DrainProposals();
+  void DrainControls();
   void DrainSessions();
 
   Outbox<troupe_wire_Session> sessions_;
   Outbox<troupe_wire_Admission> admissions_;
   Outbox<troupe_wire_Frame> frames_;
   Outbox<troupe_wire_Status> statuses_;
+  Outbox<troupe_wire_ControlReply> control_replies_;
   Inbox<troupe_wire_Join, JoinMessage> joins_;
   Inbox<troupe_wire_Proposal, ProposalMessage> proposals_;
+  Inbox<troupe_wire_Control, ControlRequest> controls_;
   Inbox<troupe_wire_Session, SessionMessage> rivals_;
 
   std::mutex mutex_;  // held while a handler runs; guards what follows

@@ -37,6 +37,10 @@ Qos Proposal() {
   return ReliableLatest() << Durability::Volatile();
 }
 
+Qos Control() {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepAll() << WriterDataLifecycle{false};
+}
+
 Qos Status() {
   return KeptForLatecomers();
 }

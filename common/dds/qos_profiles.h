@@ -25,6 +25,8 @@ Qos Admission();
 Qos Frame();
 // Commands of the agents: each agent's latest.
 Qos Proposal();
+// Requests of tools and their answers: all of them.
+Qos Control();
 // How the run goes, for tools: the latest of each run, also for tools that start later.
 Qos Status();
 

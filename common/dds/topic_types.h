@@ -3,6 +3,7 @@
 
 #include "common/dds/topic.h"
 #include "idl/admission.h"
+#include "idl/control.h"
 #include "idl/frame.h"
 #include "idl/join.h"
 #include "idl/proposal.h"
@@ -10,6 +11,8 @@
 #include "idl/status.h"
 
 TROUPE_DDS_TYPE(troupe_wire_Admission);
+TROUPE_DDS_TYPE(troupe_wire_Control);
+TROUPE_DDS_TYPE(troupe_wire_ControlReply);
 TROUPE_DDS_TYPE(troupe_wire_Frame);
 TROUPE_DDS_TYPE(troupe_wire_Join);
 TROUPE_DDS_TYPE(troupe_wire_Proposal);

@@ -74,6 +74,7 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   void SendAdmission(const AdmissionMessage& admission) override { inner_->SendAdmission(admission); }
   void SendFrame(const FrameMessage& frame) override { inner_->SendFrame(frame); }
   void SendStatus(const StatusMessage& status) override { inner_->SendStatus(status); }
+  void SendControlReply(const ControlReply& reply) override { inner_->SendControlReply(reply); }
   void Flush(double seconds) override { inner_->Flush(seconds); }
 
  private:
@@ -88,6 +89,9 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   }
   void OnRivalService(const SessionMessage& rival) override {
     line_.PassDelayed(Delivery(handler_, &ServiceHandler::OnRivalService, rival));
+  }
+  void OnControl(const ControlRequest& request) override {
+    line_.PassIntact([handler = handler_, request] { handler->OnControl(request); });
   }
 
   FaultyLine line_;

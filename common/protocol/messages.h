@@ -58,6 +58,9 @@ struct FrameMessage {
   std::uint64_t state_hash = 0;  // StateHash(state)
   bool last = false;             // the run is over: answer nothing, leave
   std::vector<Event> events;     // of this tick
+  // Time stands still: show the state to those who look at the robots, and answer with a held proposal. The same frame
+  // comes again without `paused` when the run goes on.
+  bool paused = false;
   bool operator==(const FrameMessage&) const = default;
 };
 
@@ -68,7 +71,38 @@ struct ProposalMessage {
   Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
   std::vector<Proposal> proposals;   // in robot-id order
   std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
+  bool held = false;                 // answers a paused frame: asks for nothing
   bool operator==(const ProposalMessage&) const = default;
+};
+
+enum class ControlCommand : std::uint8_t {
+  kStatus = 0,
+  kPause = 1,  // after the tick that is under way; answered when everybody holds
+  kPlay = 2,
+  kStep = 3,   // from a pause: `ticks` ticks, and pause again; answered when everybody holds
+};
+
+// A tool to the service: what to do with time.
+struct ControlRequest {
+  std::uint64_t client = 0;  // random; tells tools apart
+  std::uint64_t number = 0;  // of the request, in the answer again
+  ControlCommand command = ControlCommand::kStatus;
+  std::uint64_t ticks = 1;   // kStep
+  bool operator==(const ControlRequest&) const = default;
+};
+
+enum class RunState : std::uint8_t { kStarting = 0, kPlaying = 1, kPaused = 2, kOver = 3 };
+
+// The service to that tool.
+struct ControlReply {
+  std::uint64_t client = 0;
+  std::uint64_t number = 0;
+  bool done = false;
+  std::string problem;       // why not
+  RunState state = RunState::kStarting;
+  Tick tick = 0;
+  std::uint64_t state_hash = 0;
+  bool operator==(const ControlReply&) const = default;
 };
 
 // Service to tools, now and then: how the run goes.

@@ -23,6 +23,8 @@ class ServiceHandler {
   virtual void OnAgentGone(AgentId agent) = 0;
   // Another service of the same session was seen.
   virtual void OnRivalService(const SessionMessage& rival) = 0;
+  // A tool wants something. Its answer goes out by SendControlReply, now or later.
+  virtual void OnControl(const ControlRequest& request) { (void)request; }
 };
 
 // The world service's end.
@@ -35,6 +37,8 @@ class ServiceEndpoint {
   virtual void SendAdmission(const AdmissionMessage& admission) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendStatus(const StatusMessage& status) = 0;
+  // Transports that no tool can reach have nobody to send it to.
+  virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
   // Waits until what was sent has been received by those who are there, at most `seconds`.
   virtual void Flush(double seconds) = 0;
 };

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <algorithm>
-#include <list>
 #include <functional>
+#include <list>
 #include <mutex>
 #include <string>
 #include <vector>

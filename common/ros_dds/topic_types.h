@@ -5,6 +5,7 @@
 #include "common/ros/messages.h"
 #include "idl/ros/discovery.h"
 #include "idl/ros/parameters.h"
+#include "idl/ros/simulation.h"
 
 TROUPE_DDS_TYPE(geometry_msgs_msg_dds__Twist_);
 TROUPE_DDS_TYPE(geometry_msgs_msg_dds__TwistStamped_);
@@ -28,6 +29,18 @@ TROUPE_DDS_TYPE(sensor_msgs_msg_dds__JointState_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__LaserScan_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Range_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetEntities_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetEntities_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetEntityState_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetEntityState_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetSimulationState_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetSimulationState_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetSimulatorFeatures_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetSimulatorFeatures_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__SetSimulationState_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__SetSimulationState_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__StepSimulation_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__StepSimulation_Response_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__Bool_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__String_);
 TROUPE_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_);

@@ -30,6 +30,12 @@ enum class Stage : std::uint8_t {
   kFailed,     // failure_ says why
 };
 
+// Frames in their order: a tick that is paused comes paused first, and then to be gone on from.
+using FramePlace = std::pair<Tick, bool>;
+FramePlace PlaceOf(const FrameMessage& frame) {
+  return {frame.state.tick, !frame.paused};
+}
+
 std::string HostName() {
   char name[256] = "";
   gethostname(name, sizeof(name) - 1);
@@ -76,7 +82,7 @@ class AgentHost final : public AgentHandler {
   JoinMessage join_;                         // from joining on
   std::unique_ptr<Replica> replica_;         // from joining on
   std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission
-  std::optional<Tick> answered_;             // tick of the frame that answer_ answers
+  std::optional<FramePlace> answered_;       // of the frame that answer_ answers
   ProposalMessage answer_;
   Error failure_;
   bool bad_request_ = false;  // as in RunAgent
@@ -142,9 +148,8 @@ Status AgentHost::Prepare() {
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = {}};
-  Result<std::unique_ptr<Replica>> replica =
-      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
-                      options_.make_gateway);
+  Result<std::unique_ptr<Replica>> replica = Replica::Create(std::move(session->world), options_.robots,
+                                                             scan_log_.get(), options_.threads, options_.make_gateway);
   const std::lock_guard lock(mutex_);
   if (!replica.ok()) {
     bad_request_ = true;
@@ -210,7 +215,7 @@ void AgentHost::OnFrame(const FrameMessage& frame) {
     changed_.notify_all();
   } else if (stage_ == Stage::kRunning) {
     Answer(frame);
-  } else if (!early_frame_ || frame.state.tick > early_frame_->state.tick) {
+  } else if (!early_frame_ || PlaceOf(frame) > PlaceOf(*early_frame_)) {
     early_frame_ = frame;
   }
 }
@@ -229,21 +234,27 @@ void AgentHost::OnServiceGone() {
 }
 
 void AgentHost::Answer(const FrameMessage& frame) {
-  const Tick tick = frame.state.tick;
-  if (answered_ && tick < *answered_) return;
-  const bool is_new = !answered_ || tick > *answered_;
+  const FramePlace place = PlaceOf(frame);
+  if (answered_ && place < *answered_) return;
+  const bool is_new = !answered_ || place > *answered_;
+  const bool is_shown = answered_ && answered_->first == frame.state.tick;
   if (is_new) {
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
       return Fail({{}, "the world service sent a bad frame: " + problem});
     }
     answer_.run = run_;
     answer_.agent = options_.agent;
-    replica_->Answer(frame.state, answer_);
-    answered_ = tick;
+    if (frame.paused) {
+      replica_->Hold(frame.state, answer_);
+      replica_->Publish(frame.state);  // first: who has paused or stepped is told when all has been shown
+    } else {
+      replica_->Answer(frame.state, answer_);
+    }
+    answered_ = place;
     if (scan_log_ && scan_log_->status()) return Fail(*scan_log_->status());
   }
   endpoint_.SendProposal(answer_);
-  if (is_new) replica_->Publish(frame.state);  // last, so that no tick waits for it
+  if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
 }
 
 void AgentHost::Fail(Error error) {

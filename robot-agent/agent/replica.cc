@@ -90,6 +90,7 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   answer.tick = state.tick + 1;
   answer.proposals.resize(count);
   answer.reports.clear();
+  answer.held = false;
   // Before the robots are shared among threads: a gateway need not know of them.
   std::vector<std::optional<Command>> outside(count);
   for (std::size_t i = 0; i < count && gateway_; ++i) outside[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
@@ -113,6 +114,15 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   }
   if (!gateway_) return;
   for (std::string& report : gateway_->TakeReports()) answer.reports.push_back(std::move(report));
+}
+
+void Replica::Hold(const WorldState& state, ProposalMessage& answer) {
+  indices_.front().Assign(state);
+  for (const auto& robot : robots_) robot->Observe(state);
+  answer.tick = state.tick + 1;
+  answer.proposals.clear();
+  answer.reports.clear();
+  answer.held = true;
 }
 
 void Replica::Publish(const WorldState& state) {

@@ -36,7 +36,11 @@ class Replica {
   // REQUIRES: CheckState(state) is "".
   void Answer(const WorldState& state, ProposalMessage& answer);
 
-  // Shows the gateway the state of the last Answer.
+  // Answers a paused `state`: nothing is decided. The same state may come to Answer later.
+  // REQUIRES: CheckState(state) is "".
+  void Hold(const WorldState& state, ProposalMessage& answer);
+
+  // Shows the gateway the state of the last Answer or Hold.
   // REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
 

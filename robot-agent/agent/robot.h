@@ -31,6 +31,9 @@ class Robot {
   Proposal Decide(const WorldState& state, const BodyIndex& bodies,
                   const std::optional<Command>& outside = std::nullopt);
 
+  // Takes in a state that is not (yet) to be decided on.
+  void Observe(const WorldState& state) { odometry_.Update(state.robots[id_.index()].X_WR); }
+
   const Pose& pose_estimate() const { return odometry_.estimate(); }
 
   // What a ranger measures in the state of the last Decide, whether the controller looked or not. Valid until the next

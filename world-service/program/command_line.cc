@@ -49,6 +49,7 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& speed, std::strin
   app.add_option("--start-timeout", line.service.start_timeout_seconds, "for all robots to join; 0: wait for ever")
       ->check(NumberFromZero())
       ->capture_default_str();
+  app.add_flag("--paused", line.service.start_paused, "begin with a pause, until troupe ctl or ROS says otherwise");
   AddRosFlags(app, line.ros, "ROS 2");
   app.add_option("--faults", faults, "for tests: lose, delay, double and reorder what arrives")->check(FaultsValue());
   app.add_option("--report-fd", line.report_fd, "descriptor to report to, as JSON lines, for a launcher")

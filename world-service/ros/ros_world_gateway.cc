@@ -5,6 +5,7 @@
 #include "common/ros_dds/parameter_services.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
+#include "world-service/ros/simulation_services.h"
 #include "world-service/ros/world_pictures.h"
 
 namespace troupe {
@@ -25,6 +26,13 @@ class RosWorldGateway final : public WorldGateway {
         objects_(node_, "/objects", ros::Latched()),
         pictures_(node_, options, scene),
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene.world().name}}) {
+    participant_.Announce();
+  }
+
+  void Connect(WorldControl* control) override {
+    simulation_.reset();
+    if (control == nullptr) return;
+    simulation_ = std::make_unique<SimulationServices>(node_, kNodeName, scene_, *control);
     participant_.Announce();
   }
 
@@ -53,6 +61,7 @@ class RosWorldGateway final : public WorldGateway {
   std::vector<ObjectState> shown_objects_;
   WorldPictures pictures_;
   ros::ParameterServices parameters_;
+  std::unique_ptr<SimulationServices> simulation_;  // while there is a control
 };
 
 }  // namespace

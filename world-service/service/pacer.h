@@ -14,6 +14,8 @@ class Pacer {
   Pacer(std::optional<double> speed, double interval) : period_(speed ? interval / *speed : 0.0) {}
 
   void Start(double now) { start_ = now; }
+  // Time goes on after a pause: nothing of it is caught up.
+  void Resume(Tick tick, double now) { start_ = now - static_cast<double>(tick) * period_; }
 
   double Due(Tick tick) const {
     if (period_ == 0.0) return -std::numeric_limits<double>::infinity();

@@ -46,7 +46,7 @@ std::string HostName() {
 }
 
 // Brings the transport's threads and the one that waits for time to pass together at one coordinator.
-class Driver final : private ServiceHandler {
+class Driver final : public WorldControl, private ServiceHandler {
  public:
   Driver(const Scene& scene, const CoordinatorOptions& options, std::unique_ptr<ServiceEndpoint> endpoint,
          Recorder& recorder, WorldGateway* gateway, RunObserver& observer)
@@ -78,6 +78,14 @@ class Driver final : private ServiceHandler {
     Tell(true, lock);
   }
 
+  void Request(const ControlRequest& request, ControlReplyTo reply) override {
+    Handle([&](double now) { coordinator_.Control(request, std::move(reply), now); });
+  }
+  FrameMessage CurrentFrame() override {
+    const std::lock_guard lock(mutex_);
+    return coordinator_.frame();
+  }
+
   // REQUIRES: Run has returned.
   Result<RunSummary> Finish() {
     endpoint_->Flush(kFlushTime);
@@ -98,6 +106,10 @@ class Driver final : private ServiceHandler {
   }
   void OnRivalService(const SessionMessage& rival) override {
     Handle([&](double now) { coordinator_.OnRivalService(rival, now); });
+  }
+
+  void OnControl(const ControlRequest& request) override {
+    Request(request, [this](const ControlReply& reply) { endpoint_->SendControlReply(reply); });
   }
 
   template <typename Call>
@@ -154,6 +166,7 @@ Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
   coordinator.run = MakeRunId();
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
+  coordinator.start_paused = options.start_paused;
 
   SessionMessage session;
   session.run = coordinator.run;
@@ -166,7 +179,9 @@ Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
   const std::unique_ptr<WorldGateway> gateway = options.make_gateway ? options.make_gateway(scene) : nullptr;
   Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), gateway.get(), observer);
   driver.Start(session);
+  if (gateway) gateway->Connect(&driver);
   driver.Run(stop);
+  if (gateway) gateway->Connect(nullptr);
   Result<RunSummary> summary = driver.Finish();
   if (Status error = recorder.value().Close(); error && summary.ok()) return *error;
   return summary;

@@ -25,6 +25,7 @@ struct ServiceOptions {
   double lease_seconds = 2.0;           // an agent that the transport has not heard of for longer is gone
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   MakeWorldGateway make_gateway;        // empty: none
+  bool start_paused = false;            // at tick 0, until somebody plays or steps
 };
 
 // Told how the run goes, on the thread that runs it.

@@ -38,6 +38,7 @@ TickCoordinator::TickCoordinator(const Scene& scene, const CoordinatorOptions& o
       pacer_(SpeedOf(options.settings), scene.world().interval_seconds()),
       created_at_(now),
       status_at_(now) {
+  if (options.start_paused) ticks_to_pause_ = 0;
   frame_.run = options_.run;
   frame_.state = InitialState(scene_.world());
   frame_.state_hash = StateHash(frame_.state);
@@ -96,11 +97,18 @@ void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now) {
     TakeProposals(*member, proposal, now);
     return;
   }
+  if (proposal.held != frame_.paused) return;  // answers the frame as it was before
   if (!member->present) {
     members_.Restore(*member);
     TakeUp(*member, now);
   }
   if (!barrier_.Arrive(proposal.agent)) return;
+  if (proposal.held) {
+    member->silent_since.reset();
+    repeat_timer_.Answered(now);
+    if (settled()) Settle(now);
+    return;
+  }
   TakeProposals(*member, proposal, now);
   if (barrier_.complete()) {
     ++member->times_last;
@@ -147,6 +155,7 @@ void TickCoordinator::Lose(Member& member, const std::string& why, double now) {
   if (options_.settings.on_agent_loss == OnAgentLoss::kAbort) {
     return Fail({{}, "the agent of " + ListNames(member.robots) + " (" + Describe(member) + ") is lost: " + why}, now);
   }
+  if (settled()) return Settle(now);
   if (ReadyToCommit(now)) Commit(now);
 }
 
@@ -178,8 +187,8 @@ bool TickCoordinator::halted() const {
 }
 
 bool TickCoordinator::ReadyToCommit(double now) const {
-  return phase_ == Phase::kRunning && (realtime() || barrier_.complete()) && now >= pacer_.Due(next_tick()) &&
-         !halted();
+  const bool due = ticks_to_pause_.has_value() || now >= pacer_.Due(next_tick());  // who steps sets the pace
+  return phase_ == Phase::kRunning && !frame_.paused && (realtime() || barrier_.complete()) && due && !halted();
 }
 
 void TickCoordinator::Begin(double now) {
@@ -188,6 +197,7 @@ void TickCoordinator::Begin(double now) {
   status_at_ = now;
   pacer_.Start(now);
   frame_.events = events_.TakeForFrame(0, {});
+  frame_.paused = ticks_to_pause_ == 0U;
   Publish(now);
 }
 
@@ -202,12 +212,25 @@ void TickCoordinator::Commit(double now) {
   frame_.state = std::move(next.state);
   frame_.state_hash = StateHash(frame_.state);
   frame_.events = events_.TakeForFrame(frame_.state.tick, std::move(next.events));
+  if (ticks_to_pause_) --*ticks_to_pause_;
+  frame_.paused = ticks_to_pause_ == 0U;
   pacer_.Committed(frame_.state.tick, now);
   Publish(now);
 }
 
+// The run goes on from a pause: the agents get the same frame again, to be answered.
+void TickCoordinator::Resume(double now) {
+  frame_.paused = false;
+  endpoint_.SendFrame(frame_);
+  committed_at_ = arrived_at_ = now;
+  pacer_.Resume(frame_.state.tick, now);
+  barrier_.Open(next_tick());
+  repeat_timer_.Start(now, kFirstRepeat);
+}
+
 void TickCoordinator::Publish(double now) {
   frame_.last = options_.settings.ticks && frame_.state.tick >= *options_.settings.ticks;
+  if (frame_.last) frame_.paused = false;
   endpoint_.SendFrame(frame_);  // first, so that the agents work while this goes on
   committed_at_ = arrived_at_ = now;
   barrier_.Open(next_tick());
@@ -236,6 +259,7 @@ void TickCoordinator::Fail(Error error, double now) {
 void TickCoordinator::End(double now) {
   for (RobotId robot : members_.AbsentRobots()) lost_at_end_.push_back(scene_.world().robot(robot).name);
   phase_ = members_.present_members() == 0 ? Phase::kOver : Phase::kEnding;
+  AnswerAll("the run is over");
   end_at_ = now + kLongestEnd;
   repeat_timer_.Start(now, kFirstRepeatOfLast);
 }
@@ -274,7 +298,9 @@ double TickCoordinator::NextPoll() const {
     case Phase::kGathering:
       return members_.all_robots_present() ? created_at_ : kNever;
     case Phase::kRunning: {
-      const double step = (realtime() || barrier_.complete()) && !halted() ? pacer_.Due(next_tick()) : kNever;
+      const bool can_step = (realtime() || barrier_.complete()) && !halted() && !frame_.paused;
+      const double due = ticks_to_pause_ ? committed_at_ : pacer_.Due(next_tick());
+      const double step = can_step ? due : kNever;
       return barrier_.complete() ? step : std::min(step, repeat_timer_.due());
     }
     case Phase::kEnding:

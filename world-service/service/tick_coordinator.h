@@ -6,6 +6,7 @@
 // time in s, of a clock that never goes back. So whoever delivers the last proposal of a tick also makes the step.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "world-service/service/recorder.h"
 #include "world-service/service/repeat_timer.h"
 #include "world-service/service/run_summary.h"
+#include "world-service/service/world_control.h"
 #include "world-service/service/world_gateway.h"
 
 namespace troupe {
@@ -30,6 +32,7 @@ struct CoordinatorOptions {
   RunId run = 0;  // grows with the time at which the run was started
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
+  bool start_paused = false;            // at tick 0
 };
 
 class TickCoordinator {
@@ -56,11 +59,15 @@ class TickCoordinator {
   void Poll(double now);
   double NextPoll() const;
 
+  // What a tool asks for. `reply` is called once, from here or from a later call.
+  void Control(const ControlRequest& request, ControlReplyTo reply, double now);
+
   // Both end the run in order; after the run has ended by itself they change nothing.
   void Stop(double now);
   void Fail(Error error, double now);
 
   Phase phase() const { return phase_; }
+  const FrameMessage& frame() const { return frame_; }
   const Status& error() const { return error_; }
   // From the beginning to the first frame, once that is out.
   std::optional<double> startup_seconds() const {
@@ -79,10 +86,24 @@ class TickCoordinator {
   bool halted() const;
   bool ReadyToCommit(double now) const;
 
+  // A request that is not yet answered.
+  struct OpenRequest {
+    ControlRequest request;
+    ControlReplyTo reply;
+  };
+
   void Begin(double now);
   void Commit(double now);
   void Publish(double now);
   void End(double now);
+
+  // Everybody holds a paused frame.
+  bool settled() const { return phase_ == Phase::kRunning && frame_.paused && barrier_.complete(); }
+  void Settle(double now);
+  void Resume(double now);
+  void StartStep(double now);
+  void Answer(const OpenRequest& open, const std::string& problem) const;
+  void AnswerAll(const std::string& problem);
 
   void Answer(const JoinMessage& join, bool admitted, const std::string& reason);
   void TakeUp(Member& member, double now);
@@ -103,6 +124,11 @@ class TickCoordinator {
   Status error_;
   bool interrupted_ = false;
   FrameMessage frame_;  // the newest; before the first tick, the one to begin with
+
+  // Ticks until the run pauses, 0 in a pause; nothing: no pause is in sight.
+  std::optional<std::uint64_t> ticks_to_pause_;
+  std::deque<OpenRequest> steps_;            // that wait for the pause before them
+  std::vector<OpenRequest> awaiting_pause_;  // answered when everybody holds
 
   Membership members_;
   TickBarrier barrier_;

@@ -6,6 +6,7 @@
 
 #include "common/protocol/messages.h"
 #include "common/spatial/scene.h"
+#include "world-service/service/world_control.h"
 
 namespace troupe {
 
@@ -14,6 +15,8 @@ class WorldGateway {
   virtual ~WorldGateway() = default;
   // Called once for each tick, after the agents were sent the frame. Must be quick, and wait for nobody.
   virtual void Publish(const FrameMessage& frame) = 0;
+  // Gives the control over the run, and takes it back by null: none is in use any more when that returns.
+  virtual void Connect(WorldControl* control) { (void)control; }
 };
 
 // Throws std::exception if it cannot. The scene outlives the gateway.

@@ -199,6 +199,7 @@ FrameMessage RandomMessages::Frame() {
   FillManipulation(frame.state);
   frame.state_hash = Bits();
   frame.last = Coin();
+  frame.paused = Coin();
   frame.events.resize(Below(5));
   for (Event& event : frame.events) {
     event.tick = frame.state.tick;
@@ -224,6 +225,7 @@ ProposalMessage RandomMessages::Proposal() {
     robot += 1 + Below(10);
   }
   message.reports = Texts();
+  message.held = Coin();
   return message;
 }
 

@@ -1,0 +1,112 @@
+#include "common/dds/control_client.h"
+
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include "common/dds/convert_control.h"
+#include "common/dds/data_reader.h"
+#include "common/dds/data_writer.h"
+#include "common/dds/domain_participant.h"
+#include "common/dds/publisher.h"
+#include "common/dds/qos_profiles.h"
+#include "common/dds/topic_types.h"
+#include "common/dds/topics.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kPeriod = std::chrono::microseconds(200);
+
+dds::DomainConfig ConfigOf(std::uint32_t domain, const std::string& network_interface,
+                           const std::string& service_address) {
+  dds::DomainConfig config;
+  config.domain = domain;
+  config.network_interface = network_interface;
+  config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
+  return config;
+}
+
+std::uint64_t RandomId() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32) | device();
+}
+
+}  // namespace
+
+class ControlClient::Implementation {
+ public:
+  Implementation(const dds::DomainConfig& config, const std::string& session)
+      : session_(session),
+        participant_(config),
+        publisher_(participant_, dds::qos_profiles::Session(session)),
+        subscriber_(participant_, dds::qos_profiles::Session(session)),
+        request_topic_(participant_, dds::topics::kControl),
+        reply_topic_(participant_, dds::topics::kControlReply),
+        requests_(publisher_, request_topic_, dds::qos_profiles::Control()),
+        replies_(subscriber_, reply_topic_, dds::qos_profiles::Control()) {}
+
+  Status WaitForService(double seconds) {
+    const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    while (!connected()) {
+      if (Clock::now() > deadline) return Error{{}, "no world service found in session '" + session_ + "'"};
+      std::this_thread::sleep_for(kPeriod);
+    }
+    return {};
+  }
+
+  Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds) {
+    dds::WireArena arena;
+    const std::uint64_t number = ++number_;
+    requests_.write(dds::ToWire(ControlRequest{client_, number, command, ticks}, arena));
+    const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    for (;;) {
+      for (const auto sample : replies_.take()) {
+        ControlReply reply;
+        if (!sample.info().valid() || dds::FromWire(sample.data(), reply)) continue;
+        if (reply.client == client_ && reply.number == number) return reply;
+      }
+      if (!connected()) return Error{{}, "the world service of session '" + session_ + "' is gone"};
+      if (seconds > 0.0 && Clock::now() > deadline) {
+        return Error{{}, "the world service of session '" + session_ + "' did not answer"};
+      }
+      std::this_thread::sleep_for(kPeriod);
+    }
+  }
+
+ private:
+  bool connected() const {
+    return requests_.publication_matched_status().current_count > 0 &&
+           replies_.subscription_matched_status().current_count > 0;
+  }
+
+  std::string session_;
+  dds::DomainParticipant participant_;
+  dds::Publisher publisher_;
+  dds::Subscriber subscriber_;
+  dds::Topic<troupe_wire_Control> request_topic_;
+  dds::Topic<troupe_wire_ControlReply> reply_topic_;
+  dds::DataWriter<troupe_wire_Control> requests_;
+  dds::DataReader<troupe_wire_ControlReply> replies_;
+  std::uint64_t client_ = RandomId();
+  std::uint64_t number_ = 0;
+};
+
+ControlClient::ControlClient(std::uint32_t domain, const std::string& session, const std::string& network_interface,
+                             const std::string& service_address)
+    : implementation_(std::make_unique<Implementation>(ConfigOf(domain, network_interface, service_address), session)) {
+}
+
+ControlClient::~ControlClient() = default;
+
+Status ControlClient::WaitForService(double seconds) {
+  return implementation_->WaitForService(seconds);
+}
+
+Result<ControlReply> ControlClient::Call(ControlCommand command, std::uint64_t ticks, double seconds) {
+  return implementation_->Call(command, ticks, seconds);
+}
+
+}  // namespace troupe

@@ -1,0 +1,11 @@
+// `troupe ctl`: pauses, plays and steps a run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace troupe {
+
+// Adds the command; running it sets `exit_status`.
+void AddCtlCommand(CLI::App& app, int& exit_status);
+
+}  // namespace troupe

@@ -1,0 +1,72 @@
+// Pausing and stepping real runs, by the client that `troupe ctl` is made of and by the program itself.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "common/dds/control_client.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+
+// Hashes by tick.
+std::vector<std::uint64_t> HashesOf(const std::string& log) {
+  std::vector<std::uint64_t> hashes;
+  std::istringstream lines(log);
+  std::string tick;
+  for (std::uint64_t hash = 0; lines >> tick >> std::hex >> hash;) hashes.push_back(hash);
+  return hashes;
+}
+
+TEST(Control, SteppingGivesTheSameHashesAsRunning) {
+  OutputFolder folder;
+  ASSERT_EQ(Finish(RunPen({"--ticks", "120", "--hash-log", folder.Path("hashes")})).exit_status, 0);
+  const std::vector<std::uint64_t> hashes = HashesOf(folder.Read("hashes"));
+  ASSERT_EQ(hashes.size(), 121u);
+
+  const std::string session = TestSession("step");
+  Program run = RunPen({"--paused", "--session", session, "--speed", "1"});
+  ControlClient client(TestDomain(), session, "lo");
+  ASSERT_FALSE(client.WaitForService(kSeconds));
+  for (Tick tick = 0; tick < 120;) {
+    const std::uint64_t ticks = tick < 100 ? 1 : 10;
+    const Result<ControlReply> reply = client.Call(ControlCommand::kStep, ticks, kSeconds);
+    ASSERT_TRUE(reply.ok()) << reply.error().message;
+    ASSERT_TRUE(reply.value().done) << reply.value().problem;
+    tick += ticks;
+    EXPECT_EQ(reply.value().tick, tick);
+    EXPECT_EQ(reply.value().state, RunState::kPaused);
+    ASSERT_EQ(reply.value().state_hash, hashes[tick]) << tick;
+  }
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+TEST(Control, OfTheCommandLinePausesStepsAndPlays) {
+  const std::string session = TestSession("ctl");
+  Program run = RunPen({"--session", session, "--speed", "10"});
+  run.WaitForLine("ready");
+  const auto ctl = [&](std::vector<std::string> action) {
+    std::vector<std::string> arguments = {"ctl", "--domain", std::to_string(TestDomain()), "--session", session};
+    arguments.insert(arguments.end(), action.begin(), action.end());
+    return Finish(Troupe(arguments));
+  };
+  EXPECT_THAT(ctl({"step"}).output, testing::HasSubstr("error: the run is playing; only a paused one can step"));
+  const Finished paused = ctl({"pause"});
+  EXPECT_EQ(paused.exit_status, 0);
+  EXPECT_THAT(paused.output, testing::StartsWith("paused tick "));
+  EXPECT_EQ(ctl({"status"}).output, paused.output);
+  const Finished stepped = ctl({"step", "3"});
+  EXPECT_EQ(std::stoull(stepped.output.substr(12)), std::stoull(paused.output.substr(12)) + 3);
+  EXPECT_THAT(ctl({"play"}).output, testing::StartsWith("playing tick "));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,181 @@
+// Pausing, playing and stepping a run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/service/coordinator_fixture.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::IsEmpty;
+
+class ControlTest : public CoordinatorTest {
+ protected:
+  void Ask(ControlCommand command, std::uint64_t ticks = 1) {
+    ControlRequest request;
+    request.number = ++number_;
+    request.command = command;
+    request.ticks = ticks;
+    coordinator->Control(
+        request, [this](const ControlReply& reply) { replies.push_back(reply); }, now);
+  }
+  // Answers a paused frame.
+  void Hold(AgentId agent) {
+    ProposalMessage message = ProposalOf(agent, 0.0);
+    message.proposals.clear();
+    message.held = true;
+    coordinator->OnProposal(message, now);
+  }
+  bool paused() const { return endpoint.frames.back().paused; }
+
+  std::vector<ControlReply> replies;
+
+ private:
+  std::uint64_t number_ = 0;
+};
+
+TEST_F(ControlTest, PausesAfterTheTickUnderWayAndAnswersWhenAllHold) {
+  MakeAndStart(2);
+  Ask(ControlCommand::kPause);
+  Propose(1);
+  EXPECT_THAT(replies, IsEmpty());
+  Propose(2);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_TRUE(paused());
+  Hold(1);
+  EXPECT_THAT(replies, IsEmpty());
+  Hold(2);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_TRUE(replies[0].done);
+  EXPECT_EQ(replies[0].state, RunState::kPaused);
+  EXPECT_EQ(replies[0].tick, 1u);
+  EXPECT_EQ(replies[0].state_hash, endpoint.frames.back().state_hash);
+  Wait(100.0);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(frames(), 2u) << "a frame that all hold is not repeated";
+}
+
+TEST_F(ControlTest, IsPausedAtTheStartIfAsked) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_TRUE(paused());
+  Hold(1);
+  Ask(ControlCommand::kPlay);
+  EXPECT_TRUE(replies.back().done);
+  EXPECT_FALSE(paused());
+  Propose(1);
+  Propose(1);
+  EXPECT_EQ(tick(), 2u);
+}
+
+TEST_F(ControlTest, StepsSoManyTicksAndAnswersWhenAllHoldAgain) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  Hold(1);
+  Ask(ControlCommand::kStep, 3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(paused());
+    EXPECT_THAT(replies, IsEmpty());
+    Propose(1);
+  }
+  EXPECT_TRUE(paused());
+  EXPECT_THAT(replies, IsEmpty());
+  Hold(1);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].tick, 3u);
+  EXPECT_EQ(replies[0].state, RunState::kPaused);
+  EXPECT_GT(Travel(0), 0.0);
+}
+
+TEST_F(ControlTest, StepsOneAfterAnotherHoweverFastTheyAreAskedFor) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  Ask(ControlCommand::kStep, 1);
+  Ask(ControlCommand::kStep, 2);
+  Hold(1);
+  Propose(1);
+  Hold(1);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].tick, 1u);
+  Propose(1);
+  Propose(1);
+  Hold(1);
+  ASSERT_EQ(replies.size(), 2u);
+  EXPECT_EQ(replies[1].tick, 3u);
+}
+
+TEST_F(ControlTest, RefusesToStepWhileItPlaysAndToStepNothing) {
+  MakeAndStart(1);
+  Ask(ControlCommand::kStep, 1);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_FALSE(replies[0].done);
+  EXPECT_EQ(replies[0].problem, "the run is playing; only a paused one can step");
+  EXPECT_EQ(replies[0].state, RunState::kPlaying);
+  Ask(ControlCommand::kStep, 0);
+  EXPECT_EQ(replies[1].problem, "found 0 ticks to step, expected at least 1");
+}
+
+TEST_F(ControlTest, RepeatsAPausedFrameThatSomebodyMissed) {
+  options.start_paused = true;
+  MakeAndStart(2);
+  Hold(1);
+  Wait(0.2);
+  EXPECT_GT(frames(), 1u);
+  EXPECT_TRUE(paused());
+  Hold(1);
+  Hold(2);
+  Ask(ControlCommand::kPause);
+  EXPECT_TRUE(replies.back().done);
+}
+
+TEST_F(ControlTest, TakesNoLateAnswerToAPausedFrameForAProposal) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  Hold(1);
+  Ask(ControlCommand::kPlay);
+  Hold(1);
+  EXPECT_EQ(tick(), 0u);
+  Propose(1);
+  EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(ControlTest, IsNotHeldUpByAnAgentThatIsLostInAPause) {
+  options.start_paused = true;
+  MakeAndStart(2);
+  Ask(ControlCommand::kPause);
+  Hold(1);
+  EXPECT_THAT(replies, IsEmpty());
+  coordinator->OnAgentGone(2, now);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_TRUE(replies[0].done);
+}
+
+TEST_F(ControlTest, AnswersWhoWaitsWhenTheRunEnds) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  Hold(1);
+  Ask(ControlCommand::kStep, 5);
+  coordinator->Stop(now);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_FALSE(replies[0].done);
+  EXPECT_EQ(replies[0].problem, "the run is over");
+  EXPECT_EQ(replies[0].state, RunState::kOver);
+}
+
+TEST_F(ControlTest, DoesNotCatchUpTheTimeOfAPause) {
+  options.settings.speed = 1.0;
+  MakeAndStart(1);
+  Ask(ControlCommand::kPause);
+  Propose(1);
+  Hold(1);
+  Wait(10.0);
+  Ask(ControlCommand::kPlay);
+  Propose(1);
+  EXPECT_EQ(tick(), 1u) << "the next tick is due 0.1 s after the pause";
+  Wait(0.1);
+  EXPECT_EQ(tick(), 2u);
+}
+
+}  // namespace
+}  // namespace troupe::test
