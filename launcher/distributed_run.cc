@@ -29,9 +29,7 @@ constexpr auto kTimeToLeave = std::chrono::seconds(5);
 class DistributedRun {
  public:
   DistributedRun(const RunOptions& options, std::string service_program, std::string agent_program)
-      : options_(options),
-        service_program_(std::move(service_program)),
-        agents_(options, std::move(agent_program)) {}
+      : options_(options), service_program_(std::move(service_program)), agents_(options, std::move(agent_program)) {}
 
   RunEnd Run();
 

@@ -8,7 +8,9 @@
 namespace troupe {
 namespace {
 
-double ToUniform(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }
+double ToUniform(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1.0p-53;
+}
 
 }  // namespace
 
@@ -18,7 +20,9 @@ std::uint64_t RandomBits(std::initializer_list<std::uint64_t> key) {
   return hasher.value();
 }
 
-double RandomUniform(std::initializer_list<std::uint64_t> key) { return ToUniform(RandomBits(key)); }
+double RandomUniform(std::initializer_list<std::uint64_t> key) {
+  return ToUniform(RandomBits(key));
+}
 
 double RandomNormal(std::initializer_list<std::uint64_t> key) {
   Hasher hasher;

@@ -15,8 +15,12 @@ std::string Format(const SourceLocation& where, const char* severity, const std:
 
 }  // namespace
 
-std::string Error::ToString() const { return Format(where, "error", message); }
+std::string Error::ToString() const {
+  return Format(where, "error", message);
+}
 
-std::string Warning::ToString() const { return Format(where, "warning", message); }
+std::string Warning::ToString() const {
+  return Format(where, "warning", message);
+}
 
 }  // namespace troupe

@@ -2,6 +2,8 @@
 
 namespace troupe {
 
-const char* VersionText() { return TROUPE_VERSION; }
+const char* VersionText() {
+  return TROUPE_VERSION;
+}
 
 }  // namespace troupe

@@ -21,7 +21,8 @@ Result<Bitmap> ReadBitmap(const std::string& path, const PixelRule& rule) {
     return Error{where, "found something that is not a regular file, expected a PNG or PGM image"};
   }
   ImageFile file{std::unique_ptr<std::FILE, CloseFile>(std::fopen(path.c_str(), "rb")), path, 0};
-  if (!file.stream) return Error{where, std::string("cannot read the image (") + std::strerror(errno) + "), expected a readable file"};
+  if (!file.stream)
+    return Error{where, std::string("cannot read the image (") + std::strerror(errno) + "), expected a readable file"};
   const auto size = std::filesystem::file_size(path, ignored);
   file.size = ignored ? 0 : static_cast<std::int64_t>(size);
 

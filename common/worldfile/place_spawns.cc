@@ -70,7 +70,8 @@ std::vector<Tree> FindTrees(const LoadedWorld& loaded) {
     } else if (model.parent) {
       const Tree& parent = trees[model.parent->index()];
       const auto joint = joints.find(ModelId(i));
-      const Pose X_PM = joint == joints.end() ? model.X_PM : model.X_PM * JointMotion(*joint->second, joint->second->start);
+      const Pose X_PM =
+          joint == joints.end() ? model.X_PM : model.X_PM * JointMotion(*joint->second, joint->second->start);
       trees.push_back({parent.root, parent.X_RM * X_PM});
     } else {
       trees.push_back({ModelId(i), Pose{}});
@@ -140,7 +141,8 @@ class Placer {
         X_WR.x = region.min_x + random(0) * region.width();
         X_WR.y = region.min_y + random(1) * region.height();
         X_WR.heading = rule.heading ? *rule.heading : WrapAngle((2.0 * random(2) - 1.0) * kPi);
-        found = Contains(rule.region, X_WR.translation()) && HasSpacing(X_WR.translation(), rule.spacing, origins, origin_cells) &&
+        found = Contains(rule.region, X_WR.translation()) &&
+                HasSpacing(X_WR.translation(), rule.spacing, origins, origin_cells) &&
                 TryPlace(root, X_WR, spawn.origin_at_start);
       }
       if (!found) return NoRoom(rule, i);
@@ -154,9 +156,8 @@ class Placer {
 
   static bool HasSpacing(const Vec2& origin, double spacing, const std::vector<Vec2>& others, const CellMap& cells) {
     const Rectangle near{origin.x() - spacing, origin.y() - spacing, origin.x() + spacing, origin.y() + spacing};
-    return !cells.AnyNear(near, [&](std::uint32_t other) {
-      return (others[other] - origin).squaredNorm() < spacing * spacing;
-    });
+    return !cells.AnyNear(
+        near, [&](std::uint32_t other) { return (others[other] - origin).squaredNorm() < spacing * spacing; });
   }
 
   bool TryPlace(ModelId root, const Pose& X_WR, bool origin_at_start) {

@@ -31,9 +31,13 @@ std::uint64_t HashAfter(const std::string& scenario, int ticks) {
   return StateHash(state);
 }
 
-TEST(ScenarioHash, TheDemoIsTheSameAsEver) { EXPECT_EQ(HashAfter("demo.json", 400), 0x4d60662bc63dfa8du); }
+TEST(ScenarioHash, TheDemoIsTheSameAsEver) {
+  EXPECT_EQ(HashAfter("demo.json", 400), 0x4d60662bc63dfa8du);
+}
 
-TEST(ScenarioHash, TheSwarmIsTheSameAsEver) { EXPECT_EQ(HashAfter("swarm.json", 100), 0x1ea71174b811db6bu); }
+TEST(ScenarioHash, TheSwarmIsTheSameAsEver) {
+  EXPECT_EQ(HashAfter("swarm.json", 100), 0x1ea71174b811db6bu);
+}
 
 // Stage's benchmark with walls that can be hit, which its map file turns off.
 TEST(SolidCave, NoRobotIsEverInsideAWallOrAnotherRobot) {

@@ -1,4 +1,6 @@
 // Worlds that come with Stage, as they are: a process for each robot, and the same result in every other way.
+#include "tests/support/stage_worlds.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +8,6 @@
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
-#include "tests/support/stage_worlds.h"
 
 namespace troupe::test {
 namespace {

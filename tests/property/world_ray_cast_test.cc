@@ -92,9 +92,9 @@ class WorldRays {
   }
 
   void Check(const Ray& ray, const std::optional<RayHit>& hit, const std::vector<BruteForceHit>& expected) {
-    const std::string where = "from (" + std::to_string(ray.origin.x()) + ", " + std::to_string(ray.origin.y()) +
-                              ", " + std::to_string(ray.z) + ") towards (" + std::to_string(ray.direction.x()) +
-                              ", " + std::to_string(ray.direction.y()) + ")";
+    const std::string where = "from (" + std::to_string(ray.origin.x()) + ", " + std::to_string(ray.origin.y()) + ", " +
+                              std::to_string(ray.z) + ") towards (" + std::to_string(ray.direction.x()) + ", " +
+                              std::to_string(ray.direction.y()) + ")";
     ASSERT_EQ(hit.has_value(), !expected.empty()) << where;
     if (!hit) return;
     ++hits_;
@@ -124,7 +124,9 @@ void CompareIn(const std::string& path) {
 
 class StageWorldRays : public testing::TestWithParam<const char*> {};
 
-TEST_P(StageWorldRays, AgreeWithBruteForce) { CompareIn(test::StageWorldsFolder() + "/" + GetParam()); }
+TEST_P(StageWorldRays, AgreeWithBruteForce) {
+  CompareIn(test::StageWorldsFolder() + "/" + GetParam());
+}
 
 INSTANTIATE_TEST_SUITE_P(Worlds, StageWorldRays,
                          testing::Values("simple.world", "benchmark/cave.world", "uoa_robotics_lab.world"));

@@ -33,17 +33,15 @@ class BruteForceRays {
     for (const Outline& outline : outlines_) {
       if (caster && world_.robot(*caster).root == outline.root) continue;
       if (z < outline.min_z || z >= outline.max_z) continue;
-      const long double distance =
-          Distance(outline.vertices, {origin.x(), origin.y()}, {direction.x(), direction.y()});
+      const long double distance = Distance(outline.vertices, {origin.x(), origin.y()}, {direction.x(), direction.y()});
       if (distance >= 0.0L && distance <= max_distance) hits.push_back({distance, outline.model});
     }
     return hits;
   }
 
   static BruteForceHit Nearest(const std::vector<BruteForceHit>& hits) {
-    return *std::min_element(hits.begin(), hits.end(), [](const BruteForceHit& a, const BruteForceHit& b) {
-      return a.distance < b.distance;
-    });
+    return *std::min_element(hits.begin(), hits.end(),
+                             [](const BruteForceHit& a, const BruteForceHit& b) { return a.distance < b.distance; });
   }
 
  private:

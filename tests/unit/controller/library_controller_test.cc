@@ -14,7 +14,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // Where the build puts the libraries of library_variants.cc.
-std::string LibraryFolder() { return std::string(TEST_LIBRARY_FOLDER); }
+std::string LibraryFolder() {
+  return std::string(TEST_LIBRARY_FOLDER);
+}
 
 std::string Library(const std::string& variant) {
   return std::filesystem::path(LibraryFolder()) / ("libcontroller_" + variant + ".so");

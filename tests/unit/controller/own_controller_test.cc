@@ -20,8 +20,8 @@ class OwnControllerTest : public ::testing::Test {
     if (source == nullptr) GTEST_SKIP() << "TROUPE_SOURCE_DIR is not set";
     std::filesystem::create_directories(folder_);
     const std::string quoted_source = "'" + std::string(source) + "'";
-    Run("cmake -S " + quoted_source + "/examples/own_controller -B '" + folder_ + "' -DTROUPE_SOURCE_DIR=" +
-        quoted_source + " -DCMAKE_BUILD_TYPE=Debug");
+    Run("cmake -S " + quoted_source + "/examples/own_controller -B '" + folder_ +
+        "' -DTROUPE_SOURCE_DIR=" + quoted_source + " -DCMAKE_BUILD_TYPE=Debug");
     Run("cmake --build '" + folder_ + "'");
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

@@ -15,8 +15,9 @@ std::string Fault(const std::string& file, const std::string& controller) {
 TEST(CheckControllers, NamesTheLineOfAScenariosController) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << "{\"robots\": [\n  {\"model\": \"position\", \"controller\": \"wonder\"}]}";
-  EXPECT_EQ(Fault(path, ""), path + ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, idle, "
-                                    "script, wander, or the path of a shared library (.so)");
+  EXPECT_EQ(Fault(path, ""), path +
+                                 ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, idle, "
+                                 "script, wander, or the path of a shared library (.so)");
 }
 
 TEST(CheckControllers, ChecksParametersToo) {

@@ -52,8 +52,8 @@ TEST_F(MergeScansTest, LeavesOutALineThatWasCutOff) {
 
 TEST_F(MergeScansTest, LeavesOutWhatARobotStartedAgainMeasuredTwice) {
   std::string once = Line(4, "a") + Line(5, "a") + Line(5, "b") + Line(5, "c") + Line(6, "a");
-  std::string a = Write("a", Line(4, "a") + Line(5, "a") + Line(5, "b") + Line(5, "a") + Line(5, "b") + Line(5, "c") +
-                                 Line(6, "a"));
+  std::string a = Write(
+      "a", Line(4, "a") + Line(5, "a") + Line(5, "b") + Line(5, "a") + Line(5, "b") + Line(5, "c") + Line(6, "a"));
   ASSERT_FALSE(MergeScans({a}, Path("out")));
   EXPECT_EQ(Read(Path("out")), once);
 }
