@@ -52,7 +52,7 @@ std::string DescribeRobot(const RobotDescription& robot) {
 
 std::string DescribeJoint(const JointDescription& joint) {
   const bool turns = joint.type == JointType::kRevolute;
-  return fmt::format("    joint {}: {} from {} to {} {}, at most {} {}/s\n", joint.name, turns ? "turns" : "shifts",
+  return fmt::format("    joint {}: {} from {:g} to {:g} {}, at most {:g} {}/s\n", joint.name, turns ? "turns" : "shifts",
                      joint.position.min, joint.position.max, turns ? "rad" : "m", joint.max_speed, turns ? "rad" : "m");
 }
 
@@ -80,7 +80,7 @@ std::string DescribeObjects(const WorldDescription& world) {
   std::string text = fmt::format("objects: {} (gravity {} m/s^2)\n", world.objects.size(), world.gravity);
   for (ModelId id : world.objects) {
     const ModelDescription& model = world.model(id);
-    text += fmt::format("  {}: {} x {} x {} m\n", model.name, model.size_x, model.size_y, model.size_z);
+    text += fmt::format("  {}: {:g} x {:g} x {:g} m\n", model.name, model.size_x, model.size_y, model.size_z);
   }
   return text;
 }
