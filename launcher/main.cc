@@ -6,6 +6,7 @@
 #include "common/command_line/parse_command_line.h"
 #include "launcher/check_command.h"
 #include "launcher/ctl_command.h"
+#include "launcher/export_map_command.h"
 #include "launcher/run_command.h"
 #include "launcher/run_options.h"
 #include "launcher/snapshot_command.h"
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
 
   troupe::AddSnapshotCommand(app, exit_status);
   troupe::AddCtlCommand(app, exit_status);
+  troupe::AddExportMapCommand(app, exit_status);
 
   return troupe::ParseCommandLine(app, argc, argv).value_or(exit_status);
 }

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <set>
+#include <sstream>
 
 #include "common/dds/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
@@ -11,6 +14,7 @@
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
+#include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe::test {
@@ -109,6 +113,54 @@ TEST(RosRun, PublishesWhatTheRunWritesToItsFilesAndChangesNothing) {
   Finished plain = Finish(RunPen({"--no-ros", "--ticks", "300", "--hash-log", without.Path("hashes")}));
   ASSERT_EQ(plain.exit_status, 0) << plain.output;
   EXPECT_EQ(folder.Read("hashes"), without.Read("hashes"));
+}
+
+// Drives r0 by hand, stepping from a pause, and returns the hash after each step.
+std::vector<std::string> StepByService(int steps) {
+  OutputFolder folder;
+  ros::RosParticipant participant(TestRosOptions());
+  const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
+  ros::RosReader<ros::LaserScan> scans(node, "/r0/scan", ros::Stream(1000));
+  Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
+         simulation_interfaces_srv_dds__StepSimulation_Response_>
+      step(participant, "/world/step_simulation");
+  Program run = RunPen(RosArguments({"--paused", "--speed", "1", "--hash-log", folder.Path("hashes")}));
+  std::set<Tick> seen;
+  for (int i = 1; i <= steps; ++i) {
+    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
+    request.steps = 2;
+    step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
+    if (!seen.empty()) {
+      // Written before the step returned, so it must only travel.
+      EXPECT_TRUE(Eventually([&] {
+        scans.Drain([&](const ros::LaserScan& scan) { seen.insert(TickOf(scan.header.stamp)); });
+        return seen.contains(static_cast<Tick>(2 * i));
+      }));
+    }
+    scans.Drain([&](const ros::LaserScan& scan) { seen.insert(TickOf(scan.header.stamp)); });
+  }
+  EXPECT_FALSE(seen.empty());
+  Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
+         simulation_interfaces_srv_dds__GetSimulationState_Response_>
+      state(participant, "/world/get_simulation_state");
+  state.Call({}, [](const auto& response) { EXPECT_EQ(response.state.state, 2) << "paused"; });
+  Client<simulation_interfaces_srv_dds__GetEntities_Request_, simulation_interfaces_srv_dds__GetEntities_Response_>
+      entities(participant, "/world/get_entities");
+  entities.Call({}, [](const auto& response) {
+    EXPECT_THAT(dds::Strings(response.entities), testing::ElementsAre("r0", "r1", "r2", "r3"));
+  });
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  std::istringstream lines(folder.Read("hashes"));
+  std::vector<std::string> hashes;
+  for (std::string line; std::getline(lines, line);) hashes.push_back(line);
+  return hashes;
+}
+
+TEST(RosRun, StepsByServiceWithTheSameHashesTwiceAndTheSensorDataOfEachStep) {
+  const std::vector<std::string> first = StepByService(50);
+  EXPECT_EQ(first.size(), 101u);
+  EXPECT_EQ(StepByService(50), first);
 }
 
 TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {

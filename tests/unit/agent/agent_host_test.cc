@@ -106,6 +106,47 @@ TEST(AgentHostTest, AfterMissedFramesItGoesOnFromTheNewest) {
   EXPECT_EQ(service.proposals().at(1).tick, 18u);
 }
 
+// A frame of a pause.
+FrameMessage Paused(const ScriptedService& service, Tick tick) {
+  FrameMessage frame = service.Frame(tick);
+  frame.paused = true;
+  return frame;
+}
+
+TEST(AgentHostTest, HoldsAPausedFrameAndAnswersItWhenTimeGoesOn) {
+  ScriptedService service(TwoRobots());
+  service.TakeUp();
+  service.Send(&AgentHandler::OnFrame, Paused(service, 3));
+  ASSERT_THAT(service.proposals(), SizeIs(1));
+  EXPECT_TRUE(service.proposals()[0].held);
+  EXPECT_EQ(service.proposals()[0].tick, 4u);
+  EXPECT_THAT(service.proposals()[0].proposals, IsEmpty());
+  service.Send(&AgentHandler::OnFrame, Paused(service, 3));  // somebody else missed it
+  ASSERT_THAT(service.proposals(), SizeIs(2));
+  EXPECT_TRUE(service.proposals()[1].held);
+  service.SendFrame(3);
+  ASSERT_THAT(service.proposals(), SizeIs(3));
+  EXPECT_FALSE(service.proposals()[2].held);
+  EXPECT_EQ(service.proposals()[2].tick, 4u);
+  EXPECT_THAT(service.proposals()[2].proposals, SizeIs(2));
+  service.Send(&AgentHandler::OnFrame, Paused(service, 3));  // late
+  EXPECT_THAT(service.proposals(), SizeIs(3));
+}
+
+TEST(AgentHostTest, APauseChangesNoAnswer) {
+  const std::string wander = R"({"min_distance": 0.5})";
+  ScriptedService straight(TwoRobots("wander", wander));
+  ScriptedService with_pauses(TwoRobots("wander", wander));
+  straight.TakeUp();
+  with_pauses.TakeUp();
+  for (Tick tick = 0; tick < 10; ++tick) {
+    straight.SendFrame(tick);
+    with_pauses.Send(&AgentHandler::OnFrame, Paused(with_pauses, tick));
+    with_pauses.SendFrame(tick);
+    EXPECT_EQ(with_pauses.proposals().back(), straight.proposals().back());
+  }
+}
+
 TEST(AgentHostTest, AFrameOfAnotherRunIsNotAnswered) {
   ScriptedService service(TwoRobots());
   service.TakeUp();

@@ -3,55 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/ros_dds/ros_service.h"
-#include "tests/support/dds_domain.h"
+#include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe::ros {
 namespace {
 
-using test::Eventually;
+using test::Client;
 using testing::ElementsAre;
-
-// Calls a service as rmw_cyclonedds does.
-template <typename Request, typename Response>
-class Client {
- public:
-  Client(const RosParticipant& participant, const std::string& service)
-      : request_topic_(participant.participant(), "rq" + service + "Request"),
-        response_topic_(participant.participant(), "rr" + service + "Reply"),
-        writer_(participant.publisher(), request_topic_, Service()),
-        reader_(participant.subscriber(), response_topic_, Service()) {}
-
-  // Calls, and gives the answer to `check`.
-  template <typename Check>
-  void Call(Request request, const Check& check) {
-    ASSERT_TRUE(Eventually([&] {
-      return writer_.publication_matched_status().current_count > 0 &&
-             reader_.subscription_matched_status().current_count > 0;
-    }));
-    request.client_guid = 4711;
-    request.sequence_number = ++calls_;
-    writer_.write(request);
-    bool answered = false;
-    ASSERT_TRUE(Eventually([&] {
-      for (const auto sample : reader_.take()) {
-        EXPECT_EQ(sample.data().client_guid, 4711u);
-        EXPECT_EQ(sample.data().sequence_number, calls_);
-        check(sample.data());
-        answered = true;
-      }
-      return answered;
-    }));
-  }
-
- private:
-  dds::Topic<Request> request_topic_;
-  dds::Topic<Response> response_topic_;
-  dds::DataWriter<Request> writer_;
-  dds::DataReader<Response> reader_;
-  std::int64_t calls_ = 0;
-};
 
 class ParameterServicesTest : public testing::Test {
  protected:

@@ -1,0 +1,11 @@
+// `troupe export-map`: a world's map as files of ROS's map_server.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace troupe {
+
+// Adds the command; running it sets `exit_status`.
+void AddExportMapCommand(CLI::App& app, int& exit_status);
+
+}  // namespace troupe

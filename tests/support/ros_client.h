@@ -1,0 +1,53 @@
+// A client of a ROS service, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/ros_dds/ros_service.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+
+// Calls a service as rmw_cyclonedds does.
+template <typename Request, typename Response>
+class Client {
+ public:
+  Client(const ros::RosParticipant& participant, const std::string& service)
+      : request_topic_(participant.participant(), "rq" + service + "Request"),
+        response_topic_(participant.participant(), "rr" + service + "Reply"),
+        writer_(participant.publisher(), request_topic_, ros::Service()),
+        reader_(participant.subscriber(), response_topic_, ros::Service()) {}
+
+  // Calls, and gives the answer to `check`.
+  template <typename Check>
+  void Call(Request request, const Check& check) {
+    ASSERT_TRUE(Eventually([&] {
+      return writer_.publication_matched_status().current_count > 0 &&
+             reader_.subscription_matched_status().current_count > 0;
+    }));
+    request.client_guid = 4711;
+    request.sequence_number = ++calls_;
+    writer_.write(request);
+    bool answered = false;
+    ASSERT_TRUE(Eventually([&] {
+      for (const auto sample : reader_.take()) {
+        EXPECT_EQ(sample.data().client_guid, 4711u);
+        EXPECT_EQ(sample.data().sequence_number, calls_);
+        check(sample.data());
+        answered = true;
+      }
+      return answered;
+    }));
+  }
+
+ private:
+  dds::Topic<Request> request_topic_;
+  dds::Topic<Response> response_topic_;
+  dds::DataWriter<Request> writer_;
+  dds::DataReader<Response> reader_;
+  std::int64_t calls_ = 0;
+};
+
+}  // namespace troupe::test
