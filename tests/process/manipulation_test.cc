@@ -1,5 +1,6 @@
 // The scenarios with grippers give the same hash at each tick, over DDS with a process for each robot and in one process.
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
@@ -40,6 +41,22 @@ TEST(ManipulationOverDds, LabIsTheSame) {
 // Ten robots, as far as the beam has been handed over and laid down.
 TEST(ManipulationOverDds, RelayIsTheSame) {
   ExpectSameHashes("relay", "600");
+}
+
+// What the world holds is all that the new agent knows, and it is enough.
+TEST(ManipulationOverDds, AnAgentKilledWithALoadAndStartedAgainComesToTheSameEnd) {
+  OutputFolder folder;
+  Program run = Troupe({"run", WorldPath("../../../worlds/scenarios/stage_stacking.json"), "--domain",
+                        std::to_string(TestDomain()), "--speed", "10", "--lease", "0.5", "--on-agent-loss", "pause",
+                        "--headless", "--hash-log", folder.Path("hashes")});
+  run.WaitForLine("r holds box");
+  for (pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find("--robot=r") != std::string::npos) kill(child, SIGKILL);
+  }
+  Program agent({"/bin/sh", "-c", "exec " + run.WaitForLineAfter("to start it again:")});
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  EXPECT_TRUE(folder.Read("hashes") == HashesOf("stage_stacking", "210", {"--in-process"}));
 }
 
 }  // namespace
