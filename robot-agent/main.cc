@@ -5,9 +5,9 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <random>
 #include <thread>
 
+#include "common/base/random_id.h"
 #include "common/base/stop_signals.h"
 #include "common/dds/dds_transport.h"
 #include "robot-agent/program/command_line.h"
@@ -15,11 +15,6 @@
 
 namespace troupe {
 namespace {
-
-AgentId MakeAgentId() {
-  std::random_device device;
-  return (AgentId{device()} << 32) | device();
-}
 
 // Many agents may share a terminal, so each line says whose it is.
 void Report(const CommandLine& line, const std::string& text) {
@@ -53,7 +48,7 @@ int Run(const CommandLine& line) {
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
   const std::unique_ptr<Transport> transport = MakeTransport(line);
   AgentOptions options = line.agent;
-  options.agent = MakeAgentId();
+  options.agent = MakeRandomId();
   if (line.ros.on.value_or(false)) options.make_gateway = MakeRosGateway(line.ros.options);
   bool bad_request = false;
   const Result<bool> over =

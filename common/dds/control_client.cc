@@ -1,9 +1,9 @@
 #include "common/dds/control_client.h"
 
 #include <chrono>
-#include <random>
 #include <thread>
 
+#include "common/base/random_id.h"
 #include "common/dds/convert_control.h"
 #include "common/dds/data_reader.h"
 #include "common/dds/data_writer.h"
@@ -19,20 +19,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPeriod = std::chrono::microseconds(200);
-
-dds::DomainConfig ConfigOf(std::uint32_t domain, const std::string& network_interface,
-                           const std::string& service_address) {
-  dds::DomainConfig config;
-  config.domain = domain;
-  config.network_interface = network_interface;
-  config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
-  return config;
-}
-
-std::uint64_t RandomId() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
 
 }  // namespace
 
@@ -90,14 +76,14 @@ class ControlClient::Implementation {
   dds::Topic<troupe_wire_ControlReply> reply_topic_;
   dds::DataWriter<troupe_wire_Control> requests_;
   dds::DataReader<troupe_wire_ControlReply> replies_;
-  std::uint64_t client_ = RandomId();
+  std::uint64_t client_ = MakeRandomId();
   std::uint64_t number_ = 0;
 };
 
 ControlClient::ControlClient(std::uint32_t domain, const std::string& session, const std::string& network_interface,
                              const std::string& service_address)
-    : implementation_(std::make_unique<Implementation>(ConfigOf(domain, network_interface, service_address), session)) {
-}
+    : implementation_(
+          std::make_unique<Implementation>(dds::ToolConfig(domain, network_interface, service_address), session)) {}
 
 ControlClient::~ControlClient() = default;
 

@@ -49,6 +49,15 @@ std::string Peers(const DomainConfig& config) {
 
 }  // namespace
 
+DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface,
+                        const std::string& service_address) {
+  DomainConfig config;
+  config.domain = domain;
+  config.network_interface = network_interface;
+  config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
+  return config;
+}
+
 std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index) {
   return static_cast<std::uint16_t>(7400 + 250 * domain + 10 + 2 * participant_index);
 }

@@ -20,6 +20,9 @@ struct DomainConfig {
   double lease_seconds = 10.0;      // others forget a participant that is silent for longer
 };
 
+// Of a tool that looks for world services. An empty address: those of this machine.
+DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface, const std::string& service_address);
+
 // The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).
 std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index);
 

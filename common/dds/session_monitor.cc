@@ -16,19 +16,6 @@
 #include "common/dds/wait_set.h"
 
 namespace troupe {
-namespace {
-
-dds::DomainConfig MonitorConfig(std::uint32_t domain, const std::string& network_interface,
-                                const std::string& service_address) {
-  dds::DomainConfig config;
-  config.domain = domain;
-  config.network_interface = network_interface;
-  config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
-  return config;
-}
-
-}  // namespace
-
 class SessionMonitor::Implementation {
  public:
   explicit Implementation(const dds::DomainConfig& config)
@@ -112,7 +99,7 @@ class SessionMonitor::Implementation {
 
 SessionMonitor::SessionMonitor(std::uint32_t domain, const std::string& network_interface,
                                const std::string& service_address)
-    : implementation_(std::make_unique<Implementation>(MonitorConfig(domain, network_interface, service_address))) {}
+    : implementation_(std::make_unique<Implementation>(dds::ToolConfig(domain, network_interface, service_address))) {}
 
 SessionMonitor::~SessionMonitor() = default;
 

@@ -84,12 +84,6 @@ std::string CheckSensor(const RaySensorDescription& sensor) {
   return "";
 }
 
-bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
-  std::optional<ModelId> at = model;
-  while (at && *at != root) at = world.model(*at).parent;
-  return at.has_value();
-}
-
 std::string CheckRobot(const WorldDescription& world, std::size_t index) {
   const RobotDescription& robot = world.robots[index];
   if (robot.root.index() >= world.models.size()) return "its root model does not exist";

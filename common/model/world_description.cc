@@ -4,13 +4,10 @@
 
 namespace troupe {
 
-std::vector<Pose> InitialModelPoses(const WorldDescription& world) {
-  std::vector<Pose> X_WM;
-  X_WM.reserve(world.models.size());
-  for (const ModelDescription& model : world.models) {
-    X_WM.push_back(model.parent ? X_WM[model.parent->index()] * model.X_PM : model.X_PM);
-  }
-  return X_WM;
+bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
+  std::optional<ModelId> at = model;
+  while (at && *at != root) at = world.model(*at).parent;
+  return at.has_value();
 }
 
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name) {

@@ -213,8 +213,8 @@ struct WorldDescription {
   bool operator==(const WorldDescription&) const = default;
 };
 
-// Poses of all models at load, frame W, in id order.
-std::vector<Pose> InitialModelPoses(const WorldDescription& world);
+// True if the model is `root` or somewhere below it.
+bool IsInTree(const WorldDescription& world, ModelId model, ModelId root);
 
 // The robot called `name`, if there is one.
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name);

@@ -86,10 +86,7 @@ std::map<ModelId, std::vector<const ConvexPiece*>> ByModel(const std::vector<Con
 
 // A body's pieces in its own frame, with all joints at their starts.
 std::vector<ConvexPiece> PiecesAtStart(const Scene& scene, BodyId id) {
-  std::vector<double> positions;
-  for (const JointDescription& joint : scene.world().joints) positions.push_back(joint.start);
-  std::vector<Pose> X_BL;
-  scene.ComputeLinkPoses(id, positions, X_BL);
+  const std::vector<Pose> X_BL = scene.LinkPosesAtStart(id);
   const Body& body = scene.body(id);
   std::vector<ConvexPiece> pieces;
   for (std::size_t i = 0; i < body.pieces.size(); ++i) {

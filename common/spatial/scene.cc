@@ -117,14 +117,17 @@ void Scene::ComputeLinkPoses(BodyId id, std::span<const double> positions, std::
   }
 }
 
-Pose Scene::X_RM(ModelId model) const {
-  const std::uint32_t link = link_of(model);
-  if (link == 0) return X_LM(model);
+std::vector<Pose> Scene::LinkPosesAtStart(BodyId body) const {
   std::vector<double> positions;
   for (const JointDescription& joint : world_.joints) positions.push_back(joint.start);
   std::vector<Pose> X_BL;
-  ComputeLinkPoses(*body_of(model), positions, X_BL);
-  return X_BL[link] * X_LM(model);
+  ComputeLinkPoses(body, positions, X_BL);
+  return X_BL;
+}
+
+Pose Scene::X_RM(ModelId model) const {
+  const std::uint32_t link = link_of(model);
+  return link == 0 ? X_LM(model) : LinkPosesAtStart(*body_of(model))[link] * X_LM(model);
 }
 
 }  // namespace troupe

@@ -54,6 +54,7 @@ class Scene {
   const Pose& X_LM(ModelId model) const { return X_LM_[model.index()]; }
   // Poses of a body's links in its frame. `positions`: of all joints of the world, by JointId.
   void ComputeLinkPoses(BodyId body, std::span<const double> positions, std::vector<Pose>& X_BL) const;
+  std::vector<Pose> LinkPosesAtStart(BodyId body) const;
   // Pose of a robot's model in the robot's frame with all joints at their starts. REQUIRES: robot_of(model)
   Pose X_RM(ModelId model) const;
 

@@ -53,11 +53,11 @@ void GripperBuilder::CheckFingers(const GripperDraft& draft, const GripperDescri
   if (context_.diagnostics.failed()) return;
   const ModelId left = world_.joint(gripper.left).model;
   const ModelId right = world_.joint(gripper.right).model;
-  if (!draft.own && (IsBelow(left, right) || IsBelow(right, left))) {
+  if (!draft.own && (IsInTree(world_, left, right) || IsInTree(world_, right, left))) {
     Fail(draft.settings.right_finger->where, "found fingers " + Quoted(draft.settings.left_finger->name) + " and " +
                                                  Quoted(draft.settings.right_finger->name) +
                                                  ", of which one carries the other, expected two beside each other");
-  } else if (draft.settings.lift && !IsBelow(Mount(left, right), world_.joint(*gripper.lift).model)) {
+  } else if (draft.settings.lift && !IsInTree(world_, Mount(left, right), world_.joint(*gripper.lift).model)) {
     Fail(draft.settings.lift->where, "found lift " + Quoted(draft.settings.lift->name) +
                                          ", which does not move both fingers, expected one that carries them");
   }
@@ -81,11 +81,10 @@ ModelId GripperBuilder::FindModel(const GripperDraft& draft, const PartName& par
   for (const std::string& name : candidates) {
     for (std::size_t i = 0; i < world_.models.size(); ++i) {
       const ModelId top = also_on_robot ? world_.robot(draft.robot).root : draft.model;
-      if (world_.models[i].name == name && ModelId(i) != top && IsBelow(ModelId(i), top)) return ModelId(i);
+      if (world_.models[i].name == name && ModelId(i) != top && IsInTree(world_, ModelId(i), top)) return ModelId(i);
     }
   }
-  std::string message = "found no model " + Quoted(part.name) + " in gripper " +
-                        Quoted(world_.model(draft.model).name);
+  std::string message = "found no model " + Quoted(part.name) + " in gripper " + Quoted(world_.model(draft.model).name);
   if (also_on_robot) message += " or its robot";
   message += ", expected one of";
   const std::vector<std::string> names = NamesBelow(draft);
@@ -109,7 +108,7 @@ ModelId GripperBuilder::FindPad(const GripperDraft& draft, const std::optional<P
   if (context_.diagnostics.failed()) return pad;
   const SourceLocation& where = part ? part->where : draft.where;
   const Shape& shape = world_.shape(world_.model(pad).shape);
-  if (!IsBelow(pad, finger_model)) {
+  if (!IsInTree(world_, pad, finger_model)) {
     Fail(where, "found pad " + Quoted(part->name) + ", which finger " + Quoted(world_.joint(finger).name) +
                     " does not move, expected the finger or a model on it");
   } else if (shape.blocks.empty() && shape.rectangles.empty()) {
@@ -121,14 +120,8 @@ ModelId GripperBuilder::FindPad(const GripperDraft& draft, const std::optional<P
 
 ModelId GripperBuilder::Mount(ModelId left, ModelId right) const {
   ModelId mount = *world_.model(left).parent;
-  while (!IsBelow(right, mount)) mount = *world_.model(mount).parent;
+  while (!IsInTree(world_, right, mount)) mount = *world_.model(mount).parent;
   return mount;
-}
-
-bool GripperBuilder::IsBelow(ModelId model, ModelId ancestor) const {
-  std::optional<ModelId> at = model;
-  while (at && *at != ancestor) at = world_.model(*at).parent;
-  return at.has_value();
 }
 
 std::vector<std::string> GripperBuilder::NamesBelow(const GripperDraft& draft) const {
@@ -136,7 +129,7 @@ std::vector<std::string> GripperBuilder::NamesBelow(const GripperDraft& draft) c
   const std::string prefix = world_.model(draft.model).name + ".";
   std::vector<std::string> names;
   for (std::size_t i = draft.model.index() + 1; i < world_.models.size() && names.size() < kMost; ++i) {
-    if (!IsBelow(ModelId(i), draft.model)) break;
+    if (!IsInTree(world_, ModelId(i), draft.model)) break;
     const std::string& name = world_.models[i].name;
     names.push_back(name.starts_with(prefix) ? name.substr(prefix.size()) : "/" + name);
   }

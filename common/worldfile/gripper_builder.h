@@ -34,7 +34,6 @@ class GripperBuilder {
   void CheckFingers(const GripperDraft& draft, const GripperDescription& gripper);
   // What both models are mounted on.
   ModelId Mount(ModelId left, ModelId right) const;
-  bool IsBelow(ModelId model, ModelId ancestor) const;
   std::vector<std::string> NamesBelow(const GripperDraft& draft) const;
   void Fail(const SourceLocation& where, const std::string& message) { context_.diagnostics.Fail(where, message); }
 

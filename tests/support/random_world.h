@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/model/model_poses.h"
 #include "tests/support/test_world.h"
 
 namespace troupe::test {
@@ -100,7 +101,7 @@ inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::
     double radius;
   };
   std::vector<Disc> taken;
-  const std::vector<Pose> X_WM = InitialModelPoses(test.world);
+  const std::vector<Pose> X_WM = ModelPoses(test.world, InitialState(test.world));
   for (std::size_t i = 0; i < X_WM.size(); ++i) taken.push_back({X_WM[i].translation(), 1.75});
   for (std::size_t i = 0; i < robots; ++i) {
     constexpr double kRadius = 0.75;

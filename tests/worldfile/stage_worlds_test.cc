@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "common/model/model_poses.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -34,7 +35,8 @@ class StageWorlds : public testing::Test {
   // The height of a ray above the ground.
   static double RayHeight(const LoadedWorld& loaded, std::size_t robot, std::size_t ranger) {
     const RangerDescription& description = loaded.world.robots[robot].rangers[ranger];
-    return InitialModelPoses(loaded.world)[description.model.index()].z + description.sensors[0].X_MS.z;
+    return ModelPoses(loaded.world, InitialState(loaded.world))[description.model.index()].z +
+           description.sensors[0].X_MS.z;
   }
 
   std::string folder_;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 
+#include "common/model/model_poses.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -24,8 +25,9 @@ WorldDescription FullWorld() {
   return test.world;
 }
 
-TEST(InitialModelPoses, FollowTheTree) {
-  const std::vector<Pose> X_WM = InitialModelPoses(FullWorld());
+TEST(ModelPoses, FollowTheTreeAtTheStart) {
+  const WorldDescription world = FullWorld();
+  const std::vector<Pose> X_WM = ModelPoses(world, InitialState(world));
   ASSERT_EQ(X_WM.size(), 4u);
   EXPECT_EQ(X_WM[0], (Pose{1.0, 1.0, 0.0, 0.5}));
   EXPECT_EQ(X_WM[1], (X_WM[0] * Pose{0.5, 0.0, 0.1, 0.25}));

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <set>
 
+#include "common/model/model_poses.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "common/worldfile/scenario_override.h"
@@ -238,7 +239,7 @@ std::string SpawnText(const std::string& seed) {
 
 // All pieces of the model's tree in the world.
 std::vector<ConvexPiece> PiecesOf(const WorldDescription& world, ModelId root) {
-  const std::vector<Pose> poses = InitialModelPoses(world);
+  const std::vector<Pose> poses = ModelPoses(world, InitialState(world));
   std::vector<ConvexPiece> pieces;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     ModelId top(i);
