@@ -105,8 +105,8 @@ TEST(Actuators, OnNoRobotDoNotMove) {
 // Stage's: 0.2 x 0.3 x 0.2 m, paddles of 0.132 x 0.03 x 0.08 m in front.
 class StageGripper : public testing::Test {
  protected:
-  const LoadedWorld loaded_ = LoadGood(
-      "position( name \"r\" size [0.4 0.4 0.3] gripper( name \"hand\" pose [0.3 0 -0.3 0] color \"blue\" ) )");
+  const LoadedWorld loaded_ =
+      LoadGood("position( name \"r\" size [0.4 0.4 0.3] gripper( name \"hand\" pose [0.3 0 -0.3 0] color \"blue\" ) )");
   const WorldDescription& world_ = loaded_.world;
 
   Rectangle BoundsOf(const std::string& name) const {
@@ -247,6 +247,23 @@ TEST(Grippers, TakeThePartsThatTheirPropertiesName) {
   EXPECT_NEAR(gripper.beams[0].from.x(), -0.05, 1e-12);
   EXPECT_NEAR(gripper.beams[0].from.y(), 0.19, 1e-12);
   EXPECT_NEAR(gripper.beams[1].to.y(), -0.19, 1e-12);
+}
+
+TEST(Grippers, AreWrittenInJsonAlike) {
+  const WorldFolder folder;
+  folder.Write("s.json", R"({"robots": [{"name": "r", "model": "position", "children": [
+    {"model": "gripper", "properties": {"left_finger": "l", "right_finger": "r", "autosnatch": true}, "children": [
+      {"name": "l", "model": "actuator", "properties": {"axis": [0, -1, 0], "max_position": 0.1}},
+      {"name": "r", "model": "actuator", "properties": {"axis": [0, 1, 0], "max_position": 0.1}}]},
+    {"name": "hand", "model": "gripper", "properties": {"paddle_state": ["closed", "down"], "max_height": 2}}]}]})");
+  const WorldDescription world = folder.Load("s.json").world;
+  EXPECT_FALSE(Validate(world).has_value());
+  EXPECT_THAT(JointNames(world),
+              ElementsAre("gripper:0.l", "gripper:0.r", "hand.lift", "hand.left_paddle", "hand.right_paddle"));
+  ASSERT_THAT(world.grippers, SizeIs(2));
+  EXPECT_TRUE(world.grippers[0].autosnatch);
+  EXPECT_EQ(world.model(world.grippers[0].model).name, "r.gripper:0");
+  EXPECT_EQ(world.joint(world.grippers[1].left).start, world.joint(world.grippers[1].left).position.max);
 }
 
 TEST(Grippers, HaveALiftThatCarriesThemIfItIsNamed) {
