@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/base/random.h"
-#include "launcher/network_address.h"
+#include "launcher/shell_words.h"
 
 namespace troupe {
 namespace {
@@ -21,50 +21,61 @@ std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::
   return order;
 }
 
-// A word as a shell reads it.
-std::string Quoted(const std::string& word) {
-  auto plain = [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-           std::string_view("/.,:=_+-").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
-  std::string quoted = "'";
-  for (char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+// Robots that share a process.
+struct Group {
+  std::size_t site;
+  std::vector<std::string> robots;
+};
+
+// Neighbours only, so that the groups' scan files are in the order of robots.
+std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot,
+                              std::size_t packing) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (groups.empty() || groups.back().site != site_of_robot[i] || groups.back().robots.size() == packing) {
+      groups.push_back({site_of_robot[i], {}});
+    }
+    groups.back().robots.push_back(robots[i]);
+  }
+  return groups;
 }
 
 }  // namespace
 
-AgentFleet::AgentFleet(const RunOptions& options, std::string program)
-    : options_(options), program_(std::move(program)), scan_parts_(options.scans) {}
+AgentFleet::AgentFleet(const RunOptions& options) : options_(options), scan_parts_(options.scans) {}
 
-Status AgentFleet::Start(const ReadyReport& ready, int output) {
-  std::string address = LocalAddress(options_.network_interface) + ":" + std::to_string(ready.port);
+std::string AgentFleet::ScanFile(const Machine& machine, std::size_t group) const {
+  if (machine.folder().empty()) return scan_files_[group];
+  return machine.folder() + "/scans-" + std::to_string(group);
+}
+
+Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
+                         const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot) {
+  sites_ = sites;
   std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready.robots_per_process));
-  std::size_t groups = (ready.robots.size() + packing - 1) / packing;
-  for (std::size_t group = 0; group < groups && !options_.scans.empty(); ++group) {
+  std::vector<Group> groups = MakeGroups(ready.robots, site_of_robot, packing);
+  for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
+  for (std::size_t group = 0; group < groups.size() && !options_.scans.empty(); ++group) {
     Result<std::string> file = scan_parts_.Add();
     if (!file.ok()) return file.error();
     scan_files_.push_back(file.value());
   }
-  for (std::size_t group : StartOrder(groups, options_.shuffle_start)) {
-    auto first = ready.robots.begin() + static_cast<std::ptrdiff_t>(group * packing);
-    auto last =
-        ready.robots.begin() + static_cast<std::ptrdiff_t>(std::min(ready.robots.size(), (group + 1) * packing));
-    std::vector<std::string> robots(first, last);
-    std::vector<std::string> command = {program_};
-    for (std::string& word : AgentArguments(options_, address, robots, ready.ros)) command.push_back(std::move(word));
-    if (!scan_files_.empty()) command.push_back("--scans=" + scan_files_[group]);
-    std::string restart_command;
-    for (const std::string& word : command) restart_command += (restart_command.empty() ? "" : " ") + Quoted(word);
+  for (std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
+    Group& group = groups[index];
+    const AgentSite& site = sites_[group.site];
+    RunOptions options = options_;
+    options.network_interface = site.network_interface;
+    std::vector<std::string> arguments = AgentArguments(options, service_address, group.robots, ready.ros);
+    if (!scan_files_.empty()) arguments.push_back("--scans=" + ScanFile(*site.machine, index));
+    std::string restart_command = Quoted(site.machine->ProgramPath("robot-agent")) + " " + Quoted(arguments);
     if (!scan_files_.empty()) restart_command += " --keep-scans";
     if (options_.shuffle_start) {
-      double delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, group});
-      command.push_back("--start-delay=" + std::to_string(delay));
+      double delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
+      arguments.push_back("--start-delay=" + std::to_string(delay));
     }
-    Result<Process> process = Process::Start(command, output);
+    Result<std::unique_ptr<Child>> process = site.machine->Start("robot-agent", arguments, false);
     if (!process.ok()) return process.error();
-    agents_.push_back({std::move(process).value(), std::move(robots), std::move(restart_command)});
+    agents_.push_back({std::move(process).value(), site.machine, std::move(group.robots), std::move(restart_command)});
     ++running_;
   }
   return std::nullopt;
@@ -73,7 +84,7 @@ Status AgentFleet::Start(const ReadyReport& ready, int output) {
 std::vector<const AgentProcess*> AgentFleet::TakeEnded() {
   std::vector<const AgentProcess*> ended;
   for (AgentProcess& agent : agents_) {
-    if (!agent.process.Poll()) continue;
+    if (!agent.process->Poll()) continue;
     ended.push_back(&agent);
     --running_;
   }
@@ -81,20 +92,40 @@ std::vector<const AgentProcess*> AgentFleet::TakeEnded() {
 }
 
 void AgentFleet::Signal(int signal) const {
-  for (const AgentProcess& agent : agents_) agent.process.Signal(signal);
+  for (const AgentProcess& agent : agents_) agent.process->Signal(signal);
 }
 
 void AgentFleet::Kill() {
-  for (AgentProcess& agent : agents_) agent.process.Kill();
+  for (AgentProcess& agent : agents_) agent.process->Kill();
   running_ = 0;
 }
 
 double AgentFleet::peak_memory_mib() const {
   double peak = 0.0;
   for (const AgentProcess& agent : agents_) {
-    if (agent.process.end()) peak = std::max(peak, agent.process.end()->peak_memory_mib);
+    if (agent.process->end()) peak = std::max(peak, agent.process->end()->peak_memory_mib);
   }
   return peak;
+}
+
+std::map<std::string, std::string> AgentFleet::hosts() const {
+  std::map<std::string, std::string> hosts;
+  for (const AgentProcess& agent : agents_) {
+    if (agent.machine->name().empty()) continue;
+    for (const std::string& robot : agent.robots) hosts[robot] = agent.machine->name();
+  }
+  return hosts;
+}
+
+Status AgentFleet::FetchScans() {
+  Status first_failure;
+  for (std::size_t group = 0; group < scan_files_.size(); ++group) {
+    Machine& machine = *group_sites_[group]->machine;
+    if (machine.folder().empty()) continue;
+    Status failure = machine.Fetch(ScanFile(machine, group), scan_files_[group]);
+    if (failure && !first_failure) first_failure = failure;
+  }
+  return first_failure;
 }
 
 }  // namespace troupe

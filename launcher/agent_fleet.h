@@ -1,11 +1,13 @@
 // AgentFleet: the agent processes of a run.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
-#include "launcher/process.h"
+#include "launcher/machine.h"
 #include "launcher/run_options.h"
 #include "launcher/scan_parts.h"
 #include "launcher/service_report.h"
@@ -13,18 +15,27 @@
 namespace troupe {
 
 struct AgentProcess {
-  Process process;
+  std::unique_ptr<Child> process;
+  const Machine* machine;
   std::vector<std::string> robots;
   std::string restart_command;  // for a person's shell
+};
+
+// Where agents run.
+struct AgentSite {
+  Machine* machine;
+  std::string network_interface;
 };
 
 class AgentFleet {
  public:
   // The options must outlive this.
-  AgentFleet(const RunOptions& options, std::string program);
+  explicit AgentFleet(const RunOptions& options);
 
-  // Starts an agent for every `robots_per_process` robots. Children write what they say to `output`.
-  Status Start(const ReadyReport& ready, int output);
+  // Starts an agent for every `robots_per_process` robots that are neighbours and on one site; site_of_robot[i] is the
+  // index of that of ready.robots[i].
+  Status Start(const ReadyReport& ready, const std::string& service_address, const std::vector<AgentSite>& sites,
+               const std::vector<std::size_t>& site_of_robot);
 
   // The agents that ended since the last call.
   std::vector<const AgentProcess*> TakeEnded();
@@ -35,15 +46,23 @@ class AgentFleet {
 
   // Of the largest agent.
   double peak_memory_mib() const;
+  // The name of each robot's host; nothing for those on this machine.
+  std::map<std::string, std::string> hosts() const;
+  // Copies what agents on other machines wrote into the scan files here.
+  Status FetchScans();
   // The agents' scan files in the order of their robots; none without --scans.
   const std::vector<std::string>& scan_files() const { return scan_files_; }
 
  private:
+  // Where the agent writes it.
+  std::string ScanFile(const Machine& machine, std::size_t group) const;
+
   const RunOptions& options_;
-  std::string program_;
   ScanParts scan_parts_;
-  std::vector<std::string> scan_files_;
-  std::vector<AgentProcess> agents_;  // in the order of starting
+  std::vector<std::string> scan_files_;        // here
+  std::vector<AgentProcess> agents_;           // in the order of starting
+  std::vector<const AgentSite*> group_sites_;  // in the order of robots
+  std::vector<AgentSite> sites_;
   std::size_t running_ = 0;
 };
 

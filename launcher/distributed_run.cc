@@ -6,12 +6,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "launcher/agent_fleet.h"
-#include "launcher/line_pipe.h"
+#include "launcher/far_machine.h"
+#include "launcher/local_machine.h"
 #include "launcher/merge_scans.h"
-#include "launcher/process.h"
+#include "launcher/network_address.h"
+#include "launcher/place_robots.h"
 #include "launcher/progress.h"
 #include "launcher/service_report.h"
 #include "launcher/signal_watch.h"
@@ -25,16 +29,22 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTimeToEnd = std::chrono::seconds(10);
 // The same for agents after the service has ended the run: they leave at once unless they hang.
 constexpr auto kTimeToLeave = std::chrono::seconds(5);
+// For the first word from another machine.
+constexpr auto kTimeToConnect = std::chrono::seconds(30);
 
 class DistributedRun {
  public:
-  DistributedRun(const RunOptions& options, std::string service_program, std::string agent_program)
-      : options_(options), service_program_(std::move(service_program)), agents_(options, std::move(agent_program)) {}
+  explicit DistributedRun(const RunOptions& options) : options_(options), agents_(options) {}
 
   RunEnd Run();
 
  private:
+  Status ConnectHosts();
   Status StartService();
+  // Paths for the service's output, where it runs.
+  RunOptions ServiceOptions() const;
+  Status FetchOutputs();
+  Machine& ServiceMachine() const { return *(service_host_ ? machines_[1 + *service_host_] : machines_[0]); }
   void Watch();
   void WaitForAgents();
   // Handles whatever happened, after waiting for it at most until the deadline.
@@ -52,12 +62,11 @@ class DistributedRun {
   RunEnd End();
 
   const RunOptions& options_;
-  std::string service_program_;
   SignalWatch signals_;
-  LinePipe reports_;
-  LinePipe output_;  // what the children say to people
+  std::vector<std::unique_ptr<Machine>> machines_;  // this one, and then the hosts
+  std::optional<std::size_t> service_host_;
   Progress progress_;
-  std::optional<Process> service_;
+  std::unique_ptr<Child> service_;
   AgentFleet agents_;
   Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set when told to stop
@@ -71,12 +80,46 @@ class DistributedRun {
   std::optional<Error> error_;
 };
 
+Status DistributedRun::ConnectHosts() {
+  machines_.push_back(std::make_unique<LocalMachine>());
+  Result<std::vector<std::unique_ptr<FarMachine>>> hosts =
+      ConnectAll(options_.hosts, kTimeToConnect, signals_, &interrupted_);
+  if (!hosts.ok()) return hosts.error();
+  for (std::unique_ptr<FarMachine>& host : hosts.value()) machines_.push_back(std::move(host));
+  for (std::size_t i = 0; i < options_.hosts.size(); ++i) {
+    if (options_.hosts[i].service) service_host_ = i;
+  }
+  return std::nullopt;
+}
+
+RunOptions DistributedRun::ServiceOptions() const {
+  RunOptions options = options_;
+  if (!service_host_) return options;
+  options.network_interface = InterfaceOf(options_.hosts[*service_host_]);
+  options.file = std::filesystem::absolute(options_.file).lexically_normal().string();
+  const std::string folder = ServiceMachine().folder() + "/service-";
+  if (!options.hash_log.empty()) options.hash_log = folder + "hashes";
+  if (!options.poses.empty()) options.poses = folder + "poses";
+  if (!options.record.empty()) options.record = folder + "record";
+  return options;
+}
+
+Status DistributedRun::FetchOutputs() {
+  if (service_host_) {
+    const RunOptions there = ServiceOptions();
+    const std::pair<const std::string&, const std::string&> files[] = {
+        {there.hash_log, options_.hash_log}, {there.poses, options_.poses}, {there.record, options_.record}};
+    for (const auto& [from, to] : files) {
+      if (to.empty()) continue;
+      if (Status failure = ServiceMachine().Fetch(from, to)) return failure;
+    }
+  }
+  return agents_.FetchScans();
+}
+
 Status DistributedRun::StartService() {
-  std::vector<std::string> command = {service_program_};
-  for (std::string& word : ServiceArguments(options_)) command.push_back(std::move(word));
-  command.push_back("--report-fd=" + std::to_string(reports_.writing_end()));
-  Result<Process> service = Process::Start(command, output_.writing_end(), reports_.writing_end());
-  reports_.CloseWritingEnd();
+  Result<std::unique_ptr<Child>> service =
+      ServiceMachine().Start("world-service", ServiceArguments(ServiceOptions()), true);
   if (!service.ok()) return service.error();
   service_ = std::move(service).value();
   return std::nullopt;
@@ -88,10 +131,11 @@ void DistributedRun::HandleSome() {
     auto left = std::chrono::duration_cast<std::chrono::milliseconds>(*kill_at_ - Clock::now());
     timeout = std::max(0, static_cast<int>(left.count()) + 1);
   }
-  pollfd waited[] = {{signals_.descriptor(), POLLIN, 0},
-                     {output_.reading_end(), POLLIN, 0},
-                     {reports_.at_end() ? -1 : reports_.reading_end(), POLLIN, 0}};
-  poll(waited, 3, timeout);
+  std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
+  for (const auto& machine : machines_) {
+    for (int descriptor : machine->descriptors()) waited.push_back({descriptor, POLLIN, 0});
+  }
+  poll(waited.data(), waited.size(), timeout);
   if (signals_.TakeStopRequest()) {
     if (interrupted_) kill_at_ = Clock::now();  // asked twice: at once
     interrupted_ = true;
@@ -109,17 +153,20 @@ void DistributedRun::HandleSome() {
 }
 
 void DistributedRun::HandleOutput() {
-  for (const std::string& line : output_.Read()) {
-    // Of a hundred agents with the same trouble at the start one is enough.
-    bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
-    if (error && error_told_ && !started_) continue;
-    error_told_ = error_told_ || error;
-    progress_.Tell(line);
+  for (const auto& machine : machines_) {
+    for (const std::string& line : machine->TakeOutput()) {
+      // Of a hundred agents with the same trouble at the start one is enough.
+      bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
+      if (error && error_told_ && !started_) continue;
+      error_told_ = error_told_ || error;
+      progress_.Tell(machine->name().empty() ? line : machine->name() + ": " + line);
+    }
+    if (Status loss = machine->TakeLoss(); loss && !summary_) progress_.Tell(loss->ToString());
   }
 }
 
 void DistributedRun::HandleReports() {
-  for (const std::string& line : reports_.Read()) {
+  for (const std::string& line : ServiceMachine().TakeReports()) {
     std::optional<ServiceReport> report = ParseServiceReport(line);
     if (report) std::visit([this](const auto& content) { Handle(content); }, *report);
   }
@@ -128,24 +175,42 @@ void DistributedRun::HandleReports() {
 void DistributedRun::Handle(const ReadyReport& ready) {
   if (kill_at_) return;
   robots_ = ready.robots.size();
-  if (Status failure = agents_.Start(ready, output_.writing_end())) Fail(kExitFailed, failure);
+  std::vector<AgentSite> sites;
+  for (std::size_t i = 0; i < options_.hosts.size(); ++i) {
+    sites.push_back({machines_[1 + i].get(), InterfaceOf(options_.hosts[i])});
+  }
+  std::vector<std::size_t> places(robots_, 0);
+  if (sites.empty()) {
+    sites.push_back({machines_[0].get(), options_.network_interface});
+  } else {
+    Result<std::vector<std::size_t>> placed = PlaceRobots(ready.robots, options_.hosts);
+    if (!placed.ok()) return Fail(kExitBadInput, placed.error());
+    places = std::move(placed).value();
+  }
+  std::string address =
+      service_host_ ? options_.hosts[*service_host_].address : LocalAddress(options_.network_interface);
+  address += ":" + std::to_string(ready.port);
+  if (Status failure = agents_.Start(ready, address, sites, places)) Fail(kExitFailed, failure);
 }
 
 void DistributedRun::Handle(const StartedReport&) {
   started_ = true;
   startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
-  progress_.Tell(fmt::format("session {}: {} robots in {} agent processes, ready after {:.2f} s", options_.session,
-                             robots_, agents_.size(), startup_seconds_));
+  const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
+  progress_.Tell(fmt::format("session {}: {} robots in {} agent processes{}, ready after {:.2f} s", options_.session,
+                             robots_, agents_.size(), on_hosts, startup_seconds_));
 }
 
 void DistributedRun::HandleEnded(const AgentProcess& agent) {
-  const ProcessEnd& end = *agent.process.end();
+  const ProcessEnd& end = *agent.process->end();
   if (end.ok() || kill_at_ || summary_ || !service_->running()) return;
   std::string text = (agent.robots.size() == 1 ? "robot " : "robots ");
   for (const std::string& robot : agent.robots) text += (&robot == &agent.robots.front() ? "" : ", ") + robot;
-  text += ": the agent (process " + std::to_string(agent.process.pid()) + ") " + end.ToString();
+  const std::string& host = agent.machine->name();
+  const std::string on_host = host.empty() ? "" : "on host " + host + ", ";
+  text += ": the agent (" + on_host + "process " + std::to_string(agent.process->pid()) + ") " + end.ToString();
   if (started_) {
-    progress_.Tell(text + "; to start it again:\n  " + agent.restart_command);
+    progress_.Tell(text + "; to start it again" + (host.empty() ? "" : " there") + ":\n  " + agent.restart_command);
   } else if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
     Fail(end.exit_code, std::nullopt);  // it has said why
   } else {
@@ -177,7 +242,8 @@ void DistributedRun::Watch() {
     exit_status_ = kExitInterrupted;
   } else if (!end.ok() || !summary_) {
     exit_status_ = kExitFailed;
-    error_ = Error{{}, "the world service " + end.ToString()};
+    const std::string where = service_host_ ? "on host " + ServiceMachine().name() + " " : "";
+    error_ = Error{{}, "the world service " + where + end.ToString()};
   }
 }
 
@@ -186,7 +252,6 @@ void DistributedRun::WaitForAgents() {
   if (!summary_) agents_.Signal(SIGTERM);
   kill_at_ = Clock::now() + kTimeToLeave;
   while (!agents_.all_ended()) HandleSome();
-  output_.CloseWritingEnd();
   HandleOutput();
 }
 
@@ -195,20 +260,26 @@ RunEnd DistributedRun::End() {
   end.exit_status = exit_status_;
   end.error = error_;
   // Scans of a run that failed half-way may tell why.
+  Status unfetched = started_ && !options_.hosts.empty() ? FetchOutputs() : Status();
   Status unmerged = started_ && !options_.scans.empty() ? MergeScans(agents_.scan_files(), options_.scans) : Status();
   bool failed = exit_status_ != kExitDone && exit_status_ != kExitInterrupted;
   if (unmerged && !failed) return {kExitFailed, std::nullopt, unmerged};
+  if (unfetched && !failed) return {kExitFailed, std::nullopt, unfetched};
   if (!summary_ || failed) return end;
   end.outcome.emplace();
   end.outcome->run = *summary_;
   end.outcome->run.startup_seconds = startup_seconds_;
   end.outcome->processes = static_cast<std::uint32_t>(agents_.size() + 1);
   end.outcome->service_peak_memory_mib = service_->end()->peak_memory_mib;
+  end.outcome->hosts = agents_.hosts();
   end.outcome->agent_peak_memory_mib = agents_.peak_memory_mib();
   return end;
 }
 
 RunEnd DistributedRun::Run() {
+  if (Status failure = ConnectHosts()) {
+    return {interrupted_ ? kExitInterrupted : kExitFailed, std::nullopt, failure};
+  }
   if (Status failure = StartService()) return {kExitFailed, std::nullopt, failure};
   Watch();
   WaitForAgents();
@@ -218,11 +289,8 @@ RunEnd DistributedRun::Run() {
 }  // namespace
 
 RunEnd RunDistributed(const RunOptions& options) {
-  Result<std::string> service_program = FindProgram("world-service");
-  if (!service_program.ok()) return {kExitFailed, std::nullopt, service_program.error()};
-  Result<std::string> agent_program = FindProgram("robot-agent");
-  if (!agent_program.ok()) return {kExitFailed, std::nullopt, agent_program.error()};
-  return DistributedRun(options, service_program.value(), agent_program.value()).Run();
+  signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost while something is said to it
+  return DistributedRun(options).Run();
 }
 
 }  // namespace troupe

@@ -10,27 +10,14 @@
 
 namespace troupe {
 
-LinePipe::LinePipe() {
-  int ends[2];
-  TROUPE_CHECK(pipe2(ends, O_CLOEXEC) == 0);
-  reading_end_ = ends[0];
-  writing_end_ = ends[1];
-  fcntl(reading_end_, F_SETFL, O_NONBLOCK);  // children get the other end, which waits
+LineReader::LineReader(int descriptor) : descriptor_(descriptor) {
+  fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
 }
 
-LinePipe::~LinePipe() {
-  CloseWritingEnd();
-  close(reading_end_);
-}
-
-void LinePipe::CloseWritingEnd() {
-  if (writing_end_ >= 0) close(std::exchange(writing_end_, -1));
-}
-
-std::vector<std::string> LinePipe::Read() {
+std::vector<std::string> LineReader::Read() {
   char buffer[65536];
   while (!at_end_) {
-    ssize_t size = read(reading_end_, buffer, sizeof buffer);
+    ssize_t size = read(descriptor_, buffer, sizeof buffer);
     if (size < 0 && errno == EINTR) continue;
     if (size < 0) break;
     at_end_ = size == 0;
@@ -44,6 +31,25 @@ std::vector<std::string> LinePipe::Read() {
   }
   partial_.erase(0, begin);
   return lines;
+}
+
+LinePipe::Ends::Ends() {
+  int ends[2];
+  TROUPE_CHECK(pipe2(ends, O_CLOEXEC) == 0);
+  reading = ends[0];
+  writing = ends[1];
+}
+
+// Only its own end does not wait: children get the other one.
+LinePipe::LinePipe() : reader_(ends_.reading) {}
+
+LinePipe::~LinePipe() {
+  CloseWritingEnd();
+  close(ends_.reading);
+}
+
+void LinePipe::CloseWritingEnd() {
+  if (ends_.writing >= 0) close(std::exchange(ends_.writing, -1));
 }
 
 }  // namespace troupe

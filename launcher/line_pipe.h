@@ -1,4 +1,4 @@
-// LinePipe: a pipe that children write lines into and this process reads without waiting.
+// Reading lines from pipes without waiting.
 #pragma once
 
 #include <string>
@@ -6,6 +6,22 @@
 
 namespace troupe {
 
+class LineReader {
+ public:
+  // Does not own the descriptor. From now on reading it does not wait.
+  explicit LineReader(int descriptor);
+
+  // The lines that are complete by now; at the end also what is left.
+  std::vector<std::string> Read();
+  bool at_end() const { return at_end_; }
+
+ private:
+  int descriptor_;
+  bool at_end_ = false;
+  std::string partial_;
+};
+
+// A pipe that children write lines into and this process reads.
 class LinePipe {
  public:
   LinePipe();
@@ -13,20 +29,23 @@ class LinePipe {
   LinePipe(const LinePipe&) = delete;
   LinePipe& operator=(const LinePipe&) = delete;
 
-  int reading_end() const { return reading_end_; }
+  int reading_end() const { return ends_.reading; }
   // For children. Closed in this process by CloseWritingEnd, so that the pipe ends with the last child.
-  int writing_end() const { return writing_end_; }
+  int writing_end() const { return ends_.writing; }
   void CloseWritingEnd();
 
-  // The lines that are complete by now; at the pipe's end also what is left.
-  std::vector<std::string> Read();
-  bool at_end() const { return at_end_; }
+  std::vector<std::string> Read() { return reader_.Read(); }
+  bool at_end() const { return reader_.at_end(); }
 
  private:
-  int reading_end_ = -1;
-  int writing_end_ = -1;
-  bool at_end_ = false;
-  std::string partial_;
+  struct Ends {
+    Ends();
+    int reading = -1;
+    int writing = -1;
+  };
+
+  Ends ends_;
+  LineReader reader_;
 };
 
 }  // namespace troupe

@@ -7,6 +7,7 @@
 #include "launcher/check_command.h"
 #include "launcher/ctl_command.h"
 #include "launcher/export_map_command.h"
+#include "launcher/host_command.h"
 #include "launcher/run_command.h"
 #include "launcher/run_options.h"
 #include "launcher/snapshot_command.h"
@@ -48,6 +49,9 @@ int main(int argc, char** argv) {
   CLI::App* top = app.add_subcommand("top", "Show the sessions that run, and who keeps them waiting");
   AddTopOptions(*top, top_options);
   top->final_callback([&] { exit_status = troupe::TopCommand(top_options); });
+
+  CLI::App* host = app.add_subcommand("host", "Start processes for a launcher elsewhere, which starts this by itself");
+  host->final_callback([&] { exit_status = troupe::HostCommand(); });
 
   troupe::AddSnapshotCommand(app, exit_status);
   troupe::AddCtlCommand(app, exit_status);

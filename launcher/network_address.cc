@@ -10,6 +10,8 @@
 namespace troupe {
 
 std::string LocalAddress(const std::string& network_interface) {
+  in_addr address{};
+  if (inet_pton(AF_INET, network_interface.c_str(), &address) == 1) return network_interface;
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) return "127.0.0.1";
   std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(first, &freeifaddrs);

@@ -5,8 +5,8 @@
 
 namespace troupe {
 
-// The IPv4 address of a network interface by its name; of the first that reaches other machines for "auto". 127.0.0.1
-// if there is none.
+// The IPv4 address of a network interface by its name or its address; of the first that reaches other machines for
+// "auto". 127.0.0.1 if there is none.
 std::string LocalAddress(const std::string& network_interface);
 
 }  // namespace troupe

@@ -16,7 +16,7 @@ namespace troupe {
 namespace {
 
 // Between fork and exec: only calls that are safe there.
-[[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, int output, int kept) {
+[[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before the line above
   setpgid(0, 0);
@@ -24,11 +24,11 @@ namespace {
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   signal(SIGPIPE, SIG_DFL);
-  int null = open("/dev/null", O_RDONLY);
-  if (null >= 0) dup2(null, STDIN_FILENO);
-  if (null > STDERR_FILENO) close(null);
-  dup2(output, STDOUT_FILENO);
-  dup2(output, STDERR_FILENO);
+  int input = streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (input > 0) dup2(input, STDIN_FILENO);
+  if (input == 0) fcntl(input, F_SETFD, 0);
+  dup2(streams.output, STDOUT_FILENO);
+  dup2(streams.error, STDERR_FILENO);
   if (kept >= 0) fcntl(kept, F_SETFD, 0);
   execv(arguments[0], arguments);
   _exit(127);
@@ -41,13 +41,13 @@ std::string ProcessEnd::ToString() const {
   return "ended with exit status " + std::to_string(exit_code);
 }
 
-Result<Process> Process::Start(const std::vector<std::string>& command, int output, int kept) {
+Result<Process> Process::Start(const std::vector<std::string>& command, const Streams& streams, int kept) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   pid_t parent = getpid();
   pid_t pid = fork();
-  if (pid == 0) BecomeProgram(arguments.data(), parent, output, kept);
+  if (pid == 0) BecomeProgram(arguments.data(), parent, streams, kept);
   if (pid < 0) return Error{{}, "cannot start " + command[0] + ": " + strerror(errno)};
   setpgid(pid, pid);  // here too, so that the group exists before this returns
   return Process(pid);

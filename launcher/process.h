@@ -26,9 +26,19 @@ struct ProcessEnd {
 
 class Process {
  public:
+  // Descriptors for a child.
+  struct Streams {
+    int input = -1;  // -1: empty
+    int output = -1;
+    int error = -1;
+  };
+
   // Runs command[0] (a path) with the rest as arguments. Its standard input is empty; what it says on standard output
   // and standard error goes to `output`. `kept`, unless -1, stays open in the child under its number.
-  static Result<Process> Start(const std::vector<std::string>& command, int output, int kept = -1);
+  static Result<Process> Start(const std::vector<std::string>& command, int output, int kept = -1) {
+    return Start(command, {-1, output, output}, kept);
+  }
+  static Result<Process> Start(const std::vector<std::string>& command, const Streams& streams, int kept = -1);
 
   Process(Process&& other) noexcept;
   Process& operator=(Process&& other) noexcept;

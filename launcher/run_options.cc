@@ -1,5 +1,6 @@
 #include "launcher/run_options.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "common/command_line/option_checks.h"
+#include "common/worldfile/scenario.h"
 
 namespace troupe {
 namespace {
@@ -78,6 +80,7 @@ void AppendConnection(std::vector<std::string>& arguments, const RunOptions& opt
   Append(arguments, "--session", options.session);
   Append(arguments, "--domain", std::to_string(options.domain));
   Append(arguments, "--interface", options.network_interface);
+  Append(arguments, "--network", options.network);
   Append(arguments, "--lease", CLI::detail::to_string(options.lease_seconds));
   Append(arguments, "--faults", options.faults);
 }
@@ -125,7 +128,11 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(DdsDomain())
       ->type_name("D");
   add(processes, "--interface", options.network_interface,
-      "Network interface, or auto (default: lo, this machine only)")
+      "Network interface or its address, or auto (default: lo, this machine only; auto if the scenario has hosts)")
+      ->type_name("NAME");
+  add(processes, "--network", options.network,
+      "one-host, lan (with multicast) or unicast (default: as the scenario says, or by the interface)")
+      ->check(NetworkName())
       ->type_name("NAME");
   add(processes, "--lease", options.lease_seconds, "Seconds of silence after which a process is lost (default: 2)")
       ->check(PositiveNumber())
@@ -157,7 +164,20 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
 
 Status CompleteRunOptions(RunOptions& options) {
   if (options.session.empty()) options.session = OwnSession(options.file);
+  if (!options.in_process && options.file.ends_with(".json")) {
+    Result<HostsOfScenario> hosts = ReadHostsOfScenario(options.file);
+    if (!hosts.ok()) return hosts.error();
+    options.hosts = std::move(hosts.value().hosts);
+    if (options.network.empty()) options.network = hosts.value().network;
+  }
+  if (options.network_interface.empty()) options.network_interface = options.hosts.empty() ? "lo" : "auto";
   return CheckOutputs(options);
+}
+
+std::string InterfaceOf(const HostSettings& host) {
+  if (!host.network_interface.empty()) return host.network_interface;
+  in_addr address{};
+  return inet_pton(AF_INET, host.address.c_str(), &address) == 1 ? host.address : "auto";
 }
 
 void ApplyTo(RunSettings& settings, const RunOptions& options) {

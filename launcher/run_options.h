@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/command_line/ros_flags.h"
+#include "common/worldfile/host_settings.h"
 #include "common/worldfile/load_world.h"
 
 namespace troupe {
@@ -28,7 +29,9 @@ struct RunOptions {
   bool in_process = false;
   std::string session;  // empty: one of its own
   std::uint32_t domain = 42;
-  std::string network_interface = "lo";
+  std::string network_interface;    // name or address, or "auto"; empty: "lo", with hosts "auto"
+  std::string network;              // profile of common/dds/domain_config.h; empty: by the interface
+  std::vector<HostSettings> hosts;  // of the scenario; none: this machine only
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;
   bool paused = false;  // at the start
@@ -49,8 +52,8 @@ struct RunOptions {
 // Declares the options, with the checks that need only their text.
 void AddRunOptions(CLI::App& command, RunOptions& options);
 
-// Checks what involves more: output files that cannot be written, options that are not part of this build. Gives the
-// run a session name if it has none.
+// Checks what involves more: output files that cannot be written, options that are not part of this build. Reads the
+// hosts of a scenario, and gives the run a session name and a network interface if it has none.
 Status CompleteRunOptions(RunOptions& options);
 
 // Overrides a scenario's settings with the options that were given.
@@ -63,5 +66,8 @@ std::vector<std::string> ServiceArguments(const RunOptions& options);
 // its robots to ROS 2.
 std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
                                         const std::vector<std::string>& robots, bool ros);
+
+// The network interface for processes on a host.
+std::string InterfaceOf(const HostSettings& host);
 
 }  // namespace troupe

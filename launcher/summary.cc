@@ -36,7 +36,9 @@ std::string SummaryText(const RunOutcome& outcome) {
   if (!run.slowest.empty()) {
     std::vector<std::string> slowest;
     for (const SlowRobot& slow : run.slowest) {
-      slowest.push_back(fmt::format("{} (last {} times, {:.3f} s)", slow.robot, slow.times_last, slow.waited_seconds));
+      auto host = outcome.hosts.find(slow.robot);
+      std::string name = slow.robot + (host == outcome.hosts.end() ? "" : " on " + host->second);
+      slowest.push_back(fmt::format("{} (last {} times, {:.3f} s)", name, slow.times_last, slow.waited_seconds));
     }
     text += "slowest robots: " + ListText(slowest) + "\n";
   }
@@ -50,6 +52,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
   for (const SlowRobot& slow : run.slowest) {
     slowest.push_back(
         {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
+    if (auto host = outcome.hosts.find(slow.robot); host != outcome.hosts.end()) slowest.back()["host"] = host->second;
   }
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "world-service/service/run_summary.h"
@@ -10,9 +11,10 @@ namespace troupe {
 
 struct RunOutcome {
   RunSummary run;
-  std::uint32_t processes = 1;           // that simulated: service and agents
-  double service_peak_memory_mib = 0.0;  // largest resident size; of the only process, if there is but one
-  double agent_peak_memory_mib = 0.0;    // of the largest agent; 0: no agent was a process of its own
+  std::uint32_t processes = 1;               // that simulated: service and agents
+  std::map<std::string, std::string> hosts;  // by robot; empty: all on this machine
+  double service_peak_memory_mib = 0.0;      // largest resident size; of the only process, if there is but one
+  double agent_peak_memory_mib = 0.0;        // of the largest agent; 0: no agent was a process of its own
 };
 
 // Several lines, each ended.

@@ -35,6 +35,7 @@ std::unique_ptr<Transport> MakeTransport(const CommandLine& line) {
   options.domain = line.domain;
   options.session = line.session;
   options.network_interface = line.network_interface;
+  options.network = line.network;
   options.service_address = line.service_address;
   options.lease_seconds = line.lease_seconds;
   options.on_problem = [&line](const std::string& problem) { Report(line, "warning: " + problem); };

@@ -37,6 +37,7 @@ int Run(const CommandLine& line, Reporter& reporter) {
   dds.domain = line.domain;
   dds.session = line.session;
   dds.network_interface = line.network_interface;
+  dds.network = line.network;
   dds.lease_seconds = options.lease_seconds;
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   std::uint16_t port = 0;

@@ -86,6 +86,10 @@ CLI::Validator DdsDomain() {
   return WholeNumber(0, 230);
 }
 
+CLI::Validator NetworkName() {
+  return OneOf({"one-host", "lan", "unicast"});
+}
+
 CLI::Validator FaultsValue() {
   auto check = [](const std::string& text) {
     Result<Faults> parsed = ParseFaults(text);

@@ -26,6 +26,9 @@ CLI::Validator SessionName();
 // Those for which Cyclone has ports.
 CLI::Validator DdsDomain();
 
+// A network profile (common/dds/domain_config.h).
+CLI::Validator NetworkName();
+
 // What ParseFaults (common/protocol/faulty_transport.h) takes.
 CLI::Validator FaultsValue();
 

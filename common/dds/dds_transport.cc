@@ -81,6 +81,7 @@ std::unique_ptr<Transport> MakeDdsServiceTransport(const DdsOptions& options, st
   DomainConfig config;
   config.domain = options.domain;
   config.network_interface = options.network_interface;
+  config.network = options.network;
   config.lease_seconds = options.lease_seconds;
   // The first free index, found by trying: Cyclone could find one itself, but does not tell which.
   for (std::uint32_t index = 0; index < kServicesOfMachine; ++index) {
@@ -104,6 +105,7 @@ std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options) {
   DomainConfig config;
   config.domain = options.domain;
   config.network_interface = options.network_interface;
+  config.network = options.network;
   config.lease_seconds = options.lease_seconds;
   config.discovery_multicast = false;
   config.peers = {options.service_address.empty() ? "127.0.0.1" : options.service_address};

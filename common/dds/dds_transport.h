@@ -14,7 +14,8 @@ namespace troupe {
 struct DdsOptions {
   std::uint32_t domain = 42;             // simulation domain, 0 to 230; ROS 2 uses another one
   std::string session;                   // DDS partition: runs in different sessions never meet; no "*" or "?" in it
-  std::string network_interface = "lo";  // name of a network interface; "auto": Cyclone's choice
+  std::string network_interface = "lo";  // name or address of a network interface; "auto": Cyclone's choice
+  std::string network;                   // profile of domain_config.h; empty: by the interface
   std::string service_address;           // agents: where the service is, "host" or "host:port"; empty: on this machine
   double lease_seconds = 2.0;            // who is silent for longer is gone
   // Told, in one line and on any thread, of each message that was ignored because it was malformed, or could not be

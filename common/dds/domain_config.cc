@@ -1,5 +1,13 @@
 #include "common/dds/domain_config.h"
 
+#include <arpa/inet.h>
+
+#include <map>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "common/dds/network_profiles.h"
+
 namespace troupe::dds {
 namespace {
 
@@ -22,18 +30,15 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-std::string NetworkInterface(const DomainConfig& config) {
-  if (config.network_interface == "auto") return R"(<NetworkInterface autodetermine="true"/>)";
-  // Cyclone takes the loopback interface for one without multicast unless told.
-  const char* multicast = config.network_interface == "lo" ? R"( multicast="true")" : "";
-  return R"(<NetworkInterface name=")" + Escaped(config.network_interface) + "\"" + multicast + "/>";
+bool IsAddress(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
 }
 
-// A datagram on the loopback interface may be 64 KiB long; elsewhere Cyclone's default, which fits an Ethernet packet,
-// keeps the network from cutting datagrams up.
-std::string MessageSizes(const DomainConfig& config) {
-  if (config.network_interface != "lo") return "";
-  return "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
+// An attribute.
+std::string Interface(const std::string& name) {
+  if (name == "auto") return R"(autodetermine="true")";
+  return (IsAddress(name) ? "address=\"" : "name=\"") + Escaped(name) + "\"";
 }
 
 std::string Multicast(const DomainConfig& config) {
@@ -44,7 +49,7 @@ std::string Multicast(const DomainConfig& config) {
 std::string Peers(const DomainConfig& config) {
   std::string peers;
   for (const std::string& peer : config.peers) peers += R"(<Peer address=")" + Escaped(peer) + R"("/>)";
-  return peers.empty() ? "" : "<Peers>" + peers + "</Peers>";
+  return peers;
 }
 
 }  // namespace
@@ -62,33 +67,32 @@ std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_inde
   return static_cast<std::uint16_t>(7400 + 250 * domain + 10 + 2 * participant_index);
 }
 
+std::string NetworkProfile(const DomainConfig& config) {
+  if (!config.network.empty()) return config.network;
+  return config.network_interface == "lo" || config.network_interface.starts_with("127.") ? "one-host" : "lan";
+}
+
 std::string ToXml(const DomainConfig& config) {
-  const std::string index = config.participant_index ? std::to_string(*config.participant_index) : "none";
-  const std::string lease = std::to_string(config.lease_seconds) + "s";
-  std::string xml = R"(<CycloneDDS><Domain Id="any">)";
-  xml += "<General><Interfaces>" + NetworkInterface(config) + "</Interfaces>";
-  xml += "<AllowMulticast>" + Multicast(config) + "</AllowMulticast>";
-  xml += MessageSizes(config) + "</General>";
-  xml += "<Discovery><ExternalDomainId>" + std::to_string(config.domain) + "</ExternalDomainId>";
-  xml += "<ParticipantIndex>" + index + "</ParticipantIndex>";
-  xml += "<MaxAutoParticipantIndex>" + std::to_string(kPeerPortsTried - 1) + "</MaxAutoParticipantIndex>";
-  xml += Peers(config) + "<LeaseDuration>" + lease + "</LeaseDuration></Discovery>";
-  // In lockstep the next message acknowledges the one before, so heartbeats may be rare: they cost a datagram from each
-  // agent. They must not be too rare either, because a lost message is only noticed by the next one. The watermark of
-  // what is not acknowledged is out of reach: a write must never wait for the thread that it may itself be running on.
-  xml +=
-      "<Internal>"
-      R"(<HeartbeatInterval min="20ms" minsched="100ms" max="1s">100ms</HeartbeatInterval>)"
-      "<AckDelay>10ms</AckDelay>"
-      "<NackDelay>10ms</NackDelay>"
-      "<MultipleReceiveThreads>true</MultipleReceiveThreads>"
-      "<Watermarks><WhcHigh>64MB</WhcHigh><WhcHighInit>64MB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
-      "</Internal>";
-  // Smaller than Cyclone's defaults: an agent's memory counts once for each robot.
-  xml += "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize>";
-  xml += "<ReceiveBufferChunkSize>128KiB</ReceiveBufferChunkSize></Sizing>";
-  xml += "</Domain></CycloneDDS>";
-  return xml;
+  const std::string profile = NetworkProfile(config);
+  const std::map<std::string_view, std::string> words = {
+      {"INTERFACE", Interface(config.network_interface)},
+      {"MULTICAST", Multicast(config)},
+      {"DOMAIN", std::to_string(config.domain)},
+      {"PARTICIPANT_INDEX", config.participant_index ? std::to_string(*config.participant_index) : "none"},
+      {"LAST_INDEX_TRIED", std::to_string(kPeerPortsTried - 1)},
+      {"PEERS", Peers(config)},
+      {"LEASE", std::to_string(config.lease_seconds) + "s"},
+  };
+  std::string_view rest = profile == "one-host" ? kOneHostProfile : profile == "lan" ? kLanProfile : kUnicastProfile;
+  std::string xml;
+  for (std::size_t mark; (mark = rest.find('@')) != std::string_view::npos;) {
+    const std::size_t end = rest.find('@', mark + 1);
+    TROUPE_CHECK(end != std::string_view::npos);
+    xml += rest.substr(0, mark);
+    xml += words.at(rest.substr(mark + 1, end - mark - 1));
+    rest.remove_prefix(end + 1);
+  }
+  return xml.append(rest);
 }
 
 }  // namespace troupe::dds

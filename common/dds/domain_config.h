@@ -1,5 +1,5 @@
-// DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. docs/qos.md gives the
-// reasons.
+// DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. The files in configs/cyclone,
+// one for each profile, give the reasons.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace troupe::dds {
 
 struct DomainConfig {
   std::uint32_t domain = 0;              // 0..230
-  std::string network_interface = "lo";  // a name; "auto": Cyclone's choice
+  std::string network_interface = "lo";  // a name or an IPv4 address; "auto": Cyclone's choice
+  std::string network;                   // a profile: "one-host", "lan", "unicast"; empty: by the interface
   // A number fixes the ports, so that others can name this participant as a peer; without one it takes any free port.
   std::optional<std::uint32_t> participant_index;
   bool data_multicast = true;       // to many readers at once
@@ -28,6 +29,9 @@ std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_inde
 
 // Peers without a port are looked for at the discovery ports of this many participant indices.
 inline constexpr std::uint32_t kPeerPortsTried = 10;
+
+// The profile that `config` asks for, or that suits its interface: "one-host" on the loopback interface, else "lan".
+std::string NetworkProfile(const DomainConfig& config);
 
 std::string ToXml(const DomainConfig& config);
 

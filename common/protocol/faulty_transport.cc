@@ -42,7 +42,13 @@ class FaultyLine {
  private:
   double Draw() { return RandomUniform({faults_.seed, stream_, draws_++}); }
   bool Happens(double probability) { return probability > 0.0 && Draw() < probability; }
-  double Delay() { return Happens(faults_.delay_probability) ? Draw() * faults_.delay_seconds : 0.0; }
+  double Delay() {
+    double delay = Happens(faults_.delay_probability) ? Draw() * faults_.delay_seconds : 0.0;
+    if (faults_.latency_seconds > 0.0) {
+      delay += faults_.latency_seconds * (1.0 + faults_.latency_jitter * (2.0 * Draw() - 1.0));
+    }
+    return delay;
+  }
 
   DeliveryThread& delivery_;
   const Faults faults_;
@@ -191,11 +197,22 @@ Status ParseFault(std::string_view item, Faults& faults) {
     faults.delay_seconds = *seconds;
     return std::nullopt;
   }
+  if (name == "latency") {
+    const std::size_t colon = value.find(':');
+    const auto seconds = ParseNumber<double>(value.substr(0, colon));
+    const auto jitter = colon == std::string_view::npos ? 0.0 : ParseProbability(value.substr(colon + 1));
+    if (!seconds || !(*seconds >= 0.0 && *seconds <= 60.0) || !jitter) {
+      return FaultError(item, "latency=SECONDS:JITTER with seconds from 0 to 60 and a jitter from 0 to 1");
+    }
+    faults.latency_seconds = *seconds;
+    faults.latency_jitter = *jitter;
+    return std::nullopt;
+  }
   double* const probability = name == "loss"        ? &faults.loss
                               : name == "duplicate" ? &faults.duplicate
                               : name == "reorder"   ? &faults.reorder
                                                     : nullptr;
-  if (probability == nullptr) return FaultError(item, "loss, duplicate, reorder, delay or seed");
+  if (probability == nullptr) return FaultError(item, "loss, duplicate, reorder, delay, latency or seed");
   const auto parsed = ParseProbability(value);
   if (!parsed) return FaultError(item, "a probability from 0 to 1 after the equals sign");
   *probability = *parsed;

@@ -100,6 +100,14 @@ Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
   return std::nullopt;
 }
 
+Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  Result<ScenarioFile> file = ReadText(text.value(), path, {}, ScenarioTools{});
+  if (!file.ok()) return file.error();
+  return std::move(file.value().hosts);
+}
+
 Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
                                      const ScenarioTools& tools) {
   const Result<ScenarioFile> read = ReadText(text, path, overrides, tools);

@@ -7,6 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/worldfile/build_world.h"
+#include "common/worldfile/host_settings.h"
 #include "common/worldfile/load_world.h"
 #include "common/worldfile/place_spawns.h"
 #include "common/worldfile/scenario_file.h"
@@ -21,6 +22,9 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
 // Checks what can be checked without reading the world that the scenario names: its form, and its controllers by
 // `overrides.check_controller`.
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides);
+
+// The machines that a scenario names.
+Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path);
 
 // The tree of a Stage world or include file, or (by its ending) of a ROS map.
 Result<WorldTree> ReadWorldTree(const std::string& path);

@@ -35,6 +35,8 @@ class Reader {
   bool ReadRegion(const json& region, Polygon* result);
   bool ReadSpawn(const json& object, SpawnEntry* spawn);
   bool ReadOverride(const json& object, OverrideEntry* entry);
+  bool ReadHost(const json& entry, HostSettings* host);
+  bool ReadHosts(const json& root, HostsOfScenario* result);
 
   std::string FromScenarioFolder(const std::string& path) const {
     const std::filesystem::path relative(path);
@@ -206,8 +208,48 @@ bool Reader::ReadSettings(const json& root, ScenarioFile* file) {
   }
   if (root.contains("agent_deadline")) settings.agent_deadline_seconds = root["agent_deadline"].get<double>();
   if (root.contains("ros")) settings.ros = root["ros"].get<bool>();
-  if (const auto hosts = root.find("hosts"); hosts != root.end()) {
-    file->warnings.push_back({document_.WhereKey(*hosts), "'hosts' is not used yet"});
+  return ReadHosts(root, &file->hosts);
+}
+
+bool Reader::ReadHost(const json& entry, HostSettings* host) {
+  host->where = document_.Where(entry);
+  if (entry.is_string()) {
+    host->name = host->address = entry.get<std::string>();
+    return true;
+  }
+  const auto text = [&](const char* key) { return entry.value(key, std::string()); };
+  host->address = text("address");
+  host->name = entry.value("name", host->address);
+  host->start = text("start");
+  host->programs = text("programs");
+  host->network_interface = text("interface");
+  host->service = entry.value("service", false);
+  if (!host->start.empty() && host->start.find("{command") == std::string::npos) {
+    return Fail(entry["start"], "found no '{command}' in this text, expected one, or '{command_text}'");
+  }
+  const auto robots = entry.find("robots");
+  if (robots == entry.end()) return true;
+  if (robots->is_array()) {
+    for (const json& name : *robots) host->robot_names.push_back(name.get<std::string>());
+  }
+  if (!robots->is_array() || robots->empty()) host->robot_count = robots->is_array() ? 0 : robots->get<std::uint32_t>();
+  return true;
+}
+
+bool Reader::ReadHosts(const json& root, HostsOfScenario* result) {
+  result->network = root.value("network", std::string());
+  const auto hosts = root.find("hosts");
+  if (hosts == root.end()) return true;
+  for (const json& entry : *hosts) {
+    HostSettings host;
+    if (!ReadHost(entry, &host)) return false;
+    for (const HostSettings& other : result->hosts) {
+      if (other.name == host.name) return Fail(entry, "found a second host '" + host.name + "', expected another name");
+      if (other.service && host.service) {
+        return Fail(entry["service"], "found a second host with the world service, expected it on one host");
+      }
+    }
+    result->hosts.push_back(std::move(host));
   }
   return true;
 }

@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/geometry/polygon.h"
 #include "common/geometry/pose.h"
+#include "common/worldfile/host_settings.h"
 #include "common/worldfile/json_document.h"
 #include "common/worldfile/load_world.h"
 #include "common/worldfile/world_tree.h"
@@ -68,6 +69,7 @@ struct ScenarioFile {
   std::vector<PlacedText> includes;
   std::optional<std::uint64_t> seed;
   RunSettings settings;
+  HostsOfScenario hosts;
   std::optional<ControllerEntry> controller;
   std::vector<Property> properties;  // of the world
   std::vector<ModelEntry> models;

@@ -21,7 +21,11 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& faults) {
   app.add_option("--domain", line.domain, "DDS domain")->check(DdsDomain())->capture_default_str();
   app.add_option("--service", line.service_address, "where the world service is; default: this machine")
       ->type_name("HOST[:PORT]");
-  app.add_option("--interface", line.network_interface, "network interface, or auto; default: lo, with --service auto")
+  app.add_option("--interface", line.network_interface,
+                 "network interface or its address, or auto; default: lo, with --service auto")
+      ->type_name("NAME");
+  app.add_option("--network", line.network, "one-host, lan or unicast; default: by the interface")
+      ->check(NetworkName())
       ->type_name("NAME");
   app.add_option("--lease", line.lease_seconds, "who is silent for longer is lost")
       ->check(PositiveNumber())

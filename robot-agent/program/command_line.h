@@ -18,6 +18,7 @@ struct CommandLine {
   std::uint32_t domain = 42;
   std::string service_address;    // "host" or "host:port"; empty: on this machine
   std::string network_interface;  // a name, or "auto"
+  std::string network;            // profile of common/dds/domain_config.h; empty: by the interface
   double lease_seconds = 2.0;
   RosFlags ros;
   Faults faults;                   // for tests

@@ -75,12 +75,22 @@ std::vector<BadScenario> BadScenarios() {
       {"NoObject", "[1, 2]", ":1:1: error: found an array of 2, expected an object with the keys of a scenario"},
       {"UnknownKey", "{\"wolrd\": \"office.world\"}",
        ":1:2: error: found the key 'wolrd', expected one of $schema, agent_deadline, controller, hosts, include, mode, "
-       "models, name, on_agent_loss, override, properties, robots, robots_per_process, ros, seed, spawn, speed, ticks, "
+       "models, name, network, on_agent_loss, override, properties, robots, robots_per_process, ros, seed, spawn, "
+       "speed, ticks, "
        "world"},
       {"UnknownKeyOfARobot", Alone("\"robots\": [{\"name\": \"r0\",\n  \"position\": [0, 0, 0]}]"),
        ":3:3: error: found the key 'position', expected one of children, controller, model, name, pose, properties"},
       {"UnknownKeyOfAController", Alone("\"controller\": {\"name\": \"idle\", \"speed\": 1}"),
        ":2:32: error: found the key 'speed', expected one of name, parameters"},
+      {"HostWithoutAddress", Alone("\"hosts\": [{\"name\": \"h1\"}]"),
+       ":2:11: error: found no 'address' in this object, expected an IPv4 address or the name of a host"},
+      {"StartOfAHostWithoutCommand", Alone("\"hosts\": [{\"address\": \"h1\", \"start\": \"ssh h1\"}]"),
+       ":2:40: error: found no '{command}' in this text, expected one, or '{command_text}'"},
+      {"TwoHostsOfOneName", Alone("\"hosts\": [\"h1\", {\"address\": \"10.0.0.1\", \"name\": \"h1\"}]"),
+       ":2:17: error: found a second host 'h1', expected another name"},
+      {"TwoHostsWithTheService",
+       Alone("\"hosts\": [{\"address\": \"a\", \"service\": true},\n  {\"address\": \"b\", \"service\": true}]"),
+       ":3:30: error: found a second host with the world service, expected it on one host"},
       {"WorldIsNumber", "{\"world\": 7}",
        ":1:11: error: found the number 7, expected the path of a .world or .yaml file, from the scenario's folder"},
       {"WorldIsEmpty", "{\"world\": \"\"}",

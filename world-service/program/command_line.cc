@@ -35,7 +35,11 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& speed, std::strin
       ->check(SessionName())
       ->capture_default_str();
   app.add_option("--domain", line.domain, "DDS domain")->check(DdsDomain())->capture_default_str();
-  app.add_option("--interface", line.network_interface, "network interface, or auto")->capture_default_str();
+  app.add_option("--interface", line.network_interface, "network interface or its address, or auto")
+      ->capture_default_str();
+  app.add_option("--network", line.network, "one-host, lan or unicast; default: by the interface")
+      ->check(NetworkName())
+      ->type_name("NAME");
   AddChoice<OnAgentLoss>(
       app, "--on-agent-loss", line.on_agent_loss,
       {{"freeze", OnAgentLoss::kFreeze}, {"pause", OnAgentLoss::kPause}, {"abort", OnAgentLoss::kAbort}},

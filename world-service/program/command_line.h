@@ -20,6 +20,7 @@ struct CommandLine {
   std::string session = "troupe";
   std::uint32_t domain = 42;
   std::string network_interface = "lo";
+  std::string network;     // profile of common/dds/domain_config.h; empty: by the interface
   ServiceOptions service;  // without the settings: those come from the world, and then from here
   RosFlags ros;
   std::optional<int> report_fd;

@@ -75,6 +75,35 @@ TEST(DomainConfigTest, DiscoveryPortsFollowTheStandard) {
   EXPECT_EQ(7400 + 250 * 42 + 10 + 2 * 7, DiscoveryPort(42, 7));
 }
 
+TEST(DomainConfigTest, TheProfileSuitsTheInterfaceUnlessOneIsAskedFor) {
+  DomainConfig config;
+  EXPECT_EQ("one-host", NetworkProfile(config));
+  config.network_interface = "eth0";
+  EXPECT_EQ("lan", NetworkProfile(config));
+  EXPECT_NE(std::string::npos, ToXml(config).find("<FragmentSize>1344B"));
+  config.network = "unicast";
+  EXPECT_EQ("unicast", NetworkProfile(config));
+  EXPECT_NE(std::string::npos, ToXml(config).find("<AllowMulticast>false<"));
+}
+
+TEST(DomainConfigTest, AnInterfaceIsNamedOrAddressed) {
+  DomainConfig config;
+  EXPECT_NE(std::string::npos, ToXml(config).find("<NetworkInterface name=\"lo\" multicast"));
+  config.network_interface = "10.0.0.5";
+  EXPECT_NE(std::string::npos, ToXml(config).find("<NetworkInterface address=\"10.0.0.5\"/>"));
+  config.network_interface = "auto";
+  EXPECT_NE(std::string::npos, ToXml(config).find("<NetworkInterface autodetermine=\"true\"/>"));
+}
+
+TEST(DomainConfigTest, EveryProfileIsGoodForCyclone) {
+  for (const char* profile : {"one-host", "lan", "unicast"}) {
+    DomainConfig config = TestConfig();
+    config.network = profile;
+    EXPECT_NO_THROW(DomainParticipant participant(config)) << profile;
+    EXPECT_EQ(std::string::npos, ToXml(config).find('@')) << profile;
+  }
+}
+
 TEST(DomainConfigTest, TextFromUsersStaysInsideItsAttribute) {
   DomainConfig config;
   config.peers = {"host\"/><Evil a=\"<&"};

@@ -118,13 +118,16 @@ TEST(FaultyTransport, DelaysMessagesAndDeliversAllOfThem) {
 }
 
 TEST(ParseFaults, ReadsEveryField) {
-  const Result<Faults> faults = ParseFaults("loss=0.1,duplicate=0.05,reorder=0.2,delay=0.3:0.005,seed=7");
+  const Result<Faults> faults =
+      ParseFaults("loss=0.1,duplicate=0.05,reorder=0.2,delay=0.3:0.005,latency=0.01:0.2,seed=7");
   ASSERT_TRUE(faults.ok());
   EXPECT_EQ(faults.value().loss, 0.1);
   EXPECT_EQ(faults.value().duplicate, 0.05);
   EXPECT_EQ(faults.value().reorder, 0.2);
   EXPECT_EQ(faults.value().delay_probability, 0.3);
   EXPECT_EQ(faults.value().delay_seconds, 0.005);
+  EXPECT_EQ(faults.value().latency_seconds, 0.01);
+  EXPECT_EQ(faults.value().latency_jitter, 0.2);
   EXPECT_EQ(faults.value().seed, 7u);
 }
 
@@ -135,9 +138,9 @@ TEST(ParseFaults, OfNothingIsNoFaults) {
 }
 
 TEST(ParseFaults, SaysWhatWasFoundAndWhatWasExpected) {
-  for (const char* bad :
-       {"loss", "loss=", "loss=2", "loss=-0.1", "loss=nan", "loss=0.1x", "delay=0.1", "delay=0.1:", "delay=0.1:-1",
-        "delay=2:0.1", "delay=0.1:nan", "seed=-1", "seed=x", "speed=1", "loss=0.1,,"}) {
+  for (const char* bad : {"loss", "loss=", "loss=2", "loss=-0.1", "loss=nan", "loss=0.1x", "delay=0.1",
+                          "delay=0.1:", "delay=0.1:-1", "delay=2:0.1", "delay=0.1:nan", "latency=-1", "latency=1:2",
+                          "latency=x", "seed=-1", "seed=x", "speed=1", "loss=0.1,,"}) {
     const Result<Faults> faults = ParseFaults(bad);
     ASSERT_FALSE(faults.ok()) << bad;
     EXPECT_THAT(faults.error().message, HasSubstr("expected")) << bad;

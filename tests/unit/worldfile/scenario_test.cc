@@ -197,13 +197,36 @@ TEST(Scenario, WarningsCarryTheirPlace) {
   const LoadedWorld loaded = MustLoad(
       "{\"models\": [\n"
       "  {\"model\": \"model\", \"properties\": {\n"
-      "    \"colour\": \"red\"}}],\n"
-      " \"hosts\": [\"alpha\"]}");
+      "    \"colour\": \"red\"}}]}");
   std::vector<std::string> warnings;
   for (const Warning& warning : loaded.warnings) warnings.push_back(warning.ToString());
-  EXPECT_THAT(warnings, testing::Contains(testing::HasSubstr("test.json:4:2: warning: 'hosts' is not used yet")));
   EXPECT_THAT(warnings,
               testing::Contains(testing::AllOf(testing::HasSubstr("test.json:3:"), testing::HasSubstr("colour"))));
+}
+
+TEST(Scenario, NamesTheHostsThatItRunsOn) {
+  const std::string path = testing::TempDir() + "scenario_test_hosts.json";
+  std::ofstream(path) << R"({"network": "unicast", "hosts": ["alpha",
+    {"address": "10.0.0.2", "name": "beta", "start": "on beta {command}", "programs": "/opt/bin", "interface": "eth1",
+     "service": true, "robots": ["r*", "x"]},
+    {"address": "10.0.0.3", "robots": 7}]})";
+  const Result<HostsOfScenario> read = ReadHostsOfScenario(path);
+  ASSERT_TRUE(read.ok()) << read.error().ToString();
+  EXPECT_EQ(read.value().network, "unicast");
+  const std::vector<HostSettings>& hosts = read.value().hosts;
+  ASSERT_EQ(hosts.size(), 3u);
+  EXPECT_EQ(hosts[0].name, "alpha");
+  EXPECT_EQ(hosts[0].address, "alpha");
+  EXPECT_FALSE(hosts[0].robot_count);
+  EXPECT_EQ(hosts[1].name, "beta");
+  EXPECT_EQ(hosts[1].start, "on beta {command}");
+  EXPECT_EQ(hosts[1].programs, "/opt/bin");
+  EXPECT_EQ(hosts[1].network_interface, "eth1");
+  EXPECT_TRUE(hosts[1].service);
+  EXPECT_THAT(hosts[1].robot_names, testing::ElementsAre("r*", "x"));
+  EXPECT_EQ(hosts[1].where.line, 2);
+  EXPECT_EQ(hosts[2].name, "10.0.0.3");
+  EXPECT_EQ(hosts[2].robot_count, 7u);
 }
 
 TEST(Scenario, GlobsMatchAsInAShell) {

@@ -1,0 +1,27 @@
+// LocalMachine: processes as children of this one.
+#pragma once
+
+#include "launcher/line_pipe.h"
+#include "launcher/machine.h"
+
+namespace troupe {
+
+class LocalMachine : public Machine {
+ public:
+  const std::string& name() const override { return none_; }
+  const std::string& folder() const override { return none_; }
+  std::string ProgramPath(const std::string& program) const override;
+  Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
+                                       bool reports) override;
+  std::vector<int> descriptors() const override;
+  std::vector<std::string> TakeOutput() override { return output_.Read(); }
+  std::vector<std::string> TakeReports() override { return reports_.Read(); }
+  Status Fetch(const std::string& from, const std::string& to) override;
+
+ private:
+  const std::string none_;
+  LinePipe output_;
+  LinePipe reports_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,174 @@
+// Runs over several hosts. All of them are this machine, reached in a roundabout way.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "launcher/process.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+json HostHere(const std::string& name) {
+  return {{"name", name}, {"address", "127.0.0.1"}, {"start", "{command}"}};
+}
+
+class Hosts : public testing::Test {
+ protected:
+  // A scenario of pen.world on these hosts.
+  std::string Scenario(const json& hosts) {
+    const std::string path = folder_.Path("scenario.json");
+    std::ofstream(path) << json{{"world", WorldPath("pen.world")}, {"hosts", hosts}}.dump();
+    return path;
+  }
+  Program Run(const json& hosts, std::vector<std::string> arguments) {
+    std::vector<std::string> all = {"run",        Scenario(hosts), "--domain", std::to_string(TestDomain()),
+                                    "--headless", "--controller",  "wander",   "--interface",
+                                    "lo"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return Troupe(std::move(all));
+  }
+  // All processes below this one.
+  static std::vector<pid_t> Descendants(pid_t process) {
+    std::vector<pid_t> all;
+    for (pid_t child : ChildrenOf(process)) {
+      all.push_back(child);
+      for (pid_t descendant : Descendants(child)) all.push_back(descendant);
+    }
+    return all;
+  }
+
+  OutputFolder folder_;
+};
+
+TEST_F(Hosts, GiveTheSameFilesAsOneMachine) {
+  for (bool far_service : {false, true}) {
+    SCOPED_TRACE(far_service ? "service on a host" : "service here");
+    json first = HostHere("first");
+    first["service"] = far_service;
+    json second = HostHere("second");
+    second["robots"] = {"r1", "r3"};
+    std::vector<std::string> kinds = {"hash-log", "poses", "record", "scans"};
+    std::vector<std::string> far = {"--ticks", "50"};
+    std::vector<std::string> near = {"run",          WorldPath("pen.world"), "--ticks",      "50",
+                                     "--in-process", "--headless",           "--controller", "wander"};
+    for (const std::string& kind : kinds) {
+      far.insert(far.end(), {"--" + kind, folder_.Path("far-" + kind)});
+      near.insert(near.end(), {"--" + kind, folder_.Path("near-" + kind)});
+    }
+    far.insert(far.end(), {"--summary", folder_.Path("summary")});
+    Finished run = Finish(Run({first, second}, far));
+    ASSERT_EQ(run.exit_status, 0) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("4 robots in 4 agent processes on 2 hosts"));
+    ASSERT_EQ(Finish(Troupe(near)).exit_status, 0);
+    for (const std::string& kind : std::vector<std::string>{"hash-log", "poses", "scans"}) {
+      EXPECT_FALSE(folder_.Read("far-" + kind).empty()) << kind;
+      EXPECT_EQ(folder_.Read("far-" + kind), folder_.Read("near-" + kind)) << kind;
+    }
+    EXPECT_FALSE(folder_.Read("far-record").empty());
+    const json summary = json::parse(folder_.Read("summary"));
+    EXPECT_EQ(summary["processes"], 5);
+    for (const json& slow : summary["slowest_robots"]) {
+      const bool named = slow["robot"] == "r1" || slow["robot"] == "r3";
+      EXPECT_EQ(slow["host"], named ? "second" : "first");
+    }
+  }
+}
+
+TEST_F(Hosts, AreReachedBySshUnlessTheScenarioSaysOtherwise) {
+  // As ssh does: what comes after the host is a command for a shell there.
+  const std::string ssh = folder_.Path("ssh");
+  std::ofstream(ssh) << "#!/bin/sh\necho \"$@\" >> " << folder_.Path("calls")
+                     << "\nfor word; do command=$word; done\nexec /bin/sh -c \"$command\"\n";
+  std::filesystem::permissions(ssh, std::filesystem::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (std::filesystem::path(ssh).parent_path().string() + ":" + path).c_str(), 1);
+  Finished run = Finish(Run(json::array({"127.0.0.1"}), {"--ticks", "20"}));
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_THAT(folder_.Read("calls"),
+              testing::AllOf(HasSubstr("-o BatchMode=yes"), HasSubstr(" 127.0.0.1 "), HasSubstr("/troupe host")));
+}
+
+TEST_F(Hosts, StopInOrderOnASignal) {
+  json service = HostHere("s");
+  service["service"] = true;
+  Program run = Run({service, HostHere("a")}, {"--speed", "5"});
+  run.WaitForLine("4 robots in 4 agent processes on 2 hosts, ready");
+  std::vector<pid_t> processes = Descendants(run.pid());
+  EXPECT_GE(processes.size(), 7u);  // 2 hosts, 5 programs
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("stopped before its end"));
+  for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
+}
+
+TEST_F(Hosts, EndWithALauncherThatIsKilled) {
+  json service = HostHere("s");
+  service["service"] = true;
+  Program run = Run({service, HostHere("a")}, {"--speed", "5"});
+  run.WaitForLine("4 robots in 4 agent processes on 2 hosts, ready");
+  std::vector<pid_t> processes = Descendants(run.pid());
+  run.Signal(SIGKILL);
+  run.Wait();
+  for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
+}
+
+TEST_F(Hosts, ThatAreLostLoseTheirRobotsOnly) {
+  json lost = HostHere("lost");
+  lost["robots"] = {"r2"};
+  Program run = Run({HostHere("kept"), lost}, {"--speed", "5", "--ticks", "200", "--lease", "0.5"});
+  run.WaitForLine("ready after");
+  for (pid_t process : Descendants(run.pid())) {
+    if (CommandLineOf(process).find("--robot=r2") != std::string::npos) {
+      std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+      pid_t host = 0;
+      std::string word;
+      stat >> word >> word >> word >> host;
+      kill(host, SIGKILL);
+    }
+  }
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("host lost: the connection is lost"));
+  EXPECT_THAT(run.output(), HasSubstr("lost and not back: r2"));
+}
+
+TEST_F(Hosts, WithoutProgramsAreNamed) {
+  json bad = HostHere("bad");
+  bad["programs"] = "/no/such/folder";
+  Finished run = Finish(Run({HostHere("good"), bad}, {"--ticks", "5"}));
+  EXPECT_EQ(run.exit_status, 3);
+  EXPECT_THAT(run.output, HasSubstr("host bad: `/no/such/folder/troupe host` ended with exit status 127"));
+  EXPECT_THAT(run.output, HasSubstr("not found"));
+}
+
+TEST_F(Hosts, WithAnotherVersionAreNamed) {
+  json bad = HostHere("old");
+  bad["start"] = R"(: {command}; echo '{"host":"0.0.1","folder":"/tmp","programs":"/tmp"}'; cat)";
+  Finished run = Finish(Run(json::array({bad}), {"--ticks", "5"}));
+  EXPECT_EQ(run.exit_status, 3);
+  EXPECT_THAT(run.output, HasSubstr("host old: "));
+  EXPECT_THAT(run.output, HasSubstr("has version 0.0.1 of Troupe, expected "));
+}
+
+TEST_F(Hosts, WithoutRoomForAllRobotsAreAnErrorInTheScenario) {
+  json host = HostHere("small");
+  host["robots"] = 3;
+  Finished run = Finish(Run(json::array({host}), {"--ticks", "5"}));
+  EXPECT_EQ(run.exit_status, 2) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("scenario.json:1:"));
+  EXPECT_THAT(run.output, HasSubstr("hosts for 3 of 4 robots"));
+}
+
+}  // namespace
+}  // namespace troupe::test
