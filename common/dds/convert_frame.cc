@@ -1,5 +1,6 @@
 #include "common/dds/convert_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -255,6 +256,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
   wire.state_hash = message.state_hash;
   wire.last = message.last;
   wire.paused = message.paused;
+  std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
   RobotsToWire(message.state.robots, wire, arena);
   JointsToWire(message.state.joints, wire, arena);
   GrippersToWire(message.state.grippers, wire, arena);
@@ -269,6 +271,8 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.state_hash = wire.state_hash;
   message.last = wire.last;
   message.paused = wire.paused;
+  const auto awaited = Elements(wire.awaited);
+  message.awaited.assign(awaited.begin(), awaited.end());
   WorldState& state = message.state;
   if (Status failed = RobotsFromWire(wire, state.robots)) return failed;
   if (Status failed = JointsFromWire(wire, state.joints)) return failed;

@@ -11,6 +11,7 @@ troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
   wire.host = arena.Copy(message.host);
   wire.pid = message.pid;
   wire.lease = message.lease_seconds;
+  wire.begun = message.begun;
   wire.world = ToWire(message.world, arena);
   return wire;
 }
@@ -21,6 +22,7 @@ Status FromWire(const troupe_wire_Session& wire, SessionMessage& message) {
   message.host = Text(wire.host);
   message.pid = wire.pid;
   message.lease_seconds = wire.lease;
+  message.begun = wire.begun;
   if (!(wire.lease >= 0.0)) return Error{{}, "session with a lease that is negative or not a number"};
   return FromWire(wire.world, message.world);
 }

@@ -25,6 +25,7 @@ struct SessionMessage {
   std::string host;
   std::uint32_t pid = 0;
   double lease_seconds = 0.0;  // an agent that is silent for longer is lost
+  bool begun = false;          // the run ticks already
   WorldDescription world;
   bool operator==(const SessionMessage&) const = default;
 };
@@ -51,7 +52,8 @@ struct AdmissionMessage {
 };
 
 // Service to all: tick n is committed. Holds the whole state, so that any single frame brings any replica up to date.
-// A repeated frame is equal to the first one, but for `last`: a run that is stopped repeats its frame with it set.
+// A repeated frame is equal to the first one, but for `last` (a run that is stopped repeats its frame with it set) and
+// `awaited`.
 struct FrameMessage {
   RunId run = 0;
   WorldState state;
@@ -61,6 +63,8 @@ struct FrameMessage {
   // Time stands still: show the state to those who look at the robots, and answer with a held proposal. The same frame
   // comes again without `paused` when the run goes on.
   bool paused = false;
+  // Of a repeated frame: who has not answered; the others need not answer again. Empty: all are to answer.
+  std::vector<AgentId> awaited;
   bool operator==(const FrameMessage&) const = default;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -237,6 +238,10 @@ void AgentHost::Answer(const FrameMessage& frame) {
   const FramePlace place = PlaceOf(frame);
   if (answered_ && place < *answered_) return;
   const bool is_new = !answered_ || place > *answered_;
+  if (!is_new && !frame.awaited.empty() &&
+      std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) == frame.awaited.end()) {
+    return;  // the answer has arrived
+  }
   const bool is_shown = answered_ && answered_->first == frame.state.tick;
   if (is_new) {
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {

@@ -32,11 +32,9 @@ Clock::time_point TimePoint(double seconds) {
   return Clock::time_point(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
 }
 
-// Later runs get larger ids: of two services in one session, that tells which one is the intruder.
 RunId MakeRunId() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  const auto microseconds = std::chrono::duration_cast<std::chrono::microseconds>(since_epoch).count();
-  return (static_cast<RunId>(microseconds) << 12) | (std::random_device()() & 0xfff);
+  std::random_device device;
+  return (static_cast<RunId>(device()) << 32) | device();
 }
 
 std::string HostName() {
@@ -56,6 +54,7 @@ class Driver final : public WorldControl, private ServiceHandler {
         endpoint_(std::move(endpoint)) {}
 
   void Start(const SessionMessage& session) {
+    session_ = session;
     endpoint_->Start(*this);
     endpoint_->SendSession(session);
   }
@@ -105,7 +104,14 @@ class Driver final : public WorldControl, private ServiceHandler {
     Handle([&](double now) { coordinator_.OnAgentGone(agent, now); });
   }
   void OnRivalService(const SessionMessage& rival) override {
-    Handle([&](double now) { coordinator_.OnRivalService(rival, now); });
+    bool begun = false;
+    Handle([&](double now) {
+      coordinator_.OnRivalService(rival, now);
+      begun = coordinator_.startup_seconds().has_value();
+    });
+    if (!begun || rival.begun) return;
+    session_.begun = true;  // for the rival, which cannot know
+    endpoint_->SendSession(session_);
   }
 
   void OnControl(const ControlRequest& request) override {
@@ -145,6 +151,7 @@ class Driver final : public WorldControl, private ServiceHandler {
 
   const Scene& scene_;
   RunObserver& observer_;
+  SessionMessage session_;
   bool started_ = false;  // the observer knows
   std::mutex mutex_;      // for what follows
   std::condition_variable wake_;

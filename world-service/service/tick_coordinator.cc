@@ -11,7 +11,6 @@ namespace troupe {
 namespace {
 
 // Wall times, s.
-constexpr double kFirstRepeat = 0.05;        // of a frame
 constexpr double kFirstRepeatOfLast = 0.02;  // of the last frame: agents that missed it hold up the end
 constexpr double kLongestEnd = 1.0;          // that agents get to leave
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -102,7 +101,7 @@ void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now) {
     members_.Restore(*member);
     TakeUp(*member, now);
   }
-  if (!barrier_.Arrive(proposal.agent)) return;
+  if (!barrier_.Arrive(proposal.agent)) return repeat_timer_.Needless();
   if (proposal.held) {
     member->silent_since.reset();
     repeat_timer_.Answered(now);
@@ -172,12 +171,13 @@ void TickCoordinator::LoseSilentMembers(double now) {
 }
 
 void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
-  if (rival.run == options_.run || rival.run == known_rival_) return;
-  known_rival_ = rival.run;
+  if (rival.run == options_.run) return;
   const std::string who = rival.host + ", pid " + std::to_string(rival.pid);
-  if (phase_ == Phase::kGathering && rival.run < options_.run) {
+  if (phase_ == Phase::kGathering && (rival.begun || rival.run < options_.run)) {
     return Fail({{}, "another world service runs in this session (" + who + "); use another session name"}, now);
   }
+  if (rival.run == known_rival_) return;
+  known_rival_ = rival.run;
   notices_.push_back("another world service came into this session (" + who + "); this one goes on");
 }
 
@@ -225,16 +225,17 @@ void TickCoordinator::Resume(double now) {
   committed_at_ = arrived_at_ = now;
   pacer_.Resume(frame_.state.tick, now);
   barrier_.Open(next_tick());
-  repeat_timer_.Start(now, kFirstRepeat);
+  repeat_timer_.Start(now);
 }
 
 void TickCoordinator::Publish(double now) {
+  frame_.awaited.clear();
   frame_.last = options_.settings.ticks && frame_.state.tick >= *options_.settings.ticks;
   if (frame_.last) frame_.paused = false;
   endpoint_.SendFrame(frame_);  // first, so that the agents work while this goes on
   committed_at_ = arrived_at_ = now;
   barrier_.Open(next_tick());
-  repeat_timer_.Start(now, kFirstRepeat);
+  repeat_timer_.Start(now);
   if (gateway_ != nullptr) gateway_->Publish(frame_);
   if (Status error = recorder_.Write(frame_)) return Fail(*error, now);
   if (frame_.last) End(now);
@@ -287,10 +288,18 @@ void TickCoordinator::Poll(double now) {
   }
   const bool somebody_waits = phase_ == Phase::kEnding || !barrier_.complete();
   if (somebody_waits && now >= repeat_timer_.due()) {
-    endpoint_.SendFrame(frame_);
+    RepeatFrame();
     ++frames_repeated_;
     repeat_timer_.Repeated(now);
   }
+}
+
+void TickCoordinator::RepeatFrame() {
+  frame_.awaited.clear();
+  // The last frame is for everybody: who leaves does not answer.
+  if (phase_ == Phase::kRunning && 2 * barrier_.missing() <= barrier_.members()) frame_.awaited = barrier_.Missing();
+  endpoint_.SendFrame(frame_);
+  frame_.awaited.clear();
 }
 
 double TickCoordinator::NextPoll() const {

@@ -29,7 +29,7 @@ namespace troupe {
 
 struct CoordinatorOptions {
   RunSettings settings;
-  RunId run = 0;  // grows with the time at which the run was started
+  RunId run = 0;  // random; of two services that gather agents in one session, the one with the lower id stays
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
@@ -92,6 +92,7 @@ class TickCoordinator {
     ControlReplyTo reply;
   };
 
+  void RepeatFrame();
   void Begin(double now);
   void Commit(double now);
   void Publish(double now);

@@ -160,8 +160,9 @@ WorldDescription RandomMessages::RandomWorld() {
 }
 
 SessionMessage RandomMessages::Session() {
-  return {Bits(),       static_cast<std::uint32_t>(Bits()), Text(), static_cast<std::uint32_t>(Bits()), Number(0.0),
-          RandomWorld()};
+  return {
+      Bits(),       static_cast<std::uint32_t>(Bits()), Text(), static_cast<std::uint32_t>(Bits()), Number(0.0), Coin(),
+      RandomWorld()};
 }
 
 JoinMessage RandomMessages::Join() {
@@ -200,6 +201,8 @@ FrameMessage RandomMessages::Frame() {
   frame.state_hash = Bits();
   frame.last = Coin();
   frame.paused = Coin();
+  frame.awaited.resize(Below(4));
+  for (AgentId& agent : frame.awaited) agent = Bits();
   frame.events.resize(Below(5));
   for (Event& event : frame.events) {
     event.tick = frame.state.tick;

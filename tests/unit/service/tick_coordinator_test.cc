@@ -120,6 +120,41 @@ TEST_F(TickCoordinatorTest, RepeatsAFrameLessAndLessOften) {
                                    DoubleNear(3.55, 1e-9)));
 }
 
+TEST_F(TickCoordinatorTest, ARepeatedFrameNamesThoseWhoHaveNotAnsweredUnlessTheyAreMost) {
+  MakeAndStart(4);
+  Propose(2);
+  Wait(0.06);
+  ASSERT_EQ(frames(), 2u);
+  EXPECT_THAT(endpoint.frames[1].awaited, IsEmpty());
+  Propose(4);
+  Wait(0.12);
+  ASSERT_EQ(frames(), 3u);
+  EXPECT_THAT(endpoint.frames[2].awaited, ElementsAre(1u, 3u));
+  Propose(1);
+  Propose(3);
+  ASSERT_EQ(frames(), 4u);
+  EXPECT_THAT(endpoint.frames[3].awaited, IsEmpty());
+}
+
+TEST_F(TickCoordinatorTest, RepeatsSoonerOnceItKnowsThatAnswersComeFast) {
+  MakeAndStart(2);
+  for (int tick = 0; tick < 100; ++tick) {
+    now += 0.001;
+    Propose(1);
+    now += 0.002;
+    Propose(2);
+  }
+  const double wait = coordinator->NextPoll() - now;
+  EXPECT_GT(wait, 0.002);
+  EXPECT_LT(wait, 0.01);
+  Propose(1);
+  Wait(wait + 1e-6);  // it repeats; the frame had arrived and agent 1 answers again
+  Propose(1);
+  now += 0.002;
+  Propose(2);
+  EXPECT_GT(coordinator->NextPoll() - now, wait);
+}
+
 TEST_F(TickCoordinatorTest, DoesNotRepeatAFrameWhileAnswersComeIn) {
   MakeAndStart(10);
   for (AgentId agent = 1; agent <= 9; ++agent) {
@@ -296,7 +331,7 @@ TEST_F(TickCoordinatorTest, ALongStopIsNotCaughtUp) {
   EXPECT_NEAR(coordinator->NextPoll() - now, 0.1, 1e-9);
 }
 
-TEST_F(TickCoordinatorTest, TheYoungerOfTwoServicesGivesUp) {
+TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdGivesUp) {
   Make(1);
   SessionMessage rival;
   rival.run = kRun - 1;
@@ -307,7 +342,7 @@ TEST_F(TickCoordinatorTest, TheYoungerOfTwoServicesGivesUp) {
   EXPECT_THAT(coordinator->error()->message, HasSubstr("elsewhere, pid 4711"));
 }
 
-TEST_F(TickCoordinatorTest, TheOlderOfTwoServicesGoesOn) {
+TEST_F(TickCoordinatorTest, TheServiceWithTheLowerIdGoesOn) {
   Make(1);
   SessionMessage rival;
   rival.run = kRun + 1;
@@ -317,6 +352,17 @@ TEST_F(TickCoordinatorTest, TheOlderOfTwoServicesGoesOn) {
   coordinator->OnRivalService(rival, now);
   EXPECT_FALSE(coordinator->error());
   EXPECT_EQ(coordinator->TakeNotices().size(), 1u);
+}
+
+TEST_F(TickCoordinatorTest, AServiceGivesUpWhenAnotherOneTicksAlready) {
+  Make(1);
+  SessionMessage rival;
+  rival.run = kRun + 1;
+  coordinator->OnRivalService(rival, now);
+  EXPECT_FALSE(coordinator->error());
+  rival.begun = true;
+  coordinator->OnRivalService(rival, now);
+  EXPECT_TRUE(coordinator->error());
 }
 
 TEST_F(TickCoordinatorTest, ARunningServiceIsNotStoppedByARival) {
