@@ -11,10 +11,10 @@ namespace {
 constexpr std::int64_t kMaxPoints = 1'000;
 
 // The i of "point[i]", if the name is one.
-std::optional<std::int64_t> PointIndex(const std::string& name) {
+std::optional<std::size_t> PointIndex(const std::string& name) {
   constexpr std::string_view kStart = "point[";
   if (name.compare(0, kStart.size(), kStart) != 0) return std::nullopt;
-  std::int64_t index = 0;
+  std::size_t index = 0;
   const std::from_chars_result read = std::from_chars(name.data() + kStart.size(), name.data() + name.size(), index);
   if (read.ec != std::errc() || std::string_view(read.ptr) != "]") return std::nullopt;
   return index;
@@ -26,11 +26,11 @@ std::optional<Polygon> ReadPoints(PropertyReader& reader) {
     reader.diagnostics().Fail(reader.entity().where, "found a block without 'points', expected their number");
     return std::nullopt;
   }
-  const std::int64_t count = reader.Integer("points", 0, 3, kMaxPoints);
-  std::vector<std::string> names(static_cast<std::size_t>(count));
+  const auto count = static_cast<std::size_t>(reader.Integer("points", 0, 3, kMaxPoints));
+  std::vector<std::string> names(count);
   for (const Property& property : reader.entity().properties) {
-    const std::optional<std::int64_t> index = PointIndex(property.name);
-    if (index && *index < count) names[static_cast<std::size_t>(*index)] = property.name;
+    const std::optional<std::size_t> index = PointIndex(property.name);
+    if (index && *index < count) names[*index] = property.name;
   }
   Polygon outline;
   for (std::size_t i = 0; i < names.size(); ++i) {
