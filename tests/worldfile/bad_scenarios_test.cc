@@ -211,6 +211,10 @@ std::vector<BadScenario> BadScenarios() {
        "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
       {"SensorByItself", InOffice("\"models\": [{\"model\": \"sensor\"}]"),
        ":2:22: error: found 'sensor' by itself, expected it in the 'children' of a model"},
+      {"PointBeforeTheFirst",
+       InOffice("\"models\": [{\"model\": \"table\", \"children\": [\n {\"model\": \"block\", \"properties\": "
+                "{\"points\": 3, \"point[0]\": [0, 0], \"point[-2]\": [1, 1], \"point[2]\": [1, 0]}}]}]"),
+       ":3:12: error: found a block of 3 points without 'point[1]', expected all of them"},
       {"SpawnOfBlocks", InOffice("\"spawn\": [{\"model\": \"block\", \"count\": 1, \"region\": [0, 0, 1, 1]}]"),
        ":2:21: error: found 'block', expected a model"},
       {"RobotIsATable", InOffice("\"robots\": [{\"model\": \"table\", \"name\": \"t\"}]"),

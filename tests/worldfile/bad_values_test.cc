@@ -96,7 +96,7 @@ const BadWorld kBadWorlds[] = {
     {"block with a point missing", "model( block( points 3 point[0] [0 0] point[2] [1 0] z [0 1] ) )",
      "w.world:1:8: error: found a block of 3 points without 'point[1]', expected all of them"},
     {"point before the first", "model( block( points 3 point[0] [0 0] point[-2] [1 1] point[2] [1 0] z [0 1] ) )",
-     "w.world:1:8: error: found a block of 3 points without 'point[1]', expected all of them"},
+     "w.world:1:39: error: found 'point[-2]', expected a blank before '[', or an index as in 'point[0]'"},
     {"point of one number", "model( block( points 3 point[0] [0 0] point[1] 1 point[2] [1 0] z [0 1] ) )",
      "w.world:1:48: error: found 1 value for 'point[1]', expected 2"},
     {"block without area", "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )",
