@@ -1,8 +1,13 @@
-// Fans of rays in a cave. Argument: number of robots.
+// Fans of rays in a cave. Argument: number of robots. With TROUPE_STAGE_WORLDS also the scanners of Stage's cave.
 #include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <string>
 
 #include "benchmarks/cave_world.h"
 #include "common/spatial/ray_cast.h"
+#include "common/worldfile/load_world.h"
+#include "robot-agent/sensors/ranger.h"
 
 namespace troupe {
 namespace {
@@ -54,6 +59,31 @@ void BM_SingleRays(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_SingleRays)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
+
+// All scanners of 100 robots, one after another, as they stand in Stage's benchmark.
+void BM_StageCave(benchmark::State& state) {
+  const char* const worlds = std::getenv("TROUPE_STAGE_WORLDS");
+  if (worlds == nullptr) return state.SkipWithError("TROUPE_STAGE_WORLDS is not set");
+  Result<LoadedWorld> loaded = LoadWorld(std::string(worlds) + "/benchmark/cave.world");
+  if (!loaded.ok()) return state.SkipWithError(loaded.error().ToString().c_str());
+  const Scene scene(std::move(loaded).value().world);
+  BodyIndex bodies(scene);
+  bodies.Assign(InitialState(scene.world()));
+  RangerReading reading;
+  std::int64_t rays = 0;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
+      const std::vector<RangerDescription>& rangers = scene.world().robots[i].rangers;
+      for (std::size_t ranger = 0; ranger < rangers.size(); ++ranger) {
+        if (rangers[ranger].sensors.size() != 1) continue;  // sonars
+        MeasureRanger(scene, bodies, RobotId(i), ranger, 0, reading);
+        rays += static_cast<std::int64_t>(reading.scans[0].ranges.size());
+      }
+    }
+  }
+  state.counters["rays"] = benchmark::Counter(static_cast<double>(rays), benchmark::Counter::kIsRate);
+}
+BENCHMARK(BM_StageCave)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace troupe

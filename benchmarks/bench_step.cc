@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/cave_world.h"
+#include "benchmarks/sparse_world.h"
 #include "world-service/core/step.h"
 
 namespace troupe {
@@ -39,26 +40,17 @@ void BM_StepInCave(benchmark::State& state) {
 }
 BENCHMARK(BM_StepInCave)->Args({100, 1})->Args({100, 12})->Unit(benchmark::kMicrosecond);
 
-// Robots three metres from each other on an empty plane.
+// Robots on an empty plane: arguments robots, blocks of each.
 void BM_StepSparse(benchmark::State& state) {
-  WorldDescription world = bench::CaveWorld(1, static_cast<int>(state.range(1)));
-  world.shapes[0].rectangles.clear();
-  const ModelDescription model = world.models[1];
-  const RobotDescription robot = world.robots[0];
-  world.models.resize(1);
-  world.robots.clear();
-  const auto width = static_cast<std::int64_t>(std::sqrt(static_cast<double>(state.range(0))));
-  for (std::int64_t i = 0; i < state.range(0); ++i) {
-    world.models.push_back(model);
-    world.models.back().name = "r" + std::to_string(i);
-    world.models.back().X_PM = {3.0 * static_cast<double>(i % width), 3.0 * static_cast<double>(i / width), 0.0, 0.0};
-    world.robots.push_back(robot);
-    world.robots.back().name = world.models.back().name;
-    world.robots.back().root = ModelId(world.models.size() - 1);
-  }
-  Run(state, Scene(world));
+  Run(state, Scene(bench::SparseWorld(static_cast<std::size_t>(state.range(0)), static_cast<int>(state.range(1)))));
 }
-BENCHMARK(BM_StepSparse)->Args({100, 12})->Args({10'000, 1})->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_StepSparse)
+    ->Args({10, 1})
+    ->Args({100, 1})
+    ->Args({1000, 1})
+    ->Args({10'000, 1})
+    ->Args({100, 12})
+    ->Unit(benchmark::kMicrosecond);
 
 // Loading: the index over a large map. Argument: rectangles.
 void BM_BuildScene(benchmark::State& state) {

@@ -42,11 +42,21 @@ std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std:
 
 }  // namespace
 
-AgentFleet::AgentFleet(const RunOptions& options) : options_(options), scan_parts_(options.scans) {}
+AgentFleet::AgentFleet(const RunOptions& options)
+    : options_(options), scans_("--scans", options.scans), traces_("--trace", options.trace) {}
 
-std::string AgentFleet::ScanFile(const Machine& machine, std::size_t group) const {
-  if (machine.folder().empty()) return scan_files_[group];
-  return machine.folder() + "/scans-" + std::to_string(group);
+Status AgentFleet::Output::AddFiles(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    Result<std::string> file = parts.Add();
+    if (!file.ok()) return file.error();
+    files.push_back(file.value());
+  }
+  return std::nullopt;
+}
+
+std::string AgentFleet::Output::FileOn(const Machine& machine, std::size_t group) const {
+  if (machine.folder().empty()) return files[group];
+  return machine.folder() + "/agent" + option + "-" + std::to_string(group);
 }
 
 Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
@@ -55,20 +65,22 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
   std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready.robots_per_process));
   std::vector<Group> groups = MakeGroups(ready.robots, site_of_robot, packing);
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
-  for (std::size_t group = 0; group < groups.size() && !options_.scans.empty(); ++group) {
-    Result<std::string> file = scan_parts_.Add();
-    if (!file.ok()) return file.error();
-    scan_files_.push_back(file.value());
-  }
+  if (Status failure = options_.scans.empty() ? std::nullopt : scans_.AddFiles(groups.size())) return failure;
+  if (Status failure = options_.trace.empty() ? std::nullopt : traces_.AddFiles(groups.size())) return failure;
   for (std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
     Group& group = groups[index];
     const AgentSite& site = sites_[group.site];
     RunOptions options = options_;
     options.network_interface = site.network_interface;
     std::vector<std::string> arguments = AgentArguments(options, service_address, group.robots, ready.ros);
-    if (!scan_files_.empty()) arguments.push_back("--scans=" + ScanFile(*site.machine, index));
+    if (!scans_.files.empty()) arguments.push_back("--scans=" + scans_.FileOn(*site.machine, index));
     std::string restart_command = Quoted(site.machine->ProgramPath("robot-agent")) + " " + Quoted(arguments);
-    if (!scan_files_.empty()) restart_command += " --keep-scans";
+    if (!scans_.files.empty()) restart_command += " --keep-scans";
+    // Not in the restart command: the file holds what the agent did before.
+    if (!traces_.files.empty()) {
+      arguments.push_back("--trace=" + traces_.FileOn(*site.machine, index));
+      if (!options_.trace_ticks.empty()) arguments.push_back("--trace-ticks=" + options_.trace_ticks);
+    }
     if (options_.shuffle_start) {
       double delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
       arguments.push_back("--start-delay=" + std::to_string(delay));
@@ -117,13 +129,15 @@ std::map<std::string, std::string> AgentFleet::hosts() const {
   return hosts;
 }
 
-Status AgentFleet::FetchScans() {
+Status AgentFleet::FetchOutputs() {
   Status first_failure;
-  for (std::size_t group = 0; group < scan_files_.size(); ++group) {
-    Machine& machine = *group_sites_[group]->machine;
-    if (machine.folder().empty()) continue;
-    Status failure = machine.Fetch(ScanFile(machine, group), scan_files_[group]);
-    if (failure && !first_failure) first_failure = failure;
+  for (const Output* output : {&scans_, &traces_}) {
+    for (std::size_t group = 0; group < output->files.size(); ++group) {
+      Machine& machine = *group_sites_[group]->machine;
+      if (machine.folder().empty()) continue;
+      Status failure = machine.Fetch(output->FileOn(machine, group), output->files[group]);
+      if (failure && !first_failure) first_failure = failure;
+    }
   }
   return first_failure;
 }

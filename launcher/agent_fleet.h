@@ -8,8 +8,8 @@
 
 #include "common/base/result.h"
 #include "launcher/machine.h"
+#include "launcher/output_parts.h"
 #include "launcher/run_options.h"
-#include "launcher/scan_parts.h"
 #include "launcher/service_report.h"
 
 namespace troupe {
@@ -48,18 +48,29 @@ class AgentFleet {
   double peak_memory_mib() const;
   // The name of each robot's host; nothing for those on this machine.
   std::map<std::string, std::string> hosts() const;
-  // Copies what agents on other machines wrote into the scan files here.
-  Status FetchScans();
+  // Copies what agents on other machines wrote into the files here.
+  Status FetchOutputs();
   // The agents' scan files in the order of their robots; none without --scans.
-  const std::vector<std::string>& scan_files() const { return scan_files_; }
+  const std::vector<std::string>& scan_files() const { return scans_.files; }
+  // The same with --trace.
+  const std::vector<std::string>& trace_files() const { return traces_.files; }
 
  private:
-  // Where the agent writes it.
-  std::string ScanFile(const Machine& machine, std::size_t group) const;
+  // One kind of output, of which each agent writes a part.
+  struct Output {
+    std::string option;
+    OutputParts parts;
+    std::vector<std::string> files;  // here, by group; none if it is not asked for
+
+    Output(const std::string& name, const std::string& output) : option(name), parts(output, name) {}
+    Status AddFiles(std::size_t count);
+    // Where the agent writes it.
+    std::string FileOn(const Machine& machine, std::size_t group) const;
+  };
 
   const RunOptions& options_;
-  ScanParts scan_parts_;
-  std::vector<std::string> scan_files_;        // here
+  Output scans_;
+  Output traces_;
   std::vector<AgentProcess> agents_;           // in the order of starting
   std::vector<const AgentSite*> group_sites_;  // in the order of robots
   std::vector<AgentSite> sites_;

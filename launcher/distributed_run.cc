@@ -10,11 +10,13 @@
 #include <memory>
 #include <utility>
 
+#include "common/trace/trace_file.h"
 #include "launcher/agent_fleet.h"
 #include "launcher/far_machine.h"
 #include "launcher/local_machine.h"
 #include "launcher/merge_scans.h"
 #include "launcher/network_address.h"
+#include "launcher/output_parts.h"
 #include "launcher/place_robots.h"
 #include "launcher/progress.h"
 #include "launcher/service_report.h"
@@ -34,7 +36,8 @@ constexpr auto kTimeToConnect = std::chrono::seconds(30);
 
 class DistributedRun {
  public:
-  explicit DistributedRun(const RunOptions& options) : options_(options), agents_(options) {}
+  explicit DistributedRun(const RunOptions& options)
+      : options_(options), agents_(options), trace_parts_(options.trace, "--trace") {}
 
   RunEnd Run();
 
@@ -57,6 +60,7 @@ class DistributedRun {
   void Handle(const RunSummary& summary) { summary_ = summary; }
   void HandleOutput();
   void HandleEnded(const AgentProcess& agent);
+  Status MergeAllTraces();
   void Stop();
   void Fail(int exit_status, std::optional<Error> error);
   RunEnd End();
@@ -68,6 +72,8 @@ class DistributedRun {
   Progress progress_;
   std::unique_ptr<Child> service_;
   AgentFleet agents_;
+  OutputParts trace_parts_;    // the service's; the agents' are with them
+  std::string service_trace_;  // empty: none
   Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set when told to stop
   std::size_t robots_ = 0;
@@ -94,6 +100,7 @@ Status DistributedRun::ConnectHosts() {
 
 RunOptions DistributedRun::ServiceOptions() const {
   RunOptions options = options_;
+  options.trace = service_trace_;
   if (!service_host_) return options;
   options.network_interface = InterfaceOf(options_.hosts[*service_host_]);
   options.file = std::filesystem::absolute(options_.file).lexically_normal().string();
@@ -101,23 +108,31 @@ RunOptions DistributedRun::ServiceOptions() const {
   if (!options.hash_log.empty()) options.hash_log = folder + "hashes";
   if (!options.poses.empty()) options.poses = folder + "poses";
   if (!options.record.empty()) options.record = folder + "record";
+  if (!options.trace.empty()) options.trace = folder + "trace";
   return options;
 }
 
 Status DistributedRun::FetchOutputs() {
   if (service_host_) {
     const RunOptions there = ServiceOptions();
-    const std::pair<const std::string&, const std::string&> files[] = {
-        {there.hash_log, options_.hash_log}, {there.poses, options_.poses}, {there.record, options_.record}};
+    const std::pair<const std::string&, const std::string&> files[] = {{there.hash_log, options_.hash_log},
+                                                                       {there.poses, options_.poses},
+                                                                       {there.record, options_.record},
+                                                                       {there.trace, service_trace_}};
     for (const auto& [from, to] : files) {
       if (to.empty()) continue;
       if (Status failure = ServiceMachine().Fetch(from, to)) return failure;
     }
   }
-  return agents_.FetchScans();
+  return agents_.FetchOutputs();
 }
 
 Status DistributedRun::StartService() {
+  if (!options_.trace.empty()) {
+    Result<std::string> part = trace_parts_.Add();
+    if (!part.ok()) return part.error();
+    service_trace_ = part.value();
+  }
   Result<std::unique_ptr<Child>> service =
       ServiceMachine().Start("world-service", ServiceArguments(ServiceOptions()), true);
   if (!service.ok()) return service.error();
@@ -255,6 +270,13 @@ void DistributedRun::WaitForAgents() {
   HandleOutput();
 }
 
+Status DistributedRun::MergeAllTraces() {
+  if (!started_ || options_.trace.empty()) return std::nullopt;
+  std::vector<std::string> parts = {service_trace_};
+  parts.insert(parts.end(), agents_.trace_files().begin(), agents_.trace_files().end());
+  return MergeTraces(parts, options_.trace);
+}
+
 RunEnd DistributedRun::End() {
   RunEnd end;
   end.exit_status = exit_status_;
@@ -262,6 +284,7 @@ RunEnd DistributedRun::End() {
   // Scans of a run that failed half-way may tell why.
   Status unfetched = started_ && !options_.hosts.empty() ? FetchOutputs() : Status();
   Status unmerged = started_ && !options_.scans.empty() ? MergeScans(agents_.scan_files(), options_.scans) : Status();
+  if (Status failure = MergeAllTraces(); failure && !unmerged) unmerged = failure;
   bool failed = exit_status_ != kExitDone && exit_status_ != kExitInterrupted;
   if (unmerged && !failed) return {kExitFailed, std::nullopt, unmerged};
   if (unfetched && !failed) return {kExitFailed, std::nullopt, unfetched};

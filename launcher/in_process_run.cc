@@ -16,6 +16,8 @@
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "common/spatial/scene.h"
+#include "common/trace/trace_file.h"
+#include "launcher/output_parts.h"
 #include "launcher/progress.h"
 #include "launcher/signal_watch.h"
 #include "robot-agent/agent/agent_host.h"
@@ -89,6 +91,16 @@ RunEnd RunInProcess(const RunOptions& options) {
   agent_options.agent = 1;
   agent_options.scan_log = options.scans;
   agent_options.threads = std::max(1u, std::thread::hardware_concurrency());
+  OutputParts trace_parts(options.trace, "--trace");
+  std::vector<std::string> trace_files;
+  for (TraceOptions* trace : {&service_options.trace, &agent_options.trace}) {
+    if (options.trace.empty()) break;
+    if (!options.trace_ticks.empty()) *trace = ParseTraceTicks(options.trace_ticks).value();
+    Result<std::string> part = trace_parts.Add();
+    if (!part.ok()) return {kExitFailed, std::nullopt, part.error()};
+    trace->file = part.value();
+    trace_files.push_back(part.value());
+  }
   if (service_options.settings.ros) {
     service_options.make_gateway = MakeRosWorldGateway(options.ros.options);
     agent_options.make_gateway = MakeRosGateway(options.ros.options);
@@ -120,6 +132,9 @@ RunEnd RunInProcess(const RunOptions& options) {
 
   if (!summary.ok()) return {kExitFailed, std::nullopt, summary.error()};
   if (!agent.ok()) return {bad_request ? kExitBadInput : kExitFailed, std::nullopt, agent.error()};
+  if (!options.trace.empty()) {
+    if (Status failure = MergeTraces(trace_files, options.trace)) return {kExitFailed, std::nullopt, failure};
+  }
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();

@@ -18,11 +18,8 @@ namespace {
 using NamedFile = std::pair<const char*, const std::string*>;
 
 std::vector<NamedFile> OutputsOf(const RunOptions& options) {
-  return {{"--hash-log", &options.hash_log},
-          {"--poses", &options.poses},
-          {"--scans", &options.scans},
-          {"--summary", &options.summary},
-          {"--record", &options.record}};
+  return {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},   {"--scans", &options.scans},
+          {"--summary", &options.summary},   {"--record", &options.record}, {"--trace", &options.trace}};
 }
 
 Status CheckWritable(const NamedFile& output) {
@@ -151,6 +148,11 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   add(outputs, "--scans", options.scans, "JSON lines: tick, robot, sensor, ranges")->type_name("FILE");
   add(outputs, "--summary", options.summary, "The run's summary as a JSON object")->type_name("FILE");
   add(outputs, "--record", options.record, "The whole run as JSON lines")->type_name("FILE");
+  add(outputs, "--trace", options.trace, "What each process did when, for chrome://tracing or ui.perfetto.dev")
+      ->type_name("FILE");
+  add(outputs, "--trace-ticks", options.trace_ticks, "Which ticks --trace is for (default: all)")
+      ->check(TraceTicksValue())
+      ->type_name("FIRST:LAST");
 
   const char* testing = "Testing";
   add(testing, "--faults", options.faults,
@@ -207,6 +209,8 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
   Append(arguments, "--record", options.record);
+  Append(arguments, "--trace", options.trace);
+  if (!options.trace.empty()) Append(arguments, "--trace-ticks", options.trace_ticks);
   if (options.paused) arguments.emplace_back("--paused");
   if (options.ros.on) arguments.emplace_back(*options.ros.on ? "--ros" : "--no-ros");
   for (std::string& argument : RosArguments(options.ros.options)) arguments.push_back(std::move(argument));

@@ -43,6 +43,8 @@ struct RunOptions {
   std::string scans;
   std::string summary;
   std::string record;
+  std::string trace;
+  std::string trace_ticks;  // which of them, as "100:120"; empty: all
 
   // For tests.
   std::string faults;  // see common/protocol/faulty_transport.h

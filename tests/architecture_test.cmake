@@ -11,7 +11,8 @@ set(may_include_common/spatial common/base common/geometry common/model)
 set(may_include_common/picture common/base common/geometry common/model)
 set(may_include_common/worldfile common/base common/geometry common/model common/bitmap common/spatial)
 set(may_include_common/protocol common/base common/geometry common/model)
-set(may_include_common/command_line common/base common/protocol common/ros)
+set(may_include_common/trace common/base)
+set(may_include_common/command_line common/base common/protocol common/ros common/trace)
 set(may_include_common/dds common/base common/geometry common/model common/protocol idl)
 # The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.
 set(may_include_common/ros common/base common/geometry common/model common/spatial common/dds idl/ros)
@@ -19,7 +20,7 @@ set(may_include_common/ros_dds common/dds common/ros idl/ros)
 
 set(may_include_world-service/core common/base common/geometry common/model common/spatial)
 set(may_include_world-service/service
-  common/base common/geometry common/model common/spatial common/worldfile common/protocol world-service/core)
+  common/base common/geometry common/model common/spatial common/worldfile common/protocol common/trace world-service/core)
 set(may_include_world-service/ros
   common/base common/geometry common/model common/spatial common/protocol common/dds common/ros common/ros_dds
   world-service/service)
@@ -33,7 +34,7 @@ set(may_include_robot-agent/drive common/base common/geometry common/model robot
 set(may_include_robot-agent/gripper common/base common/model robot-agent/controller)
 set(may_include_robot-agent/sensors common/base common/geometry common/model common/spatial robot-agent/controller)
 set(may_include_robot-agent/agent
-  common/base common/geometry common/model common/spatial common/protocol
+  common/base common/geometry common/model common/spatial common/protocol common/trace
   robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/sensors)
 set(may_include_robot-agent/ros
   common/base common/geometry common/model common/spatial common/dds common/ros common/ros_dds
@@ -43,7 +44,7 @@ set(may_include_robot-agent common/base common/command_line common/dds robot-age
 
 set(may_include_launcher
   common/base common/command_line common/dds common/geometry common/model common/picture common/protocol
-  common/spatial common/worldfile robot-agent/agent robot-agent/controller robot-agent/ros robot-agent/sensors world-service/core
+  common/spatial common/trace common/worldfile robot-agent/agent robot-agent/controller robot-agent/ros robot-agent/sensors world-service/core
   world-service/ros world-service/service)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/protocol/faulty_transport.h"
+#include "common/trace/tick_trace.h"
 
 namespace troupe {
 namespace {
@@ -93,6 +94,14 @@ CLI::Validator NetworkName() {
 CLI::Validator FaultsValue() {
   auto check = [](const std::string& text) {
     Result<Faults> parsed = ParseFaults(text);
+    return parsed.ok() ? std::string() : parsed.error().message;
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator TraceTicksValue() {
+  auto check = [](const std::string& text) {
+    Result<TraceOptions> parsed = ParseTraceTicks(text);
     return parsed.ok() ? std::string() : parsed.error().message;
   };
   return CLI::Validator(check, "");

@@ -32,4 +32,7 @@ CLI::Validator NetworkName();
 // What ParseFaults (common/protocol/faulty_transport.h) takes.
 CLI::Validator FaultsValue();
 
+// What ParseTraceTicks (common/trace/tick_trace.h) takes.
+CLI::Validator TraceTicksValue();
+
 }  // namespace troupe

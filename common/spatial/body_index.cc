@@ -33,6 +33,7 @@ void BodyIndex::Assign(const WorldState& state) {
     for (const ObjectState& object : state.objects) X_WB_.push_back(object.X_WO);
     for (const JointState& joint : state.joints) positions_.push_back(joint.position);
     cache_.assign(count, {});
+    fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
     for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
     if (count > 0) Rebuild();
@@ -54,7 +55,7 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
-  cache_[index].fresh = false;
+  fresh_[index] &= ~kPiecesFresh;
   if (grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
   Insert(index);
@@ -63,15 +64,13 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
 void BodyIndex::MoveJoint(JointId joint, double position) {
   if (positions_[joint.index()] == position) return;
   positions_[joint.index()] = position;
-  Cache& cache = cache_[scene_->body_of(scene_->world().joint(joint).robot).index()];
-  cache.fresh = false;
-  cache.links_fresh = false;
+  fresh_[scene_->body_of(scene_->world().joint(joint).robot).index()] = 0;
 }
 
 const std::vector<Pose>& BodyIndex::X_BL(BodyId body) const {
   Cache& cache = cache_[body.index()];
-  if (!cache.links_fresh) scene_->ComputeLinkPoses(body, positions_, cache.X_BL);
-  cache.links_fresh = true;
+  if ((fresh_[body.index()] & kLinksFresh) == 0) scene_->ComputeLinkPoses(body, positions_, cache.X_BL);
+  fresh_[body.index()] |= kLinksFresh;
   return cache.X_BL;
 }
 
@@ -84,7 +83,7 @@ Pose BodyIndex::X_WM(ModelId model) const {
 
 const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
   Cache& cache = cache_[id.index()];
-  if (cache.fresh) return cache.pieces;
+  if ((fresh_[id.index()] & kPiecesFresh) != 0) return cache.pieces;
   const Body& body = scene_->body(id);
   const Pose& X_WB = X_WB_[id.index()];
   if (cache.pieces.size() != body.pieces.size()) cache.pieces = body.pieces;
@@ -102,7 +101,7 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
     to.z = from.z + X_WL.z;
     for (std::size_t v = 0; v < from.vertices.size(); ++v) to.vertices[v] = transform * from.vertices[v];
   }
-  cache.fresh = true;
+  fresh_[id.index()] |= kPiecesFresh;
   return cache.pieces;
 }
 
@@ -128,9 +127,7 @@ void BodyIndex::Query(const Rectangle& box, std::vector<BodyId>& result) const {
 }
 
 bool BodyIndex::MayOverlap(std::uint32_t body, const Rectangle& box) const {
-  // A hair more than the radius, because moving it rounds.
-  const double radius = scene_->body(BodyId(body)).radius * (1.0 + 1e-9) + 1e-9;
-  return box.Inflated(radius).Contains(X_WB_[body].translation());
+  return box.Inflated(scene_->ray_shape(BodyId(body)).radius).Contains(X_WB_[body].translation());
 }
 
 // The grid fits as long as all bodies are in it and do not huddle in a small part of it. It is correct anyway, only

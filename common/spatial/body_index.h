@@ -43,9 +43,7 @@ class BodyIndex {
  private:
   struct Cache {
     std::vector<ConvexPiece> pieces;
-    bool fresh = false;
     std::vector<Pose> X_BL;
-    bool links_fresh = false;
   };
 
   bool FitsGrid() const;
@@ -59,6 +57,10 @@ class BodyIndex {
   std::vector<double> positions_;  // by joint
   std::vector<std::optional<RobotId>> owner_;
   mutable std::vector<Cache> cache_;
+  // What of the cache is fresh, by body; apart from it, so that moving a body does not touch so much memory.
+  static constexpr std::uint8_t kPiecesFresh = 1;
+  static constexpr std::uint8_t kLinksFresh = 2;
+  mutable std::vector<std::uint8_t> fresh_;
   // The bodies of a cell are a list: cell_first_, then next_ of each. kNone ends it.
   Grid grid_;
   std::vector<std::uint32_t> cell_first_;

@@ -1,6 +1,7 @@
 #include "common/spatial/ray_cast.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -44,10 +45,6 @@ struct Nearest {
     return model ? std::optional<RayHit>({.distance = distance, .model = *model}) : std::nullopt;
   }
 };
-
-bool IsSeenAt(const ConvexPiece& piece, double z) {
-  return piece.ranger_return >= 0.0 && piece.z.Contains(z);
-}
 
 // Distance at which the ray enters the convex polygon, 0 if it starts inside; negative if it does not meet it. A
 // polygon that ends where the ray starts is behind it.
@@ -107,6 +104,19 @@ void MeetPolygon(std::span<const Vec2> vertices, ModelId model, const Ray& ray, 
   Meet(DistanceTo(vertices, ray), model, nearest);
 }
 
+// The same with a model that is looked up only when it may count.
+template <typename ModelOf>
+void MeetPolygonOf(std::span<const Vec2> vertices, ModelOf model_of, const Ray& ray, Nearest& nearest) {
+  const double distance = DistanceTo(vertices, ray);
+  if (distance >= 0.0 && distance <= nearest.distance) Meet(distance, model_of(), nearest);
+}
+
+Rectangle BoxAround(std::span<const Vec2> points) {
+  Rectangle box = Rectangle::Nothing();
+  for (const Vec2& point : points) box.Extend(point);
+  return box;
+}
+
 void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Nearest& nearest) {
   // The walk's own distances round too; a hair more keeps what is met exactly where a cell begins.
   constexpr double kHair = 1e-8;  // m
@@ -124,12 +134,6 @@ void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Near
     return true;
   });
 }
-
-// A piece of a candidate and the box around it.
-struct SeenPiece {
-  const ConvexPiece* piece;
-  Rectangle box;
-};
 
 Vec2 DirectionOf(double angle) {
   const SinCosResult trig = SinCos(angle);
@@ -173,13 +177,6 @@ double HalfWidth(double distance, double radius) {
   return Atan2(radius, std::sqrt((distance - radius) * (distance + radius)));
 }
 
-Rectangle BoxOf(const Vec2& origin, const Vec2& end) {
-  Rectangle box = Rectangle::Nothing();
-  box.Extend(origin);
-  box.Extend(end);
-  return box;
-}
-
 }  // namespace
 
 RayCaster::RayCaster(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, std::optional<RobotId> caster)
@@ -189,11 +186,38 @@ RayCaster::RayCaster(const Scene& scene, const BodyIndex& bodies, const Rectangl
   candidates_.reserve(near.size());
   for (BodyId id : near) {
     if (caster && bodies.owner(id) == caster) continue;
-    const Body& body = scene.body(id);
-    if (body.pieces.empty()) continue;
+    const RayShape& shape = scene.ray_shape(id);
+    if (shape.is_empty) continue;
     const Pose& X_WB = bodies.X_WB(id);
-    candidates_.push_back({id, X_WB.translation(), body.radius * (1.0 + 1e-9) + 1e-9, body.z + X_WB.z});
+    candidates_.push_back({id, &shape, X_WB.translation(), shape.z + X_WB.z});
   }
+}
+
+std::span<const RayCaster::PlacedPiece> RayCaster::Place(Candidate& candidate, double z) const {
+  if (candidate.placed_for != z) {
+    const RayShape& shape = *candidate.shape;
+    const Pose& X_WB = bodies_.X_WB(candidate.body);
+    Pose X_WL = X_WB;
+    Transform2 transform(X_WL);
+    std::uint32_t link = 0;
+    candidate.first_piece = static_cast<std::uint32_t>(pieces_.size());
+    for (const RayShape::Piece& piece : shape.pieces) {
+      if (piece.link != link) {
+        link = piece.link;
+        X_WL = link == 0 ? X_WB : X_WB * bodies_.X_BL(candidate.body)[link];
+        transform = Transform2(X_WL);
+      }
+      if (!(piece.z + X_WL.z).Contains(z)) continue;
+      const auto first = static_cast<std::uint32_t>(vertices_.size());
+      pieces_.push_back({.number = piece.number, .first_vertex = first, .vertex_count = piece.vertex_count});
+      for (std::uint32_t v = 0; v < piece.vertex_count; ++v) {
+        vertices_.push_back(transform * shape.vertices[piece.first_vertex + v]);
+      }
+    }
+    candidate.piece_count = static_cast<std::uint32_t>(pieces_.size()) - candidate.first_piece;
+    candidate.placed_for = z;
+  }
+  return {pieces_.data() + candidate.first_piece, candidate.piece_count};
 }
 
 std::optional<RayHit> RayCaster::CastRay(const Vec2& origin, const Vec2& direction, double z,
@@ -201,14 +225,16 @@ std::optional<RayHit> RayCaster::CastRay(const Vec2& origin, const Vec2& directi
   const Ray ray{origin, direction};
   Nearest nearest{max_distance, std::nullopt};
   MeetStandingPieces(scene_.static_index(), ray, z, nearest);
-  for (const Candidate& candidate : candidates_) {
+  for (Candidate& candidate : candidates_) {
+    const double radius = candidate.shape->radius;
     const Vec2 center = candidate.center - origin;
-    if (std::abs(Cross(direction, center)) > candidate.radius) continue;
+    if (std::abs(Cross(direction, center)) > radius) continue;
     const double along = direction.dot(center);
-    if (along < -candidate.radius || along > nearest.distance + candidate.radius) continue;
+    if (along < -radius || along > nearest.distance + radius) continue;
     if (!candidate.z.Contains(z)) continue;
-    for (const ConvexPiece& piece : bodies_.pieces_in_world(candidate.body)) {
-      if (IsSeenAt(piece, z)) MeetPolygon(piece.vertices, piece.model, ray, nearest);
+    for (const PlacedPiece& piece : Place(candidate, z)) {
+      MeetPolygonOf(
+          VerticesOf(piece), [&] { return ModelOf(candidate, piece); }, ray, nearest);
     }
   }
   return nearest.hit();
@@ -226,25 +252,27 @@ void RayCaster::CastFan(const Vec2& origin, double heading, std::span<const doub
   }
 
   const SortedBearings sorted(bearings);
-  std::vector<SeenPiece> seen;
-  for (const Candidate& candidate : candidates_) {
+  // The pieces of a candidate that are seen, and the boxes around them.
+  std::vector<std::pair<const PlacedPiece*, Rectangle>> seen;
+  for (Candidate& candidate : candidates_) {
+    const double radius = candidate.shape->radius;
     const Vec2 center = candidate.center - origin;
     const double distance = std::sqrt(center.squaredNorm());
-    if (distance - candidate.radius > farthest || !candidate.z.Contains(z)) continue;
+    if (distance - radius > farthest || !candidate.z.Contains(z)) continue;
     seen.clear();
     const auto meet = [&](std::size_t i) {
-      if (distance - candidate.radius > nearest[i].distance) return;
+      if (distance - radius > nearest[i].distance) return;
       if (seen.empty()) {
-        for (const ConvexPiece& piece : bodies_.pieces_in_world(candidate.body)) {
-          if (IsSeenAt(piece, z)) seen.push_back({&piece, BoundingBox(piece.vertices)});
-        }
+        for (const PlacedPiece& piece : Place(candidate, z)) seen.emplace_back(&piece, BoxAround(VerticesOf(piece)));
       }
       const Ray ray{origin, directions[i]};
-      for (const SeenPiece& s : seen) {
-        if (ray.MayMeet(s.box, nearest[i].distance)) MeetPolygon(s.piece->vertices, s.piece->model, ray, nearest[i]);
+      for (const auto& [piece, box] : seen) {
+        if (!ray.MayMeet(box, nearest[i].distance)) continue;
+        MeetPolygonOf(
+            VerticesOf(*piece), [&, found = piece] { return ModelOf(candidate, *found); }, ray, nearest[i]);
       }
     };
-    const double half_width = HalfWidth(distance, candidate.radius);
+    const double half_width = HalfWidth(distance, radius);
     if (half_width >= kPi) {
       for (std::size_t i = 0; i < bearings.size(); ++i) meet(i);
     } else {
@@ -259,14 +287,14 @@ void RayCaster::CastFan(const Vec2& origin, double heading, std::span<const doub
 
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
                               double z, double max_distance, std::optional<RobotId> caster) {
-  const Rectangle box = BoxOf(origin, origin + max_distance * direction);
+  const Rectangle box = BoxAround(std::array{origin, Vec2(origin + max_distance * direction)});
   return RayCaster(scene, bodies, box, caster).CastRay(origin, direction, z, max_distance);
 }
 
 void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
              std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
              std::vector<std::optional<RayHit>>& hits) {
-  const Rectangle box = BoxOf(origin, origin).Inflated(max_distance);
+  const Rectangle box = BoxAround(std::array{origin}).Inflated(max_distance);
   RayCaster(scene, bodies, box, caster).CastFan(origin, heading, bearings, z, max_distance, hits);
 }
 

@@ -20,7 +20,8 @@ struct RayHit {
   ModelId model;          // what was met
 };
 
-// Casts many rays near each other: finds the bodies that they may meet once for all.
+// Casts many rays near each other: finds the bodies that they may meet once for all, and places their pieces in the
+// world when a ray comes near. Not safe to share between threads: casting fills a cache.
 class RayCaster {
  public:
   // For rays that stay within `box`. `caster`: whose own pieces are not seen. Good until a body moves.
@@ -39,14 +40,34 @@ class RayCaster {
   // A body that rays may meet.
   struct Candidate {
     BodyId body;
-    Vec2 center;    // m, in W
-    double radius;  // m, a hair more than the body's
-    ZRange z;       // m, in W
+    const RayShape* shape;
+    Vec2 center;  // m, in W
+    ZRange z;     // m, in W
+    // In pieces_: those that are seen at a height, once they are placed.
+    std::optional<double> placed_for = {};
+    std::uint32_t first_piece = 0;
+    std::uint32_t piece_count = 0;
   };
+  // A piece of a candidate, in W.
+  struct PlacedPiece {
+    std::uint32_t number;  // in Body::pieces
+    std::uint32_t first_vertex;
+    std::uint32_t vertex_count;
+  };
+  // The pieces that are seen at height z.
+  std::span<const PlacedPiece> Place(Candidate& candidate, double z) const;
+  std::span<const Vec2> VerticesOf(const PlacedPiece& piece) const {
+    return {vertices_.data() + piece.first_vertex, piece.vertex_count};
+  }
+  ModelId ModelOf(const Candidate& candidate, const PlacedPiece& piece) const {
+    return scene_.body(candidate.body).pieces[piece.number].model;
+  }
 
   const Scene& scene_;
   const BodyIndex& bodies_;
-  std::vector<Candidate> candidates_;
+  mutable std::vector<Candidate> candidates_;
+  mutable std::vector<PlacedPiece> pieces_;
+  mutable std::vector<Vec2> vertices_;
 };
 
 // One ray, or one fan, by itself.

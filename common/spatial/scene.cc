@@ -16,6 +16,7 @@ Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   for (Body& body : bodies_) {
     MeasureBody(body);
     max_body_radius_ = std::max(max_body_radius_, body.radius);
+    ray_shape_of_.push_back(ray_shapes_.Add(body));
   }
 }
 

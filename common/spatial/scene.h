@@ -9,6 +9,7 @@
 #include "common/base/ids.h"
 #include "common/model/world_description.h"
 #include "common/spatial/convex_piece.h"
+#include "common/spatial/ray_shape.h"
 #include "common/spatial/static_index.h"
 
 namespace troupe {
@@ -42,6 +43,7 @@ class Scene {
   // Bodies: robots by id, then objects by id.
   std::size_t body_count() const { return bodies_.size(); }
   const Body& body(BodyId id) const { return bodies_[id.index()]; }
+  const RayShape& ray_shape(BodyId id) const { return ray_shapes_[ray_shape_of_[id.index()]]; }
   BodyId body_of(RobotId robot) const { return BodyId(robot.index()); }
   BodyId body_of(ObjectId object) const { return BodyId(world_.robots.size() + object.index()); }
   // The body that the model belongs to; nothing for a model that stands still.
@@ -77,6 +79,8 @@ class Scene {
   std::vector<Pose> X_LM_;  // in W for models that stand still
   std::vector<std::optional<JointId>> joint_of_;
   std::vector<Body> bodies_;
+  RayShapes ray_shapes_;
+  std::vector<std::uint32_t> ray_shape_of_;          // by body
   std::vector<std::vector<JointId>> joints_of_;      // by robot
   std::vector<std::vector<GripperId>> grippers_of_;  // by robot
   std::vector<std::uint32_t> joint_links_;           // by joint

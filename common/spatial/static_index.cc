@@ -67,8 +67,10 @@ void StaticIndex::FillCells() {
   for_each_entry([this](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
   std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
   cell_pieces_.resize(cell_start_.back());
-  std::vector<std::uint32_t> filled(cell_start_.begin(), cell_start_.end() - 1);
-  for_each_entry([&](std::size_t cell, std::uint32_t piece) { cell_pieces_[filled[cell]++] = piece; });
+  filled_.assign((grid_.cell_count() + 63) / 64, 0);
+  for_each_entry([this](std::size_t cell, std::uint32_t) { filled_[cell >> 6] |= std::uint64_t{1} << (cell & 63); });
+  std::vector<std::uint32_t> next(cell_start_.begin(), cell_start_.end() - 1);
+  for_each_entry([&](std::size_t cell, std::uint32_t piece) { cell_pieces_[next[cell]++] = piece; });
 }
 
 CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {

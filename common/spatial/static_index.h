@@ -23,8 +23,8 @@ class StaticIndex {
   // `result`.
   void Query(const Rectangle& box, std::vector<std::uint32_t>& result) const;
 
-  // A piece as rays see it, small and close to its neighbours in memory.
-  struct RayPiece {
+  // A piece as rays see it, small and close to its neighbours in memory: one line of a cache.
+  struct alignas(64) RayPiece {
     Rectangle box;  // m, around the piece
     ZRange z;       // m; empty if rays look through the piece
     ModelId model;
@@ -44,11 +44,13 @@ class StaticIndex {
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
     if (pieces_.empty()) return;
-    grid_.WalkRay(origin, direction, max_distance,
-                  [&](std::size_t cell, double distance) { return visit(PiecesInCell(cell), distance); });
+    grid_.WalkRay(origin, direction, max_distance, [&](std::size_t cell, double distance) {
+      return visit(IsEmpty(cell) ? std::span<const std::uint32_t>() : PiecesInCell(cell), distance);
+    });
   }
 
  private:
+  bool IsEmpty(std::size_t cell) const { return ((filled_[cell >> 6] >> (cell & 63)) & 1u) == 0; }
   std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
     return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
   }
@@ -64,6 +66,8 @@ class StaticIndex {
   Grid grid_;
   // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
   std::vector<std::uint32_t> cell_start_;
+  // A bit for each cell that holds any: rays pass empty cells most of the time, and then look at nothing else.
+  std::vector<std::uint64_t> filled_;
   std::vector<std::uint32_t> cell_pieces_;
 };
 

@@ -43,6 +43,11 @@ std::string HostName() {
   return name;
 }
 
+std::string TraceName(const std::vector<std::string>& robots) {
+  if (robots.empty()) return "robot-agent";
+  return "robot-agent " + robots.front() + (robots.size() > 1 ? fmt::format(" and {} more", robots.size() - 1) : "");
+}
+
 // Run() works on the caller's thread until the agent is admitted, and then only waits: frames are answered on the
 // transport's thread that brings them, without a hand-over.
 class AgentHost final : public AgentHandler {
@@ -59,7 +64,7 @@ class AgentHost final : public AgentHandler {
   void OnServiceGone() override;
 
  private:
-  Status OpenScanLog();
+  Status OpenOutputs();
   // Waits for a session and makes the replica for it; an error, or nothing (also when told to stop).
   Status Prepare();
   // Sends joins until something else happens.
@@ -75,8 +80,9 @@ class AgentHost final : public AgentHandler {
   const AgentOptions& options_;
   const std::atomic<bool>& stop_;
   std::unique_ptr<ScanLog> scan_log_;
-  std::mutex mutex_;                 // guards everything below
-  std::condition_variable changed_;  // the stage changed, or a session came
+  std::unique_ptr<TickTrace> trace_;  // null: none
+  std::mutex mutex_;                  // guards everything below
+  std::condition_variable changed_;   // the stage changed, or a session came
   Stage stage_ = Stage::kWaiting;
   std::unique_ptr<SessionMessage> session_;  // came, and was not yet taken up
   RunId run_ = 0;                            // from preparing on
@@ -90,7 +96,7 @@ class AgentHost final : public AgentHandler {
 };
 
 Result<bool> AgentHost::Run() {
-  if (Status status = OpenScanLog()) {
+  if (Status status = OpenOutputs()) {
     bad_request_ = true;
     return *status;
   }
@@ -107,14 +113,23 @@ Result<bool> AgentHost::Run() {
   if (scan_log_) {
     if (Status status = scan_log_->Flush()) return *status;
   }
+  if (trace_) {
+    if (Status status = trace_->Close()) return *status;
+  }
   return stage_ == Stage::kRunOver;
 }
 
-Status AgentHost::OpenScanLog() {
-  if (options_.scan_log.empty()) return {};
-  Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(options_.scan_log, options_.keep_scan_log);
-  if (!log.ok()) return log.error();
-  scan_log_ = std::move(log).value();
+Status AgentHost::OpenOutputs() {
+  if (!options_.scan_log.empty()) {
+    Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(options_.scan_log, options_.keep_scan_log);
+    if (!log.ok()) return log.error();
+    scan_log_ = std::move(log).value();
+  }
+  if (!options_.trace.file.empty()) {
+    Result<std::unique_ptr<TickTrace>> trace = TickTrace::Create(options_.trace, TraceName(options_.robots));
+    if (!trace.ok()) return trace.error();
+    trace_ = std::move(trace).value();
+  }
   return {};
 }
 
@@ -149,8 +164,9 @@ Status AgentHost::Prepare() {
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = {}};
-  Result<std::unique_ptr<Replica>> replica = Replica::Create(std::move(session->world), options_.robots,
-                                                             scan_log_.get(), options_.threads, options_.make_gateway);
+  Result<std::unique_ptr<Replica>> replica =
+      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
+                      options_.make_gateway, trace_.get());
   const std::lock_guard lock(mutex_);
   if (!replica.ok()) {
     bad_request_ = true;
@@ -242,8 +258,10 @@ void AgentHost::Answer(const FrameMessage& frame) {
       std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) == frame.awaited.end()) {
     return;  // the answer has arrived
   }
+  const Tick next = frame.state.tick + 1;
   const bool is_shown = answered_ && answered_->first == frame.state.tick;
   if (is_new) {
+    Enter(replica_->lane(), TickPhase::kApply, next);
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
       return Fail({{}, "the world service sent a bad frame: " + problem});
     }
@@ -258,8 +276,12 @@ void AgentHost::Answer(const FrameMessage& frame) {
     answered_ = place;
     if (scan_log_ && scan_log_->status()) return Fail(*scan_log_->status());
   }
+  Enter(replica_->lane(), TickPhase::kSend, next);
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
+  if (!trace_) return;
+  trace_->WriteSome();
+  Enter(replica_->lane(), TickPhase::kWait, next + 1);
 }
 
 void AgentHost::Fail(Error error) {

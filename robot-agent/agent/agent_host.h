@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/transport.h"
+#include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
 
 namespace troupe {
@@ -18,7 +19,8 @@ struct AgentOptions {
   std::vector<std::string> robots;  // names; empty: every robot of the world
   std::string scan_log;             // file for all scans; empty: none
   bool keep_scan_log = false;       // add to what the file holds
-  std::size_t threads = 1;          // that share the robots; with a scan log always one, so that scans come in order
+  TraceOptions trace = {};
+  std::size_t threads = 1;  // that share the robots; with a scan log always one, so that scans come in order
   double session_timeout_seconds = 60;  // for a session to appear; 0: wait for ever
   MakeGateway make_gateway = {};        // empty: none
 };

@@ -35,6 +35,12 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
   return ids;
 }
 
+std::vector<std::string> RobotNamesOf(const WorldDescription& world) {
+  std::vector<std::string> names;
+  for (const RobotDescription& robot : world.robots) names.push_back(robot.name);
+  return names;
+}
+
 class View final : public RobotView {
  public:
   View(Robot& robot, const WorldState& state, const BodyIndex& bodies)
@@ -58,7 +64,7 @@ class View final : public RobotView {
 
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  ScanLog* scan_log, std::size_t threads,
-                                                 const MakeGateway& make_gateway) {
+                                                 const MakeGateway& make_gateway, TickTrace* trace) {
   Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world)));
@@ -71,6 +77,8 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
   threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
   replica->indices_.assign(threads, BodyIndex(replica->scene_));
   if (threads > 1) replica->crew_.emplace(threads);
+  for (std::size_t i = 0; i < threads; ++i) replica->lanes_.push_back(trace != nullptr ? trace->AddLane() : nullptr);
+  if (trace != nullptr) trace->NameRobots(RobotNamesOf(replica->scene_.world()));
   if (make_gateway) replica->gateway_ = make_gateway(replica->scene_, ids.value());
   return replica;
 }
@@ -98,11 +106,13 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
   const auto decide = [&](std::size_t thread) {
     BodyIndex& bodies = indices_[thread];
+    Enter(lanes_[thread], TickPhase::kApply, answer.tick);
     bodies.Assign(state);
     const std::size_t end = count * (thread + 1) / indices_.size();
     for (std::size_t i = count * thread / indices_.size(); i < end; ++i) {
-      answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i]);
+      answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i], lanes_[thread]);
     }
+    if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
   };
   if (crew_) {
     crew_->Run(decide);

@@ -10,6 +10,7 @@
 #include "common/protocol/messages.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
 #include "robot-agent/agent/crew.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/agent/robot.h"
@@ -20,11 +21,12 @@ namespace troupe {
 class Replica {
  public:
   // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null, and
-  // `make_gateway` empty. `threads` share the robots, at most one for each 16; with a scan log, one. The error is a robot
-  // that is unknown or named twice, or a controller that cannot be made. Throws what `make_gateway` throws.
+  // `make_gateway` empty. `threads` share the robots, at most one for each 16; with a scan log, one. `trace` may be
+  // null. The error is a robot that is unknown or named twice, or a controller that cannot be made. Throws what
+  // `make_gateway` throws.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  ScanLog* scan_log, std::size_t threads = 1,
-                                                 const MakeGateway& make_gateway = {});
+                                                 const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
@@ -40,6 +42,9 @@ class Replica {
   // REQUIRES: CheckState(state) is "".
   void Hold(const WorldState& state, ProposalMessage& answer);
 
+  // Of the thread that calls Answer; null without a trace.
+  TraceLane* lane() const { return lanes_.front(); }
+
   // Shows the gateway the state of the last Answer or Hold.
   // REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
@@ -51,6 +56,7 @@ class Replica {
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
   std::optional<Crew> crew_;                    // of several threads
+  std::vector<TraceLane*> lanes_;               // one for each thread; null: no trace
   std::unique_ptr<Gateway> gateway_;            // may be null
 };
 

@@ -7,6 +7,7 @@
 #include "common/base/random.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
 #include "robot-agent/agent/scan_log.h"
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/drive/drive.h"
@@ -83,10 +84,13 @@ std::string Robot::StartController() {
   return "";
 }
 
-Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const std::optional<Command>& outside) {
+Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const std::optional<Command>& outside,
+                       TraceLane* trace) {
   const RobotState& own = state.robots[id_.index()];
   odometry_.Update(own.X_WR);
+  Enter(trace, TickPhase::kSense, state.tick + 1, id_);
   Sense(state.tick, bodies);
+  Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
   manipulator_.Sense(state, beams_);
   // Asked even when it is overruled: it is called at every tick, and goes on from there when it decides again.
   Command command = failure_.empty() ? AskController(state) : Command{};

@@ -18,6 +18,7 @@ namespace troupe {
 class BodyIndex;
 class Scene;
 class ScanLog;
+class TraceLane;
 
 class Robot {
  public:
@@ -28,8 +29,9 @@ class Robot {
 
   // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
   // in order; ticks may be missing after the agent was away. A command from `outside` goes before the controller's.
+  // `trace` may be null.
   Proposal Decide(const WorldState& state, const BodyIndex& bodies,
-                  const std::optional<Command>& outside = std::nullopt);
+                  const std::optional<Command>& outside = std::nullopt, TraceLane* trace = nullptr);
 
   // Takes in a state that is not (yet) to be decided on.
   void Observe(const WorldState& state) { odometry_.Update(state.robots[id_.index()].X_WR); }

@@ -4,6 +4,7 @@
 
 #include "common/base/version.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/trace_flags.h"
 
 namespace troupe {
 namespace {
@@ -32,6 +33,7 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& faults) {
       ->capture_default_str();
   app.add_option("--scans", line.agent.scan_log, "write all scans of its robots, as JSON lines")->type_name("FILE");
   app.add_flag("--keep-scans", line.agent.keep_scan_log, "add to the file of --scans, for a robot started again");
+  AddTraceFlags(app, line.agent.trace);
   app.add_option("--session-timeout", line.agent.session_timeout_seconds,
                  "for the world service to appear; 0: wait for ever")
       ->check(NumberFromZero())

@@ -6,6 +6,7 @@
 
 #include "common/base/version.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/trace_flags.h"
 
 namespace troupe {
 namespace {
@@ -47,6 +48,7 @@ void AddOptions(CLI::App& app, CommandLine& line, std::string& speed, std::strin
   app.add_option("--hash-log", line.service.outputs.hash_log, "write the state hash of every tick");
   app.add_option("--poses", line.service.outputs.poses, "write all poses at every tick, as CSV");
   app.add_option("--record", line.service.outputs.record, "write states and events of every tick, as JSON lines");
+  AddTraceFlags(app, line.service.trace);
   app.add_option("--lease", line.service.lease_seconds, "an agent that is silent for longer is lost")
       ->check(PositiveNumber())
       ->capture_default_str();

@@ -47,9 +47,10 @@ std::string HostName() {
 class Driver final : public WorldControl, private ServiceHandler {
  public:
   Driver(const Scene& scene, const CoordinatorOptions& options, std::unique_ptr<ServiceEndpoint> endpoint,
-         Recorder& recorder, WorldGateway* gateway, RunObserver& observer)
+         Recorder& recorder, WorldGateway* gateway, TickTrace* trace, RunObserver& observer)
       : scene_(scene),
         observer_(observer),
+        trace_(trace),
         coordinator_(scene, options, *endpoint, recorder, Now(), gateway),
         endpoint_(std::move(endpoint)) {}
 
@@ -67,6 +68,7 @@ class Driver final : public WorldControl, private ServiceHandler {
       const double now = Now();
       if (stop) coordinator_.Stop(now);
       coordinator_.Poll(now);
+      if (trace_ != nullptr) trace_->WriteSome();
       const bool status_due = now >= next_status;
       if (status_due) next_status = now + kStatusPeriod;
       Tell(status_due, lock);
@@ -151,6 +153,7 @@ class Driver final : public WorldControl, private ServiceHandler {
 
   const Scene& scene_;
   RunObserver& observer_;
+  TickTrace* const trace_;  // null: none
   SessionMessage session_;
   bool started_ = false;  // the observer knows
   std::mutex mutex_;      // for what follows
@@ -168,12 +171,20 @@ Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
   Result<Recorder> recorder = Recorder::Create(scene.world(), options.outputs);
   if (!recorder.ok()) return recorder.error();
 
+  std::unique_ptr<TickTrace> trace;
+  if (!options.trace.file.empty()) {
+    Result<std::unique_ptr<TickTrace>> created = TickTrace::Create(options.trace, "world-service");
+    if (!created.ok()) return created.error();
+    trace = std::move(created).value();
+  }
+
   CoordinatorOptions coordinator;
   coordinator.settings = options.settings;
   coordinator.run = MakeRunId();
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.start_paused = options.start_paused;
+  if (trace) coordinator.trace = trace->AddLane();
 
   SessionMessage session;
   session.run = coordinator.run;
@@ -184,13 +195,14 @@ Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
   session.world = scene.world();
 
   const std::unique_ptr<WorldGateway> gateway = options.make_gateway ? options.make_gateway(scene) : nullptr;
-  Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), gateway.get(), observer);
+  Driver driver(scene, coordinator, std::move(endpoint), recorder.value(), gateway.get(), trace.get(), observer);
   driver.Start(session);
   if (gateway) gateway->Connect(&driver);
   driver.Run(stop);
   if (gateway) gateway->Connect(nullptr);
   Result<RunSummary> summary = driver.Finish();
   if (Status error = recorder.value().Close(); error && summary.ok()) return *error;
+  if (Status error = trace ? trace->Close() : std::nullopt; error && summary.ok()) return *error;
   return summary;
 }
 

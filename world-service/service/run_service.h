@@ -11,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/protocol/transport.h"
 #include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/recorder.h"
 #include "world-service/service/run_summary.h"
@@ -21,6 +22,7 @@ namespace troupe {
 struct ServiceOptions {
   RunSettings settings;
   OutputFiles outputs;
+  TraceOptions trace = {};
   std::string session;
   double lease_seconds = 2.0;           // an agent that the transport has not heard of for longer is gone
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever

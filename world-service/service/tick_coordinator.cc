@@ -208,6 +208,7 @@ void TickCoordinator::Commit(double now) {
       if (!since) since = committed_at_;
     }
   }
+  Enter(options_.trace, TickPhase::kStep, next_tick());
   StepResult next = Step(scene_, frame_.state, proposals_.ForStep(frame_.state));
   frame_.state = std::move(next.state);
   frame_.state_hash = StateHash(frame_.state);
@@ -232,13 +233,16 @@ void TickCoordinator::Publish(double now) {
   frame_.awaited.clear();
   frame_.last = options_.settings.ticks && frame_.state.tick >= *options_.settings.ticks;
   if (frame_.last) frame_.paused = false;
+  Enter(options_.trace, TickPhase::kPublish, frame_.state.tick);
   endpoint_.SendFrame(frame_);  // first, so that the agents work while this goes on
+  Enter(options_.trace, TickPhase::kRecord, frame_.state.tick);
   committed_at_ = arrived_at_ = now;
   barrier_.Open(next_tick());
   repeat_timer_.Start(now);
   if (gateway_ != nullptr) gateway_->Publish(frame_);
   if (Status error = recorder_.Write(frame_)) return Fail(*error, now);
-  if (frame_.last) End(now);
+  if (frame_.last) return End(now);
+  Enter(options_.trace, TickPhase::kWait, next_tick());
 }
 
 void TickCoordinator::Stop(double now) {

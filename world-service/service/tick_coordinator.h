@@ -14,6 +14,7 @@
 #include "common/protocol/tick_barrier.h"
 #include "common/protocol/transport.h"
 #include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
@@ -33,6 +34,7 @@ struct CoordinatorOptions {
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
+  TraceLane* trace = nullptr;           // outlives the coordinator; null: none
 };
 
 class TickCoordinator {

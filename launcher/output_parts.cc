@@ -1,4 +1,4 @@
-#include "launcher/scan_parts.h"
+#include "launcher/output_parts.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -23,22 +23,22 @@ void AllowOpenFiles(std::size_t count) {
 
 }  // namespace
 
-ScanParts::ScanParts(const std::string& output) {
+OutputParts::OutputParts(const std::string& output, const std::string& option) : option_(option) {
   std::error_code ignored;
   folder_ = std::filesystem::is_regular_file(output, ignored)
                 ? std::filesystem::absolute(output, ignored).parent_path().string()
                 : std::filesystem::temp_directory_path(ignored).string();
 }
 
-ScanParts::~ScanParts() {
+OutputParts::~OutputParts() {
   for (int descriptor : descriptors_) close(descriptor);
 }
 
-Result<std::string> ScanParts::Add() {
+Result<std::string> OutputParts::Add() {
   AllowOpenFiles(descriptors_.size() + 1);
-  std::string name = folder_ + "/troupe-scans-XXXXXX";
+  std::string name = folder_ + "/troupe-part-XXXXXX";
   int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor < 0) return Error{{}, "--scans: cannot make a file in " + folder_ + ": " + strerror(errno)};
+  if (descriptor < 0) return Error{{}, option_ + ": cannot make a file in " + folder_ + ": " + strerror(errno)};
   unlink(name.c_str());
   descriptors_.push_back(descriptor);
   return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(descriptor);

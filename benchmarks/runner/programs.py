@@ -1,0 +1,139 @@
+"""Runs programs and measures them. Nothing that is started here outlives its call."""
+import json
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+TIME_LIMIT = 300  # s, of any one program
+
+
+class Failure(Exception):
+    pass
+
+
+class Usage:
+    """What a program and all that it started cost."""
+
+    def __init__(self):
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.wall = time.monotonic()
+        self.user = used.ru_utime
+        self.system = used.ru_stime
+        self.switches = used.ru_nvcsw + used.ru_nivcsw
+        self.bytes = self._loopback_bytes()
+
+    @staticmethod
+    def _loopback_bytes():
+        with open("/proc/net/dev") as file:
+            for line in file:
+                if line.strip().startswith("lo:"):
+                    return int(line.split()[9])
+        return 0
+
+    def since(self, before):
+        return {key: value - getattr(before, key) for key, value in vars(self).items()}
+
+
+def run(command, limit=TIME_LIMIT, environment=None):
+    """The program's output and what it cost."""
+    before = Usage()
+    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True, env={**os.environ, **(environment or {})})
+    try:
+        output, errors = process.communicate(timeout=limit)
+    except BaseException as failure:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        if isinstance(failure, subprocess.TimeoutExpired):
+            raise Failure(f"{' '.join(map(str, command))}: not done after {limit} s") from None
+        raise
+    if process.returncode != 0:
+        raise Failure(f"{' '.join(map(str, command))}: status {process.returncode}\n{errors[-2000:]}")
+    return output, Usage().since(before)
+
+
+class Troupe:
+    """The programs of a build."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+
+    def has(self, program):
+        return (self.folder / program).exists()
+
+    def run(self, world, ticks, *options):
+        """The summary of a run, with what it cost under "usage"."""
+        with tempfile.NamedTemporaryFile(suffix=".json") as summary:
+            _, usage = run([self.folder / "troupe", "run", world, "--ticks", ticks, "--speed", "max", "--headless",
+                            "--summary", summary.name, *options])
+            return {**json.load(open(summary.name)), "usage": usage}
+
+    def per_robot_and_tick(self, world, ticks, *options):
+        """Costs of a tick alone: a short run, which costs what starting and ending does, is taken off a long one."""
+        short = self.run(world, 2, *options)
+        long = self.run(world, ticks, *options)
+        of_tick = {key: (long["usage"][key] - short["usage"][key]) / (ticks - 2) for key in long["usage"]}
+        share = 1e6 / long["robots"]
+        return {
+            "robots": long["robots"],
+            "processes": long["processes"],
+            "ticks": ticks,
+            "wall_us": long["wall_seconds"] / long["ticks"] * share,
+            "user_us": of_tick["user"] * share,
+            "system_us": of_tick["system"] * share,
+            "switches": of_tick["switches"] / long["robots"],
+            "bytes_per_tick": of_tick["bytes"],
+            "real_time_factor": long["real_time_factor"],
+            "startup_seconds": long["startup_seconds"],
+            "service_mib": long["service_peak_memory_mib"],
+            "agent_mib": long["agent_peak_memory_mib"],
+            "frames_repeated": long["frames_repeated"],
+            "state_hash": long["state_hash"],
+        }
+
+    def check(self, world):
+        return run([self.folder / "troupe", "check", world])
+
+    def json_line(self, program, *arguments):
+        output, _ = run([self.folder / program, *arguments])
+        return json.loads(output)
+
+    def functions(self, program, quick, environment):
+        """Rows of a Google Benchmark program."""
+        # "0.02" and not "0.02s": version 1.7 takes a number only.
+        command = [self.folder / program, "--benchmark_format=json", f"--benchmark_min_time={0.01 if quick else 0.5}"]
+        if quick:
+            command.append("--benchmark_filter=-/(10000|200000)")
+        output, _ = run(command, environment=environment)
+        return [row for row in json.loads(output)["benchmarks"] if not row.get("error_occurred")]
+
+
+class Stage:
+    def __init__(self, program):
+        self.program = pathlib.Path(program).absolute()
+
+    def seconds(self, world):
+        """Wall time of a whole run. Stage's threads now and then miss their start, and then it never ends."""
+        environment = {"LD_LIBRARY_PATH": f"{self.program.parent.parent}/lib:{os.environ.get('LD_LIBRARY_PATH', '')}"}
+        for attempt in range(3):
+            try:
+                _, usage = run([self.program, "-g", world], limit=180, environment=environment)
+                return usage["wall"], usage["user"] + usage["system"]
+            except Failure as failure:
+                print(f"Stage, attempt {attempt + 1}: {failure}", file=sys.stderr)
+        raise Failure("Stage did not end in three attempts")
+
+    def per_robot_and_tick(self, world_of, robots, ticks, interval=0.1):
+        """world_of(seconds) gives the world that ends after so many simulated seconds."""
+        short_wall, short_processor = self.seconds(world_of(2 * interval))
+        long_wall, long_processor = self.seconds(world_of(ticks * interval))
+        share = 1e6 / robots / (ticks - 2)
+        wall = long_wall - short_wall
+        return {"robots": robots, "processes": 1, "ticks": ticks, "wall_us": wall * share,
+                "user_us": (long_processor - short_processor) * share,
+                "real_time_factor": (ticks - 2) * interval / wall, "startup_seconds": short_wall}

@@ -1,0 +1,157 @@
+"""Tables from the CSV files of a folder."""
+import csv
+import pathlib
+import statistics
+
+STAGE_SWARM_SPEED = 2.2  # times real time: what Stage is known to reach with 1,000 robots in such a scene
+STAGE_MAP_SECONDS = 63
+
+
+def read(folder, name):
+    path = pathlib.Path(folder) / f"{name}.csv"
+    if not path.exists():
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def write(folder, name, rows):
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    with open(pathlib.Path(folder) / f"{name}.csv", "w", newline="") as file:
+        out = csv.DictWriter(file, columns, lineterminator="\n")
+        out.writeheader()
+        for row in rows:
+            out.writerow({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()})
+
+
+class Values:
+    """Numbers of several rounds."""
+
+    def __init__(self, values):
+        self.values = sorted(values)
+
+    def __bool__(self):
+        return bool(self.values)
+
+    @property
+    def median(self):
+        return statistics.median(self.values)
+
+    def text(self, unit="", digits=3):
+        """Median, and from least to most."""
+        def number(value):
+            return f"{value:.{digits}g}" if value < 1000 else f"{value:,.0f}"
+        middle = f"{number(self.median)}{unit}"
+        if len(self.values) == 1:
+            return middle
+        return f"{middle} ({number(self.values[0])} to {number(self.values[-1])})"
+
+
+def pick(rows, column, **where):
+    return Values(float(row[column]) for row in rows
+                  if row.get(column) and all(row.get(key) == str(value) for key, value in where.items()))
+
+
+def ratios(rows, column, key, above, below, **where):
+    """`above` by `below` of the same round."""
+    def by_round(kind):
+        return {row["round"]: float(row[column]) for row in rows
+                if row[key] == kind and all(row.get(k) == str(v) for k, v in where.items())}
+    upper, lower = by_round(above), by_round(below)
+    return Values(upper[number] / lower[number] for number in upper if number in lower)
+
+
+def targets(folder):
+    """Rows (what, reach, measured, command) of docs/performance.md."""
+    cave, barrier, swarm = (read(folder, name) for name in ["cave", "barrier", "swarm"])
+    processes, site, functions = (read(folder, name) for name in ["processes", "site_map", "functions"])
+    table = []
+
+    def add(what, reach, values, unit, scene, note=""):
+        table.append((what, reach, values.text(unit) + note if values else "not measured", f"`scripts/bench {scene}`"))
+
+    def beside(rows, **kinds):
+        values = [f"{kind} {pick(rows, 'wall_us', **where).median:.3g} us" for kind, where in kinds.items()
+                  if pick(rows, "wall_us", **where)]
+        return f"; {', '.join(values)} per robot and tick" if values else ""
+
+    cave_us = beside(cave, DDS={"program": "dds"}, Stage={"program": "stage"})
+    cave_one_us = beside(cave, Troupe={"program": "in-process"}, Stage={"program": "stage"})
+    add("cave.world, 100 processes over DDS, against Stage", "at most 0.35",
+        ratios(cave, "wall_us", "program", "dds", "stage"), "", "cave", cave_us)
+    add("cave.world in one process, against Stage", "at most 0.05",
+        ratios(cave, "wall_us", "program", "in-process", "stage"), "", "cave", cave_one_us)
+    add("lockstep of 100 processes over DDS, against plain UDP", "at most 2",
+        ratios(barrier, "wall_us", "transport", "dds", "udp", processes=100), "", "barrier",
+        beside([row for row in barrier if row["processes"] == "100"], DDS={"transport": "dds"}, UDP={"transport": "udp"}))
+    add("100 processes from start to first tick", "at most 2 s", pick(processes, "startup_seconds", robots=100), " s",
+        "processes")
+    add("400 processes from start to first tick", "at most 10 s", pick(processes, "startup_seconds", robots=400), " s",
+        "processes")
+    add("memory of a robot's process", "at most 12 MiB", pick(cave, "agent_mib", program="dds"), " MiB", "cave",
+        " in the cave, the largest of 100")
+    add(f"loading a map of 50,000 x 35,000 cells (Stage: {STAGE_MAP_SECONDS} s)", "under 1 s",
+        pick(site, "seconds", width=50_000), " s", "site_map")
+    rays = pick(functions, "items_per_second", name="BM_StageCave")
+    stage = pick(cave, "wall_us", program="stage")
+    if rays and stage:
+        stage_rays = 16e6 / stage.median  # each robot's controller reads 16 sonars
+        add("rays in the cave, one core, against Stage", "at least 30", Values([rays.median / stage_rays]), "",
+            "functions cave", f" if all of Stage's time is for its 16 rays a robot; {rays.median / 1e6:.1f} million a second")
+    else:
+        add("rays in the cave, one core", "at least 30 times Stage", Values([r / 1e6 for r in rays.values]),
+            " million a second", "functions")
+    add("swarm of 1,000 with 12 rays, 20 processes, times real time", f"at least {2 * STAGE_SWARM_SPEED}",
+        pick(swarm, "real_time_factor", program="dds", robots=1000), "", "swarm",
+        f"; Stage {pick(swarm, 'real_time_factor', program='stage').text()}" if pick(
+            swarm, "real_time_factor", program="stage") else "")
+    add("swarm of 10,000 in one process, times real time", "runs",
+        pick(swarm, "real_time_factor", program="in-process", robots=10_000), "", "swarm")
+    return table
+
+
+def growth(folder):
+    """Rows (what, count, wall, processor time) of the growth tables."""
+    table = []
+    for name, key, rows in [("barrier over UDP", "processes", [r for r in read(folder, "barrier") if r["transport"] == "udp"]),
+                            ("barrier over DDS", "processes", [r for r in read(folder, "barrier") if r["transport"] == "dds"]),
+                            ("idle robots, a process each", "robots", read(folder, "processes")),
+                            ("robots with 12 rays in one process", "robots", read(folder, "robots"))]:
+        for count in sorted({int(row[key]) for row in rows}):
+            mine = [row for row in rows if int(row[key]) == count]
+            processor = (pick(mine, "processor_us") if "processor_us" in mine[0] else
+                         Values(float(row["user_us"]) + float(row["system_us"]) for row in mine))
+            extra = ""
+            if name.startswith("idle"):
+                extra = (f"{pick(mine, 'startup_seconds').text(' s')}; {pick(mine, 'agent_mib').text(' MiB')}; "
+                         f"{pick(mine, 'bytes_per_tick').text()} bytes a tick")
+            table.append((name, count, pick(mine, "wall_us").text(" us"), processor.text(" us"), extra))
+    return table
+
+
+def markdown(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def text(folder):
+    machine = (pathlib.Path(folder) / "machine.txt")
+    parts = ["Measured on: " + machine.read_text().strip()] if machine.exists() else []
+    parts.append(markdown(["what", "reach", "measured: median (least to most)", "command"], targets(folder)))
+    grown = growth(folder)
+    if grown:
+        parts.append(markdown(["growth", "robots", "wall time per robot and tick", "processor time",
+                               "start to first tick; memory of an agent; traffic"], grown))
+    return "\n\n".join(parts) + "\n"
+
+
+BEGIN, END = "<!-- begin of what scripts/bench writes -->", "<!-- end of what scripts/bench writes -->"
+
+
+def write_into(document, folder):
+    """Puts the tables between the marks of a document."""
+    path = pathlib.Path(document)
+    before, rest = path.read_text().split(BEGIN)
+    after = rest.split(END)[1]
+    path.write_text(f"{before}{BEGIN}\n{text(folder)}{END}{after}")

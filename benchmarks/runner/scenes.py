@@ -1,0 +1,131 @@
+"""The scenes: each measures in rounds and gives rows for a CSV file of its name."""
+import pathlib
+import time
+
+from . import worlds
+from .programs import Failure
+
+
+class Setting:
+    """What the scenes share."""
+
+    def __init__(self, troupe, stage, stage_worlds, folder, quick, rounds):
+        self.troupe = troupe
+        self.stage = stage
+        self.stage_worlds = stage_worlds
+        self.folder = pathlib.Path(folder)
+        self.quick = quick
+        self.rounds = 1 if quick else rounds
+
+    def cave(self, seconds):
+        return worlds.copy_for_stage(self.stage_worlds, self.folder / "stage", "benchmark/cave.world", seconds)
+
+
+def functions(setting):
+    """Single functions, by Google Benchmark."""
+    environment = {"TROUPE_STAGE_WORLDS": str(setting.stage_worlds)} if setting.stage_worlds else {}
+    for program in ["ray_cast", "map_import", "body_index", "step", "manipulation"]:
+        if not setting.troupe.has(f"bench_{program}"):
+            continue
+        for row in setting.troupe.functions(f"bench_{program}", setting.quick, environment):
+            yield {"program": program, "name": row["name"], "time": row["real_time"], "unit": row["time_unit"],
+                   "items_per_second": row.get("items_per_second", row.get("rays", ""))}
+
+
+def barrier(setting):
+    """A service and N processes that only answer: over DDS, and over plain UDP."""
+    if not setting.troupe.has("udp_barrier"):
+        return
+    counts = [1, 4] if setting.quick else [1, 4, 16, 50, 100, 200]
+    for number in range(setting.rounds):
+        for count in counts:
+            ticks = 50 if setting.quick else max(300, 20_000 // count)
+            for transport in ["udp", "dds"]:
+                row = setting.troupe.json_line(f"{transport}_barrier", count, ticks)
+                yield {"round": number, "transport": transport, **row}
+
+
+def processes(setting):
+    """Idle robots, a process each: the real programs and nothing to do."""
+    counts = [1, 4] if setting.quick else [1, 4, 16, 50, 100, 200]
+    for number in range(setting.rounds):
+        for count in counts:
+            ticks = 50 if setting.quick else max(300, 20_000 // count)
+            yield {"round": number, **setting.troupe.per_robot_and_tick(
+                worlds.write_yard(setting.folder / f"yard{count}", count), ticks)}
+        if not setting.quick and number == 0:  # how long 400 take to start
+            yield {"round": number, **setting.troupe.per_robot_and_tick(
+                worlds.write_yard(setting.folder / "yard400", 400), 50)}
+
+
+def robots(setting):
+    """Growth in one process: robots with 12 infrared rays, 8.4 m2 for each."""
+    counts = [10, 100] if setting.quick else [10, 100, 1000, 10_000]
+    for number in range(setting.rounds):
+        for count in counts:
+            side = max(20.0, round((8.4 * count) ** 0.5, -1))
+            ticks = 20 if setting.quick else max(20, min(1000, 100_000 // count))
+            world = worlds.write_swarm(setting.folder / f"robots{count}", count, side, side)
+            yield {"round": number, **setting.troupe.per_robot_and_tick(world, ticks, "--in-process")}
+
+
+def cave(setting):
+    """Stage's benchmark: 100 robots, 600 ticks; over DDS, in one process, and Stage in its one process."""
+    if setting.stage_worlds is None:
+        return
+    ticks = 20 if setting.quick else 600
+    for number in range(setting.rounds):
+        world = setting.cave(60)
+        yield {"round": number, "program": "dds", **setting.troupe.per_robot_and_tick(world, ticks)}
+        if setting.stage:
+            yield {"round": number, "program": "stage", **setting.stage.per_robot_and_tick(setting.cave, 100, ticks)}
+        yield {"round": number, "program": "in-process",
+               **setting.troupe.per_robot_and_tick(world, ticks, "--in-process")}
+
+
+def swarm(setting):
+    """1,000 robots with 12 infrared rays in 140 m x 60 m; 10,000 in one process."""
+    count, ticks = (50, 20) if setting.quick else (1000, 200)
+    packing = max(1, count // 20)
+
+    def world(seconds):
+        return worlds.write_swarm(setting.folder / f"swarm{count}-{seconds}", count, seconds=seconds)
+
+    for number in range(setting.rounds):
+        yield {"round": number, "program": "dds", **setting.troupe.per_robot_and_tick(
+            world(60), ticks, "--robots-per-process", packing)}
+        if setting.stage:
+            yield {"round": number, "program": "stage", **setting.stage.per_robot_and_tick(world, count, ticks)}
+        yield {"round": number, "program": "in-process",
+               **setting.troupe.per_robot_and_tick(world(60), ticks, "--in-process")}
+        if not setting.quick:
+            many = worlds.write_swarm(setting.folder / "swarm10000", 10_000)
+            yield {"round": number, "program": "in-process",
+                   **setting.troupe.per_robot_and_tick(many, 50, "--in-process")}
+
+
+def site_map(setting):
+    """Loading a map of 50,000 x 35,000 cells."""
+    size = (2000, 1400) if setting.quick else (50_000, 35_000)
+    world = worlds.write_site_map(setting.folder / "site", *size)
+    for number in range(setting.rounds):
+        begin = time.monotonic()
+        _, usage = setting.troupe.check(world)
+        yield {"round": number, "width": size[0], "height": size[1], "seconds": time.monotonic() - begin,
+               "processor_seconds": usage["user"] + usage["system"]}
+
+
+ALL = {scene.__name__: scene for scene in [functions, barrier, processes, robots, cave, swarm, site_map]}
+
+
+def measure(name, setting):
+    """All rows of a scene; what failed is said and left out."""
+    rows = []
+    try:
+        for row in ALL[name](setting):
+            rows.append(row)
+            print(f"  {name}: " + ", ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
+                                            for key, value in row.items()), flush=True)
+    except Failure as failure:
+        return rows, failure
+    return rows, None

@@ -1,0 +1,43 @@
+// RayShape: the pieces of a body that rays see, kept once for all bodies of the same shape and close together in
+// memory. A swarm has few shapes, and a process that looks at its neighbours now and then finds them in no cache.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "common/geometry/vec2.h"
+#include "common/geometry/z_range.h"
+
+namespace troupe {
+
+struct Body;
+
+struct RayShape {
+  struct Piece {
+    ZRange z;  // m, in the frame of its link, like the vertices
+    std::uint32_t link;
+    std::uint32_t number;  // in Body::pieces
+    std::uint32_t first_vertex;
+    std::uint32_t vertex_count;
+  };
+  std::vector<Piece> pieces;
+  std::vector<Vec2> vertices;
+  double radius = 0.0;   // m, a hair more than the body's, because moving it rounds
+  ZRange z;              // m, the body's
+  bool is_empty = true;  // the body has no pieces at all
+};
+
+// Shapes by number, each once.
+class RayShapes {
+ public:
+  // The number of the body's shape.
+  std::uint32_t Add(const Body& body);
+  const RayShape& operator[](std::uint32_t number) const { return shapes_[number]; }
+
+ private:
+  std::vector<RayShape> shapes_;
+  std::map<std::vector<double>, std::uint32_t> numbers_;  // by all that makes a shape
+};
+
+}  // namespace troupe

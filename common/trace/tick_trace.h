@@ -1,0 +1,99 @@
+// TickTrace: what a program did when, tick by tick, for the trace viewers of browsers (Chrome, Perfetto).
+//
+// Each thread that works on ticks has a lane, and on it one phase follows another. A phase counts for the tick that is
+// being made: what an agent does with state n, and what the service does to come to state n + 1, is all tick n + 1.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/result.h"
+#include "common/trace/trace_file.h"
+
+namespace troupe {
+
+enum class TickPhase : std::uint8_t {
+  kWait,     // for the proposals; for the frame, with receiving and decoding it
+  kStep,     // service: the next state and its hash
+  kPublish,  // service: the frame goes out
+  kRecord,   // service: output files, and what ROS is shown
+  kApply,    // agent: the frame goes into the replica
+  kSense,    // agent: what a robot measures
+  kDecide,   // agent: its controller, gripper and drive
+  kSend,     // agent: the proposal goes out
+};
+const char* ToString(TickPhase phase);
+
+struct TraceOptions {
+  std::string file;  // empty: no trace
+  Tick first = 0;    // ticks outside are left out
+  std::optional<Tick> last;
+};
+
+// "FIRST:LAST", as on command lines; either may be left out.
+Result<TraceOptions> ParseTraceTicks(const std::string& text);
+
+// One thread's phases. Costs nothing but a look at a pointer when there is no trace: `Enter` below.
+class TraceLane {
+ public:
+  explicit TraceLane(const TraceOptions& options) : first_(options.first), last_(options.last) {}
+
+  // Ends the phase before and begins this one. `robot`: whose; nothing: all of the process.
+  void Enter(TickPhase phase, Tick tick, std::optional<RobotId> robot = std::nullopt);
+  // Ends the phase before.
+  void Leave();
+
+ private:
+  friend class TickTrace;
+  struct Span {
+    std::int64_t begin;  // ns, of the clock of TraceFile
+    std::int64_t end;
+    Tick tick;
+    std::optional<RobotId> robot;
+    TickPhase phase;
+  };
+
+  const Tick first_;
+  const std::optional<Tick> last_;
+  std::optional<Span> open_;
+  std::vector<Span> done_;
+};
+
+inline void Enter(TraceLane* lane, TickPhase phase, Tick tick, std::optional<RobotId> robot = std::nullopt) {
+  if (lane != nullptr) lane->Enter(phase, tick, robot);
+}
+
+class TickTrace {
+ public:
+  // `process`: how viewers name it.
+  static Result<std::unique_ptr<TickTrace>> Create(const TraceOptions& options, const std::string& process);
+  ~TickTrace();  // writes all
+  TickTrace(const TickTrace&) = delete;
+  TickTrace& operator=(const TickTrace&) = delete;
+
+  // By id.
+  void NameRobots(std::vector<std::string> names) { robots_ = std::move(names); }
+  // Valid as long as the trace.
+  TraceLane* AddLane();
+
+  // Writes when much has come together. Not while a lane is in use.
+  void WriteSome();
+  // Ends all phases and writes everything. The error is the first that any write had (a full disk).
+  Status Close();
+
+ private:
+  TickTrace(const TraceOptions& options, TraceFile file);
+  void Write(std::size_t lane);
+
+  const TraceOptions options_;
+  TraceFile file_;
+  std::vector<std::string> robots_;
+  std::vector<std::unique_ptr<TraceLane>> lanes_;
+};
+
+}  // namespace troupe

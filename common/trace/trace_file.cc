@@ -1,0 +1,145 @@
+#include "common/trace/trace_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+namespace troupe {
+namespace {
+
+// An event begins with its time, so that it is easily found. Chrome counts in microseconds.
+constexpr char kLineStart[] = "{\"ts\":";
+constexpr std::size_t kStartLength = sizeof kLineStart - 1;
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return escaped;
+}
+
+// In microseconds, with the nanoseconds behind the point.
+std::string Microseconds(std::int64_t nanoseconds) {
+  return fmt::format("{}.{:03}", nanoseconds / 1000, nanoseconds % 1000);
+}
+
+// What Microseconds made, at the beginning of `text`; and what comes after it.
+struct EventTime {
+  std::int64_t nanoseconds;
+  const char* rest;
+};
+std::optional<EventTime> TimeOf(const std::string& line) {
+  if (!line.starts_with(kLineStart)) return std::nullopt;
+  const char* const end = line.data() + line.size();
+  std::int64_t whole = 0;
+  const auto point = std::from_chars(line.data() + kStartLength, end, whole);
+  if (point.ec != std::errc() || point.ptr == end || *point.ptr != '.') return std::nullopt;
+  std::int64_t thousandths = 0;
+  const auto after = std::from_chars(point.ptr + 1, end, thousandths);
+  if (after.ec != std::errc() || after.ptr != point.ptr + 4) return std::nullopt;
+  return EventTime{whole * 1000 + thousandths, after.ptr};
+}
+
+// Calls visit(part, line) for all whole lines with an object, without the comma after it. Parts count from 1.
+template <typename Visit>
+Status ForEachLine(const std::vector<std::string>& parts, Visit visit) {
+  for (std::size_t part = 1; part <= parts.size(); ++part) {
+    const std::string& path = parts[part - 1];
+    if (!std::filesystem::exists(path)) continue;
+    std::ifstream file(path);
+    if (!file) return Error{{}, "cannot read " + path + ": " + std::strerror(errno)};
+    for (std::string line; std::getline(file, line);) {
+      if (line.size() < 2 || line.front() != '{' || !line.ends_with("},")) continue;
+      line.pop_back();
+      visit(part, line);
+    }
+  }
+  return std::nullopt;
+}
+
+// With another process number: two machines may have given one number to two processes.
+std::string Renumbered(const std::string& text, std::size_t process) {
+  constexpr std::string_view kField = "\"pid\":";
+  const std::size_t at = text.find(kField);
+  if (at == std::string::npos) return text;
+  const std::size_t number = at + kField.size();
+  return text.substr(0, number) + std::to_string(process) + text.substr(std::min(text.find(',', number), text.size()));
+}
+
+}  // namespace
+
+std::int64_t TraceFile::Now() {
+  using std::chrono::duration_cast;
+  using std::chrono::nanoseconds;
+  using Steady = std::chrono::steady_clock;
+  static const std::int64_t offset = (std::chrono::system_clock::now().time_since_epoch() -
+                                      duration_cast<nanoseconds>(Steady::now().time_since_epoch()))
+                                         .count();
+  return duration_cast<nanoseconds>(Steady::now().time_since_epoch()).count() + offset;
+}
+
+Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& process) {
+  std::FILE* const file = std::fopen(path.c_str(), "we");
+  if (file == nullptr) return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno)};
+  TraceFile trace(path, file);
+  // Viewers take a list without its end, as it is while a program runs, or after it was killed.
+  fmt::print(file, "[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":{},\"args\":{{\"name\":\"{} ({})\"}}}},\n",
+             getpid(), Escaped(process), getpid());
+  return trace;
+}
+
+void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
+                      const std::string& robot) {
+  if (!file_) return;
+  const std::string who = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
+  const std::string line =
+      fmt::format("{}{},\"dur\":{},\"name\":\"{}\",\"ph\":\"X\",\"pid\":{},\"tid\":{},\"args\":{{\"tick\":{}{}}}}},\n",
+                  kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, who);
+  failed_ = std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || failed_;
+}
+
+Status TraceFile::Close() {
+  if (!file_) return std::nullopt;
+  failed_ = std::fflush(file_.get()) != 0 || failed_;
+  file_.reset();
+  if (!failed_) return std::nullopt;
+  return Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno)};
+}
+
+Status MergeTraces(const std::vector<std::string>& parts, const std::string& output) {
+  std::int64_t start = std::numeric_limits<std::int64_t>::max();
+  Status unread = ForEachLine(parts, [&start](std::size_t, const std::string& line) {
+    if (const std::optional<EventTime> time = TimeOf(line)) start = std::min(start, time->nanoseconds);
+  });
+  if (unread) return unread;
+  std::ofstream file(output);
+  const char* separator = "[\n";
+  unread = ForEachLine(parts, [&](std::size_t part, const std::string& line) {
+    file << separator;
+    separator = ",\n";
+    if (const std::optional<EventTime> time = TimeOf(line)) {
+      file << kLineStart << Microseconds(time->nanoseconds - start) << Renumbered(time->rest, part);
+    } else {
+      file << Renumbered(line, part);
+    }
+  });
+  if (unread) return unread;
+  file << (separator[0] == '[' ? "[]\n" : "\n]\n");
+  file.close();
+  if (!file) return Error{{}, "cannot write " + output + ": " + std::strerror(errno)};
+  return std::nullopt;
+}
+
+}  // namespace troupe

@@ -1,0 +1,45 @@
+// TraceFile: a file in Chrome's trace format, an object on each line; and several of them put together.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/result.h"
+
+namespace troupe {
+
+class TraceFile {
+ public:
+  // `process`: how viewers name it.
+  static Result<TraceFile> Create(const std::string& path, const std::string& process);
+
+  // ns since 1970, so that the files of several machines fit together as well as their clocks do. Never goes back.
+  static std::int64_t Now();
+
+  // What was done from `begin` to `end`, ns as of Now. `robot` may be empty.
+  void Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
+             const std::string& robot);
+
+  // Writes everything. The first error that any write had (a full disk).
+  Status Close();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  TraceFile(std::string path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+
+  std::string path_;
+  std::unique_ptr<std::FILE, Closer> file_;
+  bool failed_ = false;
+};
+
+// One file of several, with times from the first event on. Parts that do not exist, and last lines that were cut off,
+// as killed processes leave them, are left out.
+Status MergeTraces(const std::vector<std::string>& parts, const std::string& output);
+
+}  // namespace troupe

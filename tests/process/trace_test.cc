@@ -1,0 +1,79 @@
+// The trace of a run: what every process did in every tick, in one file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::IsSupersetOf;
+using testing::UnorderedElementsAre;
+
+// Phases by process.
+std::map<std::string, std::set<std::string>> TraceOf(std::vector<std::string> arguments) {
+  OutputFolder folder;
+  for (const char* word : {"--ticks", "30", "--speed", "max", "--trace"}) arguments.push_back(word);
+  arguments.push_back(folder.Path("trace.json"));
+  const Finished run = Finish(RunPen(arguments));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_EQ(folder.size(), 1u);
+  std::map<int, std::string> names;
+  std::map<std::string, std::set<std::string>> phases;
+  for (const nlohmann::json& event : nlohmann::json::parse(folder.Read("trace.json"))) {
+    if (event["ph"] == "M") {
+      const std::string name = event["args"]["name"];
+      names[event["pid"]] = name.substr(0, name.find(" ("));
+    } else {
+      EXPECT_GE(event["ts"], 0.0);
+      EXPECT_GE(event["dur"], 0.0);
+      EXPECT_LE(event["args"]["tick"], 31);
+      phases[names[event["pid"]]].insert(event["name"]);
+    }
+  }
+  return phases;
+}
+
+const std::vector<std::string> kServicePhases = {"wait", "step", "publish", "record"};
+const std::vector<std::string> kAgentPhases = {"wait", "apply", "sense", "decide", "send"};
+
+TEST(TraceOfARun, HasAllPhasesOfAllProcesses) {
+  const auto phases = TraceOf({});
+  EXPECT_EQ(phases.size(), 5u);
+  for (const auto& [process, found] : phases) {
+    EXPECT_THAT(found, IsSupersetOf(process == "world-service" ? kServicePhases : kAgentPhases)) << process;
+  }
+}
+
+TEST(TraceOfARun, IsThereInOneProcessToo) {
+  const auto phases = TraceOf({"--in-process"});
+  ASSERT_THAT(phases, UnorderedElementsAre(testing::Key("world-service"), testing::Key("robot-agent")));
+  EXPECT_THAT(phases.at("world-service"), IsSupersetOf(kServicePhases));
+  EXPECT_THAT(phases.at("robot-agent"), IsSupersetOf(kAgentPhases));
+}
+
+TEST(TraceOfARun, CoversTheTicksThatAreAskedFor) {
+  OutputFolder folder;
+  const Finished run =
+      Finish(RunPen({"--ticks", "30", "--trace", folder.Path("trace.json"), "--trace-ticks", "10:12"}));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  std::set<int> ticks;
+  for (const nlohmann::json& event : nlohmann::json::parse(folder.Read("trace.json"))) {
+    if (event["ph"] == "X") ticks.insert(event["args"]["tick"].get<int>());
+  }
+  EXPECT_THAT(ticks, UnorderedElementsAre(10, 11, 12));
+}
+
+TEST(TraceOfARun, NeedsAWindowOfTicksThatMakesSense) {
+  const Finished run = Finish(RunPen({"--trace", "/dev/null", "--trace-ticks", "12:10"}));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.output, testing::HasSubstr("expected the first and the last tick"));
+}
+
+}  // namespace
+}  // namespace troupe::test

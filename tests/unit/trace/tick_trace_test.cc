@@ -1,0 +1,121 @@
+#include "common/trace/tick_trace.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+
+class Trace : public testing::Test {
+ protected:
+  static std::string Path(const std::string& name) { return testing::TempDir() + "/trace_test_" + name; }
+  static std::string Read(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+  static TraceOptions To(const std::string& name) {
+    TraceOptions options;
+    options.file = Path(name);
+    return options;
+  }
+  static std::unique_ptr<TickTrace> Make(const TraceOptions& options) {
+    Result<std::unique_ptr<TickTrace>> trace = TickTrace::Create(options, "agent \"r0\"");
+    EXPECT_TRUE(trace.ok());
+    return std::move(trace).value();
+  }
+  // "name tick robot" of all spans.
+  static std::vector<std::string> Spans(const json& events) {
+    std::vector<std::string> spans;
+    for (const json& event : events) {
+      if (event["ph"] != "X") continue;
+      spans.push_back(event["name"].get<std::string>() + " " + event["args"]["tick"].dump() + " " +
+                      event["args"].value("robot", "-"));
+    }
+    return spans;
+  }
+  json Merged(const std::vector<std::string>& parts) {
+    EXPECT_FALSE(MergeTraces(parts, Path("merged")));
+    return json::parse(Read(Path("merged")));
+  }
+};
+
+TEST_F(Trace, AProgramsPhasesFollowEachOther) {
+  auto trace = Make(To("a"));
+  trace->NameRobots({"r0", "r1"});
+  TraceLane* const lane = trace->AddLane();
+  lane->Enter(TickPhase::kApply, 7);
+  lane->Enter(TickPhase::kSense, 7, RobotId(1));
+  lane->Leave();
+  lane->Enter(TickPhase::kSend, 7);
+  EXPECT_FALSE(trace->Close());
+  const json events = Merged({Path("a")});
+  EXPECT_THAT(Spans(events), ElementsAre("apply 7 -", "sense 7 r1", "send 7 -"));
+  EXPECT_THAT(events[0]["args"]["name"].get<std::string>(), testing::StartsWith("agent \"r0\""));
+  EXPECT_EQ(events[1]["ts"], 0.0) << "time begins with the first event";
+  EXPECT_NEAR(events[1]["dur"].get<double>(), events[2]["ts"].get<double>(), 1e-3);
+}
+
+TEST_F(Trace, TicksOutsideTheWindowAreLeftOut) {
+  TraceOptions options = ParseTraceTicks("3:4").value();
+  options.file = Path("window");
+  auto trace = Make(options);
+  TraceLane* const lane = trace->AddLane();
+  for (Tick tick = 1; tick <= 6; ++tick) lane->Enter(TickPhase::kStep, tick);
+  EXPECT_FALSE(trace->Close());
+  EXPECT_THAT(Spans(Merged({Path("window")})), ElementsAre("step 3 -", "step 4 -"));
+}
+
+TEST_F(Trace, PartsAreMergedWithProcessesOfTheirOwn) {
+  for (const char* name : {"first", "second"}) {
+    auto trace = Make(To(name));
+    trace->AddLane()->Enter(TickPhase::kWait, 1);
+  }
+  const json events = Merged({Path("first"), Path("missing"), Path("second")});
+  EXPECT_THAT(Spans(events), ElementsAre("wait 1 -", "wait 1 -"));
+  EXPECT_NE(events[1]["pid"], events[3]["pid"]);
+  EXPECT_EQ(events[0]["pid"], events[1]["pid"]);
+  EXPECT_GE(events[3]["ts"], 0.0);
+}
+
+TEST_F(Trace, ALineThatWasCutOffIsLeftOut) {
+  {
+    auto trace = Make(To("cut"));
+    TraceLane* const lane = trace->AddLane();
+    lane->Enter(TickPhase::kWait, 1);
+    lane->Enter(TickPhase::kWait, 2);
+  }
+  std::filesystem::resize_file(Path("cut"), std::filesystem::file_size(Path("cut")) - 5);
+  EXPECT_THAT(Spans(Merged({Path("cut")})), ElementsAre("wait 1 -"));
+}
+
+TEST_F(Trace, NothingMergedIsAnEmptyList) {
+  EXPECT_EQ(Merged({Path("missing")}), json::array());
+}
+
+TEST_F(Trace, AFileThatCannotBeWrittenIsAnError) {
+  EXPECT_FALSE(TickTrace::Create(To("no/such/folder"), "x").ok());
+}
+
+TEST(TraceTicks, AreReadAsAWindow) {
+  EXPECT_EQ(ParseTraceTicks("100:120").value().first, 100u);
+  EXPECT_EQ(ParseTraceTicks("100:120").value().last, 120u);
+  EXPECT_EQ(ParseTraceTicks("100:").value().last, std::nullopt);
+  EXPECT_EQ(ParseTraceTicks(":120").value().first, 0u);
+  for (const char* bad : {"", "5", "a:b", "5:4", "1:2:3", "-1:2"}) EXPECT_FALSE(ParseTraceTicks(bad).ok()) << bad;
+}
+
+TEST(NoTrace, EnteringAPhaseDoesNothing) {
+  Enter(nullptr, TickPhase::kStep, 1);
+}
+
+}  // namespace
+}  // namespace troupe
