@@ -87,7 +87,9 @@ class DistributedRun {
 };
 
 Status DistributedRun::ConnectHosts() {
-  machines_.push_back(std::make_unique<LocalMachine>());
+  // On the loopback interface nobody else reaches the agents.
+  const bool alone = options_.network_interface == "lo";
+  machines_.push_back(std::make_unique<LocalMachine>(alone ? Addresses::kSame : Addresses::kRandom));
   Result<std::vector<std::unique_ptr<FarMachine>>> hosts =
       ConnectAll(options_.hosts, kTimeToConnect, signals_, &interrupted_);
   if (!hosts.ok()) return hosts.error();

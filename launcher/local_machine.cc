@@ -32,7 +32,9 @@ Result<std::unique_ptr<Child>> LocalMachine::Start(const std::string& program,
   std::vector<std::string> command = {path.value()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   if (reports) command.push_back("--report-fd=" + std::to_string(reports_.writing_end()));
-  Result<Process> process = Process::Start(command, output_.writing_end(), reports ? reports_.writing_end() : -1);
+  const Addresses addresses = program == "robot-agent" ? agent_addresses_ : Addresses::kRandom;
+  Result<Process> process =
+      Process::Start(command, output_.writing_end(), reports ? reports_.writing_end() : -1, addresses);
   if (!process.ok()) return process.error();
   return std::unique_ptr<Child>(std::make_unique<LocalChild>(std::move(process).value()));
 }

@@ -8,6 +8,9 @@ namespace troupe {
 
 class LocalMachine : public Machine {
  public:
+  // `agents`: where agents find themselves in memory.
+  explicit LocalMachine(Addresses agents = Addresses::kRandom) : agent_addresses_(agents) {}
+
   const std::string& name() const override { return none_; }
   const std::string& folder() const override { return none_; }
   std::string ProgramPath(const std::string& program) const override;
@@ -19,6 +22,7 @@ class LocalMachine : public Machine {
   Status Fetch(const std::string& from, const std::string& to) override;
 
  private:
+  const Addresses agent_addresses_;
   const std::string none_;
   LinePipe output_;
   LinePipe reports_;

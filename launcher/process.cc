@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -16,7 +17,8 @@ namespace troupe {
 namespace {
 
 // Between fork and exec: only calls that are safe there.
-[[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept) {
+[[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept,
+                                Addresses addresses) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before the line above
   setpgid(0, 0);
@@ -30,6 +32,8 @@ namespace {
   dup2(streams.output, STDOUT_FILENO);
   dup2(streams.error, STDERR_FILENO);
   if (kept >= 0) fcntl(kept, F_SETFD, 0);
+  // Where this is forbidden, as in some containers, it is only slower.
+  if (addresses == Addresses::kSame) personality(static_cast<unsigned long>(personality(~0u)) | ADDR_NO_RANDOMIZE);
   execv(arguments[0], arguments);
   _exit(127);
 }
@@ -41,13 +45,14 @@ std::string ProcessEnd::ToString() const {
   return "ended with exit status " + std::to_string(exit_code);
 }
 
-Result<Process> Process::Start(const std::vector<std::string>& command, const Streams& streams, int kept) {
+Result<Process> Process::Start(const std::vector<std::string>& command, const Streams& streams, int kept,
+                               Addresses addresses) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   pid_t parent = getpid();
   pid_t pid = fork();
-  if (pid == 0) BecomeProgram(arguments.data(), parent, streams, kept);
+  if (pid == 0) BecomeProgram(arguments.data(), parent, streams, kept, addresses);
   if (pid < 0) return Error{{}, "cannot start " + command[0] + ": " + strerror(errno)};
   setpgid(pid, pid);  // here too, so that the group exists before this returns
   return Process(pid);

@@ -24,6 +24,12 @@ struct ProcessEnd {
   std::string ToString() const;
 };
 
+// Where a program finds itself in memory. At random addresses each process is strange to the processor, which predicts
+// jumps by address; many processes of one program that take turns are faster when they all have the same.
+// docs/performance.md has figures. It is harder to attack what has random ones, so only use the same where no stranger
+// can send anything.
+enum class Addresses : bool { kRandom, kSame };
+
 class Process {
  public:
   // Descriptors for a child.
@@ -35,10 +41,12 @@ class Process {
 
   // Runs command[0] (a path) with the rest as arguments. Its standard input is empty; what it says on standard output
   // and standard error goes to `output`. `kept`, unless -1, stays open in the child under its number.
-  static Result<Process> Start(const std::vector<std::string>& command, int output, int kept = -1) {
-    return Start(command, {-1, output, output}, kept);
+  static Result<Process> Start(const std::vector<std::string>& command, int output, int kept = -1,
+                               Addresses addresses = Addresses::kRandom) {
+    return Start(command, {-1, output, output}, kept, addresses);
   }
-  static Result<Process> Start(const std::vector<std::string>& command, const Streams& streams, int kept = -1);
+  static Result<Process> Start(const std::vector<std::string>& command, const Streams& streams, int kept = -1,
+                               Addresses addresses = Addresses::kRandom);
 
   Process(Process&& other) noexcept;
   Process& operator=(Process&& other) noexcept;

@@ -66,28 +66,44 @@ void Cast(const RayCaster& caster, const Pose& X_WS, const std::vector<double>& 
   }
 }
 
-// Where the rays of a ranger may go.
-Rectangle ReachOf(const RangerDescription& ranger, const Pose& X_WM) {
-  Rectangle reach = Rectangle::Nothing();
+// Where the sensors of a ranger are: X_WM * X_MS of each, with the sine and cosine of X_WM's heading worked out once.
+std::vector<Pose> SensorPoses(const RangerDescription& ranger, const Pose& X_WM) {
+  const Transform2 transform(X_WM);
+  std::vector<Pose> poses;
+  poses.reserve(ranger.sensors.size());
   for (const RaySensorDescription& sensor : ranger.sensors) {
+    const Vec2 p = transform * sensor.X_MS.translation();
+    poses.push_back({p.x(), p.y(), X_WM.z + sensor.X_MS.z, WrapAngle(X_WM.heading + sensor.X_MS.heading)});
+  }
+  return poses;
+}
+
+// Where the rays of a ranger may go.
+Rectangle ReachOf(const RangerDescription& ranger, const std::vector<Pose>& X_WS) {
+  Rectangle reach = Rectangle::Nothing();
+  for (std::size_t s = 0; s < X_WS.size(); ++s) {
     Rectangle box = Rectangle::Nothing();
-    box.Extend((X_WM * sensor.X_MS).translation());
-    reach.Extend(box.Inflated(sensor.range.max));
+    box.Extend(X_WS[s].translation());
+    reach.Extend(box.Inflated(ranger.sensors[s].range.max));
   }
   return reach;
+}
+
+void FillBearings(const RaySensorDescription& sensor, std::vector<double>& bearings) {
+  bearings.assign(sensor.samples, 0.0);
+  if (sensor.samples < 2) return;
+  const double last = sensor.samples - 1;
+  // From the middle outwards, so that left and right are mirror images and both ends exact.
+  for (std::size_t i = 0; i < bearings.size(); ++i) {
+    bearings[i] = sensor.fov * ((2.0 * static_cast<double>(i) - last) / (2.0 * last));
+  }
 }
 
 }  // namespace
 
 std::vector<double> Bearings(const RaySensorDescription& sensor) {
-  std::vector<double> bearings(sensor.samples, 0.0);
-  if (sensor.samples > 1) {
-    const double last = sensor.samples - 1;
-    // From the middle outwards, so that left and right are mirror images and both ends exact.
-    for (std::size_t i = 0; i < bearings.size(); ++i) {
-      bearings[i] = sensor.fov * ((2.0 * static_cast<double>(i) - last) / (2.0 * last));
-    }
-  }
+  std::vector<double> bearings;
+  FillBearings(sensor, bearings);
   return bearings;
 }
 
@@ -95,16 +111,17 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
                    RangerReading& reading) {
   const WorldDescription& world = scene.world();
   const RangerDescription& description = world.robot(robot).rangers[ranger];
-  const Pose X_WM = bodies.X_WM(description.model);
-  const RayCaster caster(scene, bodies, ReachOf(description, X_WM), robot);
+  const std::vector<Pose> poses = SensorPoses(description, bodies.X_WM(description.model));
+  const RayCaster caster(scene, bodies, ReachOf(description, poses), robot);
   std::vector<std::optional<RayHit>> hits;
+  std::vector<double> bearings;
   reading.tick = tick;
   reading.scans.resize(description.sensors.size());
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     const RaySensorDescription& sensor = description.sensors[s];
-    const Pose X_WS = X_WM * sensor.X_MS;
+    const Pose& X_WS = poses[s];
     const Noise noise(world.seed, robot, ranger, s, tick);
-    std::vector<double> bearings = Bearings(sensor);
+    FillBearings(sensor, bearings);
     TurnRays(sensor, noise, bearings);
     Cast(caster, X_WS, bearings, sensor.range.max, hits);
     RangeScan& scan = reading.scans[s];

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/personality.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -39,6 +40,20 @@ std::string WaitForLine(LinePipe& pipe) {
   std::vector<std::string> lines;
   while (lines.empty() && poll(&waited, 1, 20000) == 1) lines = pipe.Read();
   return lines.empty() ? "" : lines.front();
+}
+
+TEST(Process, IsAtTheSameAddressesAsOthersIfToldSo) {
+  const auto personality_of = [](Addresses addresses) {
+    LinePipe output;
+    Result<Process> process =
+        Process::Start({"/bin/cat", "/proc/self/personality"}, output.writing_end(), -1, addresses);
+    EXPECT_TRUE(process.ok());
+    return std::stoul(WaitForLine(output), nullptr, 16);
+  };
+  const unsigned long ours = static_cast<unsigned long>(personality(~0u));
+  if (personality(ours) < 0) GTEST_SKIP() << "forbidden here";
+  EXPECT_EQ(personality_of(Addresses::kRandom), ours);
+  EXPECT_EQ(personality_of(Addresses::kSame), ours | ADDR_NO_RANDOMIZE);
 }
 
 TEST(Process, EndsWithItsExitStatusAndMemory) {
