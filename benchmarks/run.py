@@ -31,7 +31,7 @@ def parse():
     parser.add_argument("--programs", metavar="FOLDER", default=ROOT / "build/release/bin")
     parser.add_argument("--output", metavar="FOLDER", default=ROOT / "build/bench", type=pathlib.Path)
     parser.add_argument("--report", action="store_true", help="measure nothing: tables of what was measured before")
-    parser.add_argument("--document", metavar="FILE", help="put the tables into docs/performance.md, or a copy of it")
+    parser.add_argument("--document", metavar="FILE", help="put tables and plots into docs/performance.md, or a copy of it")
     options = parser.parse_args()
     for name in options.scenes:
         if name not in scenes.ALL:
@@ -67,10 +67,11 @@ def main():
                     failed = True
                     print(f"error: {failure}", file=sys.stderr)
     print("\n" + report.text(options.output))
-    for path in plots.draw_all(options.output):
+    drawn = plots.draw_all(options.output)
+    for path in drawn:
         print(f"drawn: {path}")
     if options.document:
-        report.write_into(options.document, options.output)
+        report.write_into(options.document, options.output, drawn)
     return 3 if failed else 0
 
 

@@ -1,6 +1,7 @@
 """Tables from the CSV files of a folder."""
 import csv
 import pathlib
+import shutil
 import statistics
 
 STAGE_SWARM_SPEED = 2.2  # times real time: what Stage is known to reach with 1,000 robots in such a scene
@@ -149,9 +150,14 @@ def text(folder):
 BEGIN, END = "<!-- begin of what scripts/bench writes -->", "<!-- end of what scripts/bench writes -->"
 
 
-def write_into(document, folder):
-    """Puts the tables between the marks of a document."""
+def write_into(document, folder, plots):
+    """Puts the tables between the marks of a document, and the plots into the folder pictures beside it."""
     path = pathlib.Path(document)
     before, rest = path.read_text().split(BEGIN)
     after = rest.split(END)[1]
-    path.write_text(f"{before}{BEGIN}\n{text(folder)}{END}{after}")
+    pictures = ""
+    for plot in plots:
+        (path.parent / "pictures").mkdir(exist_ok=True)
+        shutil.copy(plot, path.parent / "pictures" / plot.name)
+        pictures += f"\n![{plot.stem.replace('_', ' ')}](pictures/{plot.name})\n"
+    path.write_text(f"{before}{BEGIN}\n{text(folder)}{pictures}{END}{after}")

@@ -74,9 +74,10 @@ def cave(setting):
     if setting.stage_worlds is None:
         return
     ticks = 20 if setting.quick else 600
+    packing = ["--robots-per-process", 20] if setting.quick else []
     for number in range(setting.rounds):
         world = setting.cave(60)
-        yield {"round": number, "program": "dds", **setting.troupe.per_robot_and_tick(world, ticks)}
+        yield {"round": number, "program": "dds", **setting.troupe.per_robot_and_tick(world, ticks, *packing)}
         if setting.stage:
             yield {"round": number, "program": "stage", **setting.stage.per_robot_and_tick(setting.cave, 100, ticks)}
         yield {"round": number, "program": "in-process",
