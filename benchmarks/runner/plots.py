@@ -13,7 +13,10 @@ def draw(folder, title, label, series):
     figure, axes = pyplot.subplots(figsize=(7, 4.2), dpi=110)
     for name, (counts, values) in series.items():
         axes.plot(counts, values, marker="o", label=name)
+    marks = sorted({count for counts, _ in series.values() for count in counts})
     axes.set_xscale("log")
+    axes.set_xticks(marks, [f"{mark:,}" for mark in marks])
+    axes.minorticks_off()
     axes.set_xlabel(label)
     axes.set_ylabel("us per robot and tick (median)")
     axes.set_ylim(bottom=0)
