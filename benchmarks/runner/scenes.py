@@ -53,9 +53,10 @@ def processes(setting):
             ticks = 50 if setting.quick else max(300, 20_000 // count)
             yield {"round": number, **setting.troupe.per_robot_and_tick(
                 worlds.write_yard(setting.folder / f"yard{count}", count), ticks)}
-        if not setting.quick and number == 0:  # how long 400 take to start
-            yield {"round": number, **setting.troupe.per_robot_and_tick(
-                worlds.write_yard(setting.folder / "yard400", 400), 50)}
+    # How long 400 take to start. So many at once may not be heard of for the default lease of 2 s.
+    for number in range(0 if setting.quick else setting.rounds):
+        yield {"round": number, **setting.troupe.per_robot_and_tick(
+            worlds.write_yard(setting.folder / "yard400", 400), 50, "--lease", 10)}
 
 
 def robots(setting):

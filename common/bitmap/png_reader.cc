@@ -13,6 +13,15 @@
 namespace troupe {
 namespace {
 
+// Bytes with their bits in the other order.
+constexpr std::array<std::uint64_t, 256> kMirrored = [] {
+  std::array<std::uint64_t, 256> mirrored{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    for (unsigned bit = 0; bit < 8; ++bit) mirrored[byte] |= std::uint64_t{(byte >> bit) & 1u} << (7 - bit);
+  }
+  return mirrored;
+}();
+
 class PngReader {
  public:
   PngReader(const ImageFile& file, const PixelRule& rule) : file_(file), rule_(rule) {
@@ -94,7 +103,13 @@ class PngReader {
     if (png_get_bit_depth(png_, info_) == 16) png_set_strip_16(png_);
     const png_byte type = png_get_color_type(png_, info_);
     if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png_);
-    if (type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8) png_set_expand_gray_1_2_4_to_8(png_);
+    // Black and white needs no unpacking: large maps are mostly that.
+    is_packed_ = type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) == 1 &&
+                 png_get_valid(png_, info_, PNG_INFO_tRNS) == 0 &&
+                 png_get_interlace_type(png_, info_) == PNG_INTERLACE_NONE;
+    if (type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8 && !is_packed_) {
+      png_set_expand_gray_1_2_4_to_8(png_);
+    }
     if (png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) png_set_tRNS_to_alpha(png_);
     passes_ = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
@@ -143,6 +158,7 @@ class PngReader {
   void SetRow(const png_byte* samples, Bitmap& bitmap, int y) const {
     const std::span<std::uint64_t> words = bitmap.row(y);
     const std::size_t width = static_cast<std::size_t>(bitmap.width());
+    if (is_packed_) return SetPackedRow(samples, width, words);
     for (std::size_t i = 0; i < words.size(); ++i) {
       const std::size_t count = std::min<std::size_t>(64, width - 64 * i);
       std::uint64_t word = 0;
@@ -154,12 +170,26 @@ class PngReader {
     }
   }
 
+  // From eight pixels in a byte, the leftmost in its highest bit.
+  void SetPackedRow(const png_byte* bytes, std::size_t width, std::span<std::uint64_t> words) const {
+    const std::uint64_t white = rule_.occupied[255] ? ~std::uint64_t{0} : 0;
+    const std::uint64_t black = rule_.occupied[0] ? ~std::uint64_t{0} : 0;
+    const png_byte* const end = bytes + (width + 7) / 8;
+    for (std::uint64_t& word : words) {
+      std::uint64_t pixels = 0;
+      for (unsigned shift = 0; shift < 64 && bytes != end; shift += 8) pixels |= kMirrored[*bytes++] << shift;
+      word = (pixels & white) | (~pixels & black);
+    }
+    if (width % 64 != 0) words.back() &= (std::uint64_t{1} << (width % 64)) - 1;
+  }
+
   const ImageFile& file_;
   const PixelRule& rule_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
   std::array<char, 200> message_{};
   int passes_ = 1;
+  bool is_packed_ = false;  // rows come as eight pixels in a byte
   std::size_t channels_ = 1;
   std::size_t row_bytes_ = 0;
 };

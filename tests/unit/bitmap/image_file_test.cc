@@ -86,6 +86,27 @@ TEST_F(ImageFile, PalettesAreLookedUp) {
   EXPECT_EQ(Picture(path), "#.#.\n");
 }
 
+TEST_F(ImageFile, BlackAndWhiteRowsOfAnyLengthAreReadBitByBit) {
+  for (const int width : {1, 8, 63, 64, 65, 131}) {
+    std::vector<unsigned char> row(static_cast<std::size_t>(width + 7) / 8, 0);
+    for (int x = 0; x < width; ++x) {
+      if (x % 3 != 0) row[static_cast<std::size_t>(x) / 8] |= static_cast<unsigned char>(0x80 >> (x % 8));
+    }
+    const std::string path = WriteImage({width, 1, 1, PNG_COLOR_TYPE_GRAY, false, {row}, {}});
+    PixelRule white;
+    white.occupied[255] = true;
+    const Bitmap blacks = ReadBitmap(path, StagePixelRule()).value();
+    const Bitmap whites = ReadBitmap(path, white).value();
+    for (int x = 0; x < width; ++x) {
+      EXPECT_EQ(blacks.occupied(x, 0), x % 3 == 0) << x << " of " << width;
+      EXPECT_EQ(whites.occupied(x, 0), x % 3 != 0) << x << " of " << width;
+    }
+    const std::uint64_t beyond = width % 64 == 0 ? 0 : ~((std::uint64_t{1} << (width % 64)) - 1);
+    EXPECT_EQ(blacks.row(0).back() & beyond, 0u);
+    EXPECT_EQ(whites.row(0).back() & beyond, 0u);
+  }
+}
+
 TEST_F(ImageFile, SmallAndLargeBitDepthsAreBroughtTo8) {
   EXPECT_EQ(Picture(WriteImage({8, 1, 1, PNG_COLOR_TYPE_GRAY, false, {{0b01010011}}, {}})), "#.#.##..\n");
   EXPECT_EQ(Picture(WriteImage({2, 1, 4, PNG_COLOR_TYPE_GRAY, false, {{0x78}}, {}})), "#.\n");
