@@ -53,6 +53,12 @@ def pick(rows, column, **where):
                   if row.get(column) and all(row.get(key) == str(value) for key, value in where.items()))
 
 
+def processor(rows, **where):
+    """Processor times of the system and the programs."""
+    return Values(float(row.get("processor_us") or float(row["user_us"]) + float(row["system_us"] or 0)) for row in rows
+                  if all(row.get(key) == str(value) for key, value in where.items()))
+
+
 def ratios(rows, column, key, above, below, **where):
     """`above` by `below` of the same round."""
     def by_round(kind):
@@ -72,9 +78,9 @@ def targets(folder):
         table.append((what, reach, values.text(unit) + note if values else "not measured", f"`scripts/bench {scene}`"))
 
     def beside(rows, **kinds):
-        values = [f"{kind} {pick(rows, 'wall_us', **where).median:.3g} us" for kind, where in kinds.items()
-                  if pick(rows, "wall_us", **where)]
-        return f"; {', '.join(values)} per robot and tick" if values else ""
+        values = [f"{kind} {pick(rows, 'wall_us', **where).median:.3g} ({processor(rows, **where).median:.3g}) us"
+                  for kind, where in kinds.items() if pick(rows, "wall_us", **where)]
+        return f"; {', '.join(values)} per robot and tick (processor time)" if values else ""
 
     cave_us = beside(cave, DDS={"program": "dds"}, Stage={"program": "stage"})
     cave_one_us = beside(cave, Troupe={"program": "in-process"}, Stage={"program": "stage"})
@@ -120,13 +126,11 @@ def growth(folder):
                             ("robots with 12 rays in one process", "robots", read(folder, "robots"))]:
         for count in sorted({int(row[key]) for row in rows}):
             mine = [row for row in rows if int(row[key]) == count]
-            processor = (pick(mine, "processor_us") if "processor_us" in mine[0] else
-                         Values(float(row["user_us"]) + float(row["system_us"]) for row in mine))
             extra = ""
             if name.startswith("idle"):
                 extra = (f"{pick(mine, 'startup_seconds').text(' s')}; {pick(mine, 'agent_mib').text(' MiB')}; "
                          f"{pick(mine, 'bytes_per_tick').text()} bytes a tick")
-            table.append((name, count, pick(mine, "wall_us").text(" us"), processor.text(" us"), extra))
+            table.append((name, count, pick(mine, "wall_us").text(" us"), processor(mine).text(" us"), extra))
     return table
 
 
