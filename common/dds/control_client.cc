@@ -1,9 +1,10 @@
 #include "common/dds/control_client.h"
 
+#include <algorithm>
 #include <chrono>
-#include <thread>
 
 #include "common/base/random_id.h"
+#include "common/dds/condition.h"
 #include "common/dds/convert_control.h"
 #include "common/dds/data_reader.h"
 #include "common/dds/data_writer.h"
@@ -12,13 +13,16 @@
 #include "common/dds/qos_profiles.h"
 #include "common/dds/topic_types.h"
 #include "common/dds/topics.h"
+#include "common/dds/wait_set.h"
 
 namespace troupe {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Deadline = std::chrono::time_point<Clock, std::chrono::duration<double>>;
 
-constexpr auto kPeriod = std::chrono::microseconds(200);
+// s; a wait goes on after it.
+constexpr double kLongestWait = 1.0;
 
 }  // namespace
 
@@ -32,13 +36,21 @@ class ControlClient::Implementation {
         request_topic_(participant_, dds::topics::kControl),
         reply_topic_(participant_, dds::topics::kControlReply),
         requests_(publisher_, request_topic_, dds::qos_profiles::Control()),
-        replies_(subscriber_, reply_topic_, dds::qos_profiles::Control()) {}
+        replies_(subscriber_, reply_topic_, dds::qos_profiles::Control()),
+        answered_(replies_),
+        changes_(participant_) {
+    dds::Check(dds_set_status_mask(requests_.handle(), DDS_PUBLICATION_MATCHED_STATUS), "watching a writer");
+    dds::Check(dds_set_status_mask(replies_.handle(), DDS_SUBSCRIPTION_MATCHED_STATUS), "watching a reader");
+    changes_.attach(answered_, 0);
+    changes_.attach(requests_, 1);
+    changes_.attach(replies_, 2);
+  }
 
   Status WaitForService(double seconds) {
-    const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
     while (!connected()) {
       if (Clock::now() > deadline) return Error{{}, "no world service found in session '" + session_ + "'"};
-      std::this_thread::sleep_for(kPeriod);
+      WaitUntil(deadline);
     }
     return {};
   }
@@ -47,7 +59,7 @@ class ControlClient::Implementation {
     dds::WireArena arena;
     const std::uint64_t number = ++number_;
     requests_.write(dds::ToWire(ControlRequest{client_, number, command, ticks}, arena));
-    const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
     for (;;) {
       for (const auto sample : replies_.take()) {
         ControlReply reply;
@@ -58,14 +70,22 @@ class ControlClient::Implementation {
       if (seconds > 0.0 && Clock::now() > deadline) {
         return Error{{}, "the world service of session '" + session_ + "' did not answer"};
       }
-      std::this_thread::sleep_for(kPeriod);
+      WaitUntil(seconds > 0.0 ? deadline : Deadline::max());
     }
   }
 
  private:
+  // Both are read each time, because that is what makes the wait set take note of them.
   bool connected() const {
-    return requests_.publication_matched_status().current_count > 0 &&
-           replies_.subscription_matched_status().current_count > 0;
+    const auto offered = requests_.publication_matched_status();
+    const auto requested = replies_.subscription_matched_status();
+    return offered.current_count > 0 && requested.current_count > 0;
+  }
+
+  // Until an answer is there, or the service comes or goes.
+  void WaitUntil(Deadline deadline) {
+    const std::chrono::duration<double> left = deadline - Clock::now();
+    changes_.wait(std::clamp(left.count(), 0.0, kLongestWait));
   }
 
   std::string session_;
@@ -76,6 +96,8 @@ class ControlClient::Implementation {
   dds::Topic<troupe_wire_ControlReply> reply_topic_;
   dds::DataWriter<troupe_wire_Control> requests_;
   dds::DataReader<troupe_wire_ControlReply> replies_;
+  dds::ReadCondition answered_;
+  dds::WaitSet changes_;
   std::uint64_t client_ = MakeRandomId();
   std::uint64_t number_ = 0;
 };

@@ -84,17 +84,6 @@ std::map<ModelId, std::vector<const ConvexPiece*>> ByModel(const std::vector<Con
   return by_model;
 }
 
-// A body's pieces in its own frame, with all joints at their starts.
-std::vector<ConvexPiece> PiecesAtStart(const Scene& scene, BodyId id) {
-  const std::vector<Pose> X_BL = scene.LinkPosesAtStart(id);
-  const Body& body = scene.body(id);
-  std::vector<ConvexPiece> pieces;
-  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
-    pieces.push_back(Transformed(body.pieces[i], X_BL[body.piece_links[i]]));
-  }
-  return pieces;
-}
-
 }  // namespace
 
 OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
@@ -109,13 +98,16 @@ OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
   return message;
 }
 
-MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::string>& robot_base_frames,
+MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
                              dds::WireArena& arena) {
   Markers markers(scene.world(), "blocks");
   markers.Add(ByModel(scene.static_index().pieces()), kMapFrame, {}, false, arena);
-  for (std::size_t i = 0; i < robot_base_frames.size(); ++i) {
-    const std::vector<ConvexPiece> pieces = PiecesAtStart(scene, scene.body_of(RobotId(i)));
-    markers.Add(ByModel(pieces), robot_base_frames[i], {}, true, arena);
+  for (std::size_t i = 0; i < robot_frames.size(); ++i) {
+    const Body& body = scene.body(scene.body_of(RobotId(i)));
+    std::vector<std::vector<ConvexPiece>> pieces(body.links.size());
+    for (std::size_t k = 0; k < body.pieces.size(); ++k) pieces[body.piece_links[k]].push_back(body.pieces[k]);
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      markers.Add(ByModel(pieces[k]), robot_frames[i][k], {}, true, arena);
   }
   return markers.Message(arena);
 }

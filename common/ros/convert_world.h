@@ -13,10 +13,11 @@ namespace troupe::ros {
 
 OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena);
 
-// All that stands still in frame map, and the robots each in its own frame `<name>/base_link`, with their joints at
-// their starts. A model of more pieces than kMaxMarkerPieces is left out: it is a bitmap, and the map shows it.
+// All that stands still in frame map, and the robots in their own frames: `robot_frames` by robot, and by link of its
+// body (RobotFrames::links); empty: without robots. A model of more pieces than kMaxMarkerPieces is left out: it is a
+// bitmap, and the map shows it.
 inline constexpr std::size_t kMaxMarkerPieces = 5000;
-MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::string>& robot_base_frames,
+MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
                              dds::WireArena& arena);
 
 // The objects that can be gripped, where they are in `state`.

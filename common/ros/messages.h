@@ -14,6 +14,7 @@ namespace troupe::ros {
 using Time = builtin_interfaces_msg_dds__Time_;
 using Header = std_msgs_msg_dds__Header_;
 using Bool = std_msgs_msg_dds__Bool_;
+using Float64 = std_msgs_msg_dds__Float64_;
 using String = std_msgs_msg_dds__String_;
 using Clock = rosgraph_msgs_msg_dds__Clock_;
 using PoseMessage = geometry_msgs_msg_dds__Pose_;

@@ -100,4 +100,37 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   return topics;
 }
 
+std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
+  UniqueNames names;
+  UniqueNames frames;
+  for (const char* taken : {"odom", "base_link", "map"}) frames.Take(taken);
+  const auto take_sensor = [&](const std::string& frame) {
+    frames.Take(frame);
+    names.Take(frame + "_mount");
+  };
+  const SensorTopics sensors = SensorTopicsOf(world.robot(robot));
+  for (const LaserTopic& laser : sensors.lasers) take_sensor(laser.frame);
+  for (const SonarTopic& sonar : sensors.sonars) {
+    for (const SonarTopic::Sensor& sensor : sonar.sensors) take_sensor(sensor.frame);
+  }
+  std::vector<JointName> joints;
+  for (std::size_t i = 0; i < world.joints.size(); ++i) {
+    if (world.joints[i].robot != robot) continue;
+    const std::string name = names.Take(RosName(world.joints[i].name));
+    joints.push_back({JointId(i), name, frames.Take(name + "_link")});
+  }
+  return joints;
+}
+
+std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId robot) {
+  UniqueNames names;
+  for (const JointName& joint : JointNamesOf(world, robot)) names.Take(joint.name);
+  std::vector<GripperName> grippers;
+  for (std::size_t i = 0; i < world.grippers.size(); ++i) {
+    if (world.grippers[i].robot != robot) continue;
+    grippers.push_back({GripperId(i), names.Take(RosName(world.grippers[i].name))});
+  }
+  return grippers;
+}
+
 }  // namespace troupe::ros

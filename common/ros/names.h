@@ -54,4 +54,20 @@ struct SensorTopics {
 // sensors of one ray only; further ones get a number.
 SensorTopics SensorTopicsOf(const RobotDescription& robot);
 
+// What a joint is called in joint_states and in the robot's URDF, and the frame of what it moves.
+struct JointName {
+  JointId joint;
+  std::string name;   // without the robot's prefix, like the frame
+  std::string frame;  // "<name>_link"
+};
+// In id order. No name is one of a sensor's mount ("<frame>_mount"), and no frame one of a sensor.
+std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot);
+
+// What a gripper is called in topics: "<name>/command". No joint of the robot has that name.
+struct GripperName {
+  GripperId gripper;
+  std::string name;
+};
+std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId robot);
+
 }  // namespace troupe::ros

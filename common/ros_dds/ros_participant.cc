@@ -103,7 +103,8 @@ RosParticipant::RosParticipant(const RosOptions& options)
     : distribution_(options.distribution),
       participant_(ConfigOf(options), dds::Qos() << dds::UserData{"enclave=/;"}),
       publisher_(participant_),
-      subscriber_(participant_) {
+      subscriber_(participant_),
+      watch_(participant_) {
   if (distribution_ == Distribution::kHumble) {
     announcer_ =
         std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
@@ -124,6 +125,7 @@ std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std
 void RosParticipant::AddReader(std::size_t node, dds_entity_t reader) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->nodes[node].readers.push_back(GuidOf(reader));
+  watch_.Expect(reader);
 }
 
 void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
@@ -134,6 +136,11 @@ void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
 void RosParticipant::Announce() {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->Write();
+}
+
+std::vector<std::string> RosParticipant::TakeUnreadable() {
+  const std::lock_guard lock(announcer_->mutex);
+  return watch_.TakeReports();
 }
 
 bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {

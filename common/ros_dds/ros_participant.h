@@ -12,6 +12,7 @@
 #include "common/dds/domain_participant.h"
 #include "common/dds/publisher.h"
 #include "common/ros/ros_options.h"
+#include "common/ros_dds/writer_watch.h"
 
 namespace troupe::ros {
 
@@ -33,6 +34,9 @@ class RosParticipant {
   // Tells the nodes and what they read and write. Call when all have been made, and again when that changed.
   void Announce();
 
+  // Writers that readers of its nodes cannot read, since the last call: a line each. As WriterWatch.
+  std::vector<std::string> TakeUnreadable();
+
   // Samples that could not be written.
   void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
@@ -45,6 +49,7 @@ class RosParticipant {
   dds::Publisher publisher_;
   dds::Subscriber subscriber_;
   std::unique_ptr<Announcer> announcer_;
+  WriterWatch watch_;  // guarded as the nodes are
   std::atomic<std::uint64_t> lost_ = 0;
 };
 

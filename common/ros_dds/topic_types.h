@@ -3,10 +3,19 @@
 
 #include "common/dds/topic.h"
 #include "common/ros/messages.h"
+#include "idl/ros/actions.h"
 #include "idl/ros/discovery.h"
 #include "idl/ros/parameters.h"
 #include "idl/ros/simulation.h"
 
+TROUPE_DDS_TYPE(action_msgs_msg_dds__GoalStatusArray_);
+TROUPE_DDS_TYPE(action_msgs_srv_dds__CancelGoal_Request_);
+TROUPE_DDS_TYPE(action_msgs_srv_dds__CancelGoal_Response_);
+TROUPE_DDS_TYPE(control_msgs_action_dds__GripperCommand_FeedbackMessage_);
+TROUPE_DDS_TYPE(control_msgs_action_dds__GripperCommand_GetResult_Request_);
+TROUPE_DDS_TYPE(control_msgs_action_dds__GripperCommand_GetResult_Response_);
+TROUPE_DDS_TYPE(control_msgs_action_dds__GripperCommand_SendGoal_Request_);
+TROUPE_DDS_TYPE(control_msgs_action_dds__GripperCommand_SendGoal_Response_);
 TROUPE_DDS_TYPE(geometry_msgs_msg_dds__Twist_);
 TROUPE_DDS_TYPE(geometry_msgs_msg_dds__TwistStamped_);
 TROUPE_DDS_TYPE(nav_msgs_msg_dds__OccupancyGrid_);
@@ -42,6 +51,7 @@ TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__SetSimulationState_Response_);
 TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__StepSimulation_Request_);
 TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__StepSimulation_Response_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__Bool_);
+TROUPE_DDS_TYPE(std_msgs_msg_dds__Float64_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__String_);
 TROUPE_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_);
 TROUPE_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_);

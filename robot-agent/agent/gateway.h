@@ -4,14 +4,13 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/model/world_state.h"
 #include "common/spatial/scene.h"
-#include "robot-agent/controller/controller.h"
+#include "robot-agent/agent/outside_command.h"
 
 namespace troupe {
 
@@ -32,9 +31,9 @@ class Gateway {
  public:
   virtual ~Gateway() = default;
 
-  // A command from outside for the tick after `tick`: it goes before the controller's. Called once for each robot and
-  // tick, before the agent's answer goes out, so it must be quick.
-  virtual std::optional<Command> CommandFor(RobotId robot, Tick tick) = 0;
+  // What comes from outside for the tick after `tick`. Called once for each robot and tick, before the agent's answer
+  // goes out, so it must be quick.
+  virtual OutsideCommand CommandFor(RobotId robot, Tick tick) = 0;
 
   // Publishes a tick; called after the agent's answer to it went out. Must not wait for anybody.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;

@@ -100,7 +100,7 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   answer.reports.clear();
   answer.held = false;
   // Before the robots are shared among threads: a gateway need not know of them.
-  std::vector<std::optional<Command>> outside(count);
+  std::vector<OutsideCommand> outside(count);
   for (std::size_t i = 0; i < count && gateway_; ++i) outside[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());

@@ -84,7 +84,7 @@ std::string Robot::StartController() {
   return "";
 }
 
-Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const std::optional<Command>& outside,
+Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const OutsideCommand& outside,
                        TraceLane* trace) {
   const RobotState& own = state.robots[id_.index()];
   odometry_.Update(own.X_WR);
@@ -94,7 +94,8 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const s
   manipulator_.Sense(state, beams_);
   // Asked even when it is overruled: it is called at every tick, and goes on from there when it decides again.
   Command command = failure_.empty() ? AskController(state) : Command{};
-  if (outside) command = *outside;
+  if (outside.drives) command = outside.command;
+  manipulator_.Take(outside.command);
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
   // After a failure the joints stay where they are, and hold what they hold.
   return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{}};

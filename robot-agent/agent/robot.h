@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/model/proposal.h"
 #include "common/model/world_state.h"
+#include "robot-agent/agent/outside_command.h"
 #include "robot-agent/controller/controller.h"
 #include "robot-agent/drive/odometry.h"
 #include "robot-agent/gripper/manipulator.h"
@@ -28,10 +29,9 @@ class Robot {
   RobotId id() const { return id_; }
 
   // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
-  // in order; ticks may be missing after the agent was away. A command from `outside` goes before the controller's.
-  // `trace` may be null.
-  Proposal Decide(const WorldState& state, const BodyIndex& bodies,
-                  const std::optional<Command>& outside = std::nullopt, TraceLane* trace = nullptr);
+  // in order; ticks may be missing after the agent was away. `trace` may be null.
+  Proposal Decide(const WorldState& state, const BodyIndex& bodies, const OutsideCommand& outside = {},
+                  TraceLane* trace = nullptr);
 
   // Takes in a state that is not (yet) to be decided on.
   void Observe(const WorldState& state) { odometry_.Update(state.robots[id_.index()].X_WR); }

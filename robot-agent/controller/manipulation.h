@@ -34,7 +34,11 @@ enum class FingerState : std::uint8_t {
   kOpening,
 };
 
-enum class FingerCommand : std::uint8_t { kOpen, kClose };
+enum class FingerCommand : std::uint8_t {
+  kOpen,
+  kClose,
+  kStay,  // where they are, with what they hold
+};
 
 struct GripperReading {
   FingerState fingers = FingerState::kOpen;
@@ -54,6 +58,9 @@ struct GripperCommand {
   std::size_t gripper = 0;
   std::optional<FingerCommand> fingers = {};
   std::optional<double> lift = {};  // percent, 0 to 100
+  // In place of `fingers`: how far they are to be open, percent, 0 (kClose) to 100 (kOpen). Fingers that meet an object
+  // on the way hold it.
+  std::optional<double> opening = {};
 };
 
 // One of the two; it holds until the next command to the same joint. Fingers are moved by GripperCommand only; a lift

@@ -1,16 +1,44 @@
 #include "robot-agent/gripper/gripper_machine.h"
 
+#include <algorithm>
+
 namespace troupe {
 namespace {
 
+// m, of what a gripper is open by.
+constexpr double kRounding = 1e-9;
+
 bool IsOpen(const JointMotor& finger, const JointState& state) {
   return JointMotor::IsAt(state, finger.joint().position.min);
+}
+
+// How far the fingers are open, together.
+double OpeningOf(const Fingers& f) {
+  return f.left.joint().position.max - f.left_state.position + f.right.joint().position.max - f.right_state.position;
+}
+
+double Opened(const Interval& range, double fraction) {
+  return range.Clamp(range.max - fraction * (range.max - range.min));
+}
+
+// What is left to open, m; negative: to close.
+double WayToOpening(const Fingers& f, double fraction) {
+  const Interval& left = f.left.joint().position;
+  const Interval& right = f.right.joint().position;
+  return fraction * (left.max - left.min + right.max - right.min) - OpeningOf(f);
 }
 
 }  // namespace
 
 void GripperMachine::Take(FingerCommand command) {
   command_ = command;
+  opening_.reset();
+  commanded_ = true;
+}
+
+void GripperMachine::TakeOpening(double fraction) {
+  command_.reset();
+  opening_ = fraction;
   commanded_ = true;
 }
 
@@ -26,14 +54,18 @@ void GripperMachine::Sense(bool beam_is_broken, const GripperState& gripper) {
 FingerState GripperMachine::Report(const Fingers& f) const {
   const bool open = IsOpen(f.left, f.left_state) && IsOpen(f.right, f.right_state);
   if (command_ == FingerCommand::kOpen) return open ? FingerState::kOpen : FingerState::kOpening;
-  if (!command_) return open ? FingerState::kOpen : FingerState::kClosed;
+  if (command_ == FingerCommand::kStay || (!command_ && !opening_)) {
+    return open ? FingerState::kOpen : FingerState::kClosed;
+  }
   const bool done = f.gripper.clamped || !(f.left.moving(f.left_state) || f.right.moving(f.right_state));
+  if (opening_ && !done && WayToOpening(f, *opening_) > 0.0) return FingerState::kOpening;
   return done ? FingerState::kClosed : FingerState::kClosing;
 }
 
 GripperMachine::Velocities GripperMachine::Propose(const Fingers& f, double tick_seconds) const {
+  if (opening_) return ProposeOpening(f, *opening_, tick_seconds);
   const bool clamped = command_ == FingerCommand::kClose && f.gripper.clamped;
-  if (!command_ || clamped) {
+  if (!command_ || command_ == FingerCommand::kStay || clamped) {
     f.left.MoveAt(0.0);
     f.right.MoveAt(0.0);
   } else if (command_ == FingerCommand::kOpen) {
@@ -43,6 +75,25 @@ GripperMachine::Velocities GripperMachine::Propose(const Fingers& f, double tick
     // Also while something holds them up: when it goes away, they go on.
     f.left.MoveTo(f.left.joint().position.max);
     f.right.MoveTo(f.right.joint().position.max);
+  }
+  return {f.left.Velocity(f.left_state, tick_seconds), f.right.Velocity(f.right_state, tick_seconds)};
+}
+
+GripperMachine::Velocities GripperMachine::ProposeOpening(const Fingers& f, double fraction,
+                                                          double tick_seconds) const {
+  const double way = WayToOpening(f, fraction);
+  if (f.gripper.clamped && way <= kRounding) {
+    f.left.MoveAt(0.0);
+    f.right.MoveAt(0.0);
+  } else {
+    // Both to the same place, but none against the other's direction: where an object held them up off the middle, none
+    // would push it while the other lets go.
+    const auto target = [&](const JointMotor& finger, const JointState& state) {
+      const double place = Opened(finger.joint().position, fraction);
+      return way > 0.0 ? std::min(place, state.position) : std::max(place, state.position);
+    };
+    f.left.MoveTo(target(f.left, f.left_state));
+    f.right.MoveTo(target(f.right, f.right_state));
   }
   return {f.left.Velocity(f.left_state, tick_seconds), f.right.Velocity(f.right_state, tick_seconds)};
 }

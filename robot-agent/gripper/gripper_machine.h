@@ -29,6 +29,8 @@ class GripperMachine {
   // Holds until the next one. With autosnatch, it holds until the beams ask for the same: fingers that were told to
   // open stay open until the object is out of the beams.
   void Take(FingerCommand command);
+  // Likewise: open by `fraction` of how far they can be, over 0 and under 1.
+  void TakeOpening(double fraction);
   // With autosnatch, call it before the others in each tick.
   void Sense(bool beam_is_broken, const GripperState& gripper);
 
@@ -42,8 +44,11 @@ class GripperMachine {
 
  private:
   bool autosnatch_;
-  std::optional<FingerCommand> command_;  // nothing: the fingers stay where they are
-  bool commanded_ = false;                // command_ is a controller's, and the beams have not yet come round to it
+  Velocities ProposeOpening(const Fingers& fingers, double fraction, double tick_seconds) const;
+
+  std::optional<FingerCommand> command_;  // nothing, and no opening_: the fingers stay where they are
+  std::optional<double> opening_;         // as in TakeOpening; then there is no command_
+  bool commanded_ = false;                // both are a controller's, and the beams have not yet come round to them
 };
 
 }  // namespace troupe

@@ -14,6 +14,16 @@ bool AnyBroken(const std::vector<std::optional<ObjectId>>& beams) {
   return std::any_of(beams.begin(), beams.end(), [](const auto& beam) { return beam.has_value(); });
 }
 
+void TakeOpening(GripperMachine& machine, double percent) {
+  if (percent == 0.0) {
+    machine.Take(FingerCommand::kClose);
+  } else if (percent == kPercent) {
+    machine.Take(FingerCommand::kOpen);
+  } else {
+    machine.TakeOpening(percent / kPercent);
+  }
+}
+
 }  // namespace
 
 Manipulator::Manipulator(const WorldDescription& world, RobotId robot) : world_(&world) {
@@ -97,7 +107,16 @@ std::string Manipulator::TakeGripper(const GripperCommand& command) {
     return fmt::format("commands gripper {}, but the robot has {}", command.gripper, grippers_.size());
   }
   const GripperInfo& info = grippers_[command.gripper];
+  if (command.fingers && command.opening) {
+    return fmt::format("commands gripper '{}' both an opening and what else its fingers are to do, expected one",
+                       info.description->name);
+  }
   if (command.fingers) machines_[command.gripper].Take(*command.fingers);
+  if (command.opening && !(*command.opening >= 0.0 && *command.opening <= kPercent)) {
+    return fmt::format("commands gripper '{}' to an opening of {} percent, expected 0 to 100", info.description->name,
+                       *command.opening);
+  }
+  if (command.opening) TakeOpening(machines_[command.gripper], *command.opening);
   if (!command.lift) return "";
   if (!info.lift) return fmt::format("commands the lift of gripper '{}', which has none", info.description->name);
   if (!(*command.lift >= 0.0 && *command.lift <= kPercent)) {

@@ -39,18 +39,17 @@ std::optional<Command> CommandInput::At(Tick tick) {
 void CommandInput::Take(const ros::TwistMessage& twist, Tick tick) {
   const std::optional<Command> command = CommandFromTwist(twist, robot_->drive);
   if (!command) {
-    ++refused_;
+    refusals_.Count();
     return;
   }
   command_ = command;
   received_ = tick;
 }
 
-// Told at 1, 10, 100, ...: one who sends a thousand a second would fill the log.
 std::string CommandInput::TakeReport() {
-  if (refused_ == 0 || (reported_ > 0 && refused_ < 10 * reported_)) return "";
-  reported_ = refused_;
-  return fmt::format("robot {}: cmd_vel: ignored a command that is not finite ({} so far)", robot_->name, refused_);
+  const std::uint64_t refused = refusals_.TakeDue();
+  if (refused == 0) return "";
+  return fmt::format("robot {}: cmd_vel: ignored a command that is not finite ({} so far)", robot_->name, refused);
 }
 
 }  // namespace troupe

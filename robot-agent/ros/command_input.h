@@ -9,6 +9,7 @@
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/controller/controller.h"
+#include "robot-agent/ros/refusals.h"
 
 namespace troupe {
 
@@ -34,8 +35,7 @@ class CommandInput {
   std::unique_ptr<ros::RosReader<ros::TwistStamped>> stamped_twists_;  // may be null
   std::optional<Command> command_;
   Tick received_ = 0;
-  std::uint64_t refused_ = 0;   // not finite
-  std::uint64_t reported_ = 0;  // of refused_
+  Refusals refusals_;
 };
 
 }  // namespace troupe

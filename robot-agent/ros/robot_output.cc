@@ -9,6 +9,17 @@ namespace {
 
 constexpr std::int32_t kDepth = 10;
 
+// Where a model is on its robot, with joints as they are.
+Pose PoseOnRobot(const Scene& scene, ModelId model, const RobotView& robot) {
+  const std::uint32_t link = scene.link_of(model);
+  if (link == 0) return scene.X_LM(model);
+  std::vector<double> positions;
+  for (const JointState& joint : robot.world_state().joints) positions.push_back(joint.position);
+  std::vector<Pose> X_RL;
+  scene.ComputeLinkPoses(scene.body_of(robot.id()), positions, X_RL);
+  return X_RL[link] * scene.X_LM(model);
+}
+
 }  // namespace
 
 RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
@@ -17,6 +28,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
       id_(robot),
       map_to_odom_(options.map_to_odom),
       frames_(ros::FramesOf(name, !options.namespaced_tf)),
+      tree_(ros::RobotFramesOf(scene, robot, frames_)),
       odometry_error_(description().localization),
       odom_(node, "odom", ros::Stream(kDepth)),
       ground_truth_(node, "ground_truth", ros::Stream(kDepth)),
@@ -79,13 +91,15 @@ void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar)
   const std::size_t ranger = sonar.topic.ranger;
   if (!sonar.points->wanted() || !Due(tick, ranger)) return;
   const RangerReading& reading = robot.Measure(ranger);
+  const RangerDescription& mounted = description().rangers[ranger];
+  const Pose X_RM = PoseOnRobot(*scene_, mounted.model, robot);
   std::vector<Pose> poses;
   std::vector<double> ranges;
   std::vector<double> limits;
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
-    poses.push_back(X_RS(ranger, sensor.index));
+    poses.push_back(X_RM * mounted.sensors[sensor.index].X_MS);
     ranges.push_back(reading.scans[sensor.index].ranges.front());
-    limits.push_back(description().rangers[ranger].sensors[sensor.index].range.max);
+    limits.push_back(mounted.sensors[sensor.index].range.max);
   }
   dds::WireArena arena;
   sonar.points->Write(ros::MakePointCloud(Stamp(tick), frames_.base, poses, ranges, limits, arena));
@@ -93,16 +107,11 @@ void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar)
 
 void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
   std::vector<ros::NamedJoint> joints;
-  for (const JointId joint : scene_->joints_of(id_)) {
-    joints.push_back({ros::RosName(scene_->world().joint(joint).name), robot.world_state().joints[joint.index()]});
+  for (const ros::MovingFrame& frame : tree_.moving) {
+    joints.push_back({frame.joint_name, robot.world_state().joints[frame.joint.index()]});
   }
   dds::WireArena arena;
   joint_states_.Write(ros::MakeJointState(Stamp(tick), joints, arena));
-}
-
-Pose RobotOutput::X_RS(std::size_t ranger, std::size_t sensor) const {
-  const RangerDescription& description_of_ranger = description().rangers[ranger];
-  return scene_->X_RM(description_of_ranger.model) * description_of_ranger.sensors[sensor].X_MS;
 }
 
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {
@@ -134,22 +143,21 @@ void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) 
   }
 }
 
-ros::TransformStamped RobotOutput::OdomToBase(Tick tick, const RobotView& robot, dds::WireArena& arena) const {
-  return ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena);
+std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, const RobotView& robot,
+                                                                 dds::WireArena& arena) const {
+  std::vector<ros::TransformStamped> transforms = {
+      ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena)};
+  for (const ros::MovingFrame& frame : tree_.moving) {
+    const Pose pose = ros::X_PF(frame, scene_->world(), robot.world_state().joints[frame.joint.index()].position);
+    transforms.push_back(ros::MakeTransform(Stamp(tick), frame.parent, frame.frame, pose, arena));
+  }
+  return transforms;
 }
 
 std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView& robot, dds::WireArena& arena) const {
-  const auto add = [&](std::vector<ros::TransformStamped>& transforms, std::size_t ranger, std::size_t sensor,
-                       const std::string& frame) {
-    transforms.push_back(
-        ros::MakeTransform(Stamp(0), frames_.base, frames_.prefix + frame, X_RS(ranger, sensor), arena));
-  };
   std::vector<ros::TransformStamped> transforms;
-  for (const Laser& laser : lasers_) add(transforms, laser.topic.ranger, laser.topic.sensor, laser.topic.frame);
-  for (const Sonar& sonar : sonars_) {
-    for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
-      add(transforms, sonar.topic.ranger, sensor.index, sensor.frame);
-    }
+  for (const ros::FixedFrame& frame : tree_.fixed) {
+    transforms.push_back(ros::MakeTransform(Stamp(0), frame.parent, frame.frame, frame.X_PF, arena));
   }
   if (map_to_odom_) {
     const Pose X_WO = ros::OdomInMap(description().localization, robot.state().X_WR, robot.pose_estimate());

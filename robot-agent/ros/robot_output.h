@@ -8,6 +8,7 @@
 #include "common/dds/wire.h"
 #include "common/ros/names.h"
 #include "common/ros/odometry_error.h"
+#include "common/ros/robot_frames.h"
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/agent/gateway.h"
@@ -23,10 +24,10 @@ class RobotOutput {
   // All but the transforms.
   void Publish(Tick tick, const RobotView& robot);
 
-  // From the odometry frame to the robot, now.
-  ros::TransformStamped OdomToBase(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
-  // Of the sensors on the robot, and of the odometry frame in the map if the options say so. `robot`: at the first
-  // tick.
+  // From the odometry frame to the robot, and of what its joints move, now.
+  std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
+  // Of the sensors on what they are mounted on, and of the odometry frame in the map if the options say so. `robot`: at
+  // the first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
 
  private:
@@ -48,12 +49,11 @@ class RobotOutput {
   void PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishJoints(Tick tick, const RobotView& robot);
-  Pose X_RS(std::size_t ranger, std::size_t sensor) const;
-
   const Scene* scene_;
   RobotId id_;
   bool map_to_odom_;
   ros::FrameNames frames_;
+  ros::RobotFrames tree_;
   ros::OdometryError odometry_error_;
   ros::RosWriter<ros::OdometryMessage> odom_;
   ros::RosWriter<ros::OdometryMessage> ground_truth_;

@@ -7,6 +7,7 @@
 #include "common/ros_dds/parameter_services.h"
 #include "common/ros_dds/ros_qos.h"
 #include "robot-agent/ros/command_input.h"
+#include "robot-agent/ros/manipulator_port.h"
 #include "robot-agent/ros/robot_output.h"
 
 namespace troupe {
@@ -40,7 +41,8 @@ struct RosRobot {
            const std::string& name)
       : node(node_of_robot),
         input(node, options, scene.world().robot(robot), scene.world().interval_seconds()),
-        output(node, options, scene, robot, name) {
+        output(node, options, scene, robot, name),
+        manipulator(node, scene, robot) {
     if (options.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
     if (scene.world().robots.size() <= kMostRobotsWithParameters) {
       parameters =
@@ -54,6 +56,7 @@ struct RosRobot {
   ros::RosNode node;
   CommandInput input;
   RobotOutput output;
+  ManipulatorPort manipulator;
   std::unique_ptr<Transforms> transforms;              // null where robots share them
   std::unique_ptr<ros::ParameterServices> parameters;  // null where there are many robots
 };
@@ -74,7 +77,8 @@ void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, cons
   dds::WireArena arena;
   std::vector<ros::TransformStamped> moving;
   for (const RobotView* robot : robots) {
-    moving.push_back(by_id[robot->id().index()]->output.OdomToBase(tick, *robot, arena));
+    const auto of_robot = by_id[robot->id().index()]->output.MovingTransforms(tick, *robot, arena);
+    moving.insert(moving.end(), of_robot.begin(), of_robot.end());
   }
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
@@ -96,10 +100,19 @@ class RosGateway final : public Gateway {
     participant_.Announce();
   }
 
-  std::optional<Command> CommandFor(RobotId robot, Tick tick) override { return by_id_[robot.index()]->input.At(tick); }
+  OutsideCommand CommandFor(RobotId id, Tick tick) override {
+    RosRobot& robot = *by_id_[id.index()];
+    OutsideCommand outside;
+    if (const std::optional<Command> motion = robot.input.At(tick)) outside = {*motion, true};
+    robot.manipulator.Take(tick, outside.command);
+    return outside;
+  }
 
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
-    for (const RobotView* robot : robots) by_id_[robot->id().index()]->output.Publish(tick, *robot);
+    for (const RobotView* robot : robots) {
+      by_id_[robot->id().index()]->output.Publish(tick, *robot);
+      by_id_[robot->id().index()]->manipulator.Publish(robot->world_state());
+    }
     if (shared_transforms_) {
       shared_transforms_->Write(tick, robots, by_id_);
     } else {
@@ -108,9 +121,10 @@ class RosGateway final : public Gateway {
   }
 
   std::vector<std::string> TakeReports() override {
-    std::vector<std::string> reports;
+    std::vector<std::string> reports = participant_.TakeUnreadable();
     for (const auto& robot : robots_) {
       if (std::string report = robot->input.TakeReport(); !report.empty()) reports.push_back(std::move(report));
+      robot->manipulator.TakeReports(reports);
     }
     return reports;
   }

@@ -13,6 +13,7 @@
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
+#include "tests/support/dds_domain.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe::test {
@@ -35,13 +36,15 @@ class FastDdsPeerTest : public testing::Test {
     }
   }
 
-  // Runs pen.world, with a peer that drives r0 and r1.
-  void Run() {
+  // Runs a world, with a peer that drives two of its robots.
+  void Run(const std::string& world = "pen.world",
+           const std::vector<std::string>& drives = {"r0=0.25,0.5", "r1=-0.4,0"}) {
     const std::string domain = std::to_string(TestRosOptions().domain);
-    Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), "r0=0.25,0.5", "r1=-0.4,0"});
+    Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), drives[0], drives[1]});
     peer.WaitForLine("ready");
-    Program run = RunPen({"--ros", "--ros-interface", "lo", "--ros-domain", domain, "--speed", "4", "--poses",
-                          folder_.Path("poses"), "--scans", folder_.Path("scans")});
+    Program run = Troupe({"run", WorldPath(world), "--domain", std::to_string(TestDomain()), "--headless", "--ros",
+                          "--ros-interface", "lo", "--ros-domain", domain, "--ros-distro", "jazzy", "--speed", "4",
+                          "--poses", folder_.Path("poses"), "--scans", folder_.Path("scans")});
     // Until it has seen enough, however long they took to meet.
     peer.WaitForLine("\"enough\"");
     run.Signal(SIGINT);
@@ -187,6 +190,87 @@ TEST_F(FastDdsPeerTest, SeesOneTreeOfFrames) {
     }
   }
   EXPECT_THAT(nodes, testing::IsSupersetOf({"/ world", "/r0 robot", "/r1 robot", "/r2 robot", "/r3 robot"}));
+}
+
+Pose PoseOf(const json& transform) {
+  const json& shift = transform["translation"];
+  const json& turn = transform["rotation"];
+  return {shift[0], shift[1], shift[2], 2.0 * std::atan2(turn[2].get<double>(), turn[3].get<double>())};
+}
+
+// Two robots with grippers at once. The frames lead from the map to every link and sensor, none of them twice, and say
+// of ben, who has gps, where he and what his joints move are in --poses.
+TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
+  Run("hands.json", {"anna=0.02,0.05", "ben=-0.05,0.1"});
+  std::map<std::string, json> fixed;  // by frame
+  for (const json& message : messages_["/tf_static"]) {
+    for (const json& transform : message["transforms"]) {
+      EXPECT_TRUE(fixed.emplace(transform["child"], transform).second) << transform;
+    }
+  }
+  std::map<Tick, std::map<std::string, json>> moving;  // by tick and frame
+  for (const json& message : messages_["/tf"]) {
+    for (const json& transform : message["transforms"]) {
+      EXPECT_TRUE(moving[TickOf(transform)].emplace(transform["child"], transform).second) << transform;
+    }
+  }
+  std::map<Tick, double> lifts;  // of ben, by tick
+  for (const json& message : messages_["/ben/joint_states"]) {
+    EXPECT_EQ(message["name"], json({"gripper_lift", "gripper_lift_left", "gripper_lift_right"}));
+    EXPECT_EQ(message["effort"], json::array());
+    lifts[TickOf(message)] = message["position"][0];
+  }
+  std::set<double> heights;
+  std::size_t complete = 0;
+  for (const auto& [tick, frames] : moving) {
+    std::map<std::string, json> all = fixed;
+    for (const auto& [child, transform] : frames) ASSERT_TRUE(all.emplace(child, transform).second) << child;
+    if (all.size() != 12) continue;  // while a peer has not yet met both robots
+    ++complete;
+    const auto in_map = [&](std::string frame) {
+      Pose pose;
+      for (int steps = 0; frame != "map"; frame = all.at(frame)["frame"]) {
+        pose = PoseOf(all.at(frame)) * pose;
+        EXPECT_LT(++steps, 10) << frame;
+      }
+      return pose;
+    };
+    for (const auto& [child, transform] : all) in_map(child);
+    const std::pair<const char*, const char*> frames_and_names[] = {
+        {"ben/base_link", "ben"},
+        {"ben/gripper_lift_link", "ben.gripper.lift"},
+        {"ben/gripper_lift_left_link", "ben.gripper.lift.left"},
+        {"ben/gripper_lift_right_link", "ben.gripper.lift.right"}};
+    for (const auto& [frame, name] : frames_and_names) {
+      const Pose& logged = poses_.at({tick, name}).X_WR;
+      const Pose seen = in_map(frame);
+      ASSERT_NEAR(seen.x, logged.x, 1e-12) << frame;
+      ASSERT_NEAR(seen.y, logged.y, 1e-12) << frame;
+      ASSERT_NEAR(seen.z, logged.z, 1e-12) << frame;
+      ASSERT_NEAR(seen.heading, logged.heading, 1e-12) << frame;
+    }
+    if (!lifts.contains(tick)) continue;
+    heights.insert(lifts[tick]);
+    ASSERT_NEAR(in_map("ben/gripper_lift_link").z, 0.04 + lifts[tick], 1e-12);
+  }
+  EXPECT_GT(complete, 50u);
+  EXPECT_GT(heights.size(), 10u) << "the lift moved";
+  EXPECT_EQ(fixed.at("ben/scan")["frame"], "ben/gripper_lift_link");
+  EXPECT_EQ(fixed.at("anna/scan")["frame"], "anna/base_link");
+
+  EXPECT_THAT(messages_["/ben/robot_description"].front()["data"].get<std::string>(),
+              testing::HasSubstr(R"(<joint name="gripper_lift" type="prismatic"><parent link="ben/base_link"/>)"));
+  for (const json& message : messages_["/ben/gripper/state"]) {
+    const json state = json::parse(message["data"].get<std::string>());
+    EXPECT_NEAR(state["largest_opening"].get<double>(), 0.32, 1e-9);
+  }
+  for (const json& message : messages_["ros_discovery_info"]) {
+    for (const json& node : message["nodes"]) {
+      if (node["namespace"] != "/anna") continue;
+      EXPECT_EQ(node["readers"], 1 + 2 + 3 + 6) << "cmd_vel, gripper and lift, the action, parameters";
+      EXPECT_EQ(node["writers"], 9 + 2 + 3 + 6) << "topics, the action's, its services, parameters";
+    }
+  }
 }
 
 TEST_F(FastDdsPeerTest, ReadsTheMapTheBlocksAndTheRobots) {

@@ -18,7 +18,7 @@ struct LoggedPose {
   bool stalled = false;
 };
 
-// By tick and robot.
+// By tick and robot; by object and joint too, where a world has some.
 inline std::map<std::pair<Tick, std::string>, LoggedPose> ReadPoses(const std::string& csv) {
   std::map<std::pair<Tick, std::string>, LoggedPose> poses;
   std::istringstream lines(csv);
@@ -28,7 +28,7 @@ inline std::map<std::pair<Tick, std::string>, LoggedPose> ReadPoses(const std::s
     std::istringstream fields(line);
     std::vector<std::string> words;
     for (std::string word; std::getline(fields, word, ',');) words.push_back(word);
-    if (words.size() != 7) continue;
+    if (words.size() < 7) continue;
     const auto number = [&](std::size_t i) { return std::stod(words[i]); };
     poses[{std::stoull(words[0]), words[1]}] = {{number(2), number(3), number(4), number(5)}, words[6] == "1"};
   }

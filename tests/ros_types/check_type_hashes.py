@@ -35,7 +35,7 @@ def read_messages(folder):
                 for field in filter(None, (part.strip() for part in fields.split(";"))):
                     type_, field_name, _, size = re.fullmatch(r"(.+?)\s+(\w+)(\[(\d+)\])?", field, re.S).groups()
                     parsed.append((" ".join(type_.split()), field_name, int(size or 0)))
-                if kind == "srv":
+                if kind == "srv" or kind == "action" and name.endswith(("_Request", "_Response")):
                     assert [field[1] for field in parsed[:2]] == SERVICE_HEADER, name
                     parsed = parsed[2:]
                 messages[f"{package}/{kind}/{name}"] = parsed

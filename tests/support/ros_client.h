@@ -22,7 +22,13 @@ class Client {
 
   // Calls, and gives the answer to `check`.
   template <typename Check>
-  void Call(Request request, const Check& check) {
+  void Call(const Request& request, const Check& check) {
+    Send(request);
+    ASSERT_TRUE(Eventually([&] { return Take(check); }));
+  }
+
+  // Calls, and does not wait for the answer.
+  void Send(Request request) {
     ASSERT_TRUE(Eventually([&] {
       return writer_.publication_matched_status().current_count > 0 &&
              reader_.subscription_matched_status().current_count > 0;
@@ -30,16 +36,19 @@ class Client {
     request.client_guid = 4711;
     request.sequence_number = ++calls_;
     writer_.write(request);
+  }
+
+  // Gives the answer to `check`, if it has come.
+  template <typename Check>
+  bool Take(const Check& check) {
     bool answered = false;
-    ASSERT_TRUE(Eventually([&] {
-      for (const auto sample : reader_.take()) {
-        EXPECT_EQ(sample.data().client_guid, 4711u);
-        EXPECT_EQ(sample.data().sequence_number, calls_);
-        check(sample.data());
-        answered = true;
-      }
-      return answered;
-    }));
+    for (const auto sample : reader_.take()) {
+      EXPECT_EQ(sample.data().client_guid, 4711u);
+      EXPECT_EQ(sample.data().sequence_number, calls_);
+      check(sample.data());
+      answered = true;
+    }
+    return answered;
   }
 
  private:

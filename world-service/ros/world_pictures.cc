@@ -4,6 +4,7 @@
 
 #include "common/ros/convert_world.h"
 #include "common/ros/names.h"
+#include "common/ros/robot_frames.h"
 #include "common/ros_dds/ros_qos.h"
 
 namespace troupe {
@@ -56,13 +57,13 @@ void WorldPictures::WriteMap() {
 }
 
 void WorldPictures::WriteBlocks() {
-  std::vector<std::string> bases;
-  for (const std::string& name : ros::RobotNames(scene_.world())) {
-    bases.push_back(ros::FramesOf(name, !options_.namespaced_tf).base);
+  std::vector<std::vector<std::string>> frames;
+  const std::vector<std::string> names = ros::RobotNames(scene_.world());
+  for (std::size_t i = 0; i < names.size() && !options_.namespaced_tf; ++i) {  // their frames are in trees of their own
+    frames.push_back(ros::RobotFramesOf(scene_, RobotId(i), ros::FramesOf(names[i], true)).links);
   }
-  if (options_.namespaced_tf) bases.clear();  // their frames are in trees of their own
   dds::WireArena arena;
-  blocks_.Write(ros::MakeBlockMarkers(scene_, bases, arena));
+  blocks_.Write(ros::MakeBlockMarkers(scene_, frames, arena));
 }
 
 }  // namespace troupe

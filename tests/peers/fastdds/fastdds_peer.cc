@@ -2,39 +2,21 @@
 // drives robots by Twist. Loopback only. Runs until it is killed, or its parent has ended.
 // Says {"topic": "enough"} when it has had ENOUGH scans of each.
 //   fastdds_peer DOMAIN ENOUGH ROBOT=VX,WZ ...
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
-#include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/Topic.hpp>
-#include <memory>
-#include <mutex>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "discoveryPubSubTypes.h"
 #include "geometryPubSubTypes.h"
 #include "navigationPubSubTypes.h"
+#include "peer.h"
 #include "sensorsPubSubTypes.h"
 #include "stdPubSubTypes.h"
 #include "visualizationPubSubTypes.h"
 
 namespace {
-
-using namespace eprosima::fastdds::dds;
-using nlohmann::json;
 
 std::int64_t Nanoseconds(const builtin_interfaces::msg::dds_::Time_& time) {
   return time.sec() * std::int64_t{1'000'000'000} + time.nanosec();
@@ -155,87 +137,20 @@ void Add(json& out, const rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_& m
   }
 }
 
-void Print(const json& line) {
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  std::printf("%s\n", line.dump().c_str());
-  std::fflush(stdout);
-}
-
+// Prints what comes on a topic. Counts it, too.
 template <typename PubSubType>
-class Listener : public DataReaderListener {
- public:
-  explicit Listener(std::string topic) : topic_(std::move(topic)) {}
-  std::atomic<int> received = 0;
-  void on_data_available(DataReader* reader) override {
-    typename PubSubType::type message;
-    SampleInfo info;
-    while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
-      json line = {{"topic", topic_}};
-      Add(line, message);
-      Print(line);
-      ++received;
-    }
-  }
-
- private:
-  std::string topic_;
-};
-
-class Peer {
- public:
-  explicit Peer(std::uint32_t domain) {
-    DomainParticipantQos qos;
-    auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-    transport->interfaceWhiteList = {"127.0.0.1"};
-    qos.transport().use_builtin_transports = false;
-    qos.transport().user_transports.push_back(transport);
-    participant_ = DomainParticipantFactory::get_instance()->create_participant(domain, qos);
-    if (participant_ == nullptr) throw std::runtime_error("cannot make a participant");
-    subscriber_ = participant_->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
-    publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
-  }
-  ~Peer() {
-    participant_->delete_contained_entities();
-    DomainParticipantFactory::get_instance()->delete_participant(participant_);
-  }
-
-  template <typename PubSubType>
-  const std::atomic<int>& Read(const std::string& topic, bool latched = false) {
-    DataReaderQos qos = DATAREADER_QOS_DEFAULT;
-    qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
-    qos.durability().kind = latched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
-    qos.history().kind = KEEP_ALL_HISTORY_QOS;
-    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-    auto listener = std::make_unique<Listener<PubSubType>>(topic);
-    subscriber_->create_datareader(MakeTopic<PubSubType>(topic), qos, listener.get());
-    const std::atomic<int>& received = listener->received;
-    listeners_.push_back(std::move(listener));
-    return received;
-  }
-
-  template <typename PubSubType>
-  DataWriter* Write(const std::string& topic) {
-    DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
-    qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
-    return publisher_->create_datawriter(MakeTopic<PubSubType>(topic), qos);
-  }
-
- private:
-  template <typename PubSubType>
-  Topic* MakeTopic(const std::string& name) {
-    TypeSupport type(new PubSubType());
-    type.register_type(participant_);
-    const std::string prefix = name.starts_with("/") ? "rt" : "";
-    return participant_->create_topic(prefix + name, type.get_type_name(), TOPIC_QOS_DEFAULT);
-  }
-
-  DomainParticipant* participant_ = nullptr;
-  Subscriber* subscriber_ = nullptr;
-  Publisher* publisher_ = nullptr;
-  std::vector<std::unique_ptr<DataReaderListener>> listeners_;
-};
+const std::atomic<int>& Read(Peer& peer, const std::string& topic, bool latched = false) {
+  const std::atomic<int>* received = nullptr;
+  peer.Read<PubSubType>(
+      topic,
+      [topic](const typename PubSubType::type& message) {
+        json line = {{"topic", topic}};
+        Add(line, message);
+        Print(line);
+      },
+      latched, &received);
+  return *received;
+}
 
 struct Drive {
   const std::atomic<int>* scans = nullptr;
@@ -245,27 +160,28 @@ struct Drive {
 
 int Run(int argc, char** argv) {
   Peer peer(static_cast<std::uint32_t>(std::stoul(argv[1])));
-  peer.Read<rosgraph_msgs::msg::dds_::Clock_PubSubType>("/clock");
-  peer.Read<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf");
-  peer.Read<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static", true);
-  peer.Read<nav_msgs::msg::dds_::OccupancyGrid_PubSubType>("/map", true);
-  peer.Read<visualization_msgs::msg::dds_::MarkerArray_PubSubType>("/blocks", true);
-  peer.Read<std_msgs::msg::dds_::String_PubSubType>("/events");
-  peer.Read<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>("ros_discovery_info", true);
+  Read<rosgraph_msgs::msg::dds_::Clock_PubSubType>(peer, "/clock");
+  Read<tf2_msgs::msg::dds_::TFMessage_PubSubType>(peer, "/tf");
+  Read<tf2_msgs::msg::dds_::TFMessage_PubSubType>(peer, "/tf_static", true);
+  Read<nav_msgs::msg::dds_::OccupancyGrid_PubSubType>(peer, "/map", true);
+  Read<visualization_msgs::msg::dds_::MarkerArray_PubSubType>(peer, "/blocks", true);
+  Read<std_msgs::msg::dds_::String_PubSubType>(peer, "/events");
+  Read<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(peer, "ros_discovery_info", true);
   std::vector<Drive> drives;
   const int enough = std::stoi(argv[2]);
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     const std::string robot = "/" + argument.substr(0, argument.find('='));
-    peer.Read<nav_msgs::msg::dds_::Odometry_PubSubType>(robot + "/odom");
-    peer.Read<nav_msgs::msg::dds_::Odometry_PubSubType>(robot + "/ground_truth");
-    peer.Read<sensor_msgs::msg::dds_::Range_PubSubType>(robot + "/sonar");
-    peer.Read<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(robot + "/sonar/points");
-    peer.Read<sensor_msgs::msg::dds_::JointState_PubSubType>(robot + "/joint_states");
-    peer.Read<std_msgs::msg::dds_::Bool_PubSubType>(robot + "/stalled");
-    peer.Read<std_msgs::msg::dds_::String_PubSubType>(robot + "/robot_description", true);
+    Read<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/odom");
+    Read<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/ground_truth");
+    Read<sensor_msgs::msg::dds_::Range_PubSubType>(peer, robot + "/sonar");
+    Read<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(peer, robot + "/sonar/points");
+    Read<sensor_msgs::msg::dds_::JointState_PubSubType>(peer, robot + "/joint_states");
+    Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
+    Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");
+    Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/robot_description", true);
     Drive drive;
-    drive.scans = &peer.Read<sensor_msgs::msg::dds_::LaserScan_PubSubType>(robot + "/scan");
+    drive.scans = &Read<sensor_msgs::msg::dds_::LaserScan_PubSubType>(peer, robot + "/scan");
     drive.writer = peer.Write<geometry_msgs::msg::dds_::Twist_PubSubType>(robot + "/cmd_vel");
     double vx = 0.0;
     double wz = 0.0;

@@ -79,6 +79,56 @@ TEST_F(GripperMachineTest, StopsPushingWhenItHasAnObject) {
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.15, 1e-12);
 }
 
+TEST_F(GripperMachineTest, GoesToAnOpeningFromBothSides) {
+  machine_->TakeOpening(0.7);
+  Tick();
+  EXPECT_EQ(state(), FingerState::kClosing);
+  Tick(4);
+  EXPECT_EQ(state(), FingerState::kClosed);  // not all the way open
+  EXPECT_NEAR(hand_.position(Hand::kLeft), 0.15, 1e-12);
+  machine_->TakeOpening(0.9);
+  Tick();
+  EXPECT_EQ(state(), FingerState::kOpening);
+  Tick(4);
+  EXPECT_NEAR(hand_.position(Hand::kLeft), 0.05, 1e-12);
+  EXPECT_NEAR(hand_.position(Hand::kRight), 0.05, 1e-12);
+}
+
+TEST_F(GripperMachineTest, HoldsAnObjectThatIsWiderThanTheOpeningAskedFor) {
+  machine_->TakeOpening(0.2);
+  Tick(2);
+  Hold();
+  Tick(3);
+  EXPECT_EQ(state(), FingerState::kClosed);
+  EXPECT_NEAR(hand_.position(Hand::kLeft), 0.1, 1e-12);
+  machine_->TakeOpening(0.9);
+  Tick(4);
+  EXPECT_NEAR(hand_.position(Hand::kLeft), 0.05, 1e-12);
+  EXPECT_FALSE(gripper().clamped);
+}
+
+TEST_F(GripperMachineTest, NoFingerClosesWhileTheyOpen) {
+  hand_.position(Hand::kLeft) = 0.1;
+  hand_.position(Hand::kRight) = 0.3;
+  Hold();
+  machine_->TakeOpening(0.7);  // 0.15 m each, were it for the middle
+  Tick(2);
+  EXPECT_EQ(hand_.position(Hand::kLeft), 0.1);
+  EXPECT_NEAR(hand_.position(Hand::kRight), 0.2, 1e-12);
+}
+
+TEST_F(GripperMachineTest, StaysWhereItIsWhenToldTo) {
+  machine_->Take(FingerCommand::kClose);
+  Tick(2);
+  machine_->Take(FingerCommand::kStay);
+  Tick(2);
+  EXPECT_EQ(state(), FingerState::kClosed);
+  EXPECT_NEAR(hand_.position(Hand::kLeft), 0.1, 1e-12);
+  Hold();
+  Tick(2);
+  EXPECT_TRUE(gripper().clamped);
+}
+
 TEST_F(GripperMachineTest, OneFingerWaitsForTheOther) {
   hand_.stops[Hand::kLeft] = 0.1;
   machine_->Take(FingerCommand::kClose);

@@ -69,6 +69,29 @@ TEST_F(ManipulatorTest, MovesToAHeightInPercent) {
   EXPECT_EQ(gripper().lift_position, 0.25);
 }
 
+TEST_F(ManipulatorTest, OpensByPercentAsFarAsItsWordsDo) {
+  const auto opening = [](double percent) {
+    return Command{.twist = {}, .grippers = {{.opening = percent}}, .joints = {}};
+  };
+  EXPECT_EQ(manipulator_->Take(opening(0.0)), "");
+  Tick(12);
+  EXPECT_EQ(gripper().fingers, FingerState::kClosed);
+  EXPECT_EQ(joint(Hand::kLeft).position, 0.5);
+  EXPECT_EQ(manipulator_->Take(opening(25.0)), "");
+  Tick(12);
+  EXPECT_NEAR(joint(Hand::kRight).position, 0.375, 1e-12);
+  EXPECT_EQ(manipulator_->Take(opening(100.0)), "");
+  Tick(12);
+  EXPECT_EQ(gripper().fingers, FingerState::kOpen);
+  EXPECT_EQ(joint(Hand::kLeft).position, 0.0);
+  EXPECT_EQ(manipulator_->Take(opening(100.5)),
+            "commands gripper 'lift' to an opening of 100.5 percent, expected 0 to 100");
+  EXPECT_NE(manipulator_->Take(opening(std::nan(""))), "");
+  EXPECT_NE(
+      manipulator_->Take({.twist = {}, .grippers = {{.fingers = FingerCommand::kOpen, .opening = 1.0}}, .joints = {}}),
+      "");
+}
+
 TEST_F(ManipulatorTest, WhatACommandLeavesOutGoesOn) {
   EXPECT_EQ(manipulator_->Take(Lift(40.0)), "");
   EXPECT_EQ(manipulator_->Take({.twist = {}, .grippers = {{.fingers = FingerCommand::kClose}}, .joints = {}}), "");

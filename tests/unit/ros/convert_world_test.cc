@@ -38,7 +38,7 @@ TEST(MakeBlockMarkers, DrawsEveryBlockAsAClosedSolidInItsFrame) {
   world.AddBox("wall", 5.0, 0.0, 2.0, 1.0, {0.0, 0.5});
   world.AddRobot("r", {1.0, 1.0, 0.0, 0.0});
   dds::WireArena arena;
-  const MarkerArray message = MakeBlockMarkers(Scene(world.world()), {"r/base_link"}, arena);
+  const MarkerArray message = MakeBlockMarkers(Scene(world.world()), {{"r/base_link"}}, arena);
   const auto markers = dds::Elements(message.markers);
   ASSERT_EQ(markers.size(), 2u);
   EXPECT_STREQ(markers[0].header.frame_id, "map");

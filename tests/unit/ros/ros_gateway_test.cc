@@ -10,6 +10,8 @@
 #include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/garbage_sender.h"
+#include "tests/support/gripper_world.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/small_world.h"
 
@@ -23,6 +25,22 @@ struct troupe::dds::TopicTraits<Malformed> {
     static const dds_topic_descriptor_t renamed = [] {
       dds_topic_descriptor_t copy = std_msgs_msg_dds__Bool__desc;
       copy.m_typename = "geometry_msgs::msg::dds_::Twist_";
+      return copy;
+    }();
+    return &renamed;
+  }
+};
+
+// The same under the name of a list of nodes.
+struct Spoofed {
+  std::uint8_t byte;
+};
+template <>
+struct troupe::dds::TopicTraits<Spoofed> {
+  static const dds_topic_descriptor_t* descriptor() {
+    static const dds_topic_descriptor_t renamed = [] {
+      dds_topic_descriptor_t copy = std_msgs_msg_dds__Bool__desc;
+      copy.m_typename = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
       return copy;
     }();
     return &renamed;
@@ -49,11 +67,32 @@ WorldDescription TwoRobots() {
   return world.world();
 }
 
+// Robots a and b, each with a gripper on a lift and a scanner that goes up with it. The lift is at 0.25 m, and b's left
+// finger has come 0.05 m.
+test::GripperWorld TwoGrippers() {
+  test::GripperWorld world;
+  for (const char* name : {"a", "b"}) {
+    const test::GripperRobot parts = world.AddGripperRobot({name[0] == 'a' ? 0.0 : 3.0, 0.0, 0.0, 0.0});
+    world.model(parts.root).name = world.world.robots.back().name = name;
+    const char* names[] = {"gripper.lift", "gripper.left", "gripper.right"};
+    for (const JointId joint : {parts.lift, parts.left, parts.right}) {
+      world.world.joints[joint.index()].name = names[joint.index() % 3];
+    }
+    RangerDescription ranger;
+    ranger.name = "ranger:0";
+    ranger.model = world.AddModel(std::vector<Block>(), {0.0, 0.0, 0.5, 0.0}, parts.carriage);
+    ranger.sensors = {Fan(1.0, 5)};
+    world.world.robots.back().rangers = {ranger};
+  }
+  return world;
+}
+
 // A ROS node on the other side of the network, and an agent's replica to exchange messages with.
 class RosGatewayTest : public testing::Test {
  protected:
-  void MakeReplica(const ros::RosOptions& options) {
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(TwoRobots(), {}, nullptr, 1, MakeRosGateway(options));
+  void MakeReplica(const ros::RosOptions& options, const WorldDescription& world = TwoRobots()) {
+    state_ = InitialState(world);
+    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, nullptr, 1, MakeRosGateway(options));
     ASSERT_TRUE(replica.ok());
     replica_ = std::move(replica).value();
   }
@@ -105,7 +144,7 @@ class RosGatewayTest : public testing::Test {
   ros::RosOptions options_ = test::TestRosOptions();
   ros::RosParticipant participant_{options_};
   ros::RosNode peer_ = ros::MakeNode(participant_, "/", "peer");
-  WorldState state_ = InitialState(TwoRobots());
+  WorldState state_;
   std::unique_ptr<Replica> replica_;
 };
 
@@ -194,6 +233,41 @@ TEST_F(RosGatewayTest, ClosesTheTreeOfFrames) {
   EXPECT_EQ(parents["b/base_link"], "b/odom");
 }
 
+TEST_F(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
+  MakeReplica(options_, TwoGrippers().world);
+  state_.joints[3].position = 0.25;  // of b
+  state_.joints[4].position = 0.05;
+  state_.joints[4].velocity = -0.5;
+  auto moving = Reader<ros::TfMessage>("/tf");
+  auto fixed = Reader<ros::TfMessage>("/tf_static", true);
+  auto joints = Reader<ros::JointStateMessage>("/b/joint_states");
+  std::map<std::string, std::string> parents;
+  TickUntilReceived(moving, [&](const ros::TfMessage& message) {
+    parents = ParentsOf(message);
+    for (const ros::TransformStamped& transform : dds::Elements(message.transforms)) {
+      const auto& shift = transform.transform.translation;
+      if (dds::Text(transform.child_frame_id) == "b/gripper_lift_link") {
+        EXPECT_EQ(shift.x, 0.25);
+        EXPECT_EQ(shift.z, 0.25);
+      } else if (dds::Text(transform.child_frame_id) == "b/gripper_left_link") {
+        EXPECT_EQ(shift.y, -0.05);
+      }
+    }
+  });
+  EXPECT_EQ(parents["b/gripper_left_link"], "b/gripper_lift_link");
+  EXPECT_EQ(parents["b/gripper_lift_link"], "b/base_link");
+  EXPECT_EQ(parents.size(), 8u);
+  TickUntilReceived(fixed, [](const ros::TfMessage& message) {
+    EXPECT_EQ(ParentsOf(message)["a/scan"], "a/gripper_lift_link");
+    EXPECT_EQ(ParentsOf(message).size(), 4u) << "two scanners, and odom in map";
+  });
+  TickUntilReceived(joints, [](const ros::JointStateMessage& message) {
+    EXPECT_THAT(dds::Strings(message.name), ElementsAre("gripper_lift", "gripper_left", "gripper_right"));
+    EXPECT_THAT(dds::Elements(message.position), ElementsAre(0.25, 0.05, 0.0));
+    EXPECT_THAT(dds::Elements(message.velocity), ElementsAre(0.0, -0.5, 0.0));
+  });
+}
+
 TEST_F(RosGatewayTest, GivesEachRobotTransformsOfItsOwnIfAsked) {
   options_.namespaced_tf = true;
   options_.map_to_odom = false;
@@ -266,10 +340,83 @@ TEST_F(RosGatewayTest, MeetsNobodyWhoUsesItsTopicsWithAnotherType) {
   auto odom = Reader<ros::Bool>("/a/odom");
   auto stalled = Reader<ros::Bool>("/a/stalled");
   commands.Write({true});
+  std::vector<std::string> reports;
+  EXPECT_TRUE(Eventually([&] {
+    reports = Tick().reports;
+    return !reports.empty();
+  }));
+  EXPECT_THAT(reports,
+              ElementsAre("/a/cmd_vel: cannot read somebody's publisher: its type is std_msgs/msg/Bool, expected "
+                          "geometry_msgs/msg/Twist"));
   TickUntilReceived(stalled, [](const ros::Bool&) {});
   EXPECT_FALSE(commands.wanted());
   odom.Drain([](const ros::Bool&) { FAIL() << "an odometry message as a Bool"; });
-  EXPECT_THAT(Tick().reports, IsEmpty());
+  EXPECT_THAT(Tick().reports, IsEmpty()) << "once is enough";
+}
+
+TEST_F(RosGatewayTest, TellsOfWritersThatAreNotReliableWhereThatIsAskedFor) {
+  options_.reliable_commands = true;
+  MakeReplica(options_);
+  ros::RosWriter<ros::TwistMessage> commands(peer_, "/b/cmd_vel", ros::Commands(false));
+  ros::RosWriter<ros::TwistMessage> reliable(peer_, "/a/cmd_vel", ros::Stream(1));
+  std::vector<std::string> reports;
+  EXPECT_TRUE(Eventually([&] {
+    reports = Tick().reports;
+    return !reports.empty();
+  }));
+  EXPECT_THAT(reports,
+              ElementsAre("/b/cmd_vel: cannot read somebody's publisher: it is not reliable, expected a reliable "
+                          "one"));
+}
+
+TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {
+  MakeReplica(options_);
+  dds::Topic<Spoofed> malformed_name(participant_.participant(), "ros_discovery_info");
+  dds::DataWriter<Spoofed> malformed(participant_.publisher(), malformed_name, ros::Discovery());
+  for (int i = 0; i < 100; ++i) malformed.write({1});
+  auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
+  EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
+}
+
+// Announcements of participants and writers whose insides are random, from nobody and in the name of a peer that is
+// there.
+TEST_F(RosGatewayTest, SurvivesGarbageInDiscovery) {
+  MakeReplica(options_);
+  auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
+  CommandUntilMoving(commands, Twist2(0.25, 0.0));
+  test::GarbageSender sender(options_.domain, participant_.participant().handle());
+  for (std::uint64_t i = 0; i < 3000; ++i) sender.Send(i);
+  EXPECT_TRUE(Eventually([&] {
+    commands.Write(Twist2(0.5, 0.0));
+    return Tick().proposals[0].twist.vx == 0.5;
+  }));
+}
+
+// Topics are what discovery has to tell everybody of.
+TEST_F(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
+  SmallWorld world;
+  for (int i = 0; i < 100; ++i) {
+    const RobotId robot = world.AddRobot("r" + std::to_string(i), {2.0 * i, 0.0, 0.0, 0.0});
+    world.AddRanger(robot, {0.1, 0.0, 0.3, 0.0}, {Fan(1.0, 5)});
+    world.AddRanger(robot, {0.0, 0.0, 0.2, 0.0}, {OneRay(), OneRay(4.0)});
+  }
+  MakeReplica(options_, world.world());
+  using Info = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
+  dds::Topic<Info> name(participant_.participant(), "ros_discovery_info");
+  dds::DataReader<Info> infos(participant_.subscriber(), name, ros::Discovery());
+  std::size_t robots = 0;
+  EXPECT_TRUE(Eventually([&] {
+    for (const auto sample : infos.take()) {
+      for (const auto& node : dds::Elements(sample.data().node_entities_info_seq)) {
+        ++robots;
+        // The first robot also has tf and tf_static, for all.
+        EXPECT_LE(node.reader_gid_seq._length + node.writer_gid_seq._length, robots == 1 ? 14u : 12u)
+            << node.node_namespace;
+      }
+    }
+    return robots >= 100;
+  }));
+  EXPECT_EQ(robots, 100u);
 }
 
 TEST_F(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {

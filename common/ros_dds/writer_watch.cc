@@ -1,0 +1,89 @@
+#include "common/ros_dds/writer_watch.h"
+
+#include <fmt/format.h>
+
+#include "common/dds/exception.h"
+#include "common/ros_dds/type_hash.h"
+
+namespace troupe::ros {
+namespace {
+
+constexpr std::size_t kBatch = 64;
+constexpr std::size_t kMostReports = 100;  // of a hostile peer's inventions
+
+bool IsReliable(const dds_qos_t* qos) {
+  dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
+  dds_duration_t blocking = 0;
+  return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+}
+
+// "geometry_msgs/msg/Twist", or what it is called on DDS.
+std::string ShownType(const std::string& dds_type) {
+  const std::string ros_type = RosTypeName(dds_type);
+  return ros_type.empty() ? dds_type : ros_type;
+}
+
+// "/anna/cmd_vel" for "rt/anna/cmd_vel".
+std::string ShownTopic(const std::string& dds_topic) {
+  return dds_topic.starts_with("rt/") ? dds_topic.substr(2) : dds_topic;
+}
+
+}  // namespace
+
+WriterWatch::WriterWatch(const dds::DomainParticipant& participant)
+    : publications_(
+          dds::Check(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                     "creating a reader of discovered writers")) {}
+
+void WriterWatch::Expect(dds_entity_t reader) {
+  const dds_entity_t topic = dds::Check(dds_get_topic(reader), "getting a reader's topic");
+  char name[512] = "";
+  char type[512] = "";
+  dds::Check(dds_get_name(topic, name, sizeof name), "getting a topic's name");
+  dds::Check(dds_get_type_name(topic, type, sizeof type), "getting a topic's type");
+  dds_qos_t* const qos = dds_create_qos();
+  const dds_return_t result = dds_get_qos(reader, qos);
+  Expected& expected = expected_[name];
+  expected.types.insert(type);
+  expected.reliable = expected.reliable || (result == DDS_RETCODE_OK && IsReliable(qos));
+  dds_delete_qos(qos);
+}
+
+std::vector<std::string> WriterWatch::TakeReports() {
+  std::vector<std::string> reports;
+  std::uint32_t status = 0;
+  if (dds_take_status(publications_.handle(), &status, DDS_DATA_AVAILABLE_STATUS) != DDS_RETCODE_OK || status == 0) {
+    return reports;
+  }
+  for (;;) {
+    void* samples[kBatch] = {};
+    dds_sample_info_t infos[kBatch];
+    const dds_return_t count = dds_take(publications_.handle(), samples, infos, kBatch, kBatch);
+    if (count <= 0) return reports;
+    for (dds_return_t i = 0; i < count; ++i) {
+      if (!infos[i].valid_data) continue;
+      std::string report = Judge(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
+      if (!report.empty()) reports.push_back(std::move(report));
+    }
+    dds_return_loan(publications_.handle(), samples, count);
+  }
+}
+
+std::string WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
+  const auto found = expected_.find(writer.topic_name);
+  if (found == expected_.end()) return "";
+  const Expected& expected = found->second;
+  std::string problem;
+  if (!expected.types.contains(writer.type_name)) {
+    std::string types;
+    for (const std::string& type : expected.types) types += (types.empty() ? "" : " or ") + ShownType(type);
+    problem = fmt::format("its type is {}, expected {}", ShownType(writer.type_name), types);
+  } else if (expected.reliable && !IsReliable(writer.qos)) {
+    problem = "it is not reliable, expected a reliable one";
+  }
+  if (problem.empty() || reported_.size() >= kMostReports) return "";
+  const bool is_new = reported_.emplace(found->first, problem).second;
+  return is_new ? fmt::format("{}: cannot read somebody's publisher: {}", ShownTopic(found->first), problem) : "";
+}
+
+}  // namespace troupe::ros

@@ -1,0 +1,104 @@
+#include "robot-agent/ros/manipulator_port.h"
+
+#include <algorithm>
+#include <span>
+
+#include "common/dds/wire.h"
+#include "common/ros/gripper_state.h"
+#include "common/ros/names.h"
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kDepth = 10;
+constexpr double kPercent = 100.0;
+
+// As controllers count them.
+std::size_t NumberOf(std::span<const JointId> joints, JointId joint) {
+  return static_cast<std::size_t>(std::find(joints.begin(), joints.end(), joint) - joints.begin());
+}
+
+double ToPercent(double opening, double largest) {
+  return largest > 0.0 ? std::clamp(kPercent * opening / largest, 0.0, kPercent) : 0.0;
+}
+
+}  // namespace
+
+ManipulatorPort::ManipulatorPort(const ros::RosNode& node, const Scene& scene, RobotId robot) : world_(&scene.world()) {
+  const std::span<const JointId> joints = scene.joints_of(robot);
+  std::vector<bool> in_gripper(joints.size(), false);
+  for (const auto& [id, name] : ros::GripperNamesOf(*world_, robot)) {
+    const GripperDescription& description = world_->gripper(id);
+    Gripper gripper{id, grippers_.size(), {}, ros::LargestOpening(*world_, id), nullptr, nullptr, nullptr, nullptr};
+    for (const JointId finger : {description.left, description.right}) in_gripper[NumberOf(joints, finger)] = true;
+    gripper.opening = std::make_unique<PositionInput>(node, name + "/command", Interval{0.0, gripper.largest_opening});
+    if (description.lift) {
+      gripper.lift = NumberOf(joints, *description.lift);
+      in_gripper[*gripper.lift] = true;
+      gripper.height =
+          std::make_unique<PositionInput>(node, name + "/lift/command", world_->joint(*description.lift).position);
+    }
+    gripper.action = std::make_unique<GripperAction>(node, name + "/gripper_cmd", *world_, id);
+    gripper.state = std::make_unique<ros::RosWriter<ros::String>>(node, name + "/state", ros::Stream(kDepth));
+    grippers_.push_back(std::move(gripper));
+  }
+  for (const ros::JointName& joint : ros::JointNamesOf(*world_, robot)) {
+    const std::size_t number = NumberOf(joints, joint.joint);
+    if (in_gripper[number]) continue;
+    joints_.push_back(
+        {number, std::make_unique<PositionInput>(node, joint.name + "/command", world_->joint(joint.joint).position)});
+  }
+}
+
+void ManipulatorPort::Take(Tick tick, Command& command) {
+  for (Gripper& gripper : grippers_) TakeGripper(tick, gripper, command);
+  for (Joint& joint : joints_) {
+    if (const std::optional<double> position = joint.position->Take()) {
+      command.joints.push_back({.joint = joint.number, .position = position});
+    }
+  }
+}
+
+void ManipulatorPort::TakeGripper(Tick tick, Gripper& gripper, Command& command) {
+  const auto open = [&](double opening) {
+    command.grippers.push_back({.gripper = gripper.number, .opening = ToPercent(opening, gripper.largest_opening)});
+  };
+  if (const std::optional<double> opening = gripper.opening->Take()) {
+    gripper.action->GiveWay();
+    open(*opening);
+  } else if (const std::optional<GripperGoals::Order> order = gripper.action->Begin(tick)) {
+    if (order->opening) {
+      open(*order->opening);
+    } else {
+      command.grippers.push_back({.gripper = gripper.number, .fingers = FingerCommand::kStay});
+    }
+  }
+  if (!gripper.height) return;
+  if (const std::optional<double> height = gripper.height->Take()) {
+    command.joints.push_back({.joint = *gripper.lift, .position = height});
+  }
+}
+
+void ManipulatorPort::Publish(const WorldState& state) {
+  for (Gripper& gripper : grippers_) {
+    gripper.action->Publish(state);
+    if (!gripper.state->wanted()) continue;
+    dds::WireArena arena;
+    gripper.state->Write({arena.Copy(ros::GripperJson(*world_, gripper.id, state))});
+  }
+}
+
+void ManipulatorPort::TakeReports(std::vector<std::string>& reports) {
+  const auto add = [&](std::string report) {
+    if (!report.empty()) reports.push_back(std::move(report));
+  };
+  for (Gripper& gripper : grippers_) {
+    add(gripper.opening->TakeReport());
+    if (gripper.height) add(gripper.height->TakeReport());
+    add(gripper.action->TakeReport());
+  }
+  for (Joint& joint : joints_) add(joint.position->TakeReport());
+}
+
+}  // namespace troupe

@@ -1,0 +1,32 @@
+#include "robot-agent/ros/position_input.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe {
+
+PositionInput::PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range)
+    : topic_(node.Resolve(topic)), range_(range), reader_(node, topic, ros::Commands(true)) {}
+
+std::optional<double> PositionInput::Take() {
+  std::optional<double> position;
+  reader_.Drain([&](const ros::Float64& command) {
+    if (std::isfinite(command.data)) {
+      position = range_.Clamp(command.data);
+    } else {
+      refusals_.Count();
+    }
+  });
+  return position;
+}
+
+std::string PositionInput::TakeReport() {
+  const std::uint64_t refused = refusals_.TakeDue();
+  if (refused == 0) return "";
+  return fmt::format("{}: ignored a command that is not finite ({} so far)", topic_, refused);
+}
+
+}  // namespace troupe

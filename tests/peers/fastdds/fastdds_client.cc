@@ -1,0 +1,233 @@
+// A client of ROS services on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does,
+// because that is what Troupe's services read. Prints JSON lines, and ends when all is done. Loopback only.
+//   fastdds_client DOMAIN step N [/ROBOT=VX]            steps a paused run N times, after a Twist if one is given
+//   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another.
+//   GOAL: an
+//                                                       opening in m, with a ! behind it to be cancelled on the way
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "actionsPubSubTypes.h"
+#include "geometryPubSubTypes.h"
+#include "peer.h"
+#include "simulationPubSubTypes.h"
+
+namespace {
+
+constexpr int kSeconds = 60;  // that an answer may take on the slowest machine
+
+template <typename Condition>
+void Until(const Condition& condition) {
+  for (int i = 0; !condition(); ++i) {
+    if (i > kSeconds * 1000) throw std::runtime_error("nobody is there");
+    usleep(1000);
+  }
+}
+
+template <typename Request, typename Response>
+class Client {
+ public:
+  Client(Peer& peer, const std::string& service)
+      : writer_(peer.Write<Request>("rq" + service + "Request")),
+        reader_(peer.Read<Response>("rr" + service + "Reply", [this](const typename Response::type& response) {
+          if (response.client_guid() != kGuid) return;
+          const std::lock_guard lock(mutex_);
+          responses_.emplace(response.sequence_number(), response);
+          came_.notify_all();
+        })) {}
+
+  std::int64_t Send(typename Request::type request) {
+    request.client_guid(kGuid);
+    request.sequence_number(++number_);
+    writer_->write(&request);
+    return number_;
+  }
+  typename Response::type Await(std::int64_t number) {
+    if (!IsAnswered(number, kSeconds)) throw std::runtime_error("no answer");
+    const std::lock_guard lock(mutex_);
+    return responses_.at(number);
+  }
+
+  // Calls with a request that does nothing until it is answered. What is written before the other side has met this
+  // writer is lost, and nothing tells when that was.
+  void Meet(const typename Request::type& harmless) {
+    Until([this] {
+      PublicationMatchedStatus offered;
+      SubscriptionMatchedStatus requested;
+      writer_->get_publication_matched_status(offered);
+      reader_->get_subscription_matched_status(requested);
+      return offered.current_count > 0 && requested.current_count > 0;
+    });
+    for (int i = 0; !IsAnswered(Send(harmless), 1); ++i) {
+      if (i > kSeconds) throw std::runtime_error("nobody answers");
+    }
+  }
+  typename Response::type Call(const typename Request::type& request) { return Await(Send(request)); }
+
+ private:
+  bool IsAnswered(std::int64_t number, int seconds) {
+    std::unique_lock lock(mutex_);
+    return came_.wait_for(lock, std::chrono::seconds(seconds), [&] { return responses_.contains(number); });
+  }
+
+  static constexpr std::uint64_t kGuid = 0x5eed5eed;
+
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::map<std::int64_t, typename Response::type> responses_;  // by number
+  std::int64_t number_ = 0;
+  DataWriter* writer_;
+  DataReader* reader_;
+};
+
+void Step(Peer& peer, int steps, const char* drive) {
+  namespace srv = simulation_interfaces::srv::dds_;
+  DataWriter* commands = nullptr;
+  geometry_msgs::msg::dds_::Twist_ twist;
+  if (drive != nullptr) {
+    const std::string argument = drive;
+    commands =
+        peer.Write<geometry_msgs::msg::dds_::Twist_PubSubType>(argument.substr(0, argument.find('=')) + "/cmd_vel");
+    twist.linear().x(std::strtod(argument.c_str() + argument.find('=') + 1, nullptr));
+  }
+  Client<srv::StepSimulation_Request_PubSubType, srv::StepSimulation_Response_PubSubType> client(
+      peer, "/world/step_simulation");
+  client.Meet(srv::StepSimulation_Request_());  // of no steps
+  if (commands != nullptr) {
+    Until([&] {
+      PublicationMatchedStatus status;
+      commands->get_publication_matched_status(status);
+      return status.current_count > 0;
+    });
+    // As in Meet; but nothing answers a command, so it is repeated for long enough.
+    for (int i = 0; i < 100; ++i) {
+      commands->write(&twist);
+      usleep(10'000);
+    }
+  }
+  int done = 0;
+  for (int i = 0; i < steps; ++i) {
+    if (commands != nullptr) {
+      // Another one each time, and certain to be there before the step.
+      twist.angular().z(i % 7 - 3);
+      commands->write(&twist);
+      commands->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(kSeconds, 0));
+    }
+    srv::StepSimulation_Request_ request;
+    request.steps(1);
+    done += client.Call(request).result().result() == 1;
+  }
+  Print({{"topic", "stepped"}, {"steps", done}});
+  peer.Close();
+}
+
+namespace action = control_msgs::action::dds_;
+
+class Gripper {
+ public:
+  Gripper(Peer& peer, const std::string& name)
+      : send_goal_(peer, name + "/gripper_cmd/_action/send_goal"),
+        get_result_(peer, name + "/gripper_cmd/_action/get_result"),
+        cancel_(peer, name + "/gripper_cmd/_action/cancel_goal") {
+    peer.Read<action::GripperCommand_FeedbackMessage_PubSubType>(
+        name + "/gripper_cmd/_action/feedback",
+        [this](const action::GripperCommand_FeedbackMessage_& message) {
+          const auto& feedback = message.feedback();
+          Print({{"topic", "feedback"},
+                 {"goal", message.goal_id().uuid()[0]},
+                 {"position", feedback.position()},
+                 {"effort", feedback.effort()},
+                 {"stalled", feedback.stalled()},
+                 {"reached", feedback.reached_goal()}});
+          ++feedback_;
+        },
+        false);
+    status_reader_ = peer.Read<action_msgs::msg::dds_::GoalStatusArray_PubSubType>(
+        name + "/gripper_cmd/_action/status",
+        [](const action_msgs::msg::dds_::GoalStatusArray_& message) {
+          json line = {{"topic", "status"}, {"goals", json::array()}};
+          for (const auto& status : message.status_list()) {
+            line["goals"].push_back({status.goal_info().goal_id().uuid()[0], status.status()});
+          }
+          Print(line);
+        },
+        true);
+    action::GripperCommand_SendGoal_Request_ refused;
+    refused.goal().command().position(std::nan(""));
+    action_msgs::srv::dds_::CancelGoal_Request_ unknown;
+    unknown.goal_info().goal_id().uuid()[15] = 1;
+    send_goal_.Meet(refused);
+    get_result_.Meet(action::GripperCommand_GetResult_Request_());
+    cancel_.Meet(unknown);
+    Until([&] {
+      SubscriptionMatchedStatus status;
+      status_reader_->get_subscription_matched_status(status);
+      return status.current_count > 0;
+    });
+  }
+
+  void Do(const std::string& goal) {
+    action::GripperCommand_SendGoal_Request_ request;
+    request.goal_id().uuid()[0] = ++id_;
+    request.goal().command().position(std::strtod(goal.c_str(), nullptr));
+    const int before = feedback_;
+    const auto sent = send_goal_.Call(request);
+    Print({{"topic", "sent"}, {"goal", id_}, {"accepted", sent.accepted()}, {"stamp", sent.stamp().sec()}});
+    if (!sent.accepted()) return;
+    action::GripperCommand_GetResult_Request_ ask;
+    ask.goal_id(request.goal_id());
+    const std::int64_t asked = get_result_.Send(ask);
+    if (goal.ends_with("!")) {
+      Until([&] { return feedback_ > before; });
+      action_msgs::srv::dds_::CancelGoal_Request_ cancel;
+      cancel.goal_info().goal_id(request.goal_id());
+      const auto canceled = cancel_.Call(cancel);
+      Print({{"topic", "canceled"}, {"code", canceled.return_code()}, {"goals", canceled.goals_canceling().size()}});
+    }
+    const auto ended = get_result_.Await(asked);
+    Print({{"topic", "result"},
+           {"goal", id_},
+           {"status", ended.status()},
+           {"position", ended.result().position()},
+           {"effort", ended.result().effort()},
+           {"stalled", ended.result().stalled()},
+           {"reached", ended.result().reached_goal()}});
+  }
+
+ private:
+  Client<action::GripperCommand_SendGoal_Request_PubSubType, action::GripperCommand_SendGoal_Response_PubSubType>
+      send_goal_;
+  Client<action::GripperCommand_GetResult_Request_PubSubType, action::GripperCommand_GetResult_Response_PubSubType>
+      get_result_;
+  Client<action_msgs::srv::dds_::CancelGoal_Request_PubSubType, action_msgs::srv::dds_::CancelGoal_Response_PubSubType>
+      cancel_;
+  DataReader* status_reader_ = nullptr;
+  std::atomic<int> feedback_ = 0;
+  std::uint8_t id_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) return 2;
+  Peer peer(static_cast<std::uint32_t>(std::stoul(argv[1])));
+  const std::string what = argv[2];
+  try {
+    if (what == "step") {
+      Step(peer, std::atoi(argv[3]), argc > 4 ? argv[4] : nullptr);
+    } else {
+      Gripper gripper(peer, argv[3]);
+      for (int i = 4; i < argc; ++i) gripper.Do(argv[i]);
+      peer.Close();
+    }
+  } catch (const std::exception& exception) {
+    Print({{"topic", "failed"}, {"why", exception.what()}});
+    std::_Exit(1);
+  }
+  Print({{"topic", "done"}});
+  return 0;
+}

@@ -1,0 +1,191 @@
+// A client on Fast DDS, which shares no code with Troupe's side, uses the services and actions of runs that go step by
+// step: what it does is the same twice.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/dds/control_client.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+
+constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+
+std::string RosDomain() {
+  return std::to_string(TestRosOptions().domain);
+}
+
+// A run in the ROS domain of this test, with these arguments more.
+Program RunWithRos(const std::string& world, std::vector<std::string> more) {
+  std::vector<std::string> arguments = {"run",
+                                        WorldPath(world),
+                                        "--domain",
+                                        std::to_string(TestDomain()),
+                                        "--headless",
+                                        "--speed",
+                                        "max",
+                                        "--ros",
+                                        "--ros-distro",
+                                        "jazzy",
+                                        "--ros-interface",
+                                        "lo",
+                                        "--ros-domain",
+                                        RosDomain()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return Troupe(std::move(arguments));
+}
+
+std::vector<json> Lines(Program& program) {
+  std::vector<json> lines;
+  std::istringstream text(program.output());
+  for (std::string line; std::getline(text, line);) {
+    lines.push_back(json::parse(line, nullptr, false));
+    EXPECT_TRUE(lines.back().is_object()) << line;
+  }
+  return lines;
+}
+
+class FastDdsClientTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(ProgramPath("fastdds_client"))) {
+      GTEST_SKIP() << "fastdds_client was not built: needs libfastrtps-dev and fastddsgen";
+    }
+  }
+
+  OutputFolder folder_;
+};
+
+// Steps a run by the control topic.
+class Stepper {
+ public:
+  explicit Stepper(const std::string& session) : client_(TestDomain(), session, "lo") {
+    EXPECT_FALSE(client_.WaitForService(kSeconds));
+  }
+  void Pause() { Do(ControlCommand::kPause, 0); }
+  Tick Step(std::uint64_t ticks) { return Do(ControlCommand::kStep, ticks); }
+
+ private:
+  Tick Do(ControlCommand command, std::uint64_t ticks) {
+    const Result<ControlReply> reply = client_.Call(command, ticks, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done);
+    return reply.ok() ? reply.value().tick : 0;
+  }
+
+  ControlClient client_;
+};
+
+struct GripperRun {
+  std::vector<json> said;  // by the client
+  std::string hashes;
+};
+
+// Anna's gripper is sent to an opening on the way, to ones that are not possible, to her box, and away from it; the
+// last is cancelled.
+GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
+  const std::string session = TestSession(hashes);
+  Program run = RunWithRos("hands.json", {"--paused", "--session", session, "--hash-log", folder.Path(hashes)});
+  Program client(
+      {ProgramPath("fastdds_client"), RosDomain(), "gripper", "/anna/gripper", "0.30", "nan", "9", "0", "0.31!"});
+  Stepper stepper(session);
+  client.WaitForLine(R"({"accepted":true,"goal":1,)");
+  // As many steps as each goal takes: the client goes on as soon as it has a result.
+  stepper.Step(10);  // 1 cm each at 1 cm/s
+  client.WaitForLine(R"({"accepted":true,"goal":4,)");
+  stepper.Step(51);  // to the box, and against it
+  client.WaitForLine(R"({"accepted":true,"goal":5,)");
+  stepper.Step(3);
+  client.WaitForLine("canceled");
+  stepper.Step(10);
+  EXPECT_EQ(client.Wait(), 0) << client.output();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  EXPECT_NE(run.output().find("/anna/gripper/gripper_cmd: refused a goal of"), std::string::npos) << run.output();
+  return {Lines(client), folder.Read(hashes)};
+}
+
+TEST_F(FastDdsClientTest, DrivesAGripperByItsActionTwiceWithTheSameHashes) {
+  const GripperRun first = DriveGripper("first", folder_);
+  std::vector<json> sent;
+  std::vector<json> results;
+  std::vector<json> canceled;
+  std::map<int, std::vector<double>> feedback;
+  json statuses;
+  for (const json& line : first.said) {
+    if (line["topic"] == "sent") sent.push_back(line["accepted"]);
+    if (line["topic"] == "result") results.push_back(line);
+    if (line["topic"] == "canceled") canceled.push_back(line);
+    if (line["topic"] == "feedback") feedback[line["goal"]].push_back(line["position"]);
+    if (line["topic"] == "status") statuses = line["goals"];
+  }
+  EXPECT_THAT(sent, ElementsAre(true, false, false, true, true));
+  ASSERT_EQ(results.size(), 3u);
+  const auto expect_result = [](const json& result, int goal, int status, double position, bool stalled, bool reached) {
+    EXPECT_EQ(result["goal"], goal);
+    EXPECT_EQ(result["status"], status);
+    EXPECT_NEAR(result["position"].get<double>(), position, 1e-9);
+    EXPECT_EQ(result["effort"], 0.0);
+    EXPECT_EQ(result["stalled"], stalled);
+    EXPECT_EQ(result["reached"], reached);
+  };
+  expect_result(results[0], 1, 4, 0.3, false, true);
+  expect_result(results[1], 4, 4, 0.2, true, false);  // holds the box
+  expect_result(results[2], 5, 5, 0.206, false, false);
+  EXPECT_THAT(canceled, ElementsAre(json({{"topic", "canceled"}, {"code", 0}, {"goals", 1}})));
+  EXPECT_GE(feedback[1].size(), 2u);
+  EXPECT_TRUE(std::is_sorted(feedback[1].rbegin(), feedback[1].rend()));
+  EXPECT_GE(feedback[4].size(), 20u);
+  EXPECT_GE(feedback[5].size(), 1u);
+  EXPECT_EQ(statuses, json({{1, 4}, {4, 4}, {5, 5}}));
+  EXPECT_EQ(DriveGripper("second", folder_).hashes, first.hashes);
+}
+
+// Drives r0 by another Twist before each of a thousand steps.
+std::string StepAThousandTimes(const std::string& hashes, OutputFolder& folder) {
+  Program run = RunWithRos("pen.world", {"--paused", "--ros-reliable-commands", "--hash-log", folder.Path(hashes)});
+  Program client({ProgramPath("fastdds_client"), RosDomain(), "step", "1000", "/r0=0.4"});
+  client.WaitForLine("\"stepped\"");
+  EXPECT_EQ(client.Wait(), 0);
+  EXPECT_THAT(client.output(), testing::HasSubstr(R"({"steps":1000,"topic":"stepped"})"));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  return folder.Read(hashes);
+}
+
+TEST_F(FastDdsClientTest, StepsAThousandTimesTwiceWithTheSameHashes) {
+  const std::string first = StepAThousandTimes("first", folder_);
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 1001);
+  EXPECT_TRUE(StepAThousandTimes("second", folder_) == first);
+}
+
+// A reader that asks for reliable delivery of everything, and stands still.
+TEST_F(FastDdsClientTest, AStoppedReaderStopsNoTick) {
+  const std::string session = TestSession("stopped");
+  Program run = RunWithRos("pen.world", {"--session", session});
+  Program reader(
+      {ProgramPath("fastdds_peer"), RosDomain(), "1", "r0=0.3,0.1", "r1=0.3,0.1", "r2=0.3,0.1", "r3=0.3,0.1"});
+  reader.WaitForLine("ready");
+  reader.WaitForLine("\"enough\"");
+  reader.Signal(SIGSTOP);
+  Stepper stepper(session);
+  stepper.Pause();
+  const Tick before = stepper.Step(1);
+  EXPECT_EQ(stepper.Step(3000), before + 3000);
+  reader.Signal(SIGCONT);
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,176 @@
+#include "robot-agent/ros/gripper_goals.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace troupe {
+namespace {
+
+constexpr std::int64_t kIntervalNs = 100'000'000;
+constexpr double kLargest = 0.3;  // m
+
+GoalId Id(std::uint8_t number) {
+  GoalId id{};
+  id[15] = number;
+  return id;
+}
+
+// A gripper that does what a test says.
+class GripperGoalsTest : public testing::Test {
+ protected:
+  // A tick: orders are given after its state, and show in the next one.
+  std::optional<GripperGoals::Order> Tick() { return goals_.Begin(tick_++); }
+  void See(double opening, bool moves = true, bool blocked = false, bool clamped = false) {
+    goals_.Observe(tick_, {.opening = opening, .moves = moves, .blocked = blocked, .clamped = clamped});
+  }
+  GoalStatus StatusOf(std::uint8_t number) const {
+    const GripperGoal* goal = goals_.Find(Id(number));
+    return goal == nullptr ? GoalStatus::kUnknown : goal->status;
+  }
+  CancelAnswer Cancel(const GoalId& id, std::int64_t stamp = 0) {
+    canceling_.clear();
+    return goals_.Cancel(id, stamp, canceling_);
+  }
+
+  GripperGoals goals_{kLargest, kLargest, kIntervalNs};
+  troupe::Tick tick_ = 0;
+  std::vector<GripperGoal> canceling_;
+};
+
+TEST_F(GripperGoalsTest, ReachAnOpening) {
+  EXPECT_FALSE(Tick());
+  ASSERT_TRUE(goals_.Accept(Id(1), 0.1, 5.0));
+  EXPECT_EQ(StatusOf(1), GoalStatus::kAccepted);
+  const auto order = Tick();
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->opening, 0.1);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kExecuting);
+  See(0.2);
+  EXPECT_EQ(goals_.executing()->position, 0.2);
+  EXPECT_FALSE(Tick());
+  See(0.1);
+  const GripperGoal goal = *goals_.Find(Id(1));
+  EXPECT_EQ(goal.status, GoalStatus::kSucceeded);
+  EXPECT_TRUE(goal.reached);
+  EXPECT_FALSE(goal.stalled);
+  EXPECT_EQ(goal.position, 0.1);
+  EXPECT_EQ(goals_.executing(), nullptr);
+}
+
+TEST_F(GripperGoalsTest, SucceedWithAnObjectAndFailAtAnythingElse) {
+  goals_.Accept(Id(1), 0.0, 0.0);
+  Tick();
+  See(0.1, false, true, true);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kSucceeded);
+  EXPECT_TRUE(goals_.Find(Id(1))->stalled);
+  EXPECT_FALSE(goals_.Find(Id(1))->reached);
+
+  goals_.Accept(Id(2), 0.0, 0.0);
+  Tick();
+  See(0.1, true, true);  // one finger goes on
+  EXPECT_EQ(StatusOf(2), GoalStatus::kExecuting);
+  Tick();
+  See(0.05, false, true);
+  EXPECT_EQ(StatusOf(2), GoalStatus::kAborted);
+  EXPECT_TRUE(goals_.Find(Id(2))->stalled);
+}
+
+TEST_F(GripperGoalsTest, WaitASecondForFingersThatDoNotMove) {
+  See(kLargest, false);
+  goals_.Accept(Id(1), 0.0, 0.0);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(StatusOf(1), i == 0 ? GoalStatus::kAccepted : GoalStatus::kExecuting) << i;
+    Tick();
+    See(kLargest, false);
+  }
+  EXPECT_EQ(StatusOf(1), GoalStatus::kAborted);
+}
+
+TEST_F(GripperGoalsTest, AreJudgedOnlyByWhatCameAfterThem) {
+  See(0.0, false, true, true);
+  goals_.Accept(Id(1), 0.2, 0.0);
+  goals_.Begin(tick_);
+  See(0.0, false, true, true);  // the same tick again
+  EXPECT_EQ(StatusOf(1), GoalStatus::kExecuting);
+}
+
+TEST_F(GripperGoalsTest, RefuseWhatIsNotPossible) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double opening : {std::nan(""), kInfinity, -kInfinity, -0.01, 0.301}) {
+    EXPECT_FALSE(goals_.Accept(Id(1), opening, 0.0)) << opening;
+  }
+  EXPECT_FALSE(goals_.Accept(Id(1), 0.1, std::nan("")));
+  EXPECT_TRUE(goals_.Accept(Id(1), 0.3, 0.0));
+  EXPECT_FALSE(goals_.Accept(Id(1), 0.3, 0.0)) << "an id twice";
+  EXPECT_EQ(goals_.goals().size(), 1u);
+}
+
+TEST_F(GripperGoalsTest, GiveWayToTheNewest) {
+  goals_.Accept(Id(1), 0.1, 0.0);
+  Tick();
+  See(0.2);
+  goals_.Accept(Id(2), 0.2, 0.0);
+  goals_.Accept(Id(3), 0.3, 0.0);
+  EXPECT_EQ(Tick()->opening, 0.3);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kAborted);
+  EXPECT_EQ(goals_.Find(Id(1))->position, 0.2);
+  EXPECT_EQ(StatusOf(2), GoalStatus::kAborted);
+  EXPECT_EQ(StatusOf(3), GoalStatus::kExecuting);
+  goals_.GiveWay();
+  EXPECT_EQ(StatusOf(3), GoalStatus::kAborted);
+}
+
+TEST_F(GripperGoalsTest, StopWhereTheyAreWhenCancelled) {
+  goals_.Accept(Id(1), 0.0, 0.0);
+  Tick();
+  See(0.2);
+  EXPECT_EQ(Cancel(Id(1)), CancelAnswer::kNone);
+  ASSERT_EQ(canceling_.size(), 1u);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kCanceling);
+  See(0.2);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kCanceling) << "the gripper was not yet told";
+  const auto order = Tick();
+  ASSERT_TRUE(order);
+  EXPECT_FALSE(order->opening);
+  See(0.2, false);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kCanceled);
+  EXPECT_EQ(goals_.Find(Id(1))->position, 0.2);
+  EXPECT_EQ(Cancel(Id(1)), CancelAnswer::kGoalHasEnded);
+  EXPECT_EQ(Cancel(Id(9)), CancelAnswer::kUnknownGoal);
+}
+
+TEST_F(GripperGoalsTest, AreCancelledByIdByStampOrAll) {
+  goals_.Accept(Id(1), 0.0, 0.0);
+  tick_ = 5;
+  See(0.3);
+  goals_.Accept(Id(2), 0.0, 0.0);
+  EXPECT_EQ(Cancel(GoalId{}, 4 * kIntervalNs), CancelAnswer::kNone);
+  ASSERT_EQ(canceling_.size(), 1u);
+  EXPECT_EQ(canceling_[0].id, Id(1));
+  EXPECT_EQ(Cancel(GoalId{}), CancelAnswer::kNone);
+  ASSERT_EQ(canceling_.size(), 1u);
+  EXPECT_EQ(canceling_[0].id, Id(2));
+  EXPECT_EQ(canceling_[0].stamp, 5 * kIntervalNs);
+  EXPECT_EQ(Cancel(GoalId{}), CancelAnswer::kNone);
+  EXPECT_TRUE(canceling_.empty());
+}
+
+TEST_F(GripperGoalsTest, AreForgottenSomeTimeAfterTheirEnd) {
+  for (int i = 1; i <= 40; ++i) {
+    ASSERT_TRUE(goals_.Accept(Id(static_cast<std::uint8_t>(i)), 0.1, 0.0));
+    Tick();
+    See(0.1);
+  }
+  See(0.1);
+  EXPECT_EQ(goals_.goals().size(), 16u);
+  EXPECT_EQ(StatusOf(1), GoalStatus::kUnknown);
+  EXPECT_EQ(StatusOf(40), GoalStatus::kSucceeded);
+  for (int i = 50; i < 250; ++i) goals_.Accept(Id(static_cast<std::uint8_t>(i)), 0.1, 0.0);
+  EXPECT_EQ(goals_.goals().size(), 116u);
+}
+
+}  // namespace
+}  // namespace troupe
