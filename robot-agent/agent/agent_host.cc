@@ -18,8 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How often a join is repeated until it is answered, and how often `stop` is looked at.
+// How soon a join is repeated when it is not answered, and how often `stop` is looked at.
 constexpr auto kPeriod = std::chrono::milliseconds(100);
+// A join is repeated more and more seldom, down to this.
+constexpr auto kLongestPeriod = std::chrono::milliseconds(3200);
 
 // Where an agent is in its life. Messages that belong to another stage change nothing.
 enum class Stage : std::uint8_t {
@@ -183,11 +185,18 @@ Status AgentHost::Prepare() {
 
 void AgentHost::Join() {
   std::unique_lock lock(mutex_);
+  auto due = Clock::now();
+  Clock::duration period = kPeriod;
   while (stage_ == Stage::kJoining && !stopping()) {
-    const JoinMessage join = join_;
-    lock.unlock();  // sending may wait for a delivery that waits for the lock
-    endpoint_.SendJoin(join);
-    lock.lock();
+    if (Clock::now() >= due) {
+      const JoinMessage join = join_;
+      lock.unlock();  // sending may wait for a delivery that waits for the lock
+      endpoint_.SendJoin(join);
+      lock.lock();
+      // Each answer goes to all agents: where hundreds wait for theirs, asking again soon would hold them all up.
+      due = Clock::now() + period;
+      period = std::min<Clock::duration>(2 * period, kLongestPeriod);
+    }
     changed_.wait_for(lock, kPeriod, [this] { return stage_ != Stage::kJoining; });
   }
 }
