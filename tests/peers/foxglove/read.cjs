@@ -1,13 +1,13 @@
 // A ROS peer in JavaScript: subscribes to topics of a run, decodes them with the message definitions of ROS, and checks
 // what comes. Ends with status 0 when all have come.
-//   node read.cjs DOMAIN ROBOT
+//   node read.cjs DOMAIN ROBOT [GRIPPER]   with a gripper: what tells of its joints, in place of the sensors
 "use strict";
 const { Participant } = require("@foxglove/rtps");
 const { UdpSocketNode } = require("@foxglove/rtps/nodejs");
 const { MessageReader } = require("@foxglove/rosmsg2-serialization");
 const { ros2jazzy, ros2humble } = require("@foxglove/rosmsg-msgs-common");
 
-const [domain, robot] = [Number(process.argv[2]), process.argv[3]];
+const [domain, robot, gripper] = [Number(process.argv[2]), process.argv[3], process.argv[4]];
 const kVolatile = 0, kTransientLocal = 1, kReliable = 2, kKeepLast = 0;
 const definitions = ros2jazzy ?? ros2humble;
 // The message and all that it holds.
@@ -25,7 +25,14 @@ function definitionsOf(type) {
   return [...found.values()].map((d) => (d.name === type ? { ...d, name: undefined } : d));
 }
 
-const expected = {
+const expected = gripper !== undefined ? {
+  [`/${robot}/joint_states`]: ["sensor_msgs/msg/JointState", kVolatile, (m) =>
+    m.name.length === 3 && m.name.includes(`${gripper}_lift`) && m.position.length === 3 && m.velocity.length === 3 && m.effort.length === 0],
+  "/tf": ["tf2_msgs/msg/TFMessage", kVolatile, (m) => m.transforms.some((t) =>
+    t.child_frame_id === `${robot}/${gripper}_lift_link` && t.header.frame_id === `${robot}/base_link`)],
+  [`/${robot}/${gripper}/state`]: ["std_msgs/msg/String", kVolatile, (m) => JSON.parse(m.data).largest_opening > 0],
+  [`/${robot}/robot_description`]: ["std_msgs/msg/String", kTransientLocal, (m) => m.data.includes(`<joint name="${gripper}_lift" type="prismatic">`)],
+} : {
   [`/${robot}/scan`]: ["sensor_msgs/msg/LaserScan", kVolatile, (m) =>
     m.header.frame_id === `${robot}/scan` && m.ranges.length === 181 && m.range_max === 8 && m.ranges.every((r) => r > 0 && r <= 8)],
   [`/${robot}/odom`]: ["nav_msgs/msg/Odometry", kVolatile, (m) =>
