@@ -62,8 +62,15 @@ std::string AgentFleet::Output::FileOn(const Machine& machine, std::size_t group
 Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
                          const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot) {
   sites_ = sites;
-  std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready.robots_per_process));
-  std::vector<Group> groups = MakeGroups(ready.robots, site_of_robot, packing);
+  ready_ = ready;
+  service_address_ = service_address;
+  return Add(ready.robots, site_of_robot);
+}
+
+Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
+  std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready_.robots_per_process));
+  std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
+  const std::size_t first = group_sites_.size();
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
   if (Status failure = options_.scans.empty() ? std::nullopt : scans_.AddFiles(groups.size())) return failure;
   if (Status failure = options_.trace.empty() ? std::nullopt : traces_.AddFiles(groups.size())) return failure;
@@ -72,13 +79,13 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
     const AgentSite& site = sites_[group.site];
     RunOptions options = options_;
     options.network_interface = site.network_interface;
-    std::vector<std::string> arguments = AgentArguments(options, service_address, group.robots, ready.ros);
-    if (!scans_.files.empty()) arguments.push_back("--scans=" + scans_.FileOn(*site.machine, index));
+    std::vector<std::string> arguments = AgentArguments(options, service_address_, group.robots, ready_.ros);
+    if (!scans_.files.empty()) arguments.push_back("--scans=" + scans_.FileOn(*site.machine, first + index));
     std::string restart_command = Quoted(site.machine->ProgramPath("robot-agent")) + " " + Quoted(arguments);
     if (!scans_.files.empty()) restart_command += " --keep-scans";
     // Not in the restart command: the file holds what the agent did before.
     if (!traces_.files.empty()) {
-      arguments.push_back("--trace=" + traces_.FileOn(*site.machine, index));
+      arguments.push_back("--trace=" + traces_.FileOn(*site.machine, first + index));
       if (!options_.trace_ticks.empty()) arguments.push_back("--trace-ticks=" + options_.trace_ticks);
     }
     if (options_.shuffle_start) {

@@ -37,6 +37,9 @@ class AgentFleet {
   Status Start(const ReadyReport& ready, const std::string& service_address, const std::vector<AgentSite>& sites,
                const std::vector<std::size_t>& site_of_robot);
 
+  // Starts agents for further robots of the run in the same way. REQUIRES: Start was called.
+  Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
+
   // The agents that ended since the last call.
   std::vector<const AgentProcess*> TakeEnded();
   std::size_t size() const { return agents_.size(); }
@@ -74,6 +77,8 @@ class AgentFleet {
   std::vector<AgentProcess> agents_;           // in the order of starting
   std::vector<const AgentSite*> group_sites_;  // in the order of robots
   std::vector<AgentSite> sites_;
+  ReadyReport ready_;
+  std::string service_address_;
   std::size_t running_ = 0;
 };
 

@@ -54,7 +54,10 @@ class DistributedRun {
   void HandleSome();
   void HandleReports();
   void Handle(const ReadyReport& ready);
+  void Handle(const NewRobotsReport& report);
   void Handle(const StartedReport&);
+  // Which site each robot goes to.
+  Result<std::vector<std::size_t>> Place(const std::vector<std::string>& robots) const;
   void Handle(const StatusMessage& status) { progress_.Update(status); }
   void Handle(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
   void Handle(const RunSummary& summary) { summary_ = summary; }
@@ -196,18 +199,28 @@ void DistributedRun::Handle(const ReadyReport& ready) {
   for (std::size_t i = 0; i < options_.hosts.size(); ++i) {
     sites.push_back({machines_[1 + i].get(), InterfaceOf(options_.hosts[i])});
   }
-  std::vector<std::size_t> places(robots_, 0);
-  if (sites.empty()) {
-    sites.push_back({machines_[0].get(), options_.network_interface});
-  } else {
-    Result<std::vector<std::size_t>> placed = PlaceRobots(ready.robots, options_.hosts);
-    if (!placed.ok()) return Fail(kExitBadInput, placed.error());
-    places = std::move(placed).value();
-  }
+  if (sites.empty()) sites.push_back({machines_[0].get(), options_.network_interface});
+  const Result<std::vector<std::size_t>> places = Place(ready.robots);
+  if (!places.ok()) return Fail(kExitBadInput, places.error());
   std::string address =
       service_host_ ? options_.hosts[*service_host_].address : LocalAddress(options_.network_interface);
   address += ":" + std::to_string(ready.port);
-  if (Status failure = agents_.Start(ready, address, sites, places)) Fail(kExitFailed, failure);
+  if (Status failure = agents_.Start(ready, address, sites, places.value())) {
+    Fail(kExitFailed, failure);
+  }
+}
+
+Result<std::vector<std::size_t>> DistributedRun::Place(const std::vector<std::string>& robots) const {
+  if (options_.hosts.empty()) return std::vector<std::size_t>(robots.size(), 0);
+  return PlaceRobots(robots, options_.hosts);
+}
+
+// The service waits for the agents, and says so if they do not come: that is no reason to end the run.
+void DistributedRun::Handle(const NewRobotsReport& report) {
+  if (kill_at_) return;
+  const Result<std::vector<std::size_t>> places = Place(report.robots);
+  if (!places.ok()) return progress_.Tell(places.error().ToString());
+  if (Status failure = agents_.Add(report.robots, places.value())) progress_.Tell(failure->ToString());
 }
 
 void DistributedRun::Handle(const StartedReport&) {

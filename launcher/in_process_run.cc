@@ -10,13 +10,16 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
+#include "launcher/merge_scans.h"
 #include "launcher/output_parts.h"
 #include "launcher/progress.h"
 #include "launcher/signal_watch.h"
@@ -28,9 +31,68 @@
 namespace troupe {
 namespace {
 
+// Agents for the robots that edits of the world bring.
+class NewAgents {
+ public:
+  NewAgents(Transport& transport, AgentOptions options)
+      : transport_(transport), options_(std::move(options)), scan_parts_(options_.scan_log, "--scans") {
+    options_.trace = {};  // the first agent's
+  }
+  ~NewAgents() { Join(); }
+
+  void Start(const std::vector<std::string>& robots) {
+    AgentOptions options = options_;
+    options.agent = ++options_.agent;
+    options.robots = robots;
+    if (!options.scan_log.empty()) {
+      const Result<std::string> file = scan_parts_.Add();
+      if (!file.ok()) return Tell(file.error().ToString());
+      options.scan_log = file.value();
+      scan_files_.push_back(file.value());
+    }
+    threads_.emplace_back([this, options] {
+      const Result<bool> end = RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_);
+      if (!end.ok()) Tell("agent of " + options.robots.front() + ": " + end.error().ToString());
+    });
+  }
+
+  // Ends those that have not come to the run's end.
+  void Join() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+
+  // Brings their scans into the file of the others. REQUIRES: Join was called.
+  Status MergeScans() {
+    if (scan_files_.empty()) return std::nullopt;
+    const Result<std::string> all = scan_parts_.Add();
+    if (!all.ok()) return all.error();
+    scan_files_.insert(scan_files_.begin(), options_.scan_log);
+    if (Status failure = troupe::MergeScans(scan_files_, all.value())) return failure;
+    std::error_code failure;
+    const auto overwrite = std::filesystem::copy_options::overwrite_existing;
+    std::filesystem::copy_file(all.value(), options_.scan_log, overwrite, failure);
+    if (failure) return Error{{options_.scan_log}, "cannot write scans: " + failure.message()};
+    return std::nullopt;
+  }
+
+ private:
+  static void Tell(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+  Transport& transport_;
+  AgentOptions options_;  // of the last one
+  OutputParts scan_parts_;
+  std::vector<std::string> scan_files_;
+  std::atomic<bool> stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
 class ProgressObserver : public RunObserver {
  public:
-  explicit ProgressObserver(std::size_t robots) : robots_(robots) {}
+  ProgressObserver(std::size_t robots, NewAgents& new_agents) : robots_(robots), new_agents_(new_agents) {}
+
+  void OnNewRobots(const std::vector<std::string>& robots) override { new_agents_.Start(robots); }
 
   void OnStarted(double startup_seconds) override {
     progress_.Tell(fmt::format("{} robots in this process, ready after {:.2f} s", robots_, startup_seconds));
@@ -43,6 +105,7 @@ class ProgressObserver : public RunObserver {
 
  private:
   std::size_t robots_;
+  NewAgents& new_agents_;
   Progress progress_;
 };
 
@@ -87,6 +150,8 @@ RunEnd RunInProcess(const RunOptions& options) {
   service_options.lease_seconds = options.lease_seconds;
   service_options.start_timeout_seconds = options.start_timeout_seconds;
   service_options.start_paused = options.paused;
+  service_options.world_file = options.file;
+  service_options.overrides = overrides;
   AgentOptions agent_options;
   agent_options.agent = 1;
   agent_options.scan_log = options.scans;
@@ -114,8 +179,9 @@ RunEnd RunInProcess(const RunOptions& options) {
   Result<RunSummary> summary = Error{{}, "the run did not end"};
   Result<bool> agent = false;
   bool bad_request = false;
+  NewAgents new_agents(*transport, agent_options);
   std::thread service_thread([&] {
-    ProgressObserver observer(scene.world().robots.size());
+    ProgressObserver observer(scene.world().robots.size(), new_agents);
     summary = RunService(scene, service_options, transport->MakeServiceEndpoint(), observer, stop);
     eventfd_write(done, 1);
   });
@@ -128,6 +194,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   service_thread.join();
   if (!summary.ok()) agent_stop = true;
   agent_thread.join();
+  new_agents.Join();
   close(done);
 
   if (!summary.ok()) return {kExitFailed, std::nullopt, summary.error()};
@@ -135,6 +202,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   if (!options.trace.empty()) {
     if (Status failure = MergeTraces(trace_files, options.trace)) return {kExitFailed, std::nullopt, failure};
   }
+  if (Status failure = new_agents.MergeScans()) return {kExitFailed, std::nullopt, failure};
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();

@@ -10,20 +10,24 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "world-service/service/output_file.h"
 
 namespace troupe {
 namespace {
 
-constexpr char kLineStart[] = "{\"tick\":";
-
-std::optional<std::uint64_t> TickOf(const std::string& line) {
-  if (!line.starts_with(kLineStart)) return std::nullopt;
-  std::uint64_t tick = 0;
-  auto [end, failure] = std::from_chars(line.data() + sizeof kLineStart - 1, line.data() + line.size(), tick);
-  return failure == std::errc() ? std::optional(tick) : std::nullopt;
+// The number after `start`, for instance after {"tick":
+std::optional<std::uint64_t> NumberAfter(std::string_view start, const std::string& line) {
+  if (!line.starts_with(start)) return std::nullopt;
+  std::uint64_t number = 0;
+  auto [end, failure] = std::from_chars(line.data() + start.size(), line.data() + line.size(), number);
+  return failure == std::errc() ? std::optional(number) : std::nullopt;
 }
+
+// When a line was written: after which reset or load, and in which tick.
+using When = std::pair<std::uint64_t, std::uint64_t>;
 
 // One part, standing at a line.
 class Part {
@@ -32,32 +36,37 @@ class Part {
 
   bool opened() const { return file_.is_open(); }
   bool done() const { return done_; }
-  std::uint64_t tick() const { return tick_; }
+  const When& when() const { return when_; }
   const std::string& line() const { return line_; }
 
   void Next() {
-    // A line that ends with the file has no line end: it was cut off.
-    done_ = !std::getline(file_, line_) || file_.eof();
-    if (done_) return;
-    std::optional<std::uint64_t> tick = TickOf(line_);
+    for (;;) {
+      // A line that ends with the file has no line end: it was cut off.
+      done_ = !std::getline(file_, line_) || file_.eof();
+      if (done_) return;
+      const std::optional<std::uint64_t> edition = NumberAfter("{\"edition\":", line_);
+      if (!edition) break;
+      when_ = {*edition, 0};
+    }
+    const std::optional<std::uint64_t> tick = NumberAfter("{\"tick\":", line_);
     done_ = !tick;
-    if (tick) tick_ = *tick;
+    if (tick) when_.second = *tick;
   }
 
  private:
   std::ifstream file_;
   std::string line_;
-  std::uint64_t tick_ = 0;
+  When when_ = {0, 0};
   bool done_ = false;
 };
 
-// Writes the lines that `part` has of `tick`. A robot that is started again may measure a tick that its last process
+// Writes the lines that `part` has of one tick. A robot that is started again may measure a tick that its last process
 // has written already, wholly or in part: what comes again is left out.
-Status WriteTick(Part& part, std::uint64_t tick, OutputFile& file) {
+Status WriteTick(Part& part, const When& when, OutputFile& file) {
   const std::string first = part.line();
   std::size_t written = 0;
   std::size_t position = 0;
-  for (; !part.done() && part.tick() == tick; part.Next(), ++position) {
+  for (; !part.done() && part.when() == when; part.Next(), ++position) {
     if (part.line() == first) position = 0;
     if (position < written) continue;
     file.Append(part.line());
@@ -79,14 +88,20 @@ Status MergeScans(const std::vector<std::string>& parts, const std::string& outp
   Result<OutputFile> file = OutputFile::Create(output);
   if (!file.ok()) return file.error();
   Status failure;
+  std::uint64_t edition = 0;
   for (;;) {
     std::erase_if(open, [](const auto& part) { return part->done(); });
     if (open.empty() || failure) break;
-    std::uint64_t tick = (*std::min_element(open.begin(), open.end(), [](const auto& a, const auto& b) {
-                           return a->tick() < b->tick();
-                         }))->tick();
+    const When when = (*std::min_element(open.begin(), open.end(), [](const auto& a, const auto& b) {
+                        return a->when() < b->when();
+                      }))->when();
+    if (when.first != edition) {
+      edition = when.first;
+      file.value().Append("{\"edition\":" + std::to_string(edition) + "}");
+      failure = file.value().EndLine();
+    }
     for (const auto& part : open) {
-      if (!failure && part->tick() == tick) failure = WriteTick(*part, tick, file.value());
+      if (!failure && part->when() == when) failure = WriteTick(*part, when, file.value());
     }
   }
   return file.value().Close();

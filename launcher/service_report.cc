@@ -79,6 +79,11 @@ RunSummary ParseEnd(const Json& json) {
 std::optional<ServiceReport> Parse(const Json& json) {
   std::string type = json.value("type", "");
   if (type == "ready") return ParseReady(json);
+  if (type == "robots") {
+    NewRobotsReport report;
+    Get(json, "robots", report.robots);
+    return report;
+  }
   if (type == "started") return StartedReport{};
   if (type == "status") return ParseStatus(json);
   if (type == "event" || type == "notice") return ParseEvent(json);

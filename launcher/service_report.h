@@ -20,6 +20,11 @@ struct ReadyReport {
   bool ros = false;        // the run shows its robots to ROS 2
 };
 
+// "robots": an edit of the world has brought robots that need agents.
+struct NewRobotsReport {
+  std::vector<std::string> robots;
+};
+
 // "started": all robots are there.
 struct StartedReport {};
 
@@ -31,7 +36,7 @@ struct EventReport {
 };
 
 // "status" is a StatusMessage, "end" a RunSummary: their fields by name.
-using ServiceReport = std::variant<ReadyReport, StartedReport, StatusMessage, EventReport, RunSummary>;
+using ServiceReport = std::variant<ReadyReport, NewRobotsReport, StartedReport, StatusMessage, EventReport, RunSummary>;
 
 // Nothing for a line that is none of these, as for "error": the service says that on standard error too.
 std::optional<ServiceReport> ParseServiceReport(const std::string& line);

@@ -29,6 +29,8 @@ int Run(const CommandLine& line, Reporter& reporter) {
   line.ApplyTo(loaded.value().settings);
   ServiceOptions options = line.service;
   options.settings = loaded.value().settings;
+  options.world_file = line.file;
+  options.overrides = line.overrides;
   if (options.settings.ros) options.make_gateway = MakeRosWorldGateway(line.ros.options);
   const Scene scene(loaded.value().world);
 

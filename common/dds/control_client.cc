@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "common/base/random_id.h"
 #include "common/dds/condition.h"
@@ -55,10 +56,12 @@ class ControlClient::Implementation {
     return {};
   }
 
-  Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds) {
+  Result<ControlReply> Call(ControlRequest request, double seconds) {
     dds::WireArena arena;
     const std::uint64_t number = ++number_;
-    requests_.write(dds::ToWire(ControlRequest{client_, number, command, ticks}, arena));
+    request.client = client_;
+    request.number = number;
+    requests_.write(dds::ToWire(request, arena));
     const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
     for (;;) {
       for (const auto sample : replies_.take()) {
@@ -113,8 +116,15 @@ Status ControlClient::WaitForService(double seconds) {
   return implementation_->WaitForService(seconds);
 }
 
+Result<ControlReply> ControlClient::Call(ControlRequest request, double seconds) {
+  return implementation_->Call(std::move(request), seconds);
+}
+
 Result<ControlReply> ControlClient::Call(ControlCommand command, std::uint64_t ticks, double seconds) {
-  return implementation_->Call(command, ticks, seconds);
+  ControlRequest request;
+  request.command = command;
+  request.ticks = ticks;
+  return Call(std::move(request), seconds);
 }
 
 }  // namespace troupe

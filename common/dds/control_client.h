@@ -1,4 +1,4 @@
-// ControlClient: asks the world service of a session to pause, play or step.
+// ControlClient: asks the world service of a session to pause, play or step, or to change its world.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,7 @@ class ControlClient {
   Status WaitForService(double seconds);
 
   // Asks, and waits for the answer: at most `seconds`; 0: for ever. The error is that none came.
+  Result<ControlReply> Call(ControlRequest request, double seconds);
   Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
 
  private:

@@ -1,9 +1,33 @@
 #include "common/dds/convert_control.h"
 
-namespace troupe::dds {
+#include <cmath>
 
-troupe_wire_Control ToWire(const ControlRequest& message, WireArena&) {
-  return {message.client, message.number, static_cast<std::uint8_t>(message.command), message.ticks};
+namespace troupe::dds {
+namespace {
+
+constexpr auto kLastCommand = static_cast<std::uint8_t>(kLastControlCommand);
+
+troupe_wire_Pose ToWire(const Pose& pose) {
+  return {pose.x, pose.y, pose.z, pose.heading};
+}
+Pose FromWire(const troupe_wire_Pose& wire) {
+  return {wire.x, wire.y, wire.z, wire.heading};
+}
+
+}  // namespace
+
+troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
+  troupe_wire_Control wire{};
+  wire.client = message.client;
+  wire.number = message.number;
+  wire.command = static_cast<std::uint8_t>(message.command);
+  wire.ticks = message.ticks;
+  wire.name = arena.Copy(message.name);
+  wire.source = arena.Copy(message.source);
+  wire.pose = ToWire(message.pose);
+  wire.scopes = message.scopes;
+  wire.rename = message.rename;
+  return wire;
 }
 
 troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena) {
@@ -15,14 +39,32 @@ troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena) {
   wire.state = static_cast<std::uint8_t>(message.state);
   wire.tick = message.tick;
   wire.state_hash = message.state_hash;
+  wire.edition = message.edition;
+  troupe_wire_Entity* out = arena.Fill(wire.entities, message.entities.size());
+  for (const EntityReport& entity : message.entities) {
+    *out++ = {arena.Copy(entity.name), arena.Copy(entity.type), static_cast<std::uint8_t>(entity.kind),
+              ToWire(entity.X_WE),     entity.twist.vx,         entity.twist.vy,
+              entity.twist.wz};
+  }
   return wire;
 }
 
+// The pose may be anything: what it is for decides.
 Status FromWire(const troupe_wire_Control& wire, ControlRequest& message) {
-  if (wire.command > static_cast<std::uint8_t>(ControlCommand::kStep)) {
-    return Error{{}, "control request with command " + std::to_string(wire.command) + ", expected 0 to 3"};
+  if (wire.command > kLastCommand) {
+    return Error{{},
+                 "control request with command " + std::to_string(wire.command) + ", expected 0 to " +
+                     std::to_string(kLastCommand)};
   }
-  message = {wire.client, wire.number, static_cast<ControlCommand>(wire.command), wire.ticks};
+  message.client = wire.client;
+  message.number = wire.number;
+  message.command = static_cast<ControlCommand>(wire.command);
+  message.ticks = wire.ticks;
+  message.name = Text(wire.name);
+  message.source = Text(wire.source);
+  message.pose = FromWire(wire.pose);
+  message.scopes = wire.scopes;
+  message.rename = wire.rename;
   return {};
 }
 
@@ -37,6 +79,18 @@ Status FromWire(const troupe_wire_ControlReply& wire, ControlReply& message) {
   message.state = static_cast<RunState>(wire.state);
   message.tick = wire.tick;
   message.state_hash = wire.state_hash;
+  message.edition = wire.edition;
+  message.entities.clear();
+  for (const troupe_wire_Entity& entity : Elements(wire.entities)) {
+    if (entity.kind > static_cast<std::uint8_t>(EntityKind::kModel)) {
+      return Error{{}, "control reply with an entity of kind " + std::to_string(entity.kind) + ", expected 0 to 2"};
+    }
+    message.entities.push_back({Text(entity.name),
+                                Text(entity.type),
+                                static_cast<EntityKind>(entity.kind),
+                                FromWire(entity.pose),
+                                {entity.vx, entity.vy, entity.wz}});
+  }
   return {};
 }
 

@@ -256,6 +256,9 @@ troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
   wire.state_hash = message.state_hash;
   wire.last = message.last;
   wire.paused = message.paused;
+  wire.edition = message.edition;
+  wire.world_edition = message.world_edition;
+  wire.fresh_edition = message.fresh_edition;
   std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
   RobotsToWire(message.state.robots, wire, arena);
   JointsToWire(message.state.joints, wire, arena);
@@ -271,6 +274,9 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.state_hash = wire.state_hash;
   message.last = wire.last;
   message.paused = wire.paused;
+  message.edition = wire.edition;
+  message.world_edition = wire.world_edition;
+  message.fresh_edition = wire.fresh_edition;
   const auto awaited = Elements(wire.awaited);
   message.awaited.assign(awaited.begin(), awaited.end());
   WorldState& state = message.state;

@@ -11,6 +11,7 @@ troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
   wire.host = arena.Copy(message.host);
   wire.pid = message.pid;
   arena.FillStrings(wire.robots, message.robots);
+  wire.world_edition = message.world_edition;
   return wire;
 }
 
@@ -22,6 +23,7 @@ Status FromWire(const troupe_wire_Join& wire, JoinMessage& message) {
   message.host = Text(wire.host);
   message.pid = wire.pid;
   message.robots = Strings(wire.robots);
+  message.world_edition = wire.world_edition;
   return {};
 }
 

@@ -36,6 +36,7 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
   }
   arena.FillStrings(wire.reports, message.reports);
   wire.held = message.held;
+  wire.edition = message.edition;
   return wire;
 }
 
@@ -54,6 +55,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   message.agent = wire.agent;
   message.run = wire.run;
   message.held = wire.held;
+  message.edition = wire.edition;
   message.tick = wire.tick;
   message.proposals.clear();
   message.proposals.reserve(robot.size());

@@ -13,6 +13,7 @@ troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
   wire.lease = message.lease_seconds;
   wire.begun = message.begun;
   wire.world = ToWire(message.world, arena);
+  wire.world_edition = message.world_edition;
   return wire;
 }
 
@@ -23,6 +24,7 @@ Status FromWire(const troupe_wire_Session& wire, SessionMessage& message) {
   message.pid = wire.pid;
   message.lease_seconds = wire.lease;
   message.begun = wire.begun;
+  message.world_edition = wire.world_edition;
   if (!(wire.lease >= 0.0)) return Error{{}, "session with a lease that is negative or not a number"};
   return FromWire(wire.world, message.world);
 }

@@ -14,6 +14,7 @@ troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
   wire.agents = message.agents;
   arena.FillStrings(wire.waiting_for, message.waiting_for);
   wire.waiting_time = message.waiting_seconds;
+  wire.edition = message.edition;
   return wire;
 }
 
@@ -28,6 +29,7 @@ Status FromWire(const troupe_wire_Status& wire, StatusMessage& message) {
   message.agents = wire.agents;
   message.waiting_for = Strings(wire.waiting_for);
   message.waiting_seconds = wire.waiting_time;
+  message.edition = wire.edition;
   return {};
 }
 

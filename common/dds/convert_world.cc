@@ -95,6 +95,7 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   wire.gripper_return = model.gripper_return;
   wire.fiducial_return = model.fiducial_return;
   wire.show_nose = model.show_nose;
+  wire.removed = model.removed;
   return wire;
 }
 Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
@@ -113,6 +114,7 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.gripper_return = wire.gripper_return;
   model.fiducial_return = wire.fiducial_return;
   model.show_nose = wire.show_nose;
+  model.removed = wire.removed;
   return {};
 }
 

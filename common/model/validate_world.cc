@@ -62,7 +62,7 @@ std::string CheckShape(const Shape& shape) {
 std::string CheckModel(const WorldDescription& world, std::size_t index, std::set<std::string>& names) {
   const ModelDescription& model = world.models[index];
   if (model.name.empty()) return "it has no name";
-  if (!names.insert(model.name).second) return "another model has the same name";
+  if (!model.removed && !names.insert(model.name).second) return "another model has the same name";
   if (model.parent && model.parent->index() >= index) return "its parent does not come before it";
   if (model.shape.index() >= world.shapes.size()) return "it names a shape that does not exist";
   if (!IsUsable(model.X_PM)) return "its pose is not finite or too far away";

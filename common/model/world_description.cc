@@ -10,9 +10,13 @@ bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
   return at.has_value();
 }
 
+bool IsThere(const WorldDescription& world, RobotId robot) {
+  return !world.model(world.robot(robot).root).removed;
+}
+
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (world.robots[i].name == name) return RobotId(i);
+    if (world.robots[i].name == name && IsThere(world, RobotId(i))) return RobotId(i);
   }
   return std::nullopt;
 }
@@ -75,6 +79,7 @@ class DescriptionHasher {
     Add(std::uint64_t{model.gripper_return});
     Add(static_cast<std::uint64_t>(model.fiducial_return));
     Add(std::uint64_t{model.show_nose});
+    Add(std::uint64_t{model.removed});
   }
   void Add(const DriveDescription& drive) {
     Add(static_cast<std::uint64_t>(drive.type));

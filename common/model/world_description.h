@@ -1,9 +1,10 @@
-// WorldDescription: everything about a world that never changes after loading. Plain values: what a world file said,
+// WorldDescription: everything about a world that only edits change after loading. Plain values: what a world file said,
 // in SI units, with every default filled in. Together with a WorldState (world_state.h) it is the whole simulation.
 //
 // Invariants (Validate checks them):
 // - a model's parent has a smaller id than the model;
-// - names are unique and not empty; numbers are finite and within +-1e6; outlines are normalized (geometry/polygon.h);
+// - names are unique, but for removed models, and not empty; numbers are finite and within +-1e6; outlines are
+//   normalized (geometry/polygon.h);
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
 // - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
@@ -64,6 +65,7 @@ struct ModelDescription {
   bool gripper_return = false;  // may be gripped, moved and dropped
   std::int32_t fiducial_return = 0;
   bool show_nose = false;  // pictures show its heading
+  bool removed = false;    // taken out during the run: it keeps its id, but has no body, and its name is free
   bool operator==(const ModelDescription&) const = default;
 };
 
@@ -215,6 +217,9 @@ struct WorldDescription {
 
 // True if the model is `root` or somewhere below it.
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root);
+
+// False for a robot that was removed.
+bool IsThere(const WorldDescription& world, RobotId robot);
 
 // The robot called `name`, if there is one.
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name);

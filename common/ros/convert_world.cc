@@ -11,6 +11,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::int32_t kTriangleList = 11;
+constexpr std::int32_t kDeleteAll = 3;  // as a marker's action
 constexpr std::int8_t kOccupied = 100;
 constexpr std::int8_t kFree = 0;
 
@@ -42,6 +43,15 @@ void AddPrism(const ConvexPiece& piece, std::vector<PointMessage>& points) {
 class Markers {
  public:
   Markers(const WorldDescription& world, const char* name_space) : world_(world), name_space_(name_space) {}
+
+  // Goes before the others.
+  void DeleteOthers(dds::WireArena& arena) {
+    Marker marker{};
+    marker.header = MakeHeader({}, kMapFrame, arena);
+    marker.ns = arena.Copy(name_space_);
+    marker.action = kDeleteAll;
+    markers_.push_back(marker);
+  }
 
   // `pose`: of what the pieces' frame is in `frame`. `follows`: the frame moves, and the marker with it.
   void Add(const std::map<ModelId, std::vector<const ConvexPiece*>>& pieces_by_model, const std::string& frame,
@@ -99,8 +109,9 @@ OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
 }
 
 MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
-                             dds::WireArena& arena) {
+                             dds::WireArena& arena, bool replaces) {
   Markers markers(scene.world(), "blocks");
+  if (replaces) markers.DeleteOthers(arena);
   markers.Add(ByModel(scene.static_index().pieces()), kMapFrame, {}, false, arena);
   for (std::size_t i = 0; i < robot_frames.size(); ++i) {
     const Body& body = scene.body(scene.body_of(RobotId(i)));
@@ -112,8 +123,9 @@ MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<s
   return markers.Message(arena);
 }
 
-MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena) {
+MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena, bool replaces) {
   Markers markers(scene.world(), "objects");
+  if (replaces) markers.DeleteOthers(arena);
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     markers.Add(ByModel(scene.body(scene.body_of(ObjectId(i))).pieces), kMapFrame, state.objects[i].X_WO, false, arena);
   }

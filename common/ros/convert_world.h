@@ -15,13 +15,14 @@ OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena);
 
 // All that stands still in frame map, and the robots in their own frames: `robot_frames` by robot, and by link of its
 // body (RobotFrames::links); empty: without robots. A model of more pieces than kMaxMarkerPieces is left out: it is a
-// bitmap, and the map shows it.
+// bitmap, and the map shows it. `replaces`: those shown before go first, because the world is another one.
 inline constexpr std::size_t kMaxMarkerPieces = 5000;
 MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
-                             dds::WireArena& arena);
+                             dds::WireArena& arena, bool replaces = false);
 
 // The objects that can be gripped, where they are in `state`.
-MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena);
+MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena,
+                              bool replaces = false);
 
 // A JSON object: {"tick": 7, "event": "stall_began", "robot": "r0", "other": "wall", "detail": ""}.
 std::string EventJson(const WorldDescription& world, const Event& event);

@@ -62,7 +62,12 @@ std::string RosName(const std::string& text) {
 std::vector<std::string> RobotNames(const WorldDescription& world) {
   UniqueNames unique;
   std::vector<std::string> names;
-  for (const RobotDescription& robot : world.robots) names.push_back(unique.Take(RosName(robot.name)));
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const std::string& name = world.robots[i].name;
+    // A robot that was removed keeps its name, so that those of others stay, until another robot has the same one.
+    const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
+    names.push_back(is_replaced ? "" : unique.Take(RosName(name)));
+  }
   return names;
 }
 

@@ -100,6 +100,18 @@ Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
   return std::nullopt;
 }
 
+Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides) {
+  const ScenarioTools tools;
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, tools);
+  if (!file.ok()) return file.error();
+  Result<WorldTree> tree = ReadTree(file.value(), path, tools);
+  if (!tree.ok()) return tree.error();
+  for (const Property& property : file.value().properties) tree.value().world.Set(property);
+  return ScenarioWorld{std::move(tree).value(), DefaultController(file.value(), overrides)};
+}
+
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
   if (!text.ok()) return text.error();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "common/base/result.h"
@@ -22,6 +23,13 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
 // Checks what can be checked without reading the world that the scenario names: its form, and its controllers by
 // `overrides.check_controller`.
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides);
+
+// The world that a scenario names, without what the scenario adds to it, and the controller of robots that have none.
+struct ScenarioWorld {
+  WorldTree tree;
+  std::optional<ControllerDescription> controller;
+};
+Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides = {});
 
 // The machines that a scenario names.
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path);

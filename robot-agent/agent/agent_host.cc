@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "common/base/version.h"
@@ -34,9 +36,12 @@ enum class Stage : std::uint8_t {
 };
 
 // Frames in their order: a tick that is paused comes paused first, and then to be gone on from.
-using FramePlace = std::pair<Tick, bool>;
+using FramePlace = std::tuple<Edition, Tick, bool>;
 FramePlace PlaceOf(const FrameMessage& frame) {
-  return {frame.state.tick, !frame.paused};
+  return {frame.edition, frame.state.tick, !frame.paused};
+}
+bool IsOneTick(const FramePlace& a, const FramePlace& b) {
+  return std::get<Edition>(a) == std::get<Edition>(b) && std::get<Tick>(a) == std::get<Tick>(b);
 }
 
 std::string HostName() {
@@ -76,6 +81,8 @@ class AgentHost final : public AgentHandler {
 
   // With mutex_ held:
   void Answer(const FrameMessage& frame);
+  // Brings the replica to the world of a new frame, and its robots; false if the frame cannot be answered (yet).
+  bool Follow(const FrameMessage& frame);
   void Fail(Error error);
 
   AgentEndpoint& endpoint_;
@@ -90,7 +97,9 @@ class AgentHost final : public AgentHandler {
   RunId run_ = 0;                            // from preparing on
   JoinMessage join_;                         // from joining on
   std::unique_ptr<Replica> replica_;         // from joining on
-  std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission
+  Edition world_edition_ = 0;                // of the replica
+  std::optional<Edition> fresh_edition_;     // since which its robots are; nothing: since they joined
+  std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission, or before its world
   std::optional<FramePlace> answered_;       // of the frame that answer_ answers
   ProposalMessage answer_;
   Error failure_;
@@ -149,6 +158,7 @@ Status AgentHost::Prepare() {
     }
     session = std::move(session_);
     run_ = session->run;
+    world_edition_ = session->world_edition;
     stage_ = Stage::kPreparing;
   }
   if (session->protocol_version != kProtocolVersion) {
@@ -165,7 +175,8 @@ Status AgentHost::Prepare() {
                    .world_hash = Hash(session->world),
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
-                   .robots = {}};
+                   .robots = {},
+                   .world_edition = session->world_edition};
   Result<std::unique_ptr<Replica>> replica =
       Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
                       options_.make_gateway, trace_.get());
@@ -179,6 +190,7 @@ Status AgentHost::Prepare() {
   replica_ = std::move(replica).value();
   join_ = std::move(join);
   answered_.reset();
+  fresh_edition_.reset();
   stage_ = Stage::kJoining;
   return {};
 }
@@ -209,11 +221,19 @@ void AgentHost::WaitUntilOver() {
 void AgentHost::OnSession(const SessionMessage& session) {
   const std::lock_guard lock(mutex_);
   const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining;
-  if (chosen ? session.run == run_ : stage_ != Stage::kWaiting) return;
-  // Once one was chosen, this is the next run in the place of one that ended before it answered.
+  const bool edited = session.run == run_ && session.world_edition > world_edition_;
+  if (stage_ == Stage::kRunning) {
+    if (!edited || (session_ && session.world_edition <= session_->world_edition)) return;
+    session_ = std::make_unique<SessionMessage>(session);
+    if (early_frame_) Answer(*std::exchange(early_frame_, std::nullopt));
+    return;
+  }
+  if (chosen ? session.run == run_ && !edited : stage_ != Stage::kWaiting) return;
+  // Once one was chosen, this is its world after an edit, or the next run in the place of one that ended before it
+  // answered.
   session_ = std::make_unique<SessionMessage>(session);
   stage_ = Stage::kWaiting;
-  early_frame_.reset();
+  if (!edited) early_frame_.reset();
   changed_.notify_all();
 }
 
@@ -228,8 +248,7 @@ void AgentHost::OnAdmission(const AdmissionMessage& admission) {
   if (stage_ == Stage::kRunning) return;
   stage_ = Stage::kRunning;
   changed_.notify_all();
-  if (early_frame_) Answer(*early_frame_);
-  early_frame_.reset();
+  if (early_frame_) Answer(*std::exchange(early_frame_, std::nullopt));
 }
 
 void AgentHost::OnFrame(const FrameMessage& frame) {
@@ -268,14 +287,18 @@ void AgentHost::Answer(const FrameMessage& frame) {
     return;  // the answer has arrived
   }
   const Tick next = frame.state.tick + 1;
-  const bool is_shown = answered_ && answered_->first == frame.state.tick;
+  const bool is_shown = answered_ && IsOneTick(*answered_, place);
   if (is_new) {
+    if (!Follow(frame)) return;
     Enter(replica_->lane(), TickPhase::kApply, next);
     if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
       return Fail({{}, "the world service sent a bad frame: " + problem});
     }
+    const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
+    if (was_edited) replica_->Carry(frame.state);
     answer_.run = run_;
     answer_.agent = options_.agent;
+    answer_.edition = frame.edition;
     if (frame.paused) {
       replica_->Hold(frame.state, answer_);
       replica_->Publish(frame.state);  // first: who has paused or stepped is told when all has been shown
@@ -291,6 +314,38 @@ void AgentHost::Answer(const FrameMessage& frame) {
   if (!trace_) return;
   trace_->WriteSome();
   Enter(replica_->lane(), TickPhase::kWait, next + 1);
+}
+
+bool AgentHost::Follow(const FrameMessage& frame) {
+  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
+  const bool edited = frame.world_edition != world_edition_;
+  if (edited && (!session_ || session_->world_edition != frame.world_edition)) {
+    early_frame_ = frame;  // its world is on the way
+    return false;
+  }
+  Status problem;
+  try {
+    if (edited) {
+      const std::unique_ptr<SessionMessage> session = std::move(session_);
+      problem = Validate(session->world);
+      if (!problem) problem = replica_->ChangeWorld(std::move(session->world), fresh, frame.fresh_edition);
+      world_edition_ = frame.world_edition;
+    } else if (fresh) {
+      problem = replica_->Renew(frame.fresh_edition);
+    }
+  } catch (const std::exception& exception) {
+    problem = Error{{}, exception.what()};
+  }
+  if (!fresh_edition_ && frame.fresh_edition > 0 && scan_log_) scan_log_->Restart(frame.fresh_edition);
+  fresh_edition_ = frame.fresh_edition;
+  if (problem) {
+    Fail({{}, "the world was edited, and this agent cannot go on: " + problem->message});
+    return false;
+  }
+  if (!replica_->RobotNames().empty()) return true;
+  stage_ = Stage::kRunOver;  // all its robots are gone
+  changed_.notify_all();
+  return false;
 }
 
 void AgentHost::Fail(Error error) {

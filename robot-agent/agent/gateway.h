@@ -38,6 +38,9 @@ class Gateway {
   // Publishes a tick; called after the agent's answer to it went out. Must not wait for anybody.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
+  // The robots begin anew, perhaps at an earlier tick: what was commanded before does not count.
+  virtual void Restart() {}
+
   // What there is to tell people since the last call.
   virtual std::vector<std::string> TakeReports() = 0;
 };

@@ -15,7 +15,9 @@ constexpr std::size_t kRobotsPerThread = 16;
 Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<RobotId> ids;
   if (names.empty()) {
-    for (std::size_t i = 0; i < world.robots.size(); ++i) ids.emplace_back(i);
+    for (std::size_t i = 0; i < world.robots.size(); ++i) {
+      if (IsThere(world, RobotId(i))) ids.emplace_back(i);
+    }
     return ids;
   }
   for (const std::string& name : names) {
@@ -62,35 +64,125 @@ class View final : public RobotView {
 
 }  // namespace
 
+Replica::Replica(WorldDescription world, ScanLog* scan_log, const MakeGateway& make_gateway)
+    : scene_(std::make_shared<const Scene>(std::move(world))), scan_log_(scan_log), make_gateway_(make_gateway) {}
+
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  ScanLog* scan_log, std::size_t threads,
                                                  const MakeGateway& make_gateway, TickTrace* trace) {
-  Result<std::vector<RobotId>> ids = FindRobots(world, robots);
+  const Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
-  std::unique_ptr<Replica> replica(new Replica(std::move(world)));
-  for (RobotId id : ids.value()) {
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(replica->scene_, id, scan_log);
-    if (!robot.ok()) return robot.error();
-    replica->robots_.push_back(std::move(robot).value());
-  }
+  std::unique_ptr<Replica> replica(new Replica(std::move(world), scan_log, make_gateway));
+  if (Status problem = replica->MakeRobots(ids.value())) return *problem;
   if (scan_log != nullptr) threads = 1;
   threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
-  replica->indices_.assign(threads, BodyIndex(replica->scene_));
+  replica->ResetIndices(threads);
   if (threads > 1) replica->crew_.emplace(threads);
   for (std::size_t i = 0; i < threads; ++i) replica->lanes_.push_back(trace != nullptr ? trace->AddLane() : nullptr);
-  if (trace != nullptr) trace->NameRobots(RobotNamesOf(replica->scene_.world()));
-  if (make_gateway) replica->gateway_ = make_gateway(replica->scene_, ids.value());
+  replica->trace_ = trace;
+  replica->NameRobotsInTrace();
+  replica->MakeNewGateway();
   return replica;
+}
+
+Status Replica::MakeRobots(const std::vector<RobotId>& ids) {
+  robots_.clear();
+  robots_scene_ = scene_;
+  for (const RobotId id : ids) {
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id, scan_log_);
+    if (!robot.ok()) return robot.error();
+    robots_.push_back(std::move(robot).value());
+  }
+  return {};
+}
+
+void Replica::ResetIndices(std::size_t threads) {
+  indices_.assign(threads, BodyIndex(*scene_));
+}
+
+void Replica::NameRobotsInTrace() {
+  if (trace_ != nullptr) trace_->NameRobots(RobotNamesOf(scene_->world()));
+}
+
+void Replica::MakeNewGateway() {
+  gateway_.reset();  // first, because the next one may have the same names
+  gateway_scene_ = scene_;
+  if (make_gateway_ && !robots_.empty()) gateway_ = make_gateway_(*scene_, Ids());
+}
+
+Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition) {
+  const std::vector<RobotId> before = Ids();
+  std::vector<RobotId> ids;
+  for (const RobotId id : before) {
+    if (fresh) {
+      if (const auto found = FindRobot(world, scene_->world().robot(id).name)) ids.push_back(*found);
+    } else if (IsThere(world, id)) {
+      ids.push_back(id);
+    }
+  }
+  std::sort(ids.begin(), ids.end());
+  scene_ = std::make_shared<const Scene>(std::move(world));
+  ResetIndices(indices_.size());
+  NameRobotsInTrace();
+  if (fresh) {
+    if (scan_log_ != nullptr) scan_log_->Restart(edition);
+    if (Status problem = MakeRobots(ids)) return problem;
+  } else {
+    std::erase_if(robots_, [&](const auto& robot) { return !IsThere(scene_->world(), robot->id()); });
+    for (const auto& robot : robots_) robot->ChangeWorld(*scene_);
+  }
+  if (gateway_ == nullptr) return {};
+  if (ids != before || !GatewayMayStay(fresh)) {
+    MakeNewGateway();
+  } else if (fresh) {
+    gateway_->Restart();
+  }
+  return {};
+}
+
+Status Replica::Renew(Edition edition) {
+  if (scan_log_ != nullptr) scan_log_->Restart(edition);
+  if (Status problem = MakeRobots(Ids())) return problem;
+  if (gateway_ == nullptr) return {};
+  if (GatewayMayStay(true)) {
+    gateway_->Restart();
+  } else {
+    MakeNewGateway();
+  }
+  return {};
+}
+
+bool Replica::GatewayMayStay(bool fresh) const {
+  const WorldDescription& now = scene_->world();
+  const WorldDescription& then = gateway_scene_->world();
+  const bool grips = std::any_of(robots_.begin(), robots_.end(),
+                                 [&](const auto& robot) { return !scene_->grippers_of(robot->id()).empty(); });
+  // What grippers do takes time, and names all objects that there are.
+  if (grips && (fresh || now.objects != then.objects || now.models.size() != then.models.size())) return false;
+  if (!fresh) return true;
+  return now.name == then.name && now.interval_ns == then.interval_ns && now.robots == then.robots &&
+         now.joints == then.joints && now.grippers == then.grippers && now.objects == then.objects &&
+         now.models.size() == then.models.size();
+}
+
+std::vector<RobotId> Replica::Ids() const {
+  std::vector<RobotId> ids;
+  for (const auto& robot : robots_) ids.push_back(robot->id());
+  return ids;
 }
 
 std::vector<std::string> Replica::RobotNames() const {
   std::vector<std::string> names;
-  for (const auto& robot : robots_) names.push_back(scene_.world().robot(robot->id()).name);
+  for (const auto& robot : robots_) names.push_back(scene_->world().robot(robot->id()).name);
   return names;
 }
 
 std::string Replica::CheckState(const WorldState& state) const {
-  return troupe::CheckState(scene_.world(), state);
+  return troupe::CheckState(scene_->world(), state);
+}
+
+void Replica::Carry(const WorldState& state) {
+  for (const auto& robot : robots_) robot->Carry(state);
 }
 
 void Replica::Answer(const WorldState& state, ProposalMessage& answer) {

@@ -28,11 +28,21 @@ class Replica {
                                                  ScanLog* scan_log, std::size_t threads = 1,
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
+  // An edit has changed the world, or made the robots begin anew, or both. In a world of the same ids the robots go on,
+  // but for those that were removed; if `fresh`, those whose names are in the world are made anew. `edition`: the newest
+  // that is fresh, for the scan log. The error is a controller that cannot be made. Throws what `make_gateway` throws.
+  Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
+  // The same in the world that it has.
+  Status Renew(Edition edition);
+
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
 
   // "" if the state belongs to the world (common/model/check_state.h); else what is wrong with it.
   std::string CheckState(const WorldState& state) const;
+
+  // Takes in where an edit has put the robots. REQUIRES: CheckState(state) is "".
+  void Carry(const WorldState& state);
 
   // What the agent's robots ask for after `state`: proposals in robot-id order, and controllers that failed just now.
   // REQUIRES: CheckState(state) is "".
@@ -50,9 +60,22 @@ class Replica {
   void Publish(const WorldState& state);
 
  private:
-  explicit Replica(WorldDescription world) : scene_(std::move(world)) {}
+  Replica(WorldDescription world, ScanLog* scan_log, const MakeGateway& make_gateway);
+  Status MakeRobots(const std::vector<RobotId>& ids);
+  std::vector<RobotId> Ids() const;
+  void MakeNewGateway();
+  // The gateway may go on in the world that there is now, with robots that begin anew if `fresh`.
+  bool GatewayMayStay(bool fresh) const;
+  void ResetIndices(std::size_t threads);
+  void NameRobotsInTrace();
 
-  Scene scene_;
+  // Robots and the gateway keep the scenes that they were made for.
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> robots_scene_;
+  std::shared_ptr<const Scene> gateway_scene_;
+  ScanLog* scan_log_;
+  TickTrace* trace_ = nullptr;  // may be null
+  MakeGateway make_gateway_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
   std::optional<Crew> crew_;                    // of several threads

@@ -46,6 +46,11 @@ Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, Sca
   return robot;
 }
 
+void Robot::ChangeWorld(const Scene& scene) {
+  scene_ = &scene;
+  manipulator_.ChangeWorld(scene.world());
+}
+
 const RobotDescription& Robot::description() const {
   return scene_->world().robot(id_);
 }

@@ -26,6 +26,10 @@ class Robot {
   // The scene must outlive the robot. `scan_log` may be null; with one, all rangers are measured and written there.
   static Result<std::unique_ptr<Robot>> Create(const Scene& scene, RobotId id, ScanLog* scan_log);
 
+  // An edit has changed the world around the robot, and left it as it was. The scene that it was made for must still be
+  // there.
+  void ChangeWorld(const Scene& scene);
+
   RobotId id() const { return id_; }
 
   // Senses state n, lets the controller decide, and returns the proposal for tick n + 1. Called once for each tick,
@@ -33,6 +37,8 @@ class Robot {
   Proposal Decide(const WorldState& state, const BodyIndex& bodies, const OutsideCommand& outside = {},
                   TraceLane* trace = nullptr);
 
+  // Takes in where an edit has put the robot.
+  void Carry(const WorldState& state) { odometry_.Carry(state.robots[id_.index()].X_WR); }
   // Takes in a state that is not (yet) to be decided on.
   void Observe(const WorldState& state) { odometry_.Update(state.robots[id_.index()].X_WR); }
 

@@ -65,6 +65,12 @@ void ScanLog::Write(Tick tick, const RobotDescription& robot, const RangerDescri
   }
 }
 
+void ScanLog::Restart(std::uint32_t edition) {
+  if (status_) return;
+  line_ = "{\"edition\":" + std::to_string(edition) + "}\n";
+  if (std::fwrite(line_.data(), 1, line_.size(), file_) != line_.size()) Fail();
+}
+
 Status ScanLog::Flush() {
   if (!status_ && std::fflush(file_) != 0) Fail();
   return status_;

@@ -23,6 +23,9 @@ class ScanLog {
   // Sensors are named "<ranger>.<index>", for instance "ranger:0.3".
   void Write(Tick tick, const RobotDescription& robot, const RangerDescription& ranger, const RangerReading& reading);
 
+  // The robots begin anew, perhaps at an earlier tick: writes {"edition":N}, so that what follows can be told apart.
+  void Restart(std::uint32_t edition);
+
   // The first error that any write had (a full disk); nothing is written after it.
   const Status& status() const { return status_; }
   // Forces everything out, and says how it went.

@@ -13,6 +13,9 @@ class Odometry {
   // Takes in the robot's true pose after each tick; the first one fixes where odometry starts.
   void Update(const Pose& X_WR);
 
+  // Somebody has put the robot elsewhere, which is no motion that it could read.
+  void Carry(const Pose& X_WR) { last_X_WR_ = X_WR; }
+
   // gps: the true pose in the world. odometry: the sum of the robot's motions, each read with its error, from
   // localization.origin on (frame: odom).
   const Pose& estimate() const { return estimate_; }

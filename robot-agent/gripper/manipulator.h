@@ -15,6 +15,9 @@ class Manipulator {
   // The world must outlive the manipulator.
   Manipulator(const WorldDescription& world, RobotId robot);
 
+  // An edit has changed the world, and left the robot as it was. The first one must still be there.
+  void ChangeWorld(const WorldDescription& world) { world_ = &world; }
+
   const std::vector<const JointDescription*>& joints() const { return joints_; }
   const std::vector<GripperInfo>& grippers() const { return grippers_; }
 

@@ -36,6 +36,13 @@ std::optional<Command> CommandInput::At(Tick tick) {
   return command_;
 }
 
+void CommandInput::Restart() {
+  if (twists_) twists_->Drain([](const ros::TwistMessage&) {});
+  if (stamped_twists_) stamped_twists_->Drain([](const ros::TwistStamped&) {});
+  command_.reset();
+  received_ = 0;
+}
+
 void CommandInput::Take(const ros::TwistMessage& twist, Tick tick) {
   const std::optional<Command> command = CommandFromTwist(twist, robot_->drive);
   if (!command) {

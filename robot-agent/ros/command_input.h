@@ -23,6 +23,9 @@ class CommandInput {
   // speed behaves the same.
   std::optional<Command> At(Tick tick);
 
+  // Time begins anew: no command that came before counts.
+  void Restart();
+
   // What went wrong since the last call, in one line; usually "".
   std::string TakeReport();
 

@@ -120,6 +120,10 @@ class RosGateway final : public Gateway {
     }
   }
 
+  void Restart() override {
+    for (const auto& robot : robots_) robot->input.Restart();
+  }
+
   std::vector<std::string> TakeReports() override {
     std::vector<std::string> reports = participant_.TakeUnreadable();
     for (const auto& robot : robots_) {

@@ -9,8 +9,10 @@
 #include <sstream>
 
 #include "common/dds/wire.h"
+#include "common/ros/convert.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/simulation_types.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
@@ -161,6 +163,162 @@ TEST(RosRun, StepsByServiceWithTheSameHashesTwiceAndTheSensorDataOfEachStep) {
   const std::vector<std::string> first = StepByService(50);
   EXPECT_EQ(first.size(), 101u);
   EXPECT_EQ(StepByService(50), first);
+}
+
+// The services that edit a world, called as a tool does.
+class WorldServices {
+ public:
+  std::uint8_t Spawn(const char* name, const char* uri, double x, double y, std::string* called = nullptr) {
+    simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
+    request.name = const_cast<char*>(name);
+    request.uri = const_cast<char*>(uri);
+    request.initial_pose.pose = ros::ToMessage(Pose{x, y, 0.0, 0.0});
+    std::uint8_t result = 0;
+    spawn_.Call(request, [&](const auto& response) {
+      result = response.result.result;
+      if (called != nullptr) *called = dds::Text(response.entity_name);
+    });
+    return result;
+  }
+  std::uint8_t Delete(const char* name) {
+    simulation_interfaces_srv_dds__DeleteEntity_Request_ request{};
+    request.entity = const_cast<char*>(name);
+    std::uint8_t result = 0;
+    delete_.Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+  std::uint8_t SetPose(const char* name, const ros::PoseMessage& pose) {
+    simulation_interfaces_srv_dds__SetEntityState_Request_ request{};
+    request.entity = const_cast<char*>(name);
+    request.state.pose = pose;
+    std::uint8_t result = 0;
+    set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+  // Names and x of what the filter lets pass.
+  std::map<std::string, double> States(const char* filter, std::vector<std::uint8_t> categories = {}) {
+    simulation_interfaces_srv_dds__GetEntitiesStates_Request_ request{};
+    request.filters.filter = const_cast<char*>(filter);
+    dds::WireArena arena;
+    auto* category = arena.Fill(request.filters.categories, categories.size());
+    for (const std::uint8_t number : categories) (category++)->category = number;
+    std::map<std::string, double> states;
+    states_.Call(request, [&](const auto& response) {
+      const std::vector<std::string> names = dds::Strings(response.entities);
+      ASSERT_EQ(names.size(), response.states._length);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        states[names[i]] = response.states._buffer[i].pose.position.x;
+      }
+    });
+    return states;
+  }
+  std::uint8_t Reset(std::uint8_t scope) {
+    simulation_interfaces_srv_dds__ResetSimulation_Request_ request{};
+    request.scope = scope;
+    std::uint8_t result = 0;
+    reset_.Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+  std::uint8_t Load(const std::string& uri) {
+    simulation_interfaces_srv_dds__LoadWorld_Request_ request{};
+    request.uri = const_cast<char*>(uri.c_str());
+    std::uint8_t result = 0;
+    load_.Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+  std::vector<std::string> Spawnables() {
+    std::vector<std::string> uris;
+    spawnables_.Call({}, [&](const auto& response) {
+      for (const auto& spawnable : dds::Elements(response.spawnables)) uris.push_back(dds::Text(spawnable.uri));
+    });
+    return uris;
+  }
+  std::uint8_t CategoryOf(const char* name) {
+    simulation_interfaces_srv_dds__GetEntityInfo_Request_ request{};
+    request.entity = const_cast<char*>(name);
+    std::uint8_t category = 0;
+    info_.Call(request, [&](const auto& response) { category = response.info.category.category; });
+    return category;
+  }
+  void PlainReset() {
+    plain_reset_.Call({}, [](const auto&) {});
+  }
+
+ private:
+  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosNode node_ = ros::MakeNode(participant_, "/", "editor");
+  Client<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
+      spawn_{participant_, "/world/spawn_entity"};
+  Client<simulation_interfaces_srv_dds__DeleteEntity_Request_, simulation_interfaces_srv_dds__DeleteEntity_Response_>
+      delete_{participant_, "/world/delete_entity"};
+  Client<simulation_interfaces_srv_dds__SetEntityState_Request_,
+         simulation_interfaces_srv_dds__SetEntityState_Response_>
+      set_state_{participant_, "/world/set_entity_state"};
+  Client<simulation_interfaces_srv_dds__GetEntitiesStates_Request_,
+         simulation_interfaces_srv_dds__GetEntitiesStates_Response_>
+      states_{participant_, "/world/get_entities_states"};
+  Client<simulation_interfaces_srv_dds__ResetSimulation_Request_,
+         simulation_interfaces_srv_dds__ResetSimulation_Response_>
+      reset_{participant_, "/world/reset_simulation"};
+  Client<simulation_interfaces_srv_dds__LoadWorld_Request_, simulation_interfaces_srv_dds__LoadWorld_Response_> load_{
+      participant_, "/world/load_world"};
+  Client<simulation_interfaces_srv_dds__GetSpawnables_Request_, simulation_interfaces_srv_dds__GetSpawnables_Response_>
+      spawnables_{participant_, "/world/get_spawnables"};
+  Client<simulation_interfaces_srv_dds__GetEntityInfo_Request_, simulation_interfaces_srv_dds__GetEntityInfo_Response_>
+      info_{participant_, "/world/get_entity_info"};
+  Client<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> plain_reset_{participant_, "/reset"};
+};
+
+TEST(RosRun, EditsTheWorldByService) {
+  constexpr std::uint8_t kOk = 1;
+  constexpr std::uint8_t kNotFound = 2;
+  constexpr std::uint8_t kFailed = 4;
+  WorldServices world;
+  ros::RosParticipant participant(TestRosOptions());
+  const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
+  ros::RosReader<ros::OdometryMessage> truth(node, "/late/ground_truth", ros::Stream(1000));
+  Program run = RunPen(RosArguments({"--paused"}));
+  run.WaitForLine("ready");
+
+  EXPECT_THAT(world.Spawnables(), testing::IsSupersetOf({"rover", "wall", "model", "position"}));
+  std::string called;
+  EXPECT_EQ(world.Spawn("late", "rover", 0.0, -2.0, &called), kOk);
+  EXPECT_EQ(called, "late");
+  EXPECT_EQ(world.CategoryOf("late"), 1) << "a robot";
+  EXPECT_EQ(world.Spawn("late", "rover", 0.0, 2.0), 101) << "the name is not unique";
+  EXPECT_EQ(world.Spawn("other", "", 0.0, 2.0), 104) << "no resource";
+  EXPECT_EQ(world.Spawn("other", "truck", 0.0, 2.0), kFailed);
+  EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), kFailed) << "there is one";
+  EXPECT_EQ(world.Spawn("other", "rover", std::nan(""), 0.0), 109) << "no pose";
+
+  EXPECT_EQ(world.SetPose("late", ros::ToMessage(Pose{1.0, -2.0, 0.0, 1.0})), kOk);
+  EXPECT_EQ(world.SetPose("nobody", ros::ToMessage(Pose{})), kNotFound);
+  EXPECT_EQ(world.SetPose("late", {}), 101) << "no quaternion";
+  ros::PoseMessage tilted = ros::ToMessage(Pose{});
+  tilted.orientation = {0.7, 0.0, 0.0, 0.7};
+  EXPECT_EQ(world.SetPose("late", tilted), 101);
+  EXPECT_EQ(world.SetPose("late", ros::ToMessage(Pose{3.1, 0.0, 0.0, 0.0})), 101) << "in a wall";
+  EXPECT_THAT(world.States("^late$"), testing::ElementsAre(testing::Pair("late", 1.0)));
+  EXPECT_THAT(world.States("", {5}), testing::SizeIs(6)) << "what stands still";
+  EXPECT_TRUE(Eventually([&] {
+    double x = 0.0;
+    truth.Drain([&](const ros::OdometryMessage& message) { x = message.pose.pose.position.x; });
+    return x == 1.0;
+  })) << "its agent shows it there";
+
+  EXPECT_EQ(world.Delete("r1"), kOk);
+  EXPECT_EQ(world.Delete("r1"), kNotFound);
+  EXPECT_EQ(world.States("").size(), 4u);
+  EXPECT_EQ(world.Reset(8), kFailed) << "no such scope";
+  EXPECT_EQ(world.Reset(4), kOk);
+  EXPECT_EQ(world.States("").size(), 3u) << "what was spawned is gone";
+  EXPECT_EQ(world.Reset(0), kOk);
+  EXPECT_EQ(world.States("").size(), 4u) << "what was deleted is back";
+  EXPECT_EQ(world.Load(WorldPath("pen.world")), kOk);
+  EXPECT_EQ(world.Load("/nowhere.world"), kFailed);
+  world.PlainReset();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
 }
 
 TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {

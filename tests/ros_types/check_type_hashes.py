@@ -25,7 +25,7 @@ def read_messages(folder):
     """Fields (IDL type, name, array size) by ROS type name."""
     messages = {}
     for path in sorted(pathlib.Path(folder).glob("*.idl")):
-        if path.stem == "humble":
+        if path.stem in ("humble", "rolling"):
             continue
         text = re.sub(r"//[^\n]*|#[^\n]*", "", path.read_text())
         for package, kind, body in re.findall(

@@ -222,7 +222,7 @@ class Settler {
 void FindWhatRests(StepWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& object = workspace.next.objects[i];
-    if (object.mode != ObjectMode::kPlaced) continue;
+    if (object.mode != ObjectMode::kPlaced || workspace.world().model(workspace.world().objects[i]).removed) continue;
     const SupportFinder finder(workspace, ObjectId(i));
     const Support support = finder.Find();
     if (finder.bottom() - support.height > kSettleReach) continue;

@@ -41,6 +41,9 @@ class ConsoleReporter final : public Reporter {
     if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
     fmt::print(stderr, "{}\n", text);
   }
+  void OnNewRobots(const std::vector<std::string>& robots) override {
+    for (const std::string& robot : robots) fmt::print(stderr, "robot {} is new and needs an agent\n", robot);
+  }
   void OnNotice(const std::string& text) override { fmt::print(stderr, "{}\n", text); }
   void Ended(const RunSummary& summary) override {
     fmt::print(stderr, "{} ticks, {:.1f} s simulated in {:.1f} s ({:.2f} x real time), {} stalls, state hash {:016x}\n",

@@ -26,6 +26,7 @@ class LauncherReporter final : public Reporter {
           {"ros", loaded.settings.ros}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
+  void OnNewRobots(const std::vector<std::string>& robots) override { Send({{"type", "robots"}, {"robots", robots}}); }
   void OnStatus(const StatusMessage& status) override {
     Send({{"type", "status"},
           {"tick", status.tick},

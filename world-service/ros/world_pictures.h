@@ -3,6 +3,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -14,22 +15,27 @@ namespace troupe {
 
 class WorldPictures {
  public:
-  // The scene must outlive it.
-  WorldPictures(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene);
+  WorldPictures(const ros::RosNode& node, const ros::RosOptions& options, std::shared_ptr<const Scene> scene);
   ~WorldPictures();
+
+  // They are written again, of another world.
+  void ChangeWorld(std::shared_ptr<const Scene> scene);
 
  private:
   void Run();
-  void WriteMap();
-  void WriteBlocks();
+  void WriteMap(const Scene& scene);
+  void WriteBlocks(const Scene& scene, bool replaces);
 
-  const Scene& scene_;
   const ros::RosOptions options_;
   ros::RosWriter<ros::OccupancyGridMessage> map_;
   ros::RosWriter<ros::MarkerArray> blocks_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
+  std::shared_ptr<const Scene> scene_;
+  bool map_written_ = false;
+  bool blocks_written_ = false;
+  bool blocks_replaced_ = false;  // there may be markers of another world
   std::thread thread_;  // last, because it uses all of these
 };
 

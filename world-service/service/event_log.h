@@ -25,6 +25,9 @@ class EventLog {
   // Events that were not returned before, in the order in which they happened.
   std::vector<Event> TakeUntold();
 
+  // An edit has made ids mean something else: nothing of before goes into a frame.
+  void Forget() { between_frames_.clear(); }
+
   std::uint64_t stalls() const { return stalls_; }
   std::uint64_t rejected() const { return rejected_; }
 

@@ -19,14 +19,72 @@ std::string Describe(const Member& member) {
   return member.host + ", pid " + std::to_string(member.pid);
 }
 
-Membership::Membership(const WorldDescription& world, double lease_seconds)
-    : world_(world),
-      world_hash_(Hash(world)),
-      lease_seconds_(lease_seconds),
-      owners_(world.robots.size()),
-      contests_(world.robots.size()),
-      waits_of_forgotten_(world.robots.size()) {
-  for (std::size_t i = 0; i < world.robots.size(); ++i) robot_by_name_.emplace(world.robots[i].name, RobotId(i));
+Membership::Membership(const WorldDescription& world, double lease_seconds) : lease_seconds_(lease_seconds) {
+  TakeIn(world);
+}
+
+void Membership::TakeIn(const WorldDescription& world) {
+  const std::size_t count = world.robots.size();
+  world_ = &world;
+  world_hash_ = Hash(world);
+  robot_by_name_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (IsThere(world, RobotId(i))) robot_by_name_.emplace(world.robots[i].name, RobotId(i));
+  }
+  owners_.assign(count, std::nullopt);
+  contests_.assign(count, {});
+  waits_of_forgotten_.assign(count, {});
+}
+
+Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, Edition edition, bool fresh) {
+  std::vector<std::string> names;  // of the robots before, by id
+  for (const RobotDescription& robot : world_->robots) names.push_back(robot.name);
+  const std::map<std::string, RobotId> before = robot_by_name_;
+  const std::vector<Waits> waits_before = WaitsOfRobots();
+  TakeIn(world);
+  world_edition_ = edition;
+  // The robot that a present one has become.
+  const auto successor = [&](RobotId robot) -> std::optional<RobotId> {
+    if (!fresh) return IsThere(world, robot) ? std::optional(robot) : std::nullopt;
+    const auto found = robot_by_name_.find(names[robot.index()]);
+    return found == robot_by_name_.end() ? std::nullopt : std::optional(found->second);
+  };
+
+  WorldChange change;
+  std::vector<bool> was_there(world.robots.size(), false);
+  for (const auto& [name, robot] : before) {
+    const std::optional<RobotId> after = successor(robot);
+    if (!after) continue;
+    was_there[after->index()] = true;
+    waits_of_forgotten_[after->index()] = waits_before[robot.index()];
+  }
+  for (const auto& [name, robot] : robot_by_name_) {
+    if (!was_there[robot.index()]) change.newcomers.push_back(robot);
+  }
+  std::sort(change.newcomers.begin(), change.newcomers.end());
+
+  present_members_ = present_robots_ = 0;
+  for (auto entry = members_.begin(); entry != members_.end();) {
+    Member& member = entry->second;
+    std::vector<RobotId> robots;
+    for (const RobotId robot : member.robots) {
+      if (const std::optional<RobotId> after = successor(robot)) robots.push_back(*after);
+    }
+    if (robots.empty() || !member.present) {
+      if (member.present) change.gone.push_back(member.id);
+      entry = members_.erase(entry);
+      continue;
+    }
+    std::sort(robots.begin(), robots.end());
+    for (const RobotId robot : robots) owners_[robot.index()] = member.id;
+    member.robots = std::move(robots);
+    member.times_last = 0;  // counted above
+    member.waited_seconds = 0.0;
+    ++present_members_;
+    present_robots_ += member.robots.size();
+    ++entry;
+  }
+  return change;
 }
 
 JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double now) {
@@ -34,6 +92,8 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
     return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
                   ", the world service version " + std::to_string(kProtocolVersion));
   }
+  // It was made for the world before the last edit, and will join again with this one.
+  if (join.world_edition < world_edition_) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
   if (Member* member = Find(join.agent); member != nullptr && member->present) {
     return {JoinDecision::Outcome::kRepeated, member, {}};
@@ -48,7 +108,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   if (robots.empty()) return Refuse("the agent names no robots");
   std::sort(robots.begin(), robots.end());
   if (const auto twice = std::adjacent_find(robots.begin(), robots.end()); twice != robots.end()) {
-    return Refuse("the agent names robot \"" + world_.robot(*twice).name + "\" twice");
+    return Refuse("the agent names robot \"" + world_->robot(*twice).name + "\" twice");
   }
   for (RobotId robot : robots) {
     const std::optional<AgentId> owner = owners_[robot.index()];
@@ -78,7 +138,7 @@ JoinDecision Membership::Contend(RobotId robot, AgentId contender, Tick next_tic
   if (contest.contender != contender) contest = {contender, next_tick, now};
   const bool owner_lives = owner.last_answered > contest.tick || now - contest.since > 2.0 * lease_seconds_;
   if (!owner_lives) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
-  return Refuse("robot \"" + world_.robot(robot).name + "\" has an agent already (" + Describe(owner) + ")");
+  return Refuse("robot \"" + world_->robot(robot).name + "\" has an agent already (" + Describe(owner) + ")");
 }
 
 Member* Membership::Find(AgentId agent) {
@@ -100,11 +160,17 @@ void Membership::Restore(Member& member) {
   present_robots_ += member.robots.size();
 }
 
+bool Membership::IsPresent(RobotId robot) const {
+  const std::optional<AgentId>& owner = owners_[robot.index()];
+  return owner && members_.at(*owner).present;
+}
+
 std::vector<RobotId> Membership::AbsentRobots() const {
   std::vector<RobotId> absent;
-  for (std::size_t i = 0; i < owners_.size(); ++i) {
-    if (!owners_[i] || !members_.at(*owners_[i]).present) absent.emplace_back(i);
+  for (const auto& [name, robot] : robot_by_name_) {
+    if (!IsPresent(robot)) absent.push_back(robot);
   }
+  std::sort(absent.begin(), absent.end());
   return absent;
 }
 

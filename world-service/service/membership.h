@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/protocol/messages.h"
@@ -45,8 +44,16 @@ struct JoinDecision {
 
 class Membership {
  public:
-  // The world must outlive the membership.
+  // The world must stay until it is changed for another one.
   Membership(const WorldDescription& world, double lease_seconds);
+
+  struct WorldChange {
+    std::vector<AgentId> gone;       // members that have no robots any more
+    std::vector<RobotId> newcomers;  // robots that were not there before, and so have no agent
+  };
+  // An edit has changed the world. Members keep their robots: by name if the edit is `fresh`, else by id. Those that
+  // are lost now are strangers from then on.
+  WorldChange ChangeWorld(const WorldDescription& world, Edition edition, bool fresh);
 
   // `next_tick` is the tick that proposals are collected for.
   JoinDecision Join(const JoinMessage& join, Tick next_tick, double now);
@@ -60,7 +67,10 @@ class Membership {
   void Restore(Member& member);
 
   std::size_t present_members() const { return present_members_; }
-  bool all_robots_present() const { return present_robots_ == owners_.size(); }
+  bool all_robots_present() const { return present_robots_ == robot_by_name_.size(); }
+  bool IsPresent(RobotId robot) const;
+  // But for removed ones.
+  std::size_t robots() const { return robot_by_name_.size(); }
   std::vector<RobotId> AbsentRobots() const;
 
   struct Waits {
@@ -80,12 +90,14 @@ class Membership {
 
   JoinDecision Contend(RobotId robot, AgentId contender, Tick next_tick, double now);
   void Forget(AgentId agent);
+  void TakeIn(const WorldDescription& world);
   static void AddWaits(const Member& member, std::vector<Waits>& waits);
 
-  const WorldDescription& world_;
-  const std::uint64_t world_hash_;
+  const WorldDescription* world_ = nullptr;
+  std::uint64_t world_hash_ = 0;
+  Edition world_edition_ = 0;
   const double lease_seconds_;
-  std::map<std::string_view, RobotId> robot_by_name_;
+  std::map<std::string, RobotId> robot_by_name_;  // but for removed ones
   std::map<AgentId, Member> members_;
   std::vector<std::optional<AgentId>> owners_;  // by robot; also lost ones
   std::vector<Contest> contests_;               // by robot

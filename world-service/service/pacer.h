@@ -11,8 +11,9 @@ namespace troupe {
 class Pacer {
  public:
   // `speed`: multiple of real time; nothing: no pacing. `interval`: length of a tick in simulated s.
-  Pacer(std::optional<double> speed, double interval) : period_(speed ? interval / *speed : 0.0) {}
+  Pacer(std::optional<double> speed, double interval) : speed_(speed) { SetInterval(interval); }
 
+  void SetInterval(double interval) { period_ = speed_ ? interval / *speed_ : 0.0; }
   void Start(double now) { start_ = now; }
   // Time goes on after a pause: nothing of it is caught up.
   void Resume(Tick tick, double now) { start_ = now - static_cast<double>(tick) * period_; }
@@ -31,7 +32,8 @@ class Pacer {
  private:
   static constexpr double kCatchUp = 0.5;  // s
 
-  double period_;  // wall time of a tick
+  std::optional<double> speed_;
+  double period_ = 0.0;  // wall time of a tick
   double start_ = 0.0;
 };
 

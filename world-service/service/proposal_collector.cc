@@ -7,7 +7,12 @@
 namespace troupe {
 
 ProposalCollector::ProposalCollector(const WorldDescription& world, Mode mode)
-    : world_(world), mode_(mode), newest_(world.robots.size()) {}
+    : world_(&world), mode_(mode), newest_(world.robots.size()) {}
+
+void ProposalCollector::ChangeWorld(const WorldDescription& world) {
+  world_ = &world;
+  newest_.assign(world.robots.size(), {});
+}
 
 std::span<const Rejection> ProposalCollector::Take(const Member& member, const ProposalMessage& message,
                                                    const WorldState& state) {
@@ -28,7 +33,7 @@ std::span<const Rejection> ProposalCollector::Take(const Member& member, const P
       rejections_.push_back({robot, "the message of " + Describe(member) + " has no proposal for it"});
       continue;
     }
-    std::string wrong = ValidateProposal(world_, state, *proposal);
+    std::string wrong = ValidateProposal(*world_, state, *proposal);
     if (wrong.empty()) {
       newest_[robot.index()] = {*proposal, message.tick};
     } else {
@@ -47,7 +52,7 @@ std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
     const bool in_time = newest.tick == next;
     // What was within the limits a tick ago need not be now: the robot may have stalled.
     const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
-    if (in_time || (kept && ValidateProposal(world_, state, newest.proposal).empty())) {
+    if (in_time || (kept && ValidateProposal(*world_, state, newest.proposal).empty())) {
       for_step_.push_back(newest.proposal);
     }
   }

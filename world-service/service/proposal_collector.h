@@ -19,8 +19,11 @@ struct Rejection {
 
 class ProposalCollector {
  public:
-  // The world must outlive the collector.
+  // The world must stay until it is changed for another one.
   ProposalCollector(const WorldDescription& world, Mode mode);
+
+  // An edit has changed the world: no proposal is left over.
+  void ChangeWorld(const WorldDescription& world);
 
   // Takes what is good in a member's first message for `message.tick`; returns what is not, until the next call.
   // REQUIRES: robots' states in `state` are those that the tick starts from.
@@ -36,7 +39,7 @@ class ProposalCollector {
     Tick tick = 0;  // that it is for; 0: none yet
   };
 
-  const WorldDescription& world_;
+  const WorldDescription* world_;
   const Mode mode_;
   std::vector<Newest> newest_;  // by robot
   // Kept for their memory.

@@ -64,38 +64,59 @@ Result<Recorder> Recorder::Create(const WorldDescription& world, const OutputFil
   if (Status error = CreateInto(files.hash_log, recorder.hash_log_)) return *error;
   if (Status error = CreateInto(files.poses, recorder.poses_)) return *error;
   if (Status error = CreateInto(files.record, recorder.record_)) return *error;
+  recorder.TakeNames();
   if (recorder.poses_) {
     if (Status error = recorder.WritePosesHeading()) return *error;
   }
   if (recorder.record_) {
-    if (Status error = recorder.WriteRecordHeader()) return *error;
+    if (Status error = recorder.WriteRecordHeader({})) return *error;
   }
   return recorder;
 }
 
+void Recorder::TakeNames() {
+  csv_names_.clear();
+  json_names_.clear();
+  for (const ModelDescription& model : world_->models) {
+    if (poses_) csv_names_.push_back(QuoteForCsv(model.name));
+    if (record_ && manipulates()) json_names_.push_back(Dump(model.name));
+  }
+}
+
+void Recorder::ChangeWorld(const WorldDescription& world, Edition edition) {
+  world_ = &world;
+  TakeNames();
+  if (record_) WriteRecordHeader(edition);
+}
+
 Status Recorder::WritePosesHeading() {
-  for (const ModelDescription& model : world_->models) csv_names_.push_back(QuoteForCsv(model.name));
+  wide_poses_ = manipulates();
   poses_->Append("tick,robot,x,y,z,heading,stalled");
-  if (manipulates()) poses_->Append(",kind,position,mode,on");
+  if (wide_poses_) poses_->Append(",kind,position,mode,on");
   return poses_->EndLine();
 }
 
-Status Recorder::WriteRecordHeader() {
+Status Recorder::WriteRecordHeader(std::optional<Edition> edition) {
   nlohmann::json robots = nlohmann::json::array();
-  for (const RobotDescription& robot : world_->robots) robots.push_back(robot.name);
+  // What was removed keeps its place in each line.
+  const auto name_of = [&](ModelId id) {
+    const ModelDescription& model = world_->model(id);
+    return model.removed ? nlohmann::json() : nlohmann::json(model.name);
+  };
+  for (const RobotDescription& robot : world_->robots) robots.push_back(name_of(robot.root));
   nlohmann::json header = {{"troupe", VersionText()},
                            {"world", world_->name},
                            {"seed", world_->seed},
                            {"interval_ns", world_->interval_ns},
                            {"robots", std::move(robots)}};
+  if (edition) header["edition"] = *edition;
   if (manipulates()) {
     for (const char* part : {"joints", "grippers", "objects"}) header[part] = nlohmann::json::array();
-    for (const JointDescription& joint : world_->joints) header["joints"].push_back(world_->model(joint.model).name);
+    for (const JointDescription& joint : world_->joints) header["joints"].push_back(name_of(joint.model));
     for (const GripperDescription& gripper : world_->grippers) {
-      header["grippers"].push_back(world_->model(gripper.model).name);
+      header["grippers"].push_back(name_of(gripper.model));
     }
-    for (ModelId object : world_->objects) header["objects"].push_back(world_->model(object).name);
-    for (const ModelDescription& model : world_->models) json_names_.push_back(Dump(model.name));
+    for (ModelId object : world_->objects) header["objects"].push_back(name_of(object));
   }
   record_->Append(Dump(header));
   return record_->EndLine();
@@ -122,11 +143,13 @@ Status Recorder::WriteHash(const FrameMessage& frame) {
 Status Recorder::WritePoses(const FrameMessage& frame) {
   Status error;
   for (std::size_t i = 0; i < frame.state.robots.size() && !error; ++i) {
+    if (!IsThere(*world_, RobotId(i))) continue;
     const RobotState& robot = frame.state.robots[i];
     AppendPose(frame.state.tick, world_->robots[i].root, robot.X_WR, robot.stalled);
-    if (manipulates()) poses_->Append(",robot,,,");
+    if (wide_poses_) poses_->Append(",robot,,,");
     error = poses_->EndLine();
   }
+  if (!wide_poses_) return error;
   if (!error) error = WriteObjectPoses(frame.state);
   if (!error) error = WriteJointPoses(frame.state);
   return error;
@@ -146,6 +169,7 @@ void Recorder::AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag)
 Status Recorder::WriteObjectPoses(const WorldState& state) {
   Status error;
   for (std::size_t i = 0; i < state.objects.size() && !error; ++i) {
+    if (world_->model(world_->objects[i]).removed) continue;
     const ObjectState& object = state.objects[i];
     AppendPose(state.tick, world_->objects[i], object.X_WO, false);
     poses_->Append(",object,,");
@@ -164,6 +188,7 @@ Status Recorder::WriteJointPoses(const WorldState& state) {
   Status error;
   for (std::size_t i = 0; i < state.joints.size() && !error; ++i) {
     const ModelId model = world_->joints[i].model;
+    if (world_->model(model).removed) continue;
     AppendPose(state.tick, model, X_WM[model.index()], state.joints[i].blocked);
     poses_->Append(",joint,");
     poses_->Append(state.joints[i].position);

@@ -1,4 +1,5 @@
-// Recorder: writes the files that a run leaves behind, one line or more for each frame.
+// Recorder: writes the files that a run leaves behind, one line or more for each frame. A frame after an edit has the
+// tick of the one before, or an earlier one.
 #pragma once
 
 #include <optional>
@@ -20,8 +21,11 @@ struct OutputFiles {
 
 class Recorder {
  public:
-  // Creates the files. The world must outlive the recorder.
+  // Creates the files. The world must stay until it is changed for another one.
   static Result<Recorder> Create(const WorldDescription& world, const OutputFiles& files);
+
+  // An edit has changed the world: the record gets a header for it. The next Write tells if that failed.
+  void ChangeWorld(const WorldDescription& world, Edition edition);
 
   // The error is the first that a file had (a full disk); what follows is not written.
   Status Write(const FrameMessage& frame);
@@ -29,7 +33,8 @@ class Recorder {
 
  private:
   explicit Recorder(const WorldDescription& world) : world_(&world) {}
-  Status WriteRecordHeader();
+  Status WriteRecordHeader(std::optional<Edition> edition);
+  void TakeNames();
   Status WriteHash(const FrameMessage& frame);
   Status WritePosesHeading();
   Status WritePoses(const FrameMessage& frame);
@@ -41,10 +46,11 @@ class Recorder {
   void AppendJoints(const WorldState& state);
   void AppendGrippers(const WorldState& state);
   void AppendObjects(const WorldState& state);
-  // The world has joints or objects, and the files say so.
+  // The world has joints or objects, and the files say so; the poses, if the first world had.
   bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
   const WorldDescription* world_;
+  bool wide_poses_ = false;              // with the columns for joints and objects
   std::vector<std::string> csv_names_;   // by model, quoted where CSV needs it
   std::vector<std::string> json_names_;  // by model, quoted; empty without joints and objects
   std::optional<OutputFile> hash_log_;

@@ -28,6 +28,8 @@ struct ServiceOptions {
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   MakeWorldGateway make_gateway;        // empty: none
   bool start_paused = false;            // at tick 0, until somebody plays or steps
+  std::string world_file;               // where models to spawn are defined; empty: nowhere
+  LoadOverrides overrides;              // for worlds and models that are loaded during the run
 };
 
 // Told how the run goes, on the thread that runs it.
@@ -37,6 +39,8 @@ class RunObserver {
   virtual void OnStarted(double startup_seconds) = 0;      // all robots are there; the first tick follows
   virtual void OnStatus(const StatusMessage& status) = 0;  // about twice a second
   virtual void OnEvent(const Event& event, const std::string& text) = 0;  // text: one line for people
+  // An edit has brought robots that have no agents yet; somebody has to start them.
+  virtual void OnNewRobots(const std::vector<std::string>& robots) { (void)robots; }
   // Anything else worth a line: what a controller reported, that a mode is not deterministic.
   virtual void OnNotice(const std::string& text) { (void)text; }
 };

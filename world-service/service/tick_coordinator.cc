@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/version.h"
 #include "common/model/state_hash.h"
 #include "world-service/core/step.h"
 
@@ -27,7 +28,8 @@ std::optional<double> SpeedOf(const RunSettings& settings) {
 
 TickCoordinator::TickCoordinator(const Scene& scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint,
                                  Recorder& recorder, double now, WorldGateway* gateway)
-    : scene_(scene),
+    : scene_(std::shared_ptr<void>(), &scene),  // the caller's
+      original_(scene_),
       options_(options),
       endpoint_(endpoint),
       recorder_(recorder),
@@ -39,11 +41,24 @@ TickCoordinator::TickCoordinator(const Scene& scene, const CoordinatorOptions& o
       status_at_(now) {
   if (options.start_paused) ticks_to_pause_ = 0;
   frame_.run = options_.run;
-  frame_.state = InitialState(scene_.world());
+  frame_.state = InitialState(scene_->world());
   frame_.state_hash = StateHash(frame_.state);
   if (realtime()) {
     notices_.push_back("mode realtime does not wait for late robots: two runs of it are not the same");
   }
+}
+
+void TickCoordinator::Announce() {
+  SessionMessage session;
+  session.run = options_.run;
+  session.protocol_version = kProtocolVersion;
+  session.host = options_.host;
+  session.pid = options_.pid;
+  session.lease_seconds = options_.lease_seconds;
+  session.begun = started_at_.has_value();
+  session.world = scene_->world();
+  session.world_edition = frame_.world_edition;
+  endpoint_.SendSession(session);
 }
 
 void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
@@ -76,6 +91,7 @@ void TickCoordinator::TakeUp(Member& member, double now) {
   barrier_.AddMember(member.id);
   for (RobotId robot : member.robots) {
     events_.Add(EventType::kJoined, frame_.state.tick, robot, Describe(member));
+    std::erase(newcomers_, robot);
   }
 }
 
@@ -84,6 +100,12 @@ void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now) {
   if (proposal.run != options_.run) return Reject("a proposal for another run", now);
   Member* const member = members_.Find(proposal.agent);
   if (member == nullptr) return Reject("a proposal of an agent that has not joined", now);
+  if (proposal.edition < frame_.edition) return;  // of the world before an edit
+  if (proposal.edition > frame_.edition) {
+    return Reject("a proposal of " + Describe(*member) + " for edition " + std::to_string(proposal.edition) +
+                      ", expected " + std::to_string(frame_.edition),
+                  now);
+  }
   if (proposal.tick > next_tick()) {
     return Reject("a proposal of " + Describe(*member) + " for tick " + std::to_string(proposal.tick) + ", expected " +
                       std::to_string(next_tick()),
@@ -172,6 +194,7 @@ void TickCoordinator::LoseSilentMembers(double now) {
 
 void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   if (rival.run == options_.run) return;
+  if (started_at_ && !rival.begun) Announce();  // for the rival, which cannot know that this run has begun
   const std::string who = rival.host + ", pid " + std::to_string(rival.pid);
   if (phase_ == Phase::kGathering && (rival.begun || rival.run < options_.run)) {
     return Fail({{}, "another world service runs in this session (" + who + "); use another session name"}, now);
@@ -209,7 +232,8 @@ void TickCoordinator::Commit(double now) {
     }
   }
   Enter(options_.trace, TickPhase::kStep, next_tick());
-  StepResult next = Step(scene_, frame_.state, proposals_.ForStep(frame_.state));
+  ++steps_made_;
+  StepResult next = Step(*scene_, frame_.state, proposals_.ForStep(frame_.state));
   frame_.state = std::move(next.state);
   frame_.state_hash = StateHash(frame_.state);
   frame_.events = events_.TakeForFrame(frame_.state.tick, std::move(next.events));
@@ -262,7 +286,7 @@ void TickCoordinator::Fail(Error error, double now) {
 }
 
 void TickCoordinator::End(double now) {
-  for (RobotId robot : members_.AbsentRobots()) lost_at_end_.push_back(scene_.world().robot(robot).name);
+  for (RobotId robot : members_.AbsentRobots()) lost_at_end_.push_back(scene_->world().robot(robot).name);
   phase_ = members_.present_members() == 0 ? Phase::kOver : Phase::kEnding;
   AnswerAll("the run is over");
   end_at_ = now + kLongestEnd;
@@ -283,6 +307,7 @@ void TickCoordinator::Poll(double now) {
     return;
   }
   if (phase_ == Phase::kRunning) LoseSilentMembers(now);
+  if (phase_ == Phase::kRunning) GiveUpNewcomers(now);
   if (ReadyToCommit(now)) return Commit(now);
   if (phase_ == Phase::kEnding && now >= end_at_) phase_ = Phase::kOver;
   if (phase_ == Phase::kOver) return;
@@ -328,10 +353,14 @@ std::vector<std::string> TickCoordinator::TakeNotices() {
   return std::exchange(notices_, {});
 }
 
+std::vector<std::string> TickCoordinator::TakeNewRobots() {
+  return std::exchange(new_robots_, {});
+}
+
 std::string TickCoordinator::ListNames(const std::vector<RobotId>& robots) const {
   std::string list;
   for (std::size_t i = 0; i < robots.size() && i < kNamesListed; ++i) {
-    list += (i == 0 ? "" : ", ") + scene_.world().robot(robots[i]).name;
+    list += (i == 0 ? "" : ", ") + scene_->world().robot(robots[i]).name;
   }
   if (robots.size() > kNamesListed) list += " and " + std::to_string(robots.size() - kNamesListed) + " more";
   return list;

@@ -7,6 +7,8 @@
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +18,7 @@
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
+#include "world-service/core/edit_world.h"
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
 #include "world-service/service/pacer.h"
@@ -35,7 +38,12 @@ struct CoordinatorOptions {
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
+  std::string host;                     // of this process, for the session
+  std::uint32_t pid = 0;
 };
+
+// What was read from files for a request: the world to load, or the one whose only entity is to be spawned.
+using RequestedWorld = std::shared_ptr<const WorldDescription>;
 
 class TickCoordinator {
  public:
@@ -51,6 +59,9 @@ class TickCoordinator {
   TickCoordinator(const Scene& scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint, Recorder& recorder,
                   double now, WorldGateway* gateway = nullptr);
 
+  // Sends the session: who runs it, and its world.
+  void Announce();
+
   // What arrives from the transport.
   void OnJoin(const JoinMessage& join, double now);
   void OnProposal(const ProposalMessage& proposal, double now);
@@ -61,8 +72,11 @@ class TickCoordinator {
   void Poll(double now);
   double NextPoll() const;
 
-  // What a tool asks for. `reply` is called once, from here or from a later call.
-  void Control(const ControlRequest& request, ControlReplyTo reply, double now);
+  // What a tool asks for. `reply` is called once, from here or from a later call. `world`: for kLoadWorld and kSpawn.
+  void Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world = nullptr);
+  // Answer a request that others have dealt with, or that came to nothing before it got here.
+  void Reply(const ControlRequest& request, const ControlReplyTo& reply, std::vector<EntityReport> entities) const;
+  void Refuse(const ControlRequest& request, const ControlReplyTo& reply, const std::string& problem) const;
 
   // Both end the run in order; after the run has ended by itself they change nothing.
   void Stop(double now);
@@ -70,6 +84,7 @@ class TickCoordinator {
 
   Phase phase() const { return phase_; }
   const FrameMessage& frame() const { return frame_; }
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const Status& error() const { return error_; }
   // From the beginning to the first frame, once that is out.
   std::optional<double> startup_seconds() const {
@@ -80,6 +95,8 @@ class TickCoordinator {
   // Events and notices that were not returned before.
   std::vector<Event> TakeEvents() { return events_.TakeUntold(); }
   std::vector<std::string> TakeNotices();
+  // Robots that an edit has brought, for which agents have to be started.
+  std::vector<std::string> TakeNewRobots();
 
  private:
   Tick next_tick() const { return frame_.state.tick + 1; }
@@ -92,6 +109,7 @@ class TickCoordinator {
   struct OpenRequest {
     ControlRequest request;
     ControlReplyTo reply;
+    RequestedWorld world = nullptr;
   };
 
   void RepeatFrame();
@@ -100,12 +118,29 @@ class TickCoordinator {
   void Publish(double now);
   void End(double now);
 
-  // Everybody holds a paused frame.
-  bool settled() const { return phase_ == Phase::kRunning && frame_.paused && barrier_.complete(); }
+  // Everybody holds a paused frame, and nobody is on the way.
+  bool settled() const {
+    return phase_ == Phase::kRunning && frame_.paused && barrier_.complete() && newcomers_.empty();
+  }
+  bool playing() const { return !ticks_to_pause_ || play_after_edits_; }
   void Settle(double now);
   void Resume(double now);
-  void StartStep(double now);
-  void Answer(const OpenRequest& open, const std::string& problem) const;
+  void Play(const OpenRequest& open, double now);
+  // Does what waits for the pause that has settled.
+  void Proceed(double now);
+  void StartStep(OpenRequest step, double now);
+  void AskForEdit(OpenRequest open, double now);
+  Result<EditedWorld> Carry(OpenRequest& edit) const;
+  void StartEdit(OpenRequest edit, double now);
+  void TakeOver(EditedWorld edited, double now);
+  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh);
+  void GiveUpNewcomers(double now);
+  // Takes back a spawn whose robot has no agent.
+  void Unspawn(const std::string& name, double now);
+  void Note(const ControlRequest& request);
+  void Answer(const OpenRequest& open, const std::string& problem, std::vector<EntityReport> entities = {}) const;
+  void AnswerEntities(const OpenRequest& open) const;
+  void AnswerEdit(const OpenRequest& edit) const;
   void AnswerAll(const std::string& problem);
 
   void Answer(const JoinMessage& join, bool admitted, const std::string& reason);
@@ -117,7 +152,8 @@ class TickCoordinator {
   std::vector<std::string> MissingRobots(double now) const;
   std::string ListNames(const std::vector<RobotId>& robots) const;
 
-  const Scene& scene_;
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> original_;  // of the world as loaded
   const CoordinatorOptions options_;
   ServiceEndpoint& endpoint_;
   Recorder& recorder_;
@@ -130,8 +166,13 @@ class TickCoordinator {
 
   // Ticks until the run pauses, 0 in a pause; nothing: no pause is in sight.
   std::optional<std::uint64_t> ticks_to_pause_;
-  std::deque<OpenRequest> steps_;            // that wait for the pause before them
+  std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // answered when everybody holds
+  std::optional<OpenRequest> edit_;          // carried out; likewise
+  bool play_after_edits_ = false;            // the pause is only for them
+  std::vector<RobotId> newcomers_;           // that an edit has brought, and that have no agent yet
+  double newcomers_since_ = 0.0;
+  std::vector<std::string> new_robots_;      // not yet told
 
   Membership members_;
   TickBarrier barrier_;
@@ -141,6 +182,7 @@ class TickCoordinator {
   Pacer pacer_;
   RepeatTimer repeat_timer_;
   std::uint64_t frames_repeated_ = 0;
+  std::uint64_t steps_made_ = 0;
   std::vector<std::string> lost_at_end_;
   std::optional<RunId> known_rival_;
 
@@ -151,9 +193,9 @@ class TickCoordinator {
   double arrived_at_ = 0.0;           // of the newest answer, or the frame
   double halted_since_ = 0.0;         // since nobody was left to go on
   double end_at_ = 0.0;               // when the last frame need not be repeated any more
-  // When and where the last status was made.
+  // When the last status was made, and after how many steps.
   double status_at_ = 0.0;
-  Tick status_tick_ = 0;
+  std::uint64_t status_steps_ = 0;
 };
 
 }  // namespace troupe

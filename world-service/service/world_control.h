@@ -1,4 +1,5 @@
-// WorldControl: pausing, playing and stepping a run from outside, by a tool (troupe ctl) or a gateway (ROS 2 services).
+// WorldControl: pausing, playing and stepping a run and editing its world from outside, by a tool (troupe ctl) or a
+// gateway (ROS 2 services).
 #pragma once
 
 #include <functional>
@@ -7,15 +8,13 @@
 
 namespace troupe {
 
-// Gets the answer to a request, once: from inside the request or later, on any thread. Must be quick.
+// Gets the answer to a request, once: from inside the request or later, on any thread. Must be quick; it may ask again.
 using ControlReplyTo = std::function<void(const ControlReply&)>;
 
 class WorldControl {
  public:
   virtual ~WorldControl() = default;
   virtual void Request(const ControlRequest& request, ControlReplyTo reply) = 0;
-  // The newest frame.
-  virtual FrameMessage CurrentFrame() = 0;
 };
 
 }  // namespace troupe

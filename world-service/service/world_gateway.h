@@ -15,6 +15,8 @@ class WorldGateway {
   virtual ~WorldGateway() = default;
   // Called once for each tick, after the agents were sent the frame. Must be quick, and wait for nobody.
   virtual void Publish(const FrameMessage& frame) = 0;
+  // The world is another one from the next frame on, after an edit. Called like Publish.
+  virtual void ChangeWorld(std::shared_ptr<const Scene> scene) { (void)scene; }
   // Gives the control over the run, and takes it back by null: none is in use any more when that returns.
   virtual void Connect(WorldControl* control) { (void)control; }
 };

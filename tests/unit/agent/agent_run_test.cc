@@ -8,7 +8,7 @@
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
-#include "tests/support/small_world.h"
+#include "tests/support/yard.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
@@ -22,32 +22,6 @@ class QuietObserver final : public RunObserver {
   void OnNotice(const std::string& text) override { notices.push_back(text); }
   std::vector<std::string> notices;
 };
-
-// Robots with noisy sonars that wander and expand: six in a walled yard, the others in rows beside it.
-WorldDescription Yard(int robots = 6) {
-  SmallWorld world;
-  for (int side = 0; side < 4; ++side) {
-    const bool along_x = side % 2 == 0;
-    const double at = side < 2 ? -4.0 : 4.0;
-    world.AddBox("wall" + std::to_string(side), along_x ? 0.0 : at, along_x ? at : 0.0, along_x ? 9.0 : 0.2,
-                 along_x ? 0.2 : 9.0, {0.0, 1.0});
-  }
-  for (int i = 0; i < robots; ++i) {
-    const Pose X_WR{0.9 * (i % 6) - 2.2, 0.3 * (i % 6) + 9.0 * (i / 6), 0.0, WrapAngle(0.5 * i)};
-    const RobotId robot = world.AddRobot("r" + std::to_string(i), X_WR);
-    std::vector<RaySensorDescription> ring;
-    for (int k = 0; k < 8; ++k) {
-      RaySensorDescription sonar = OneRay();
-      sonar.X_MS.heading = WrapAngle(k * kPi / 4);
-      sonar.noise_variance = 1e-4;
-      ring.push_back(sonar);
-    }
-    world.AddRanger(robot, {0.0, 0.0, 0.2, 0.0}, ring);
-    world.SetController(robot, i % 2 == 0 ? "wander" : "expand");
-    world.robot(robot).localization.type = LocalizationType::kOdometry;
-  }
-  return world.world();
-}
 
 struct Outcome {
   Result<RunSummary> summary = Error{};

@@ -66,6 +66,7 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
   model.gripper_return = Coin();
   model.fiducial_return = static_cast<std::int32_t>(Bits());
   model.show_nose = Coin();
+  model.removed = Coin();
   return model;
 }
 
@@ -160,14 +161,21 @@ WorldDescription RandomMessages::RandomWorld() {
 }
 
 SessionMessage RandomMessages::Session() {
-  return {
-      Bits(),       static_cast<std::uint32_t>(Bits()), Text(), static_cast<std::uint32_t>(Bits()), Number(0.0), Coin(),
-      RandomWorld()};
+  return {Bits(),        static_cast<std::uint32_t>(Bits()),
+          Text(),        static_cast<std::uint32_t>(Bits()),
+          Number(0.0),   Coin(),
+          RandomWorld(), static_cast<Edition>(Bits())};
 }
 
 JoinMessage RandomMessages::Join() {
-  return {Bits(), Bits(), static_cast<std::uint32_t>(Bits()), Bits(), Text(), static_cast<std::uint32_t>(Bits()),
-          Texts()};
+  return {Bits(),
+          Bits(),
+          static_cast<std::uint32_t>(Bits()),
+          Bits(),
+          Text(),
+          static_cast<std::uint32_t>(Bits()),
+          Texts(),
+          static_cast<Edition>(Bits())};
 }
 
 AdmissionMessage RandomMessages::Admission() {
@@ -201,6 +209,9 @@ FrameMessage RandomMessages::Frame() {
   frame.state_hash = Bits();
   frame.last = Coin();
   frame.paused = Coin();
+  frame.edition = static_cast<Edition>(Bits());
+  frame.world_edition = static_cast<Edition>(Bits());
+  frame.fresh_edition = static_cast<Edition>(Bits());
   frame.awaited.resize(Below(4));
   for (AgentId& agent : frame.awaited) agent = Bits();
   frame.events.resize(Below(5));
@@ -229,6 +240,7 @@ ProposalMessage RandomMessages::Proposal() {
   }
   message.reports = Texts();
   message.held = Coin();
+  message.edition = static_cast<Edition>(Bits());
   return message;
 }
 
@@ -242,7 +254,8 @@ StatusMessage RandomMessages::Status() {
           static_cast<std::uint32_t>(Bits()),
           static_cast<std::uint32_t>(Bits()),
           Texts(),
-          Number()};
+          Number(),
+          static_cast<Edition>(Bits())};
 }
 
 }  // namespace troupe::test

@@ -97,5 +97,17 @@ TEST(OdometryTest, ARobotThatStandsStillCountsNothing) {
   EXPECT_EQ(odometry.estimate(), localization.origin);
 }
 
+TEST(OdometryTest, BeingCarriedIsNoMotion) {
+  const LocalizationDescription localization = MakeOdometry({});
+  Odometry odometry(localization);
+  odometry.Update({0.0, 0.0, 0.0, 0.0});
+  odometry.Update({1.0, 0.0, 0.0, 0.0});
+  odometry.Carry({5.0, 5.0, 0.0, kPi / 2});
+  odometry.Update({5.0, 5.0, 0.0, kPi / 2});
+  ExpectNear(odometry.estimate(), {1.0, 0.0, 0.0, 0.0});
+  odometry.Update({5.0, 6.0, 0.0, kPi / 2});
+  ExpectNear(odometry.estimate(), {2.0, 0.0, 0.0, 0.0});
+}
+
 }  // namespace
 }  // namespace troupe

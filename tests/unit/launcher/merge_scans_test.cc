@@ -44,6 +44,16 @@ TEST_F(MergeScansTest, OrdersByTickAndThenByPart) {
                                    Line(2, "b") + Line(9, "b") + Line(10, "a"));
 }
 
+TEST_F(MergeScansTest, KeepsWhatIsBeforeAResetApartFromWhatIsAfter) {
+  const std::string reset = "{\"edition\":3}\n";
+  std::string a = Write("a", Line(0, "a") + Line(5, "a") + reset + Line(0, "a") + Line(1, "a"));
+  std::string b = Write("b", Line(0, "b") + Line(6, "b") + reset + Line(0, "b"));
+  std::string late = Write("late", reset + Line(1, "late"));
+  ASSERT_FALSE(MergeScans({a, b, late}, Path("out")));
+  EXPECT_EQ(Read(Path("out")), Line(0, "a") + Line(0, "b") + Line(5, "a") + Line(6, "b") + reset + Line(0, "a") +
+                                   Line(0, "b") + Line(1, "a") + Line(1, "late"));
+}
+
 TEST_F(MergeScansTest, LeavesOutALineThatWasCutOff) {
   std::string a = Write("a", Line(0, "a") + "{\"tick\":1,\"rob");
   ASSERT_FALSE(MergeScans({a}, Path("out")));

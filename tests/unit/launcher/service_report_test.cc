@@ -19,6 +19,11 @@ TEST(ServiceReport, ReadyNamesTheRobotsAndThePort) {
   EXPECT_EQ(ready.port, 17910);
 }
 
+TEST(ServiceReport, RobotsNamesThoseThatAnEditHasBrought) {
+  EXPECT_EQ(Parse<NewRobotsReport>(R"({"type":"robots","robots":["late"]})").robots,
+            (std::vector<std::string>{"late"}));
+}
+
 TEST(ServiceReport, StatusTellsWhoIsWaitedFor) {
   auto status = Parse<StatusMessage>(
       R"({"type":"status","tick":7,"target_ticks":10,"sim_seconds":0.7,"real_time_factor":2.5,"robots":2,)"

@@ -49,7 +49,9 @@ void CoordinatorTest::Join(AgentId agent, const std::vector<std::string>& robots
 }
 
 ProposalMessage CoordinatorTest::ProposalOf(AgentId agent, double vx, std::optional<Tick> for_tick) const {
-  return {kRun, agent, for_tick.value_or(tick() + 1), {{RobotId(agent - 1), {vx, 0.0, 0.0}}}, {}};
+  ProposalMessage message{kRun, agent, for_tick.value_or(tick() + 1), {{RobotId(agent - 1), {vx, 0.0, 0.0}}}, {}};
+  if (!endpoint.frames.empty()) message.edition = endpoint.frames.back().edition;
+  return message;
 }
 
 void CoordinatorTest::Wait(double seconds) {

@@ -49,6 +49,13 @@ TEST_F(LauncherReporterTest, TellsWhichRobotsNeedAgents) {
   EXPECT_EQ(report["port"], 7410);
 }
 
+TEST_F(LauncherReporterTest, TellsWhichRobotsAnEditHasBrought) {
+  reporter_->OnNewRobots({"late", "later"});
+  const json report = Next();
+  EXPECT_EQ(report["type"], "robots");
+  EXPECT_EQ(report["robots"], (std::vector<std::string>{"late", "later"}));
+}
+
 TEST_F(LauncherReporterTest, TellsHowTheRunGoesAndEnds) {
   reporter_->OnStarted(0.5);
   EXPECT_EQ(Next()["type"], "started");

@@ -1,0 +1,27 @@
+// What can be put into a world that runs: models of its world file, and files with one model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/worldfile/load_world.h"
+
+namespace troupe {
+
+// A type or define that gives a model.
+struct Spawnable {
+  std::string name;
+  std::string type;  // what the define is made from; the name itself for a type
+};
+
+// The robots and plain models that `world_file`, and what it includes, defines, by name; and these two types.
+Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file);
+
+// A world that holds only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
+// model with its parts, or "FILE#NAME": a model that this file defines. Robots get the controller that they would have
+// got in the world file.
+Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
+                                  const LoadOverrides& overrides = {});
+
+}  // namespace troupe

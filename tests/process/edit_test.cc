@@ -1,0 +1,169 @@
+// Editing the worlds of real runs: by the client that `troupe ctl` is made of, and by the program itself.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/dds/control_client.h"
+#include "common/worldfile/load_world.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/controlled_run.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+
+ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {}) {
+  ControlRequest request;
+  request.command = command;
+  request.name = name;
+  request.pose = pose;
+  return request;
+}
+
+// Edits of every kind, with steps between them.
+std::vector<ControlRequest> Script() {
+  ControlRequest step = Request(ControlCommand::kStep);
+  step.ticks = 15;
+  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {0.0, -2.0, 0.0, 1.0});
+  spawn.source = "rover";
+  ControlRequest wall = Request(ControlCommand::kSpawn, "block", {-2.0, 0.5, 0.0, 0.0});
+  wall.source = "wall";
+  ControlRequest again = Request(ControlCommand::kSpawn, "r1", {2.0, -2.0, 0.0, 0.5});
+  again.source = "rover";
+  ControlRequest load = Request(ControlCommand::kLoadWorld);
+  load.source = WorldPath("pen.world");
+  return {step,
+          Request(ControlCommand::kSetPose, "r0", {1.0, -1.0, 0.0, 0.3}),
+          step,
+          Request(ControlCommand::kDelete, "r1"),
+          step,
+          spawn,
+          wall,
+          step,
+          again,
+          Request(ControlCommand::kSetPose, "bar", {-0.6, 1.4, 0.0, 0.0}),
+          step,
+          Request(ControlCommand::kDelete, "r3"),
+          Request(ControlCommand::kReset),
+          step,
+          spawn,
+          step,
+          load,
+          step};
+}
+
+template <typename Call>
+std::vector<std::uint64_t> HashesOf(Call call) {
+  std::vector<std::uint64_t> hashes;
+  for (const ControlRequest& request : Script()) {
+    const Result<ControlReply> reply = call(request);
+    if (!reply.ok() || !reply.value().done) {
+      ADD_FAILURE() << "request " << hashes.size() << ": "
+                    << (reply.ok() ? reply.value().problem : reply.error().message);
+      return hashes;
+    }
+    hashes.push_back(reply.value().state_hash);
+  }
+  return hashes;
+}
+
+std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) {
+  const std::string session = TestSession("edits" + robots_per_process);
+  Program run = RunPen({"--paused", "--session", session, "--robots-per-process", robots_per_process});
+  ControlClient client(TestDomain(), session, "lo");
+  if (Status missing = client.WaitForService(kSeconds)) {
+    ADD_FAILURE() << missing->message << run.output();
+    return {};
+  }
+  run.WaitForLine("ready");
+  std::vector<std::uint64_t> hashes =
+      HashesOf([&](const ControlRequest& request) { return client.Call(request, kSeconds); });
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  return hashes;
+}
+
+TEST(Edit, GivesTheSameHashesForAnyPackingAndInOneProcess) {
+  const std::string world = WorldPath("pen.world");
+  ControlledRun run(LoadWorld(world).value().world, {.packing = 4, .world_file = world});
+  const std::vector<std::uint64_t> expected =
+      HashesOf([&](const ControlRequest& request) { return Result<ControlReply>(run.Ask(request)); });
+  ASSERT_EQ(expected.size(), Script().size());
+  EXPECT_EQ(HashesOverDds("1"), expected);
+  EXPECT_EQ(HashesOverDds("3"), expected);
+}
+
+// `troupe ctl` on one run.
+class CtlTest : public testing::Test {
+ protected:
+  Finished Ctl(std::vector<std::string> action) const {
+    std::vector<std::string> arguments = {"ctl", "--domain", std::to_string(TestDomain()), "--session", session_};
+    arguments.insert(arguments.end(), action.begin(), action.end());
+    return Finish(Troupe(arguments));
+  }
+  std::string Problem(const std::vector<std::string>& action) const {
+    const Finished finished = Ctl(action);
+    EXPECT_EQ(finished.exit_status, 3) << finished.output;
+    return finished.output;
+  }
+  std::string Done(const std::vector<std::string>& action) const {
+    const Finished finished = Ctl(action);
+    EXPECT_EQ(finished.exit_status, 0) << finished.output;
+    return finished.output;
+  }
+
+  OutputFolder folder_;
+  const std::string session_ = TestSession("ctl-edits");
+  Program run_ = RunPen({"--paused", "--session", session_, "--poses", folder_.Path("poses"), "--scans",
+                         folder_.Path("scans"), "--record", folder_.Path("record")});
+};
+
+TEST_F(CtlTest, EditsTheWorld) {
+  run_.WaitForLine("ready");
+  EXPECT_THAT(Done({"list"}), HasSubstr("robot  r0                       position     -2.000,-2.000,0.000,45.00"));
+  EXPECT_THAT(Done({"set-pose", "r0", "--pose", "-1,-2,0,90"}), HasSubstr("paused tick 0"));
+  EXPECT_THAT(Done({"get", "r0"}), HasSubstr("-1.000,-2.000,0.000,90.00"));
+  EXPECT_THAT(Done({"spawnables"}), HasSubstr("rover                    position"));
+  EXPECT_THAT(Done({"spawn", "rover", "--pose=0,-2,0,0"}), HasSubstr("robot  rover"));
+  EXPECT_THAT(Done({"spawn", "rover", "--pose=1,-2,0,0"}), HasSubstr("robot  rover0"));
+  EXPECT_THAT(Done({"delete", "r3"}), HasSubstr("edition 4"));
+  Done({"step", "3"});
+  Done({"reset"});
+  Done({"step", "3"});
+  run_.Signal(SIGINT);
+  EXPECT_EQ(run_.Wait(), 130) << run_.output();
+  const std::string poses = folder_.Read("poses");
+  EXPECT_THAT(poses, HasSubstr("\n3,rover0,"));
+  EXPECT_THAT(poses, HasSubstr("\n3,r3,")) << "after the reset";
+  const std::string record = folder_.Read("record");
+  EXPECT_THAT(record, HasSubstr(R"("edition":4,)"));
+  EXPECT_THAT(record, HasSubstr(R"("robots":["r0","r1","r2",null,"rover","rover0"])"));
+  const std::string scans = folder_.Read("scans");
+  EXPECT_THAT(scans, HasSubstr(R"({"edition":5})"));
+  EXPECT_THAT(scans, HasSubstr(R"({"tick":2,"robot":"rover0")"));
+}
+
+TEST_F(CtlTest, SaysWhyNot) {
+  run_.WaitForLine("ready");
+  EXPECT_THAT(Problem({"set-pose", "nobody", "--pose=0,0,0,0"}), HasSubstr("the world has no entity 'nobody'"));
+  EXPECT_THAT(Problem({"get", "nobody"}), HasSubstr("the world has no entity 'nobody'"));
+  EXPECT_THAT(Problem({"delete", "r0.ranger:0"}), HasSubstr("is a part of 'r0'"));
+  EXPECT_THAT(Problem({"set-pose", "r0", "--pose=3.1,0,0,0"}), HasSubstr("'r0' would be inside 'east'"));
+  EXPECT_THAT(Problem({"spawn", "rover", "--name", "r0", "--pose=0,-2,0,0"}), HasSubstr("the name 'r0' is in use"));
+  EXPECT_THAT(Problem({"spawn", "truck", "--pose=0,-2,0,0"}), HasSubstr("truck"));
+  EXPECT_THAT(Problem({"spawn", "/nowhere/truck.inc"}), HasSubstr("/nowhere/truck.inc"));
+  EXPECT_THAT(Problem({"load", "/nowhere/pen.world"}), HasSubstr("/nowhere/pen.world"));
+  EXPECT_THAT(Problem({"spawn", WorldPath("pen.world")}), HasSubstr("found 10 models, expected one"));
+  EXPECT_NE(Ctl({"set-pose", "r0", "--pose=0,0,0"}).exit_status, 0);
+  EXPECT_NE(Ctl({"set-pose", "r0", "--pose=nan,0,0,0"}).exit_status, 0);
+  EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "and goes on";
+  run_.Signal(SIGINT);
+  EXPECT_EQ(run_.Wait(), 130) << run_.output();
+}
+
+}  // namespace
+}  // namespace troupe::test

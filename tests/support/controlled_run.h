@@ -1,0 +1,193 @@
+// ControlledRun: a whole run in one process over the memory transport, paused from the start, for tests that step it
+// and edit its world. Agents for new robots are started as the launcher does.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/protocol/faulty_transport.h"
+#include "common/protocol/memory_transport.h"
+#include "robot-agent/agent/agent_host.h"
+#include "world-service/service/run_service.h"
+
+namespace troupe::test {
+
+class ControlledRun final : private RunObserver {
+ public:
+  struct Setup {
+    std::size_t packing = 1;  // robots of an agent
+    Faults faults = {};
+    double start_timeout_seconds = 60.0;
+    bool start_new_agents = true;
+    OutputFiles outputs = {};
+    std::string world_file = {};
+  };
+
+  ControlledRun(WorldDescription world, const Setup& setup) : setup_(setup), scene_(std::move(world)) {
+    transport_ = MakeMemoryTransport();
+    if (setup.faults.any()) transport_ = MakeFaultyTransport(std::move(transport_), setup.faults);
+    std::vector<std::string> names;
+    for (const RobotDescription& robot : scene_.world().robots) names.push_back(robot.name);
+    StartAgents(names);
+    ServiceOptions options;
+    options.start_paused = true;
+    options.start_timeout_seconds = setup.start_timeout_seconds;
+    options.outputs = setup.outputs;
+    options.world_file = setup.world_file;
+    options.settings.agent_deadline_seconds = 0.0;
+    options.make_gateway = [this](const Scene&) { return std::make_unique<Tap>(*this); };
+    service_ = std::thread([this, options] {
+      summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), *this, stop_);
+      agents_stop_ = true;  // those that have not come to the end
+    });
+  }
+  ~ControlledRun() override { static_cast<void>(Finish()); }
+
+  // Asks and waits for the answer.
+  ControlReply Ask(ControlRequest request) {
+    WorldControl* const control = Control();
+    auto answered = std::make_shared<std::promise<ControlReply>>();
+    std::future<ControlReply> reply = answered->get_future();
+    if (control == nullptr) return {};
+    control->Request(request, [answered](const ControlReply& content) { answered->set_value(content); });
+    if (reply.wait_for(std::chrono::seconds(60)) != std::future_status::ready) {
+      ADD_FAILURE() << "no answer came";
+      return {};
+    }
+    return reply.get();
+  }
+  ControlReply Ask(ControlCommand command, std::uint64_t ticks = 1) {
+    ControlRequest request;
+    request.command = command;
+    request.ticks = ticks;
+    return Ask(request);
+  }
+  // REQUIRES: the run is paused.
+  void Step(std::uint64_t ticks) {
+    const ControlReply reply = Ask(ControlCommand::kStep, ticks);
+    EXPECT_TRUE(reply.done) << reply.problem;
+  }
+
+  // The frames so far, without repeats.
+  std::vector<FrameMessage> frames() {
+    const std::lock_guard lock(mutex_);
+    return frames_;
+  }
+  // The state hashes of frame `begin` and those after it.
+  std::vector<std::uint64_t> Hashes(std::size_t begin = 0) {
+    std::vector<std::uint64_t> hashes;
+    for (const FrameMessage& frame : frames()) hashes.push_back(frame.state_hash);
+    hashes.erase(hashes.begin(), hashes.begin() + static_cast<std::ptrdiff_t>(std::min(begin, hashes.size())));
+    return hashes;
+  }
+  FrameMessage frame() { return frames().back(); }
+  std::vector<std::string> notices() {
+    const std::lock_guard lock(mutex_);
+    return notices_;
+  }
+
+  // Ends the run, and says how it went.
+  Result<RunSummary> Finish() {
+    stop_ = true;
+    if (service_.joinable()) service_.join();
+    std::vector<std::thread> agents;
+    {
+      const std::lock_guard lock(mutex_);
+      agents.swap(agents_);
+    }
+    for (std::thread& agent : agents) agent.join();
+    return summary_;
+  }
+  // How the agent of a robot has ended; it has to.
+  Result<bool> AwaitAgentOf(const std::string& robot) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [&] { return ended_.contains(robot); }));
+    return ended_.contains(robot) ? ended_.at(robot) : Result<bool>(Error{{}, "did not end"});
+  }
+
+ private:
+  class Tap final : public WorldGateway {
+   public:
+    explicit Tap(ControlledRun& run) : run_(run) {}
+    void Publish(const FrameMessage& frame) override {
+      const std::lock_guard lock(run_.mutex_);
+      run_.frames_.push_back(frame);
+    }
+    void Connect(WorldControl* control) override {
+      const std::lock_guard lock(run_.mutex_);
+      run_.control_ = control;
+      run_.changed_.notify_all();
+    }
+
+   private:
+    ControlledRun& run_;
+  };
+
+  WorldControl* Control() {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [this] { return control_ != nullptr && started_; }));
+    return control_;
+  }
+
+  void StartAgents(const std::vector<std::string>& robots) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < robots.size(); i += setup_.packing) {
+      AgentOptions options;
+      options.agent = ++last_agent_;
+      const auto begin = robots.begin() + static_cast<std::ptrdiff_t>(i);
+      options.robots.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min(setup_.packing, robots.size() - i)));
+      agents_.emplace_back([this, options] {
+        Result<bool> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agents_stop_);
+        const std::lock_guard agent_lock(mutex_);
+        for (const std::string& robot : options.robots) ended_.insert_or_assign(robot, end);
+        changed_.notify_all();
+      });
+    }
+  }
+
+  void OnStarted(double) override {
+    const std::lock_guard lock(mutex_);
+    started_ = true;
+    changed_.notify_all();
+  }
+  void OnStatus(const StatusMessage&) override {}
+  void OnEvent(const Event&, const std::string&) override {}
+  void OnNotice(const std::string& text) override {
+    const std::lock_guard lock(mutex_);
+    notices_.push_back(text);
+  }
+  void OnNewRobots(const std::vector<std::string>& robots) override {
+    if (setup_.start_new_agents) StartAgents(robots);
+  }
+
+  const Setup setup_;
+  const Scene scene_;
+  std::unique_ptr<Transport> transport_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<bool> agents_stop_ = false;
+  Result<RunSummary> summary_ = Error{{}, "the run did not end"};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  WorldControl* control_ = nullptr;
+  bool started_ = false;
+  std::vector<FrameMessage> frames_;
+  std::vector<std::string> notices_;
+  AgentId last_agent_ = 0;
+  std::vector<std::thread> agents_;
+  std::map<std::string, Result<bool>> ended_;  // by robot
+  std::thread service_;
+};
+
+}  // namespace troupe::test

@@ -1,0 +1,291 @@
+#include "world-service/core/edit_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "world-service/core/find_overlap.h"
+#include "world-service/core/gravity.h"
+#include "world-service/core/grip.h"
+#include "world-service/core/step_workspace.h"
+
+namespace troupe {
+namespace {
+
+// As in every description: beyond, a double has no room left for the touch tolerance.
+constexpr double kMaxCoordinate = 1e6;  // m
+
+std::string CheckPose(const Pose& pose) {
+  for (const double number : {pose.x, pose.y, pose.z, pose.heading}) {
+    if (!std::isfinite(number)) return "found a pose that is not finite";
+    if (std::abs(number) > kMaxCoordinate) return "found a pose beyond 1e6, expected one in the world";
+  }
+  return "";
+}
+
+Error Refuse(std::string why) {
+  return {{}, std::move(why)};
+}
+
+// A state on its way to an edited one. At tick 0 nothing has been found to stand on anything yet; an edit must know.
+StepWorkspace Begin(const Scene& scene, const WorldState& state) {
+  StepWorkspace workspace(scene, state);
+  if (state.tick == 0) FindWhatRests(workspace);
+  return workspace;
+}
+
+void Fall(ObjectState& object) {
+  object.mode = ObjectMode::kFalling;
+  object.fall_speed = 0.0;
+  object.holder = std::nullopt;
+  object.support = std::nullopt;
+}
+
+// Lets go of the tree of `root`, and lets fall what it carries.
+void Detach(StepWorkspace& workspace, ModelId root) {
+  const WorldDescription& world = workspace.world();
+  const std::optional<ObjectId> object = workspace.scene.object_of(root);
+  const auto in_tree = [&](const std::optional<ModelId>& model) { return model && IsInTree(world, *model, root); };
+  // Others that only wait for the object forget it first, so that nobody takes it over.
+  std::vector<GripperId> holding;
+  for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
+    GripperState& gripper = workspace.next.grippers[i];
+    if (object && workspace.next.objects[object->index()].holder == GripperId(i)) {
+      holding.push_back(GripperId(i));
+      continue;
+    }
+    if (object && gripper.clamped == object) gripper = {};
+    if (in_tree(gripper.left_contact)) gripper.left_contact = std::nullopt;
+    if (in_tree(gripper.right_contact)) gripper.right_contact = std::nullopt;
+  }
+  for (const GripperId gripper : holding) LetGo(workspace, gripper);
+  if (const std::optional<RobotId> robot = workspace.scene.robot_of(root)) {
+    for (const GripperId gripper : workspace.scene.grippers_of(*robot)) {
+      LetGo(workspace, gripper);
+      workspace.next.grippers[gripper.index()] = {};
+    }
+    workspace.next.robots[robot->index()].twist = {};
+    workspace.next.robots[robot->index()].stalled = false;
+  }
+  for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
+    ObjectState& other = workspace.next.objects[i];
+    if (in_tree(other.support) || (workspace.needs_support[i] && !other.holder)) Fall(other);
+  }
+}
+
+EditedWorld Finish(StepWorkspace& workspace, std::shared_ptr<const Scene> scene) {
+  return {std::move(scene), std::move(workspace.next), std::move(workspace.robot_events)};
+}
+
+// Nothing, or what the entity is in the way of.
+Status CheckRoom(const EditedWorld& edited, ModelId root) {
+  const std::optional<ModelId> obstacle = FindOverlap(*edited.scene, edited.state, root);
+  if (!obstacle) return {};
+  const WorldDescription& world = edited.scene->world();
+  return Refuse("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'");
+}
+
+// Takes the tree of `root` out of the description.
+void Remove(WorldDescription& world, ModelId root) {
+  auto empty = std::find(world.shapes.begin(), world.shapes.end(), Shape{});
+  if (empty == world.shapes.end()) empty = world.shapes.insert(world.shapes.end(), Shape{});
+  const ShapeId no_body(static_cast<std::size_t>(empty - world.shapes.begin()));
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    if (!IsInTree(world, ModelId(i), root)) continue;
+    world.models[i].removed = true;
+    world.models[i].shape = no_body;
+  }
+}
+
+// A removed entity stays where it was last, at rest.
+void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
+  if (const std::optional<RobotId> robot = scene.robot_of(root)) {
+    for (const JointId joint : scene.joints_of(*robot)) {
+      state.joints[joint.index()].velocity = 0.0;
+      state.joints[joint.index()].blocked = false;
+    }
+  }
+  if (const std::optional<ObjectId> object = scene.object_of(root)) {
+    const Pose X_WO = state.objects[object->index()].X_WO;
+    state.objects[object->index()] = {};
+    state.objects[object->index()].X_WO = X_WO;
+  }
+}
+
+bool IsNameFree(const WorldDescription& world, const std::string& name) {
+  return std::none_of(world.models.begin(), world.models.end(),
+                      [&](const ModelDescription& model) { return !model.removed && model.name == name; });
+}
+
+ShapeId AddShape(WorldDescription& world, const Shape& shape) {
+  const auto same = std::find(world.shapes.begin(), world.shapes.end(), shape);
+  const ShapeId id(static_cast<std::size_t>(same - world.shapes.begin()));
+  if (same == world.shapes.end()) world.shapes.push_back(shape);
+  return id;
+}
+
+// Appends all of `spawned`, whose only entity is its first model.
+void Append(WorldDescription& world, const WorldDescription& spawned, const std::string& name, const Pose& X_WE) {
+  const std::string old_name = spawned.models.front().name;
+  const auto model_id = [first = world.models.size()](ModelId id) { return ModelId(first + id.index()); };
+  const auto robot_id = [first = world.robots.size()](RobotId id) { return RobotId(first + id.index()); };
+  const auto joint_id = [first = world.joints.size()](JointId id) { return JointId(first + id.index()); };
+  for (ModelDescription model : spawned.models) {
+    if (model.parent) {
+      model.parent = model_id(*model.parent);
+      if (model.name.starts_with(old_name + ".")) model.name.replace(0, old_name.size(), name);
+    } else {
+      model.X_PM = X_WE;
+      model.name = name;
+    }
+    model.shape = AddShape(world, spawned.shape(model.shape));
+    world.models.push_back(std::move(model));
+  }
+  for (RobotDescription robot : spawned.robots) {
+    robot.name = name;
+    robot.root = model_id(robot.root);
+    for (RangerDescription& ranger : robot.rangers) ranger.model = model_id(ranger.model);
+    world.robots.push_back(std::move(robot));
+  }
+  for (JointDescription joint : spawned.joints) {
+    joint.robot = robot_id(joint.robot);
+    joint.model = model_id(joint.model);
+    world.joints.push_back(std::move(joint));
+  }
+  for (GripperDescription gripper : spawned.grippers) {
+    gripper.robot = robot_id(gripper.robot);
+    gripper.model = model_id(gripper.model);
+    gripper.left = joint_id(gripper.left);
+    gripper.right = joint_id(gripper.right);
+    gripper.left_pad = model_id(gripper.left_pad);
+    gripper.right_pad = model_id(gripper.right_pad);
+    if (gripper.lift) gripper.lift = joint_id(*gripper.lift);
+    world.grippers.push_back(std::move(gripper));
+  }
+  for (const ModelId object : spawned.objects) world.objects.push_back(model_id(object));
+}
+
+// Adds the initial states of what `world` has more than `state`.
+void AppendState(const WorldDescription& world, WorldState& state) {
+  const WorldState initial = InitialState(world);
+  const auto append = [](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(to.size()), from.end());
+  };
+  const std::size_t objects = state.objects.size();
+  append(initial.robots, state.robots);
+  append(initial.joints, state.joints);
+  append(initial.grippers, state.grippers);
+  append(initial.objects, state.objects);
+  for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
+}
+
+}  // namespace
+
+Result<ModelId> FindEntity(const WorldDescription& world, const std::string& name) {
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.removed || model.name != name) continue;
+    if (!model.parent) return ModelId(i);
+    return Refuse("'" + name + "' is a part of '" + world.model(*model.parent).name + "', expected a whole entity");
+  }
+  return Refuse("the world has no entity '" + name + "'");
+}
+
+Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,
+                            const Pose& X_WE) {
+  const Result<ModelId> root = FindEntity(scene->world(), name);
+  if (!root.ok()) return root.error();
+  if (std::string wrong = CheckPose(X_WE); !wrong.empty()) return Refuse(std::move(wrong));
+  Pose pose = X_WE;
+  pose.heading = WrapAngle(pose.heading);
+  StepWorkspace workspace = Begin(*scene, state);
+  Detach(workspace, root.value());
+  std::shared_ptr<const Scene> after = scene;
+  if (const std::optional<RobotId> robot = scene->robot_of(root.value())) {
+    workspace.next.robots[robot->index()].X_WR = pose;
+  } else if (const std::optional<ObjectId> object = scene->object_of(root.value())) {
+    Fall(workspace.next.objects[object->index()]);
+    workspace.next.objects[object->index()].X_WO = pose;
+  } else {
+    WorldDescription world = scene->world();
+    world.models[root.value().index()].X_PM = pose;
+    after = std::make_shared<const Scene>(std::move(world));
+  }
+  EditedWorld edited = Finish(workspace, std::move(after));
+  if (const Status problem = CheckRoom(edited, root.value())) return *problem;
+  return edited;
+}
+
+Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                                 const std::string& name) {
+  const Result<ModelId> root = FindEntity(scene->world(), name);
+  if (!root.ok()) return root.error();
+  StepWorkspace workspace = Begin(*scene, state);
+  Detach(workspace, root.value());
+  RemoveFromState(*scene, workspace.next, root.value());
+  WorldDescription world = scene->world();
+  Remove(world, root.value());
+  return Finish(workspace, std::make_shared<const Scene>(std::move(world)));
+}
+
+Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                                const WorldDescription& spawned, const std::string& name, const Pose& X_WE) {
+  const auto entities = std::count_if(spawned.models.begin(), spawned.models.end(),
+                                      [](const ModelDescription& model) { return !model.parent; });
+  if (entities != 1) {
+    return Refuse("found " + std::to_string(entities) + " models to spawn, expected one, with its parts");
+  }
+  if (name.empty()) return Refuse("found no name, expected one");
+  if (std::string wrong = CheckPose(X_WE); !wrong.empty()) return Refuse(std::move(wrong));
+  Pose pose = X_WE;
+  pose.heading = WrapAngle(pose.heading);
+  WorldDescription world = scene->world();
+  const ModelId root(world.models.size());
+  Append(world, spawned, name, pose);
+  for (std::size_t i = root.index(); i < world.models.size(); ++i) {
+    if (!IsNameFree(scene->world(), world.models[i].name)) {
+      return Refuse("the name '" + world.models[i].name + "' is in use");
+    }
+  }
+  if (const Status problem = Validate(world)) return *problem;
+  EditedWorld edited;
+  edited.state = state;
+  AppendState(world, edited.state);
+  edited.scene = std::make_shared<const Scene>(std::move(world));
+  if (const Status problem = CheckRoom(edited, root)) return *problem;
+  return edited;
+}
+
+EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::shared_ptr<const Scene>& scene,
+                       const WorldState& state, const ResetScopes& scopes) {
+  if (scopes.time && scopes.state && scopes.spawned && scopes.deleted) {
+    return {original, InitialState(original->world()), {}, true};
+  }
+  EditedWorld edited{scene, state, {}, scopes.time || scopes.state};
+  const std::vector<ModelDescription>& loaded = original->world().models;
+  if (scopes.spawned) {
+    for (std::size_t i = loaded.size(); i < scene->world().models.size(); ++i) {
+      const ModelDescription& model = edited.scene->world().models[i];
+      if (model.parent || model.removed) continue;
+      Result<EditedWorld> without = DeleteEntity(edited.scene, edited.state, model.name);
+      edited.scene = without.value().scene;
+      edited.state = without.value().state;
+      std::move(without.value().events.begin(), without.value().events.end(), std::back_inserter(edited.events));
+    }
+  }
+  if (scopes.state) {
+    WorldDescription world = edited.scene->world();
+    for (std::size_t i = 0; i < loaded.size(); ++i) world.models[i].X_PM = loaded[i].X_PM;
+    if (!(world == edited.scene->world())) edited.scene = std::make_shared<const Scene>(std::move(world));
+    edited.events.clear();
+    edited.state = InitialState(edited.scene->world());
+    edited.state.tick = state.tick;
+    StepWorkspace workspace(*edited.scene, edited.state);
+    if (!scopes.time) FindWhatRests(workspace);  // the first step does it else
+    edited.state = std::move(workspace.next);
+  }
+  if (scopes.time) edited.state.tick = 0;
+  return edited;
+}
+
+}  // namespace troupe

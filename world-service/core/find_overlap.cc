@@ -1,0 +1,75 @@
+#include "world-service/core/find_overlap.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "common/spatial/body_index.h"
+#include "common/spatial/overlap.h"
+
+namespace troupe {
+namespace {
+
+// As for overlaps at the start: what nobody could mean or see does not count.
+constexpr double kNoticeableDepth = 1e-6;  // m
+
+Rectangle BoxOf(const ConvexPiece& piece) {
+  Rectangle box = Rectangle::Nothing();
+  for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
+  return box;
+}
+
+class OverlapFinder {
+ public:
+  OverlapFinder(const Scene& scene, const WorldState& state, ModelId root)
+      : scene_(scene), root_(root), own_body_(scene.body_of(root)), bodies_(scene) {
+    bodies_.Assign(state);
+  }
+
+  std::optional<ModelId> Find() {
+    const std::vector<ConvexPiece>& pieces =
+        own_body_ ? bodies_.pieces_in_world(*own_body_) : scene_.static_index().pieces();
+    for (const ConvexPiece& piece : pieces) {
+      if (piece.obstacle && (own_body_ || IsInTree(scene_.world(), piece.model, root_))) Compare(piece);
+    }
+    return found_;
+  }
+
+ private:
+  void Compare(const ConvexPiece& piece) {
+    const Rectangle box = BoxOf(piece);
+    standing_.clear();
+    scene_.static_index().Query(box, standing_);
+    for (const std::uint32_t index : standing_) {
+      const ConvexPiece& other = scene_.static_index().pieces()[index];
+      if (own_body_ || !IsInTree(scene_.world(), other.model, root_)) Consider(piece, other);
+    }
+    near_.clear();
+    bodies_.Query(box, near_);
+    for (const BodyId body : near_) {
+      if (body == own_body_) continue;
+      for (const ConvexPiece& other : bodies_.pieces_in_world(body)) Consider(piece, other);
+    }
+  }
+
+  void Consider(const ConvexPiece& piece, const ConvexPiece& other) {
+    if (!other.obstacle || !piece.z.Overlaps(other.z)) return;
+    if (PenetrationDepth(piece.vertices, other.vertices) <= kNoticeableDepth) return;
+    found_ = found_ ? std::min(*found_, other.model) : other.model;
+  }
+
+  const Scene& scene_;
+  const ModelId root_;
+  const std::optional<BodyId> own_body_;
+  BodyIndex bodies_;
+  std::optional<ModelId> found_;
+  std::vector<std::uint32_t> standing_;
+  std::vector<BodyId> near_;
+};
+
+}  // namespace
+
+std::optional<ModelId> FindOverlap(const Scene& scene, const WorldState& state, ModelId root) {
+  return OverlapFinder(scene, state, root).Find();
+}
+
+}  // namespace troupe

@@ -1,0 +1,15 @@
+// What stands in the way of something that is put into a world.
+#pragma once
+
+#include <optional>
+
+#include "common/model/world_state.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+// Of the obstacles that the tree of `root` overlaps by more than rounding, the one with the lowest id; parts of the tree
+// itself do not count. REQUIRES: `root` has no parent; the state belongs to the scene's world.
+std::optional<ModelId> FindOverlap(const Scene& scene, const WorldState& state, ModelId root);
+
+}  // namespace troupe
