@@ -79,7 +79,7 @@ class DescriptionHasher {
     Add(std::uint64_t{model.gripper_return});
     Add(static_cast<std::uint64_t>(model.fiducial_return));
     Add(std::uint64_t{model.show_nose});
-    Add(std::uint64_t{model.removed});
+    if (model.removed) Add(std::uint64_t{1});  // so that a world that was never edited has the hash that it always had
   }
   void Add(const DriveDescription& drive) {
     Add(static_cast<std::uint64_t>(drive.type));

@@ -240,6 +240,11 @@ class WorldServices {
     info_.Call(request, [&](const auto& response) { category = response.info.category.category; });
     return category;
   }
+  void Step() {
+    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
+    request.steps = 1;
+    step_.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
+  }
   void PlainReset() {
     plain_reset_.Call({}, [](const auto&) {});
   }
@@ -266,6 +271,9 @@ class WorldServices {
       spawnables_{participant_, "/world/get_spawnables"};
   Client<simulation_interfaces_srv_dds__GetEntityInfo_Request_, simulation_interfaces_srv_dds__GetEntityInfo_Response_>
       info_{participant_, "/world/get_entity_info"};
+  Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
+         simulation_interfaces_srv_dds__StepSimulation_Response_>
+      step_{participant_, "/world/step_simulation"};
   Client<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> plain_reset_{participant_, "/reset"};
 };
 
@@ -302,6 +310,7 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_THAT(world.States("", {5}), testing::SizeIs(6)) << "what stands still";
   EXPECT_TRUE(Eventually([&] {
     double x = 0.0;
+    world.Step();  // what was shown before the reader and its writer met has passed
     truth.Drain([&](const ros::OdometryMessage& message) { x = message.pose.pose.position.x; });
     return x == 1.0;
   })) << "its agent shows it there";
