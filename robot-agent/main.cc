@@ -10,6 +10,7 @@
 #include "common/base/random_id.h"
 #include "common/base/stop_signals.h"
 #include "common/dds/dds_transport.h"
+#include "common/dds/network_log.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
 
@@ -47,6 +48,7 @@ std::unique_ptr<Transport> MakeTransport(const CommandLine& line) {
 int Run(const CommandLine& line) {
   const StopSignals signals;
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
+  const dds::NetworkLog network_log([&line](const std::string& text) { Report(line, "warning: " + text); });
   const std::unique_ptr<Transport> transport = MakeTransport(line);
   AgentOptions options = line.agent;
   options.agent = MakeRandomId();

@@ -7,6 +7,7 @@
 
 #include "common/base/stop_signals.h"
 #include "common/dds/dds_transport.h"
+#include "common/dds/network_log.h"
 #include "common/spatial/scene.h"
 #include "world-service/program/command_line.h"
 #include "world-service/program/reporter.h"
@@ -42,6 +43,7 @@ int Run(const CommandLine& line, Reporter& reporter) {
   dds.network = line.network;
   dds.lease_seconds = options.lease_seconds;
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
+  const dds::NetworkLog network_log(dds.on_problem);
   std::uint16_t port = 0;
   std::unique_ptr<Transport> transport = MakeDdsServiceTransport(dds, &port);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
