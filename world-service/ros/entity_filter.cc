@@ -1,6 +1,7 @@
 #include "world-service/ros/entity_filter.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/dds/wire.h"
 
@@ -25,13 +26,13 @@ Result<EntityFilter> EntityFilter::Make(const simulation_interfaces_msg_dds__Ent
   for (const auto& category : dds::Elements(filters.categories)) filter.categories_.push_back(category.category);
   const std::string text = dds::Text(filters.filter);
   if (text.empty()) return filter;
-  auto expression = std::make_unique<regex_t>();
-  if (const int code = regcomp(expression.get(), text.c_str(), REG_EXTENDED | REG_NOSUB); code != 0) {
-    char why[100] = "";
-    regerror(code, expression.get(), why, sizeof why);
-    return Error{{}, "found the filter '" + text + "', expected a regular expression: " + why};
+  re2::RE2::Options options;
+  options.set_log_errors(false);
+  auto expression = std::make_unique<const re2::RE2>(text, options);
+  if (!expression->ok()) {
+    return Error{{}, "found the filter '" + text + "', expected a regular expression: " + expression->error()};
   }
-  filter.expression_.reset(expression.release());
+  filter.expression_ = std::move(expression);
   return filter;
 }
 
@@ -39,7 +40,7 @@ bool EntityFilter::Matches(const std::string& ros_name, EntityKind kind) const {
   if (categories_.empty() && kind == EntityKind::kModel) return false;
   const auto asked = std::find(categories_.begin(), categories_.end(), CategoryOf(kind));
   if (!categories_.empty() && asked == categories_.end()) return false;
-  return expression_ == nullptr || regexec(expression_.get(), ros_name.c_str(), 0, nullptr, 0) == 0;
+  return expression_ == nullptr || re2::RE2::PartialMatch(ros_name, *expression_);
 }
 
 }  // namespace troupe

@@ -1,7 +1,7 @@
 // The filter of requests for entities.
 #pragma once
 
-#include <regex.h>
+#include <re2/re2.h>
 
 #include <memory>
 #include <string>
@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
-#include "common/ros_dds/simulation_types.h"
+#include "idl/ros/simulation.h"
 
 namespace troupe {
 
@@ -25,13 +25,8 @@ class EntityFilter {
   bool Matches(const std::string& ros_name, EntityKind kind) const;
 
  private:
-  struct Free {
-    void operator()(regex_t* expression) const {
-      regfree(expression);
-      delete expression;
-    }
-  };
-  std::unique_ptr<regex_t, Free> expression_;  // null: every name
+  // RE2, because anybody may send one: time and memory of others can grow without bound. Null: every name.
+  std::unique_ptr<const re2::RE2> expression_;
   std::vector<std::uint8_t> categories_;
 };
 
