@@ -115,6 +115,7 @@ void TickCoordinator::TakeOver(EditedWorld edited, double now) {
     proposals_.ChangeWorld(scene_->world());
   }
   newcomers_since_ = now;
+  if (members_.present_members() == 0) halted_since_ = now;
   frame_.state = std::move(edited.state);
   frame_.state_hash = StateHash(frame_.state);
   frame_.events = events_.TakeForFrame(frame_.state.tick, std::move(edited.events));

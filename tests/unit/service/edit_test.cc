@@ -396,6 +396,23 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatALoadedWorldHasToo) {
   EXPECT_EQ(coordinator->scene()->world(), other);
 }
 
+TEST_F(EditedWorldTest, WaitsForAgentsWhenNoRobotOfALoadedWorldWasThereBefore) {
+  StartAndHold();
+  Wait(2.0 * options.start_timeout_seconds);
+  WorldDescription other = PlaneWorld(2);
+  for (std::size_t i = 0; i < 2; ++i) other.robots[i].name = other.models[i].name = "other" + std::to_string(i);
+  Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(other));
+  EXPECT_THAT(coordinator->TakeNewRobots(), testing::ElementsAre("other0", "other1"));
+  Wait(0.5 * options.start_timeout_seconds);
+  EXPECT_THAT(replies, IsEmpty());
+  JoinNewest(3, "other0");
+  JoinNewest(4, "other1");
+  Hold(3);
+  Hold(4);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_TRUE(replies[0].done) << replies[0].problem;
+}
+
 TEST_F(EditedWorldTest, GoesOnAfterALoadWhoseAgentsDoNotCome) {
   StartAndHold();
   Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(PlaneWorld(3)));
