@@ -49,7 +49,8 @@ set(may_include_launcher
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users launcher/ctl_command.cc launcher/session_table.h launcher/top_command.cc robot-agent/main.cc world-service/main.cc)
-set(dds_headers_for_others common/dds/control_client.h common/dds/dds_transport.h common/dds/session_monitor.h)
+set(dds_headers_for_others
+  common/dds/control_client.h common/dds/dds_transport.h common/dds/network_log.h common/dds/session_monitor.h)
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders common/ros common/ros_dds robot-agent/ros world-service/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/ros/ros_world_gateway.h)

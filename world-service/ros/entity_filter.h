@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
-#include "idl/ros/simulation.h"
+#include "common/ros_dds/simulation_types.h"
 
 namespace troupe {
 
