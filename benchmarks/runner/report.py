@@ -134,6 +134,20 @@ def growth(folder):
     return table
 
 
+def scenarios(folder):
+    """Rows (scenario, robots, each of both programs' wall time of a tick and speed) of the manipulation scenarios."""
+    rows = read(folder, "scenarios")
+    table = []
+    for name in dict.fromkeys(row["scenario"] for row in rows):
+        cells = []
+        for program in ["dds", "in-process"]:
+            mine = [row for row in rows if row["scenario"] == name and row["program"] == program]
+            ticks = Values(float(row["wall_us"]) * int(row["robots"]) for row in mine)
+            cells += [ticks.text(" us"), pick(mine, "real_time_factor").text()]
+        table.append((name, next(row["robots"] for row in rows if row["scenario"] == name), *cells))
+    return table
+
+
 def markdown(header, rows):
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
@@ -148,6 +162,10 @@ def text(folder):
     if grown:
         parts.append(markdown(["growth", "robots", "wall time per robot and tick", "processor time",
                                "start to first tick; memory of an agent; traffic"], grown))
+    manipulated = scenarios(folder)
+    if manipulated:
+        parts.append(markdown(["scenario", "robots", "a tick, a process each", "times real time", "a tick in one process",
+                               "times real time"], manipulated))
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,4 +1,5 @@
 """The scenes: each measures in rounds and gives rows for a CSV file of its name."""
+import json
 import pathlib
 import time
 
@@ -106,6 +107,18 @@ def swarm(setting):
                    **setting.troupe.per_robot_and_tick(many, 50, "--in-process")}
 
 
+def scenarios(setting):
+    """The manipulation scenarios, each to its end: a process for each robot, and all in one."""
+    names = ["lab", "marina", "stacking", "relay"]
+    for number in range(setting.rounds):
+        for name in names[:1] if setting.quick else names:
+            path = worlds.SCENARIOS / f"{name}.json"
+            ticks = 20 if setting.quick else json.loads(path.read_text())["ticks"]
+            for program, options in [("dds", []), ("in-process", ["--in-process"])]:
+                yield {"round": number, "scenario": name, "program": program,
+                       **setting.troupe.per_robot_and_tick(path, ticks, *options)}
+
+
 def site_map(setting):
     """Loading a map of 50,000 x 35,000 cells."""
     size = (2000, 1400) if setting.quick else (50_000, 35_000)
@@ -117,7 +130,7 @@ def site_map(setting):
                "processor_seconds": usage["user"] + usage["system"]}
 
 
-ALL = {scene.__name__: scene for scene in [functions, barrier, processes, robots, cave, swarm, site_map]}
+ALL = {scene.__name__: scene for scene in [functions, barrier, processes, robots, cave, swarm, scenarios, site_map]}
 
 
 def measure(name, setting):

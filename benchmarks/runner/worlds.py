@@ -6,6 +6,8 @@ import shutil
 import struct
 import zlib
 
+SCENARIOS = pathlib.Path(__file__).resolve().parents[2] / "worlds/scenarios"
+
 # Rooms of 10 m x 7.5 m, with doors of 1.5 m in all four walls.
 ROOM = (100, 75)  # pixels of 0.1 m
 DOOR = 15
