@@ -77,6 +77,7 @@ std::string ToXml(const DomainConfig& config) {
   const std::map<std::string_view, std::string> words = {
       {"INTERFACE", Interface(config.network_interface)},
       {"MULTICAST", Multicast(config)},
+      {"HEARD_HERE", config.heard_on_own_machine ? "true" : "false"},
       {"DOMAIN", std::to_string(config.domain)},
       {"PARTICIPANT_INDEX", config.participant_index ? std::to_string(*config.participant_index) : "none"},
       {"LAST_INDEX_TRIED", std::to_string(kPeerPortsTried - 1)},

@@ -17,8 +17,11 @@ struct DomainConfig {
   std::optional<std::uint32_t> participant_index;
   bool data_multicast = true;       // to many readers at once
   bool discovery_multicast = true;  // announce itself to everybody; otherwise only to the peers
-  std::vector<std::string> peers;   // "host" or "host:port" of discovery; a host alone: its first ports
-  double lease_seconds = 10.0;      // others forget a participant that is silent for longer
+  // Its multicast reaches others on this machine. Without, they and it meet only when they announce themselves to it,
+  // and many participants that are all without do not meet each other.
+  bool heard_on_own_machine = true;
+  std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
+  double lease_seconds = 10.0;     // others forget a participant that is silent for longer
 };
 
 // Of a tool that looks for world services. An empty address: those of this machine.

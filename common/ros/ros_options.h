@@ -22,7 +22,10 @@ struct RosOptions {
   bool namespaced_tf = false;      // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
   double map_resolution = 0.05;    // m, side of a cell of /map
   std::optional<double> map_height = {};  // m; what stands at that height is on /map; nothing: UsualMapHeight
-  bool map_to_odom = true;                // publish where each odom frame is in the map: the truth
+  // For one of many processes, which need not meet each other: others on this machine meet it when they announce
+  // themselves, not when it does.
+  bool quiet = false;
+  bool map_to_odom = true;  // publish where each odom frame is in the map: the truth
 };
 
 // What the environment says: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE; values that

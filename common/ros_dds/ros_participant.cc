@@ -23,6 +23,7 @@ dds::DomainConfig ConfigOf(const RosOptions& options) {
   config.domain = options.domain;
   config.network_interface = options.network_interface;
   config.data_multicast = false;  // ROS leaves it to users' settings, and not every network has it
+  config.heard_on_own_machine = !options.quiet;
   return config;
 }
 

@@ -16,6 +16,9 @@ namespace {
 constexpr std::int32_t kTransformDepth = 100;
 // With more robots in the world, their nodes have no parameter services: twelve endpoints each.
 constexpr std::size_t kMostRobotsWithParameters = 10;
+// With more processes of robots, they do not meet each other: their discovery would grow with the square of their
+// number.
+constexpr std::size_t kMostLoudProcesses = 10;
 constexpr const char* kNodeName = "robot";
 
 struct RosRobot;
@@ -83,10 +86,16 @@ void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, cons
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
 
+// `robots`: of this process, as of all others.
+ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, const std::vector<RobotId>& robots) {
+  options.quiet = scene.world().robots.size() > kMostLoudProcesses * robots.size();
+  return options;
+}
+
 class RosGateway final : public Gateway {
  public:
   RosGateway(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotId>& robots)
-      : participant_(options), by_id_(scene.world().robots.size()) {
+      : participant_(OptionsFor(options, scene, robots)), by_id_(scene.world().robots.size()) {
     const std::vector<std::string> names = ros::RobotNames(scene.world());
     for (const RobotId robot : robots) {
       const std::string& name = names[robot.index()];
