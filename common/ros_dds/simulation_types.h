@@ -1,10 +1,16 @@
-// The ROS types of the services that edit a world, made known to the DDS binding.
+// The ROS types of the services that edit a world and of the action that steps it, made known to the DDS binding.
 #pragma once
 
 #include "common/ros_dds/topic_types.h"
 #include "idl/ros/rolling.h"
+#include "idl/ros/simulate_steps.h"
 #include "idl/ros/simulation_edits.h"
 
+TROUPE_DDS_TYPE(simulation_interfaces_action_dds__SimulateSteps_FeedbackMessage_);
+TROUPE_DDS_TYPE(simulation_interfaces_action_dds__SimulateSteps_GetResult_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_action_dds__SimulateSteps_GetResult_Response_);
+TROUPE_DDS_TYPE(simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_);
+TROUPE_DDS_TYPE(simulation_interfaces_action_dds__SimulateSteps_SendGoal_Response_);
 TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__DeleteEntity_Request_);
 TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__DeleteEntity_Response_);
 TROUPE_DDS_TYPE(simulation_interfaces_srv_dds__GetEntitiesStates_Request_);

@@ -2,53 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <mutex>
-#include <utility>
 #include <vector>
 
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_service.h"
+#include "common/ros_dds/action_server.h"
 #include "robot-agent/ros/refusals.h"
 
 namespace troupe {
 namespace {
 
 using ros::RosCaller;
-using SendGoalRequest = control_msgs_action_dds__GripperCommand_SendGoal_Request_;
-using SendGoalResponse = control_msgs_action_dds__GripperCommand_SendGoal_Response_;
-using GetResultRequest = control_msgs_action_dds__GripperCommand_GetResult_Request_;
-using GetResultResponse = control_msgs_action_dds__GripperCommand_GetResult_Response_;
-using CancelRequest = action_msgs_srv_dds__CancelGoal_Request_;
-using CancelResponse = action_msgs_srv_dds__CancelGoal_Response_;
-using FeedbackMessage = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
-using StatusMessage = action_msgs_msg_dds__GoalStatusArray_;
-using Uuid = unique_identifier_msgs_msg_dds__UUID_;
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-constexpr std::int32_t kFeedbackDepth = 10;
-constexpr std::size_t kMostCallers = 100;
-
-GoalId ToGoalId(const Uuid& uuid) {
-  GoalId id;
-  std::copy(std::begin(uuid.uuid), std::end(uuid.uuid), id.begin());
-  return id;
-}
-
-Uuid ToUuid(const GoalId& id) {
-  Uuid uuid{};
-  std::copy(id.begin(), id.end(), std::begin(uuid.uuid));
-  return uuid;
-}
-
-ros::Time ToTime(std::int64_t ns) {
-  return {static_cast<std::int32_t>(ns / kNanosecondsPerSecond),
-          static_cast<std::uint32_t>(ns % kNanosecondsPerSecond)};
-}
-
-action_msgs_msg_dds__GoalInfo_ InfoOf(const GripperGoal& goal) {
-  return {ToUuid(goal.id), ToTime(goal.stamp)};
-}
+struct GripperCommandTypes {
+  using SendGoalRequest = control_msgs_action_dds__GripperCommand_SendGoal_Request_;
+  using SendGoalResponse = control_msgs_action_dds__GripperCommand_SendGoal_Response_;
+  using GetResultRequest = control_msgs_action_dds__GripperCommand_GetResult_Request_;
+  using GetResultResponse = control_msgs_action_dds__GripperCommand_GetResult_Response_;
+  using FeedbackMessage = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
+};
 
 // Of a result or of feedback, which are alike. Forces are not simulated.
 template <typename Message>
@@ -66,14 +37,11 @@ class GripperAction::Server {
         name_(node.Resolve(name)),
         largest_(ros::LargestOpening(world, gripper)),
         goals_(largest_, ros::MotionOf(world, gripper, InitialState(world)).opening, world.interval_ns),
-        feedback_(node, name + "/_action/feedback", ros::Stream(kFeedbackDepth)),
-        status_(node, name + "/_action/status", ros::Latched()),
-        send_goal_(node, name + "/_action/send_goal",
-                   [this](const RosCaller& caller, const SendGoalRequest& request) { SendGoal(caller, request); }),
-        cancel_(node, name + "/_action/cancel_goal",
-                [this](const RosCaller& caller, const CancelRequest& request) { Cancel(caller, request); }),
-        get_result_(node, name + "/_action/get_result",
-                    [this](const RosCaller& caller, const GetResultRequest& request) { GetResult(caller, request); }) {}
+        server_(node, name,
+                {.send_goal = [this](const RosCaller& caller, const auto& request) { SendGoal(caller, request); },
+                 .cancel = [this](const RosCaller& caller, const GoalId& id,
+                                  std::int64_t stamp) { Cancel(caller, id, stamp); },
+                 .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }}) {}
 
   std::optional<GripperGoals::Order> Begin(Tick tick) {
     const std::lock_guard lock(mutex_);
@@ -90,9 +58,9 @@ class GripperAction::Server {
     const GripperGoal* const executing = goals_.executing();
     const GoalId id = executing != nullptr ? executing->id : GoalId{};
     goals_.Observe(state.tick, ros::MotionOf(*world_, gripper_, state));
-    if (executing != nullptr && feedback_.wanted()) {
+    if (executing != nullptr && server_.feedback_wanted()) {
       if (const GripperGoal* const goal = goals_.Find(id)) {
-        feedback_.Write({ToUuid(id), Describe<control_msgs_action_dds__GripperCommand_Feedback_>(*goal)});
+        server_.WriteFeedback(id, Describe<control_msgs_action_dds__GripperCommand_Feedback_>(*goal));
       }
     }
     WriteStatus();
@@ -108,68 +76,40 @@ class GripperAction::Server {
   }
 
  private:
-  void SendGoal(const RosCaller& caller, const SendGoalRequest& request) {
+  void SendGoal(const RosCaller& caller, const GripperCommandTypes::SendGoalRequest& request) {
     const std::lock_guard lock(mutex_);
-    const GoalId id = ToGoalId(request.goal_id);
-    SendGoalResponse response{};
-    response.accepted = goals_.Accept(id, request.goal.command.position, request.goal.command.max_effort);
-    if (response.accepted) {
-      response.stamp = ToTime(goals_.Find(id)->stamp);
+    const GoalId id = ros::ToGoalId(request.goal_id);
+    const bool accepted = goals_.Accept(id, request.goal.command.position, request.goal.command.max_effort);
+    if (accepted) {
       WriteStatus();
     } else {
       refused_ = request.goal.command.position;
       refusals_.Count();
     }
-    send_goal_.Respond(caller, response);
+    server_.AnswerGoal(caller, accepted, accepted ? goals_.Find(id)->stamp : 0);
   }
 
-  void Cancel(const RosCaller& caller, const CancelRequest& request) {
+  void Cancel(const RosCaller& caller, const GoalId& id, std::int64_t stamp) {
     const std::lock_guard lock(mutex_);
-    const ros::Time& stamp = request.goal_info.stamp;
     std::vector<GripperGoal> canceling;
-    CancelResponse response{};
-    response.return_code = static_cast<std::int8_t>(goals_.Cancel(
-        ToGoalId(request.goal_info.goal_id), stamp.sec * kNanosecondsPerSecond + stamp.nanosec, canceling));
-    dds::WireArena arena;
-    std::transform(canceling.begin(), canceling.end(), arena.Fill(response.goals_canceling, canceling.size()), InfoOf);
+    const CancelAnswer answer = goals_.Cancel(id, stamp, canceling);
     WriteStatus();
-    cancel_.Respond(caller, response);
+    server_.AnswerCancel(caller, answer, canceling);
   }
 
-  void GetResult(const RosCaller& caller, const GetResultRequest& request) {
+  void GetResult(const RosCaller& caller, const GoalId& id) {
     const std::lock_guard lock(mutex_);
-    callers_.emplace_back(ToGoalId(request.goal_id), caller);
-    if (callers_.size() > kMostCallers) callers_.erase(callers_.begin());
+    server_.AwaitResult(caller, id);
     AnswerCallers();
   }
 
-  // Those whose goal has ended or is not known.
   void AnswerCallers() {
-    std::erase_if(callers_, [this](const auto& waiting) {
-      const GripperGoal* const goal = goals_.Find(waiting.first);
-      if (goal != nullptr && !goal->ended()) return false;
-      GetResultResponse response{};
-      if (goal != nullptr) {
-        response.status = static_cast<std::int8_t>(goal->status);
-        response.result = Describe<control_msgs_action_dds__GripperCommand_Result_>(*goal);
-      }
-      get_result_.Respond(waiting.second, response);
-      return true;
+    server_.AnswerResults(goals_.goals(), [](const GripperGoal& goal, dds::WireArena&) {
+      return Describe<control_msgs_action_dds__GripperCommand_Result_>(goal);
     });
   }
 
-  // When it is not what was written last.
-  void WriteStatus() {
-    std::vector<std::pair<GoalId, GoalStatus>> all;
-    for (const GripperGoal& goal : goals_.goals()) all.emplace_back(goal.id, goal.status);
-    if (all == written_) return;
-    written_ = std::move(all);
-    dds::WireArena arena;
-    StatusMessage message{};
-    auto* out = arena.Fill(message.status_list, goals_.goals().size());
-    for (const GripperGoal& goal : goals_.goals()) *out++ = {InfoOf(goal), static_cast<std::int8_t>(goal.status)};
-    status_.Write(message);
-  }
+  void WriteStatus() { server_.WriteStatus(goals_.goals().all()); }
 
   const WorldDescription* world_;
   GripperId gripper_;
@@ -177,16 +117,9 @@ class GripperAction::Server {
   double largest_;
   std::mutex mutex_;  // guards all below
   GripperGoals goals_;
-  std::vector<std::pair<GoalId, RosCaller>> callers_;  // of get_result, who wait for the end
-  std::vector<std::pair<GoalId, GoalStatus>> written_;
   Refusals refusals_;
-  double refused_ = 0.0;  // m, the last one
-  ros::RosWriter<FeedbackMessage> feedback_;
-  ros::RosWriter<StatusMessage> status_;
-  // Last, because they call into the rest.
-  ros::RosService<SendGoalRequest, SendGoalResponse> send_goal_;
-  ros::RosService<CancelRequest, CancelResponse> cancel_;
-  ros::RosService<GetResultRequest, GetResultResponse> get_result_;
+  double refused_ = 0.0;                           // m, the last one
+  ros::ActionServer<GripperCommandTypes> server_;  // last, because it calls into the rest
 };
 
 GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world,

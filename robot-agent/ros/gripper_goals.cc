@@ -9,12 +9,6 @@ namespace {
 constexpr double kTolerance = 1e-9;  // m
 // Fingers that do not move for so long, though nothing is in their way, were told something else.
 constexpr std::int64_t kPatienceNs = 1'000'000'000;
-constexpr std::size_t kMostWaiting = 100;
-constexpr std::size_t kMostEnded = 16;
-
-bool CanCancel(const GripperGoal& goal) {
-  return goal.status == GoalStatus::kAccepted || goal.status == GoalStatus::kExecuting;
-}
 
 }  // namespace
 
@@ -23,36 +17,17 @@ GripperGoals::GripperGoals(double largest_opening, double opening, std::int64_t 
 
 bool GripperGoals::Accept(const GoalId& id, double opening, double max_effort) {
   const bool possible = std::isfinite(max_effort) && opening >= -kTolerance && opening <= largest_opening_ + kTolerance;
-  const auto waiting = std::count_if(goals_.begin(), goals_.end(), [](const auto& goal) { return !goal.ended(); });
-  if (!possible || Find(id) != nullptr || static_cast<std::size_t>(waiting) >= kMostWaiting) return false;
+  if (!possible) return false;
   GripperGoal goal;
   goal.id = id;
   goal.stamp = now_ns_;
   goal.opening = std::clamp(opening, 0.0, largest_opening_);
-  goals_.push_back(goal);
-  return true;
-}
-
-CancelAnswer GripperGoals::Cancel(const GoalId& id, std::int64_t stamp, std::vector<GripperGoal>& canceling) {
-  const bool by_id = id != GoalId{};
-  CancelAnswer answer = by_id && stamp == 0 ? CancelAnswer::kUnknownGoal : CancelAnswer::kNone;
-  for (GripperGoal& goal : goals_) {
-    const bool is_meant = (by_id && goal.id == id) || (stamp != 0 && goal.stamp <= stamp) || (!by_id && stamp == 0);
-    if (!is_meant) continue;
-    if (CanCancel(goal)) {
-      goal.status = GoalStatus::kCanceling;
-      canceling.push_back(goal);
-      answer = CancelAnswer::kNone;
-    } else if (answer == CancelAnswer::kUnknownGoal) {
-      answer = CancelAnswer::kGoalHasEnded;
-    }
-  }
-  return answer;
+  return goals_.Add(goal);
 }
 
 std::optional<GripperGoals::Order> GripperGoals::Begin(Tick tick) {
   GripperGoal* newest = nullptr;
-  for (auto goal = goals_.rbegin(); goal != goals_.rend(); ++goal) {
+  for (auto goal = goals_.all().rbegin(); goal != goals_.all().rend(); ++goal) {
     if (goal->ended()) continue;
     if (newest == nullptr) {
       newest = &*goal;
@@ -76,23 +51,23 @@ std::optional<GripperGoals::Order> GripperGoals::Begin(Tick tick) {
 }
 
 void GripperGoals::GiveWay() {
-  for (GripperGoal& goal : goals_) {
+  for (GripperGoal& goal : goals_.all()) {
     if (!goal.ended()) {
       End(goal, goal.status == GoalStatus::kCanceling ? GoalStatus::kCanceled : GoalStatus::kAborted, false);
     }
   }
   told_to_stay_ = false;
-  Forget();
+  goals_.Forget();
 }
 
 void GripperGoals::Observe(Tick tick, const ros::GripperMotion& motion) {
   opening_ = motion.opening;
   now_ns_ = static_cast<std::int64_t>(tick) * interval_ns_;
-  Forget();
-  const auto active =
-      std::find_if(goals_.rbegin(), goals_.rend(), [](const GripperGoal& goal) { return !goal.ended(); });
+  goals_.Forget();
+  std::vector<GripperGoal>& all = goals_.all();
+  const auto active = std::find_if(all.rbegin(), all.rend(), [](const GripperGoal& goal) { return !goal.ended(); });
   // What was begun at this tick shows at the next.
-  if (active == goals_.rend() || !begun_ || *begun_ == tick) return;
+  if (active == all.rend() || !begun_ || *begun_ == tick) return;
   GripperGoal& goal = *active;
   if (goal.status == GoalStatus::kCanceling && told_to_stay_) {
     told_to_stay_ = false;
@@ -115,24 +90,6 @@ void GripperGoals::End(GripperGoal& goal, GoalStatus status, bool stalled) {
   goal.status = status;
   goal.position = opening_;
   goal.stalled = stalled;
-}
-
-void GripperGoals::Forget() {
-  auto ended = std::count_if(goals_.begin(), goals_.end(), [](const GripperGoal& goal) { return goal.ended(); });
-  std::erase_if(goals_, [&](const GripperGoal& goal) {
-    return goal.ended() && ended-- > static_cast<std::ptrdiff_t>(kMostEnded);
-  });
-}
-
-const GripperGoal* GripperGoals::executing() const {
-  const auto found = std::find_if(goals_.begin(), goals_.end(),
-                                  [](const GripperGoal& goal) { return goal.status == GoalStatus::kExecuting; });
-  return found == goals_.end() ? nullptr : &*found;
-}
-
-const GripperGoal* GripperGoals::Find(const GoalId& id) const {
-  const auto found = std::find_if(goals_.begin(), goals_.end(), [&](const GripperGoal& goal) { return goal.id == id; });
-  return found == goals_.end() ? nullptr : &*found;
 }
 
 }  // namespace troupe

@@ -2,41 +2,28 @@
 // come and are cancelled at any time; what follows from that happens at ticks.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "common/base/ids.h"
+#include "common/ros/action_goals.h"
 #include "common/ros/gripper_state.h"
 
 namespace troupe {
 
-// With the numbers of action_msgs.
-enum class GoalStatus : std::int8_t {
-  kUnknown = 0,
-  kAccepted = 1,
-  kExecuting = 2,
-  kCanceling = 3,
-  kSucceeded = 4,  // the opening is reached, or the fingers have closed on an object
-  kCanceled = 5,
-  kAborted = 6,  // something else stopped the fingers, or another command came
-};
-enum class CancelAnswer : std::int8_t { kNone = 0, kRejected = 1, kUnknownGoal = 2, kGoalHasEnded = 3 };
+using ros::CancelAnswer;
+using ros::GoalId;
+using ros::GoalStatus;
 
-using GoalId = std::array<std::uint8_t, 16>;
-
-struct GripperGoal {
-  GoalId id = {};
-  std::int64_t stamp = 0;  // ns, simulated time when it was accepted
-  double opening = 0.0;    // m, as in common/ros/gripper_state.h
-  GoalStatus status = GoalStatus::kAccepted;
+// It has succeeded when the opening is reached, or the fingers have closed on an object; it is aborted when something
+// else stopped the fingers, or another command came.
+struct GripperGoal : ros::ActionGoal {
+  double opening = 0.0;  // m, as in common/ros/gripper_state.h
   // Now, or when it ended:
   double position = 0.0;  // m
   bool stalled = false;
   bool reached = false;
-
-  bool ended() const { return status >= GoalStatus::kSucceeded; }
 };
 
 class GripperGoals {
@@ -48,9 +35,10 @@ class GripperGoals {
   // too many.
   bool Accept(const GoalId& id, double opening, double max_effort);
 
-  // As action_msgs/CancelGoal: the goal of this id, and all that came at `stamp` (ns) or before. An id of zeros is
-  // none, and a stamp of 0 too; without both, all. `canceling`: those that will end by this.
-  CancelAnswer Cancel(const GoalId& id, std::int64_t stamp, std::vector<GripperGoal>& canceling);
+  // As ActionGoals.
+  CancelAnswer Cancel(const GoalId& id, std::int64_t stamp, std::vector<GripperGoal>& canceling) {
+    return goals_.Cancel(id, stamp, canceling);
+  }
 
   // What to tell the gripper for the tick after `tick`, when there is something to tell.
   struct Order {
@@ -65,20 +53,18 @@ class GripperGoals {
   void Observe(Tick tick, const ros::GripperMotion& motion);
 
   // The goal that moves the gripper, if one does.
-  const GripperGoal* executing() const;
-  const GripperGoal* Find(const GoalId& id) const;
-  // Those that have not ended and some that have, in the order in which they came.
-  const std::vector<GripperGoal>& goals() const { return goals_; }
+  const GripperGoal* executing() const { return goals_.executing(); }
+  const GripperGoal* Find(const GoalId& id) const { return goals_.Find(id); }
+  const ros::ActionGoals<GripperGoal>& goals() const { return goals_; }
 
  private:
   void End(GripperGoal& goal, GoalStatus status, bool stalled);
-  void Forget();
 
   double largest_opening_;
   std::int64_t interval_ns_;
   double opening_;           // as observed last
   std::int64_t now_ns_ = 0;  // likewise
-  std::vector<GripperGoal> goals_;
+  ros::ActionGoals<GripperGoal> goals_;
   std::optional<Tick> begun_;  // when the gripper was told of the goal that is executed or cancelled
   bool told_to_stay_ = false;
   std::int64_t still_ns_ = 0;  // for how long the fingers have not moved

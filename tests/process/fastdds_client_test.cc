@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -86,6 +87,21 @@ class Stepper {
   ControlClient client_;
 };
 
+// Equal, but for numbers that differ by rounding.
+void ExpectNear(const json& found, const json& expected) {
+  const json flat = expected.flatten();
+  const json found_flat = found.flatten();
+  ASSERT_EQ(found_flat.size(), flat.size()) << found;
+  for (const auto& [path, value] : flat.items()) {
+    ASSERT_TRUE(found_flat.contains(path)) << path;
+    if (value.is_number_float()) {
+      EXPECT_NEAR(found_flat[path].get<double>(), value.get<double>(), 1e-12) << path;
+    } else {
+      EXPECT_EQ(found_flat[path], value) << path;
+    }
+  }
+}
+
 struct GripperRun {
   std::vector<json> said;  // by the client
   std::string hashes;
@@ -167,6 +183,43 @@ TEST_F(FastDdsClientTest, StepsAThousandTimesTwiceWithTheSameHashes) {
   const std::string first = StepAThousandTimes("first", folder_);
   EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 1001);
   EXPECT_TRUE(StepAThousandTimes("second", folder_) == first);
+}
+
+// Spawns a rover, moves it, steps and deletes it. Each field of each answer.
+TEST_F(FastDdsClientTest, AsksAndEditsTheWorldByItsServices) {
+  Program run = RunWithRos("pen.world", {"--paused"});
+  run.WaitForLine("ready");
+  Program client({ProgramPath("fastdds_world"), RosDomain()});
+  EXPECT_EQ(client.Wait(), 0) << client.output();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  const json ok = {1, ""};
+  const auto state = [&](double x, double heading, std::int64_t nanoseconds) {
+    return json{{"topic", "state"},
+                {"result", ok},
+                {"stamp", {0, nanoseconds}},
+                {"frame", "map"},
+                {"position", {x, -2.0, 0.0}},
+                {"orientation", {0.0, 0.0, std::sin(heading / 2.0), std::cos(heading / 2.0)}},
+                {"linear", {0.0, 0.0, 0.0}},
+                {"angular", {0.0, 0.0, 0.0}},
+                {"acceleration", {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}}};
+  };
+  std::vector<json> lines = Lines(client);
+  ASSERT_EQ(lines.size(), 10u);
+  EXPECT_EQ(lines[0], json({{"topic", "features"},
+                            {"features", {0, 1, 8, 10, 11, 12, 14, 20, 21, 22, 23, 24, 25, 26, 31, 32, 33, 40}},
+                            {"formats", {"world", "inc", "json"}},
+                            {"info", "Troupe: world pen"}}));
+  EXPECT_EQ(lines[1], json({{"topic", "spawned"}, {"result", ok}, {"name", "late"}}));
+  ExpectNear(lines[2], state(0.5, 1.0, 0));
+  EXPECT_EQ(lines[3], json({{"topic", "set"}, {"result", ok}}));
+  ExpectNear(lines[4], state(1.0, 2.0, 0));
+  EXPECT_EQ(lines[5], json({{"topic", "stepped"}, {"result", ok}}));
+  ExpectNear(lines[6], state(1.0, 2.0, 300'000'000));
+  EXPECT_EQ(lines[7], json({{"topic", "deleted"}, {"result", ok}}));
+  EXPECT_EQ(lines[8]["result"], json({2, "no entity 'late'"}));
+  EXPECT_EQ(lines[9]["topic"], "done");
 }
 
 // A reader that asks for reliable delivery of everything, and stands still.

@@ -23,6 +23,9 @@ constexpr std::uint8_t kUnsupportedFormat = 103;
 constexpr std::uint8_t kNoResource = 104;
 constexpr std::uint8_t kInvalidNamespace = 105;
 constexpr std::uint8_t kInvalidSpawnPose = 109;
+// Of LoadWorld.
+constexpr std::uint8_t kUnsupportedWorldFormat = 101;
+constexpr std::uint8_t kNoWorldResource = 102;
 
 std::string PathOf(const char* uri) {
   const std::string text = dds::Text(uri);
@@ -317,14 +320,25 @@ class EntityServices::Services : public std::enable_shared_from_this<Services> {
     ControlRequest load;
     load.command = ControlCommand::kLoadWorld;
     load.source = PathOf(request.uri);
+    if (load.source.empty()) {
+      const bool has_text = !dds::Text(request.resource_string).empty();
+      return AnswerLoad(caller, has_text ? kUnsupportedWorldFormat : kNoWorldResource, "found no uri, expected a file",
+                        "", "");
+    }
     Ask(load, [caller, path = load.source](Services& self, const ControlReply& reply) {
-      dds::WireArena arena;
-      simulation_interfaces_srv_dds__LoadWorld_Response_ response{};
-      response.result = MakeResult(reply, arena);
-      response.world.name = arena.Copy(reply.done ? self.context_->scene()->world().name : "");
-      response.world.world_resource.uri = arena.Copy(path);
-      self.load_.Respond(caller, response);
+      const ResultCode code = reply.done ? ResultCode::kOk : ResultCode::kOperationFailed;
+      self.AnswerLoad(caller, static_cast<std::uint8_t>(code), reply.problem,
+                      reply.done ? self.context_->scene()->world().name : "", path);
     });
+  }
+  void AnswerLoad(const RosCaller& caller, std::uint8_t code, const std::string& problem, const std::string& world,
+                  const std::string& path) {
+    dds::WireArena arena;
+    simulation_interfaces_srv_dds__LoadWorld_Response_ response{};
+    response.result = MakeResult(code, problem, arena);
+    response.world.name = arena.Copy(world);
+    response.world.world_resource.uri = arena.Copy(path);
+    load_.Respond(caller, response);
   }
 
   static ControlRequest Reset(std::uint8_t scopes) {

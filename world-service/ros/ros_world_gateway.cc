@@ -56,6 +56,10 @@ class RosWorldGateway final : public WorldGateway {
   }
 
   void Publish(const FrameMessage& frame) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (simulation_) simulation_->Publish(frame);
+    }
     if (clock_.wanted()) clock_.Write({ros::ToTime(frame.state.tick, scene_->world().interval_ns)});
     if (!frame.events.empty() && events_.wanted()) {
       for (const Event& event : frame.events) {

@@ -22,8 +22,8 @@ constexpr std::uint8_t kQuitting = 3;
 
 // As in SimulatorFeatures: spawning, deleting, categories of entities, getting and setting their states, getting their
 // infos, spawnables; reset, of time, state and what was spawned; getting and setting the state, pausing; one step,
-// several; loading worlds.
-constexpr std::uint16_t kFeatures[] = {0, 1, 8, 10, 11, 12, 14, 20, 21, 22, 23, 24, 25, 26, 31, 32, 40};
+// several, the action; loading worlds.
+constexpr std::uint16_t kFeatures[] = {0, 1, 8, 10, 11, 12, 14, 20, 21, 22, 23, 24, 25, 26, 31, 32, 33, 40};
 
 std::uint8_t ToState(RunState state) {
   switch (state) {
@@ -169,7 +169,8 @@ SimulationServices::SimulationServices(const ros::RosNode& node, const std::stri
                                        WorldControl& control)
     : context_(std::make_shared<SimulationContext>(scene, control)),
       services_(std::make_shared<Services>(context_)),
-      entities_(node, name, options.distribution, context_) {
+      entities_(node, name, options.distribution, context_),
+      step_action_(node, name + "/simulate_steps", context_) {
   services_->Open(node, name);
 }
 

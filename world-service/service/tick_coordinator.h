@@ -124,6 +124,7 @@ class TickCoordinator {
   }
   bool playing() const { return !ticks_to_pause_ || play_after_edits_; }
   void Settle(double now);
+  void AnswerPaused();
   void Resume(double now);
   void Play(const OpenRequest& open, double now);
   // Does what waits for the pause that has settled.
@@ -168,11 +169,12 @@ class TickCoordinator {
   std::optional<std::uint64_t> ticks_to_pause_;
   std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // answered when everybody holds
+  Tick step_begun_ = 0;                      // the tick at which the step among them began
   std::optional<OpenRequest> edit_;          // carried out; likewise
   bool play_after_edits_ = false;            // the pause is only for them
   std::vector<RobotId> newcomers_;           // that an edit has brought, and that have no agent yet
   double newcomers_since_ = 0.0;
-  std::vector<std::string> new_robots_;      // not yet told
+  std::vector<std::string> new_robots_;  // not yet told
 
   Membership members_;
   TickBarrier barrier_;

@@ -1,5 +1,6 @@
 // How a TickCoordinator pauses, plays and steps. docs/tick-protocol.md describes the pause.
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "world-service/service/entities.h"
@@ -65,9 +66,19 @@ void TickCoordinator::Play(const OpenRequest& open, double now) {
 }
 
 void TickCoordinator::Settle(double now) {
-  for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) Answer(open, "");
+  AnswerPaused();
   if (const auto edit = std::exchange(edit_, std::nullopt)) AnswerEdit(*edit);
   Proceed(now);
+}
+
+void TickCoordinator::AnswerPaused() {
+  for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) {
+    const std::uint64_t made = frame_.state.tick - step_begun_;
+    const bool cut_short = open.request.command == ControlCommand::kStep && made < open.request.ticks;
+    const std::string problem =
+        "paused after " + std::to_string(made) + " of " + std::to_string(open.request.ticks) + " ticks";
+    Answer(open, cut_short ? problem : "");
+  }
 }
 
 void TickCoordinator::Proceed(double now) {
@@ -86,6 +97,7 @@ void TickCoordinator::Proceed(double now) {
 
 void TickCoordinator::StartStep(OpenRequest step, double now) {
   ticks_to_pause_ = step.request.ticks;
+  step_begun_ = frame_.state.tick;
   awaiting_pause_.push_back(std::move(step));
   Resume(now);
 }

@@ -1,88 +1,18 @@
 // A client of ROS services on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does,
 // because that is what Troupe's services read. Prints JSON lines, and ends when all is done. Loopback only.
 //   fastdds_client DOMAIN step N [/ROBOT=VX]            steps a paused run N times, after a Twist if one is given
-//   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another.
-//   GOAL: an
-//                                                       opening in m, with a ! behind it to be cancelled on the way
-#include <chrono>
+//   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another
+// GOAL: an opening in m, with a ! behind it to be cancelled on the way.
 #include <cmath>
-#include <condition_variable>
 #include <cstdlib>
-#include <map>
-#include <optional>
 
 #include "actionsPubSubTypes.h"
 #include "geometryPubSubTypes.h"
 #include "peer.h"
+#include "service_client.h"
 #include "simulationPubSubTypes.h"
 
 namespace {
-
-constexpr int kSeconds = 60;  // that an answer may take on the slowest machine
-
-template <typename Condition>
-void Until(const Condition& condition) {
-  for (int i = 0; !condition(); ++i) {
-    if (i > kSeconds * 1000) throw std::runtime_error("nobody is there");
-    usleep(1000);
-  }
-}
-
-template <typename Request, typename Response>
-class Client {
- public:
-  Client(Peer& peer, const std::string& service)
-      : writer_(peer.Write<Request>("rq" + service + "Request")),
-        reader_(peer.Read<Response>("rr" + service + "Reply", [this](const typename Response::type& response) {
-          if (response.client_guid() != kGuid) return;
-          const std::lock_guard lock(mutex_);
-          responses_.emplace(response.sequence_number(), response);
-          came_.notify_all();
-        })) {}
-
-  std::int64_t Send(typename Request::type request) {
-    request.client_guid(kGuid);
-    request.sequence_number(++number_);
-    writer_->write(&request);
-    return number_;
-  }
-  typename Response::type Await(std::int64_t number) {
-    if (!IsAnswered(number, kSeconds)) throw std::runtime_error("no answer");
-    const std::lock_guard lock(mutex_);
-    return responses_.at(number);
-  }
-
-  // Calls with a request that does nothing until it is answered. What is written before the other side has met this
-  // writer is lost, and nothing tells when that was.
-  void Meet(const typename Request::type& harmless) {
-    Until([this] {
-      PublicationMatchedStatus offered;
-      SubscriptionMatchedStatus requested;
-      writer_->get_publication_matched_status(offered);
-      reader_->get_subscription_matched_status(requested);
-      return offered.current_count > 0 && requested.current_count > 0;
-    });
-    for (int i = 0; !IsAnswered(Send(harmless), 1); ++i) {
-      if (i > kSeconds) throw std::runtime_error("nobody answers");
-    }
-  }
-  typename Response::type Call(const typename Request::type& request) { return Await(Send(request)); }
-
- private:
-  bool IsAnswered(std::int64_t number, int seconds) {
-    std::unique_lock lock(mutex_);
-    return came_.wait_for(lock, std::chrono::seconds(seconds), [&] { return responses_.contains(number); });
-  }
-
-  static constexpr std::uint64_t kGuid = 0x5eed5eed;
-
-  std::mutex mutex_;
-  std::condition_variable came_;
-  std::map<std::int64_t, typename Response::type> responses_;  // by number
-  std::int64_t number_ = 0;
-  DataWriter* writer_;
-  DataReader* reader_;
-};
 
 void Step(Peer& peer, int steps, const char* drive) {
   namespace srv = simulation_interfaces::srv::dds_;

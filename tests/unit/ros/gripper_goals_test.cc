@@ -105,7 +105,7 @@ TEST_F(GripperGoalsTest, RefuseWhatIsNotPossible) {
   EXPECT_FALSE(goals_.Accept(Id(1), 0.1, std::nan("")));
   EXPECT_TRUE(goals_.Accept(Id(1), 0.3, 0.0));
   EXPECT_FALSE(goals_.Accept(Id(1), 0.3, 0.0)) << "an id twice";
-  EXPECT_EQ(goals_.goals().size(), 1u);
+  EXPECT_EQ(goals_.goals().all().size(), 1u);
 }
 
 TEST_F(GripperGoalsTest, GiveWayToTheNewest) {
@@ -165,11 +165,11 @@ TEST_F(GripperGoalsTest, AreForgottenSomeTimeAfterTheirEnd) {
     See(0.1);
   }
   See(0.1);
-  EXPECT_EQ(goals_.goals().size(), 16u);
+  EXPECT_EQ(goals_.goals().all().size(), 16u);
   EXPECT_EQ(StatusOf(1), GoalStatus::kUnknown);
   EXPECT_EQ(StatusOf(40), GoalStatus::kSucceeded);
   for (int i = 50; i < 250; ++i) goals_.Accept(Id(static_cast<std::uint8_t>(i)), 0.1, 0.0);
-  EXPECT_EQ(goals_.goals().size(), 116u);
+  EXPECT_EQ(goals_.goals().all().size(), 116u);
 }
 
 }  // namespace

@@ -105,6 +105,23 @@ TEST_F(ControlTest, StepsOneAfterAnotherHoweverFastTheyAreAskedFor) {
   EXPECT_EQ(replies[1].tick, 3u);
 }
 
+TEST_F(ControlTest, APauseCutsAStepShortWhichIsToldOfIt) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  Hold(1);
+  Ask(ControlCommand::kStep, 5);
+  Propose(1);
+  Ask(ControlCommand::kPause);
+  Propose(1);
+  Hold(1);
+  ASSERT_EQ(replies.size(), 2u);
+  EXPECT_FALSE(replies[0].done);
+  EXPECT_EQ(replies[0].problem, "paused after 2 of 5 ticks");
+  EXPECT_TRUE(replies[1].done);
+  EXPECT_EQ(replies[1].state, RunState::kPaused);
+  EXPECT_EQ(tick(), 2u);
+}
+
 TEST_F(ControlTest, RefusesToStepWhileItPlaysAndToStepNothing) {
   MakeAndStart(1);
   Ask(ControlCommand::kStep, 1);

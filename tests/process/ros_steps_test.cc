@@ -1,0 +1,244 @@
+// The action simulation_interfaces/SimulateSteps of whole runs, used as a ROS program does.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/dds/wire.h"
+#include "common/ros/action_goals.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/simulation_types.h"
+#include "tests/process/programs.h"
+#include "tests/support/ros_client.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using ros::CancelAnswer;
+using ros::GoalStatus;
+using testing::HasSubstr;
+
+constexpr std::uint8_t kOk = 1;
+constexpr std::uint8_t kFailed = 4;
+constexpr std::uint8_t kPlaying = 1;
+constexpr std::uint8_t kPaused = 2;
+
+std::int64_t TickOf(const ros::Time& stamp) {  // of pen.world
+  return stamp.sec * std::int64_t{10} + stamp.nanosec / 100'000'000;
+}
+
+struct Ended {
+  GoalStatus status = GoalStatus::kUnknown;
+  std::uint8_t result = 0;
+  std::string message;
+};
+
+class RosStepsTest : public testing::Test {
+ protected:
+  bool Send(std::uint8_t id, std::uint64_t steps) {
+    simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_ request{};
+    request.goal_id.uuid[0] = id;
+    request.goal.steps = steps;
+    bool accepted = false;
+    send_.Call(request, [&](const auto& response) { accepted = response.accepted; });
+    return accepted;
+  }
+  void AskForResult(std::uint8_t id) {
+    simulation_interfaces_action_dds__SimulateSteps_GetResult_Request_ request{};
+    request.goal_id.uuid[0] = id;
+    result_.Send(request);
+  }
+  Ended AwaitResult() {
+    Ended ended;
+    EXPECT_TRUE(Eventually([&] {
+      return result_.Take([&](const auto& response) {
+        ended = {GoalStatus(response.status), response.result.result.result,
+                 dds::Text(response.result.result.error_message)};
+      });
+    }));
+    return ended;
+  }
+  Ended ResultOf(std::uint8_t id) {
+    AskForResult(id);
+    return AwaitResult();
+  }
+  CancelAnswer Cancel(std::uint8_t id) {
+    action_msgs_srv_dds__CancelGoal_Request_ request{};
+    request.goal_info.goal_id.uuid[0] = id;
+    CancelAnswer answer = CancelAnswer::kNone;
+    cancel_.Call(request, [&](const auto& response) { answer = CancelAnswer(response.return_code); });
+    return answer;
+  }
+  std::uint8_t SetState(std::uint8_t state) {
+    simulation_interfaces_srv_dds__SetSimulationState_Request_ request{};
+    request.state.state = state;
+    std::uint8_t result = 0;
+    set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+  std::uint8_t State() {
+    std::uint8_t state = 0;
+    get_state_.Call({}, [&](const auto& response) { state = response.state.state; });
+    return state;
+  }
+  void Step() {
+    simulation_interfaces_srv_dds__StepSimulation_Request_ one{};
+    one.steps = 1;
+    step_.Call(one, [](const auto& response) { EXPECT_EQ(response.result.result, kOk); });
+  }
+  std::int64_t Now() {
+    simulation_interfaces_srv_dds__GetEntityState_Request_ request{};
+    request.entity = const_cast<char*>("r0");
+    std::int64_t tick = 0;
+    entity_.Call(request, [&](const auto& response) { tick = TickOf(response.state.header.stamp); });
+    return tick;
+  }
+  // Completed and remaining steps of goal `id`, as far as they have come.
+  const std::vector<std::pair<std::uint64_t, std::uint64_t>>& Feedback(std::uint8_t id) {
+    feedback_.Drain([&](const auto& message) {
+      told_[message.goal_id.uuid[0]].emplace_back(message.feedback.completed_steps, message.feedback.remaining_steps);
+    });
+    return told_[id];
+  }
+  // Of the goals that are known, by their ids.
+  std::map<int, GoalStatus> Statuses() {
+    status_.Drain([&](const auto& message) {
+      statuses_.clear();
+      for (const auto& goal : dds::Elements(message.status_list)) {
+        statuses_[goal.goal_info.goal_id.uuid[0]] = GoalStatus(goal.status);
+      }
+    });
+    return statuses_;
+  }
+
+  Program RunPenPaused() {
+    const ros::RosOptions options = TestRosOptions();
+    return Troupe({"run", WorldPath("pen.world"), "--domain", std::to_string(TestDomain()), "--headless", "--paused",
+                   "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain", std::to_string(options.domain)});
+  }
+
+  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosNode node_ = ros::MakeNode(participant_, "/", "tester");
+  ros::RosReader<simulation_interfaces_action_dds__SimulateSteps_FeedbackMessage_> feedback_{
+      node_, "/world/simulate_steps/_action/feedback", ros::Stream(1000)};
+  ros::RosReader<action_msgs_msg_dds__GoalStatusArray_> status_{node_, "/world/simulate_steps/_action/status",
+                                                                ros::Latched()};
+  ros::RosReader<ros::LaserScan> scans_{node_, "/r0/scan", ros::Stream(1000)};
+
+ private:
+  template <typename Request, typename Response>
+  using Service = Client<Request, Response>;
+  Service<simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_,
+          simulation_interfaces_action_dds__SimulateSteps_SendGoal_Response_>
+      send_{participant_, "/world/simulate_steps/_action/send_goal"};
+  Service<simulation_interfaces_action_dds__SimulateSteps_GetResult_Request_,
+          simulation_interfaces_action_dds__SimulateSteps_GetResult_Response_>
+      result_{participant_, "/world/simulate_steps/_action/get_result"};
+  Service<action_msgs_srv_dds__CancelGoal_Request_, action_msgs_srv_dds__CancelGoal_Response_> cancel_{
+      participant_, "/world/simulate_steps/_action/cancel_goal"};
+  Service<simulation_interfaces_srv_dds__SetSimulationState_Request_,
+          simulation_interfaces_srv_dds__SetSimulationState_Response_>
+      set_state_{participant_, "/world/set_simulation_state"};
+  Service<simulation_interfaces_srv_dds__GetSimulationState_Request_,
+          simulation_interfaces_srv_dds__GetSimulationState_Response_>
+      get_state_{participant_, "/world/get_simulation_state"};
+  Service<simulation_interfaces_srv_dds__StepSimulation_Request_,
+          simulation_interfaces_srv_dds__StepSimulation_Response_>
+      step_{participant_, "/world/step_simulation"};
+  Service<simulation_interfaces_srv_dds__GetEntityState_Request_,
+          simulation_interfaces_srv_dds__GetEntityState_Response_>
+      entity_{participant_, "/world/get_entity_state"};
+  std::map<int, std::vector<std::pair<std::uint64_t, std::uint64_t>>> told_;  // by goal
+  std::map<int, GoalStatus> statuses_;
+};
+
+TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
+  Program run = RunPenPaused();
+  // Until everybody has met everybody.
+  std::int64_t newest = 0;
+  const auto see = [&] {
+    scans_.Drain([&](const ros::LaserScan& scan) { newest = TickOf(scan.header.stamp); });
+    return newest;
+  };
+  EXPECT_TRUE(Eventually([&] {
+    Step();
+    return see() > 0;
+  }));
+  const std::int64_t before = Now();
+
+  ASSERT_TRUE(Send(1, 20));
+  const Ended ended = ResultOf(1);
+  EXPECT_EQ(ended.status, GoalStatus::kSucceeded);
+  EXPECT_EQ(ended.result, kOk);
+  EXPECT_EQ(ended.message, "");
+  EXPECT_TRUE(Eventually([&] { return !Feedback(1).empty() && Feedback(1).back().second == 0; }));
+  ASSERT_EQ(Feedback(1).size(), 20u);
+  for (std::uint64_t step = 1; step <= 20; ++step) {
+    EXPECT_EQ(Feedback(1)[step - 1], std::make_pair(step, 20 - step));
+  }
+  // Written before the result, so it must only travel.
+  EXPECT_TRUE(Eventually([&] { return see() == before + 20; }));
+  EXPECT_EQ(State(), kPaused);
+  EXPECT_EQ(Now(), before + 20);
+  EXPECT_TRUE(Eventually([&] { return Statuses() == std::map<int, GoalStatus>{{1, GoalStatus::kSucceeded}}; }));
+  EXPECT_EQ(ResultOf(9).status, GoalStatus::kUnknown);
+  EXPECT_EQ(Cancel(9), CancelAnswer::kUnknownGoal);
+  EXPECT_EQ(Cancel(1), CancelAnswer::kGoalHasEnded);
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndTakesOneGoalAtATime) {
+  Program run = RunPenPaused();
+  ASSERT_TRUE(Send(1, 1'000'000));
+  AskForResult(1);
+  EXPECT_TRUE(Eventually([&] { return !Feedback(1).empty(); }));
+  EXPECT_FALSE(Send(2, 1)) << "while another is under way";
+  EXPECT_EQ(Cancel(1), CancelAnswer::kNone);
+  const Ended canceled = AwaitResult();
+  EXPECT_EQ(canceled.status, GoalStatus::kCanceled);
+  EXPECT_EQ(canceled.result, kFailed);
+  EXPECT_EQ(State(), kPaused);
+  EXPECT_EQ("paused after " + std::to_string(Now()) + " of 1000000 ticks", canceled.message);
+
+  ASSERT_TRUE(Send(3, 1'000'000));
+  AskForResult(3);
+  EXPECT_TRUE(Eventually([&] { return !Feedback(3).empty(); }));
+  EXPECT_EQ(SetState(kPaused), kOk);
+  const Ended paused = AwaitResult();
+  EXPECT_EQ(paused.status, GoalStatus::kAborted);
+  EXPECT_EQ(paused.result, kFailed);
+  EXPECT_THAT(paused.message, HasSubstr("paused after"));
+
+  ASSERT_TRUE(Send(4, 0));
+  const Ended none = ResultOf(4);
+  EXPECT_EQ(none.status, GoalStatus::kAborted);
+  EXPECT_EQ(none.result, kFailed);
+  EXPECT_EQ(none.message, "found 0 ticks to step, expected at least 1");
+
+  EXPECT_EQ(SetState(kPlaying), kOk);
+  ASSERT_TRUE(Send(5, 3));
+  const Ended playing = ResultOf(5);
+  EXPECT_EQ(playing.status, GoalStatus::kAborted);
+  EXPECT_EQ(playing.result, kFailed);
+  EXPECT_EQ(playing.message, "the run is playing; only a paused one can step");
+  EXPECT_EQ(State(), kPlaying);
+
+  EXPECT_EQ(SetState(kPaused), kOk);
+  ASSERT_TRUE(Send(6, 1'000'000));
+  AskForResult(6);
+  run.Signal(SIGINT);
+  const Ended over = AwaitResult();
+  EXPECT_EQ(over.status, GoalStatus::kAborted);
+  EXPECT_EQ(over.message, "the run is over");
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+}  // namespace
+}  // namespace troupe::test
