@@ -23,7 +23,7 @@ struct RosOptions {
   double map_resolution = 0.05;    // m, side of a cell of /map
   std::optional<double> map_height = {};  // m; what stands at that height is on /map; nothing: UsualMapHeight
   // For one of many processes, which need not meet each other: others on this machine meet it when they announce
-  // themselves, not when it does.
+  // themselves, not when it does. Without effect on the loopback interface.
   bool quiet = false;
   bool map_to_odom = true;  // publish where each odom frame is in the map: the truth
 };

@@ -419,40 +419,6 @@ TEST_F(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
   EXPECT_EQ(robots, 100u);
 }
 
-// As processes of one robot each in a large world are.
-TEST(QuietRosParticipant, MeetsToolsAndNotItsLike) {
-  ros::RosOptions options = test::TestRosOptions();
-  ros::RosParticipant early(options);
-  ros::RosReader<ros::String> early_reader(ros::MakeNode(early, "/", "early"), "/hello", ros::Latched(10));
-  options.quiet = true;
-  ros::RosParticipant robots[] = {ros::RosParticipant(options), ros::RosParticipant(options)};
-  std::vector<std::unique_ptr<ros::RosWriter<ros::String>>> writers;
-  std::vector<std::unique_ptr<ros::RosReader<ros::String>>> readers;
-  for (ros::RosParticipant& robot : robots) {
-    const ros::RosNode node = ros::MakeNode(robot, "/", "robot");
-    writers.push_back(std::make_unique<ros::RosWriter<ros::String>>(node, "/hello", ros::Latched()));
-    readers.push_back(std::make_unique<ros::RosReader<ros::String>>(node, "/hello", ros::Latched()));
-    char name[] = "robot";
-    writers.back()->Write({name});
-  }
-  options.quiet = false;
-  ros::RosParticipant late(options);
-  ros::RosReader<ros::String> late_reader(ros::MakeNode(late, "/", "late"), "/hello", ros::Latched(10));
-  int early_heard = 0;
-  int late_heard = 0;
-  EXPECT_TRUE(Eventually([&] {
-    early_reader.Drain([&](const ros::String&) { ++early_heard; });
-    late_reader.Drain([&](const ros::String&) { ++late_heard; });
-    return early_heard == 2 && late_heard == 2;
-  })) << early_heard
-      << " " << late_heard;
-  for (const auto& reader : readers) {
-    int heard = 0;
-    reader->Drain([&](const ros::String&) { ++heard; });
-    EXPECT_EQ(heard, 1) << "its own";
-  }
-}
-
 TEST_F(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {
   MakeReplica(options_);
   auto malformed = Writer<Malformed>("/a/cmd_vel");

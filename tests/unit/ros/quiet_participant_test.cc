@@ -1,0 +1,73 @@
+// Quiet participants, on a network of this test's own: the loopback interface carries what they say to each other.
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/dds/wire.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe {
+namespace {
+
+bool HasNetworkOfItsOwn() {
+  return unshare(CLONE_NEWNET) == 0 &&
+         std::system(
+             "ip link set lo up && ip link add net0 type veth peer name net1 2>/dev/null && "
+             "ip addr add 10.77.0.1/24 dev net0 && ip link set net0 up && "
+             "ip link set net1 up && ip route add default dev net0") == 0;
+}
+
+// Says its name to everybody, and remembers whom it has heard.
+class Speaker {
+ public:
+  Speaker(std::string name, bool quiet)
+      : participant_(OptionsFor(quiet)),
+        writer_(ros::MakeNode(participant_, "/", name), "/names", ros::Latched()),
+        reader_(ros::MakeNode(participant_, "/", name), "/names", ros::Latched(10)) {
+    writer_.Write({name.data()});
+  }
+  const std::set<std::string>& heard() {
+    reader_.Drain([&](const ros::String& message) { heard_.insert(dds::Text(message.data)); });
+    return heard_;
+  }
+
+ private:
+  static ros::RosOptions OptionsFor(bool quiet) {
+    ros::RosOptions options = test::TestRosOptions();
+    options.network_interface = "net0";
+    options.quiet = quiet;
+    return options;
+  }
+
+  ros::RosParticipant participant_;
+  ros::RosWriter<ros::String> writer_;
+  ros::RosReader<ros::String> reader_;
+  std::set<std::string> heard_;
+};
+
+TEST(QuietParticipant, MeetsToolsAndNotItsLike) {
+  if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
+  Speaker early("early", false);
+  Speaker robot("robot", true);
+  Speaker other("other", true);
+  Speaker late("late", false);
+  const std::set<std::string> all = {"early", "robot", "other", "late"};
+  for (Speaker* tool : {&early, &late}) {
+    EXPECT_TRUE(test::Eventually([&] { return tool->heard() == all; })) << testing::PrintToString(tool->heard());
+  }
+  for (Speaker* quiet : {&robot, &other}) {
+    EXPECT_TRUE(test::Eventually([&] { return quiet->heard().size() == 3; }));
+    EXPECT_FALSE(quiet->heard().contains(quiet == &robot ? "other" : "robot"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe
