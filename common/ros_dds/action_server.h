@@ -58,17 +58,27 @@ class ActionServer {
       : handlers_(std::move(handlers)),
         feedback_(node, name + "/_action/feedback", Stream(kFeedbackDepth)),
         status_(node, name + "/_action/status", Latched()),
-        send_goal_(node, name + "/_action/send_goal", handlers_.send_goal),
-        cancel_(node, name + "/_action/cancel_goal",
-                [this](const RosCaller& caller, const CancelRequest& request) {
-                  const Time& stamp = request.goal_info.stamp;
-                  handlers_.cancel(caller, ToGoalId(request.goal_info.goal_id),
-                                   stamp.sec * std::int64_t{1'000'000'000} + stamp.nanosec);
-                }),
-        get_result_(node, name + "/_action/get_result",
-                    [this](const RosCaller& caller, const GetResultRequest& request) {
-                      handlers_.get_result(caller, ToGoalId(request.goal_id));
-                    }) {}
+        send_goal_(node, name + "/_action/send_goal", handlers_.send_goal, Service(), Serving::kWhenStarted),
+        cancel_(
+            node, name + "/_action/cancel_goal",
+            [this](const RosCaller& caller, const CancelRequest& request) {
+              const Time& stamp = request.goal_info.stamp;
+              handlers_.cancel(caller, ToGoalId(request.goal_info.goal_id),
+                               stamp.sec * std::int64_t{1'000'000'000} + stamp.nanosec);
+            },
+            Service(), Serving::kWhenStarted),
+        get_result_(
+            node, name + "/_action/get_result",
+            [this](const RosCaller& caller, const GetResultRequest& request) {
+              handlers_.get_result(caller, ToGoalId(request.goal_id));
+            },
+            Service(), Serving::kWhenStarted) {}
+  // Call once, when the handlers may be called. Handles what has come by then.
+  void Start() {
+    send_goal_.Start();
+    cancel_.Start();
+    get_result_.Start();
+  }
 
   void AnswerGoal(const RosCaller& caller, bool accepted, std::int64_t stamp) {
     SendGoalResponse response{};

@@ -2,6 +2,8 @@
 // cannot be written is counted (RosParticipant::lost) and forgotten.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <string>
 
 #include "common/dds/data_reader.h"
@@ -25,14 +27,17 @@ class RosWriter {
       : participant_(node.participant),
         topic_(participant_->participant(), "rt" + node.Resolve(name)),
         writer_(participant_->publisher(), topic_, dds::Qos(qos) << TypeUserData<T>()) {
+    dds::DataWriterListener listener;
+    listener.on_publication_matched = [wanted = wanted_](const dds::PublicationMatchedStatus& status) {
+      wanted->store(status.current_count > 0, std::memory_order_relaxed);
+    };
+    writer_.set_listener(std::move(listener));
+    if (writer_.publication_matched_status().current_count > 0) *wanted_ = true;  // they came before
     participant_->AddWriter(node.index, writer_.handle());
   }
 
-  // Somebody reads it: worth making a message.
-  bool wanted() const {
-    dds::PublicationMatchedStatus status;
-    return dds_get_publication_matched_status(writer_.handle(), &status) == DDS_RETCODE_OK && status.current_count > 0;
-  }
+  // Somebody reads it: worth making a message. Costs next to nothing, because it is asked for each topic at each tick.
+  bool wanted() const { return wanted_->load(std::memory_order_relaxed); }
 
   void Write(const T& message) noexcept {
     if (dds_write(writer_.handle(), &message) != DDS_RETCODE_OK) participant_->CountLost();
@@ -41,6 +46,7 @@ class RosWriter {
  private:
   RosParticipant* participant_;
   dds::Topic<T> topic_;
+  std::shared_ptr<std::atomic<bool>> wanted_ = std::make_shared<std::atomic<bool>>(false);
   dds::DataWriter<T> writer_;
 };
 
@@ -50,12 +56,17 @@ class RosReader {
   RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos)
       : topic_(node.participant->participant(), "rt" + node.Resolve(name)),
         reader_(node.participant->subscriber(), topic_, dds::Qos(qos) << TypeUserData<T>()) {
+    dds::DataReaderListener listener;
+    listener.on_data_available = [came = came_] { came->store(true); };
+    reader_.set_listener(std::move(listener));
     node.participant->AddReader(node.index, reader_.handle());
   }
 
-  // Calls `take` with each message that came since the last call.
+  // Calls `take` with each message that came since the last call. Costs next to nothing when none has.
   template <typename Take>
   void Drain(const Take& take) {
+    if (!came_->load()) return;
+    came_->store(false);  // before taking: what comes now is taken, or counts for the next call
     try {
       for (;;) {
         const dds::LoanedSamples<T> samples = reader_.take();
@@ -65,11 +76,13 @@ class RosReader {
         }
       }
     } catch (const dds::Exception&) {  // out of memory; what is left comes with the next call
+      came_->store(true);
     }
   }
 
  private:
   dds::Topic<T> topic_;
+  std::shared_ptr<std::atomic<bool>> came_ = std::make_shared<std::atomic<bool>>(true);  // something, perhaps
   dds::DataReader<T> reader_;
 };
 

@@ -20,6 +20,10 @@
 
 namespace troupe::ros {
 
+// When a service calls its handler first: as soon as it is made, or when it is told by Start, because what the handler
+// needs is not there before.
+enum class Serving : std::uint8_t { kAtOnce, kWhenStarted };
+
 // Whom an answer is for.
 struct RosCaller {
   std::uint64_t client_guid = 0;
@@ -38,7 +42,8 @@ class RosService {
   // Called on a thread of Cyclone's with each request. Answers now by Respond, or later.
   using Handler = std::function<void(const RosCaller& caller, const Request& request)>;
 
-  RosService(const RosNode& node, const std::string& name, Handler handler, const dds::Qos& qos = Service())
+  RosService(const RosNode& node, const std::string& name, Handler handler, const dds::Qos& qos = Service(),
+             Serving serving = Serving::kAtOnce)
       : id_(NewServiceId()),
         request_topic_(node.participant->participant(), "rq" + node.Resolve(name) + "Request"),
         response_topic_(node.participant->participant(), "rr" + node.Resolve(name) + "Reply"),
@@ -48,6 +53,17 @@ class RosService {
         reader_(node.participant->subscriber(), request_topic_, dds::Qos(qos) << ServiceUserData<Request>(id_)) {
     participant_->AddReader(node.index, reader_.handle());
     participant_->AddWriter(node.index, writer_.handle());
+    if (serving == Serving::kAtOnce) Start();
+  }
+  ~RosService() {
+    reader_.clear_listener();
+    writer_.clear_listener();
+  }
+  RosService(const RosService&) = delete;
+  RosService& operator=(const RosService&) = delete;
+
+  // Call once, if it was not to serve at once. Handles what has come by then.
+  void Start() {
     dds::DataReaderListener listener;
     listener.on_data_available = [this] { Serve(); };
     reader_.set_listener(std::move(listener));
@@ -56,12 +72,6 @@ class RosService {
     writer_.set_listener(std::move(met));
     Serve();
   }
-  ~RosService() {
-    reader_.clear_listener();
-    writer_.clear_listener();
-  }
-  RosService(const RosService&) = delete;
-  RosService& operator=(const RosService&) = delete;
 
   // Safe to call from any thread.
   void Respond(const RosCaller& caller, Response& response) {

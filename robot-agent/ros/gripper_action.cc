@@ -41,7 +41,9 @@ class GripperAction::Server {
                 {.send_goal = [this](const RosCaller& caller, const auto& request) { SendGoal(caller, request); },
                  .cancel = [this](const RosCaller& caller, const GoalId& id,
                                   std::int64_t stamp) { Cancel(caller, id, stamp); },
-                 .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }}) {}
+                 .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }}) {
+    server_.Start();
+  }
 
   std::optional<GripperGoals::Order> Begin(Tick tick) {
     const std::lock_guard lock(mutex_);

@@ -116,7 +116,7 @@ void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
 
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {
   const auto& [ranger, sensor, topic, frame] = laser.topic;
-  if (!Due(tick, ranger) || !laser.writer->wanted()) return;
+  if (!laser.writer->wanted() || !Due(tick, ranger)) return;
   const RangerDescription& description_of_ranger = description().rangers[ranger];
   const RangeScan& scan = robot.Measure(ranger).scans[sensor];
   dds::WireArena arena;

@@ -44,9 +44,13 @@ class ServiceSlot {
   using Service = ros::RosService<Request, Response>;
 
   void Open(const ros::RosNode& node, const std::string& name, typename Service::Handler handler) {
-    auto made = std::make_unique<Service>(node, name, std::move(handler));
-    const std::lock_guard lock(mutex_);
-    service_ = std::move(made);
+    auto made = std::make_unique<Service>(node, name, std::move(handler), ros::Service(), ros::Serving::kWhenStarted);
+    Service& service = *made;
+    {
+      const std::lock_guard lock(mutex_);
+      service_ = std::move(made);
+    }
+    service.Start();  // a request may have come already, and its answer goes by the pointer
   }
   // No handler runs any more when it returns.
   void Close() {

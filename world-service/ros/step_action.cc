@@ -47,8 +47,12 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
             .cancel = [this](const RosCaller& caller, const GoalId& id,
                              std::int64_t stamp) { Cancel(caller, id, stamp); },
             .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }});
-    const std::lock_guard lock(mutex_);
-    action_ = std::move(made);
+    ActionServer& action = *made;
+    {
+      const std::lock_guard lock(mutex_);
+      action_ = std::move(made);
+    }
+    action.Start();
   }
 
   // No handler runs any more when it returns.
