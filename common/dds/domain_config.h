@@ -18,7 +18,7 @@ struct DomainConfig {
   bool data_multicast = true;       // to many readers at once
   bool discovery_multicast = true;  // announce itself to everybody; otherwise only to the peers
   // Its multicast reaches others on this machine. Without, they and it meet only when they announce themselves to it,
-  // and many participants that are all without do not meet each other.
+  // and many participants that are all without do not meet each other. The loopback interface ignores this.
   bool heard_on_own_machine = true;
   std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
   double lease_seconds = 10.0;     // others forget a participant that is silent for longer

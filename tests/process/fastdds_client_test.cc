@@ -113,7 +113,7 @@ GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   const std::string session = TestSession(hashes);
   Program run = RunWithRos("hands.json", {"--paused", "--session", session, "--hash-log", folder.Path(hashes)});
   Program client(
-      {ProgramPath("fastdds_client"), RosDomain(), "gripper", "/anna/gripper", "0.30", "nan", "9", "0", "0.31!"});
+      {ProgramPath("fastdds_client"), RosDomain(), "gripper", "/anna/gripper", "0.30", "nan", "9", "0", "0.31!0.205"});
   Stepper stepper(session);
   client.WaitForLine(R"({"accepted":true,"goal":1,)");
   // As many steps as each goal takes: the client goes on as soon as it has a result.
@@ -121,7 +121,7 @@ GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   client.WaitForLine(R"({"accepted":true,"goal":4,)");
   stepper.Step(51);  // to the box, and against it
   client.WaitForLine(R"({"accepted":true,"goal":5,)");
-  stepper.Step(3);
+  stepper.Step(3);  // after which it has passed 0.205 m, and not before
   client.WaitForLine("canceled");
   stepper.Step(10);
   EXPECT_EQ(client.Wait(), 0) << client.output();

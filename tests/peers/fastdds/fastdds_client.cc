@@ -2,7 +2,7 @@
 // because that is what Troupe's services read. Prints JSON lines, and ends when all is done. Loopback only.
 //   fastdds_client DOMAIN step N [/ROBOT=VX]            steps a paused run N times, after a Twist if one is given
 //   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another
-// GOAL: an opening in m, with a ! behind it to be cancelled on the way.
+// GOAL: an opening in m; with !OPENING behind it, it is cancelled as soon as that has been passed on the way up.
 #include <cmath>
 #include <cstdlib>
 
@@ -73,7 +73,7 @@ class Gripper {
                  {"effort", feedback.effort()},
                  {"stalled", feedback.stalled()},
                  {"reached", feedback.reached_goal()}});
-          ++feedback_;
+          opening_ = feedback.position();
         },
         false);
     status_reader_ = peer.Read<action_msgs::msg::dds_::GoalStatusArray_PubSubType>(
@@ -104,15 +104,16 @@ class Gripper {
     action::GripperCommand_SendGoal_Request_ request;
     request.goal_id().uuid()[0] = ++id_;
     request.goal().command().position(std::strtod(goal.c_str(), nullptr));
-    const int before = feedback_;
+    opening_ = 0.0;
     const auto sent = send_goal_.Call(request);
     Print({{"topic", "sent"}, {"goal", id_}, {"accepted", sent.accepted()}, {"stamp", sent.stamp().sec()}});
     if (!sent.accepted()) return;
     action::GripperCommand_GetResult_Request_ ask;
     ask.goal_id(request.goal_id());
     const std::int64_t asked = get_result_.Send(ask);
-    if (goal.ends_with("!")) {
-      Until([&] { return feedback_ > before; });
+    if (const std::size_t mark = goal.find('!'); mark != std::string::npos) {
+      const double enough = std::strtod(goal.c_str() + mark + 1, nullptr);
+      Until([&] { return opening_ > enough; });
       action_msgs::srv::dds_::CancelGoal_Request_ cancel;
       cancel.goal_info().goal_id(request.goal_id());
       const auto canceled = cancel_.Call(cancel);
@@ -136,7 +137,7 @@ class Gripper {
   Client<action_msgs::srv::dds_::CancelGoal_Request_PubSubType, action_msgs::srv::dds_::CancelGoal_Response_PubSubType>
       cancel_;
   DataReader* status_reader_ = nullptr;
-  std::atomic<int> feedback_ = 0;
+  std::atomic<double> opening_ = 0.0;  // by the newest feedback
   std::uint8_t id_ = 0;
 };
 
