@@ -54,7 +54,7 @@ void BM_SingleRays(benchmark::State& state) {
                 RobotId self) {
     for (double bearing : bearings) {
       const SinCosResult trig = SinCos(X_WR.heading + bearing);
-      benchmark::DoNotOptimize(CastRay(scene, robots, X_WR.translation(), {trig.cos, trig.sin}, 0.2, 8.0, self));
+      benchmark::DoNotOptimize(CastRay(scene, robots, {X_WR.translation(), {trig.cos, trig.sin}, 0.2, 8.0}, self));
     }
   });
 }

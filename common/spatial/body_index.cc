@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
 
 namespace troupe {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kSmallestCell = 0.01;  // m
 
 Rectangle BoundsOf(const std::vector<Pose>& poses) {
@@ -36,14 +34,14 @@ void BodyIndex::Assign(const WorldState& state) {
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
     for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
-    if (count > 0) Rebuild();
+    if (has_grid()) Rebuild();
   } else {
     for (std::size_t i = 0; i < state.robots.size(); ++i) Move(BodyId(i), state.robots[i].X_WR);
     for (std::size_t i = 0; i < state.objects.size(); ++i) {
       Move(scene_->body_of(ObjectId(i)), state.objects[i].X_WO);
     }
     for (std::size_t i = 0; i < state.joints.size(); ++i) MoveJoint(JointId(i), state.joints[i].position);
-    if (count > 0 && !FitsGrid()) Rebuild();
+    if (has_grid() && !FitsGrid()) Rebuild();
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     const std::optional<GripperId>& holder = state.objects[i].holder;
@@ -56,7 +54,7 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
   fresh_[index] &= ~kPiecesFresh;
-  if (grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
+  if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
   Insert(index);
 }
@@ -106,28 +104,9 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
 }
 
 void BodyIndex::Query(const Rectangle& box, std::vector<BodyId>& result) const {
-  if (X_WB_.empty() || box.empty()) return;
-  // A body is in the cell of its origin, so it may reach into the box from as far as the largest radius.
-  const CellRange range = grid_.CellsOf(box.Inflated(scene_->max_body_radius()));
-  if (range.count() >= X_WB_.size()) {
-    for (std::size_t i = 0; i < X_WB_.size(); ++i) {
-      if (MayOverlap(static_cast<std::uint32_t>(i), box)) result.push_back(BodyId(i));
-    }
-    return;
-  }
   const auto first = static_cast<std::ptrdiff_t>(result.size());
-  for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
-    for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-      for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) {
-        if (MayOverlap(i, box)) result.push_back(BodyId(i));
-      }
-    }
-  }
-  std::sort(result.begin() + first, result.end());
-}
-
-bool BodyIndex::MayOverlap(std::uint32_t body, const Rectangle& box) const {
-  return box.Inflated(scene_->ray_shape(BodyId(body)).radius).Contains(X_WB_[body].translation());
+  ForEachNear(box, [&](BodyId body) { result.push_back(body); });
+  if (has_grid()) std::sort(result.begin() + first, result.end());
 }
 
 // The grid fits as long as all bodies are in it and do not huddle in a small part of it. It is correct anyway, only

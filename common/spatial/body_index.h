@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -39,6 +40,9 @@ class BodyIndex {
 
   // The bodies that may overlap `box`, in id order without repeats. Appends to `result`.
   void Query(const Rectangle& box, std::vector<BodyId>& result) const;
+  // Calls visit(body) for the same bodies, in an order that depends on how they came to be where they are.
+  template <typename Visit>
+  void ForEachNear(const Rectangle& box, Visit visit) const;
 
  private:
   struct Cache {
@@ -46,11 +50,14 @@ class BodyIndex {
     std::vector<Pose> X_BL;
   };
 
+  // To look at all of so few is quicker than to keep the grid, and needs less memory.
+  static constexpr std::size_t kFewBodies = 256;
+
+  bool has_grid() const { return X_WB_.size() > kFewBodies; }
   bool FitsGrid() const;
   void Rebuild();
   void Insert(std::uint32_t body);
   void Remove(std::uint32_t body);
-  bool MayOverlap(std::uint32_t body, const Rectangle& box) const;
 
   const Scene* scene_;
   std::vector<Pose> X_WB_;
@@ -61,11 +68,33 @@ class BodyIndex {
   static constexpr std::uint8_t kPiecesFresh = 1;
   static constexpr std::uint8_t kLinksFresh = 2;
   mutable std::vector<std::uint8_t> fresh_;
-  // The bodies of a cell are a list: cell_first_, then next_ of each. kNone ends it.
+  // With many bodies. Those of a cell are a list: cell_first_, then next_ of each. kNone ends it.
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   Grid grid_;
   std::vector<std::uint32_t> cell_first_;
   std::vector<std::uint32_t> next_;
   std::vector<std::uint32_t> cell_of_;
 };
+
+template <typename Visit>
+void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
+  if (X_WB_.empty() || box.empty()) return;
+  // A body may reach into the box from as far as the largest radius; in the grid it is in the cell of its origin.
+  const Rectangle around = box.Inflated(scene_->max_body_radius() * (1.0 + 1e-9) + 1e-9);
+  const auto look_at = [&](std::size_t i) {
+    const Vec2 p = X_WB_[i].translation();
+    if (around.Contains(p) && box.Inflated(scene_->ray_shape(BodyId(i)).radius).Contains(p)) visit(BodyId(i));
+  };
+  const CellRange range = has_grid() ? grid_.CellsOf(around) : CellRange{};
+  if (!has_grid() || range.count() >= X_WB_.size()) {
+    for (std::size_t i = 0; i < X_WB_.size(); ++i) look_at(i);
+    return;
+  }
+  for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+    for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+      for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) look_at(i);
+    }
+  }
+}
 
 }  // namespace troupe

@@ -46,9 +46,10 @@ class Grid {
   }
 
   // Calls visit(cell, distance) for the cells that the ray passes, in order, with the distance at which it enters each,
-  // until `visit` returns false, `max_distance` is reached or the ray leaves the bounds. REQUIRES: |direction| = 1.
+  // until `visit` returns false, `max_distance` is reached or the ray leaves the bounds. REQUIRES: |direction| = 1;
+  // inverse = 1 / direction by components.
   template <typename Visit>
-  void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const;
+  void WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance, Visit visit) const;
 
  private:
   static std::int32_t Clamped(double index, std::int32_t count) {
@@ -73,52 +74,54 @@ struct RayAxis {
 
   // For a ray from `origin` that enters the grid in cell number `first` of `count` along this axis, which begins at
   // `low`.
-  RayAxis(double origin, double direction, double low, double cell_size, std::int32_t first, std::int32_t count,
-          std::ptrdiff_t stride) {
+  RayAxis(double origin, double direction, double inverse, double low, double cell_size, std::int32_t first,
+          std::int32_t count, std::ptrdiff_t stride) {
     const bool up = direction > 0.0;
     const double line = low + (first + (up ? 1 : 0)) * cell_size;
-    next = direction != 0.0 ? (line - origin) / direction : std::numeric_limits<double>::infinity();
-    width = direction != 0.0 ? cell_size / std::abs(direction) : 0.0;
+    next = direction != 0.0 ? (line - origin) * inverse : std::numeric_limits<double>::infinity();
+    width = direction != 0.0 ? cell_size * std::abs(inverse) : 0.0;
     step = up ? stride : -stride;
     left = up ? count - 1 - first : first;
   }
 };
 
 template <typename Visit>
-void Grid::WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
+void Grid::WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance,
+                   Visit visit) const {
   // Where the ray enters and leaves the bounds.
   double enter = 0.0;
   double leave = max_distance;
   if (!bounds_.Contains(origin) || !bounds_.Contains(origin + max_distance * direction)) {
-    const auto cut = [&](double from, double along, double low, double high) {
+    const auto cut = [&](double from, double along, double inverse_along, double low, double high) {
       if (along == 0.0) {
         if (from < low || from > high) leave = -1.0;
         return;
       }
-      const double a = (low - from) / along;
-      const double b = (high - from) / along;
+      const double a = (low - from) * inverse_along;
+      const double b = (high - from) * inverse_along;
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     };
-    cut(origin.x(), direction.x(), bounds_.min_x, bounds_.max_x);
-    cut(origin.y(), direction.y(), bounds_.min_y, bounds_.max_y);
+    cut(origin.x(), direction.x(), inverse.x(), bounds_.min_x, bounds_.max_x);
+    cut(origin.y(), direction.y(), inverse.y(), bounds_.min_y, bounds_.max_y);
     if (enter > leave) return;
   }
 
   const std::int32_t column = ColumnOf(origin.x() + enter * direction.x());
   const std::int32_t row = RowOf(origin.y() + enter * direction.y());
-  RayAxis x(origin.x(), direction.x(), bounds_.min_x, cell_size_, column, columns_, 1);
-  RayAxis y(origin.y(), direction.y(), bounds_.min_y, cell_size_, row, rows_, columns_);
+  RayAxis x(origin.x(), direction.x(), inverse.x(), bounds_.min_x, cell_size_, column, columns_, 1);
+  RayAxis y(origin.y(), direction.y(), inverse.y(), bounds_.min_y, cell_size_, row, rows_, columns_);
   std::ptrdiff_t cell = static_cast<std::ptrdiff_t>(CellAt(column, row));
   double distance = enter;
-  const auto advance = [&](RayAxis& axis) {
-    distance = axis.next;
-    axis.next += axis.width;
-    cell += axis.step;
-    return distance <= leave && axis.left-- > 0;
-  };
+  // Which axis comes next cannot be foreseen, so both are moved on, one of them by nothing: a jump would cost more.
   while (visit(static_cast<std::size_t>(cell), distance)) {
-    if (!(x.next <= y.next ? advance(x) : advance(y))) return;
+    const bool along_x = x.next <= y.next;
+    distance = along_x ? x.next : y.next;
+    x.next += along_x ? x.width : 0.0;
+    y.next += along_x ? 0.0 : y.width;
+    cell += along_x ? x.step : y.step;
+    const std::int32_t left = along_x ? x.left-- : y.left--;
+    if (distance > leave || left <= 0) return;
   }
 }
 

@@ -1,8 +1,8 @@
 #include "common/spatial/ray_cast.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 
@@ -11,13 +11,14 @@
 namespace troupe {
 namespace {
 
-struct Ray {
+// A ray's line, prepared for meeting many things.
+struct Line {
   Vec2 origin;
   Vec2 direction;
   Vec2 slant;    // |direction| by components
   Vec2 inverse;  // 1 / direction by components
 
-  Ray(const Vec2& from, const Vec2& towards)
+  Line(const Vec2& from, const Vec2& towards)
       : origin(from), direction(towards), slant(towards.cwiseAbs()), inverse(towards.cwiseInverse()) {}
 
   // False only if the ray does not meet the box before `distance`. Cheap, and never wrong by rounding.
@@ -51,7 +52,7 @@ struct Nearest {
 //
 // A vertex is left or right of the ray by the sign of one number that depends on nothing else, so that of two polygons
 // that share a vertex at least one is met: no ray slips through where the rectangles of a wall join.
-double DistanceTo(std::span<const Vec2> vertices, const Ray& ray) {
+double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double enter = kInfinity;
   double leave = -kInfinity;
@@ -78,7 +79,7 @@ double DistanceTo(std::span<const Vec2> vertices, const Ray& ray) {
 
 // The same for a box along the axes. Two boxes that share a side give the same bits for it, so that no ray slips
 // through between them.
-double DistanceTo(const Rectangle& box, const Ray& ray) {
+double DistanceTo(const Rectangle& box, const Line& ray) {
   double enter = -std::numeric_limits<double>::infinity();
   double leave = std::numeric_limits<double>::infinity();
   const auto cut = [&](double from, double along, double inverse, double low, double high) {
@@ -96,43 +97,27 @@ double DistanceTo(const Rectangle& box, const Ray& ray) {
   return enter <= leave && leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
 }
 
-void Meet(double distance, ModelId model, Nearest& nearest) {
+void TakeIfNearer(double distance, ModelId model, Nearest& nearest) {
   if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
 }
 
-void MeetPolygon(std::span<const Vec2> vertices, ModelId model, const Ray& ray, Nearest& nearest) {
-  Meet(DistanceTo(vertices, ray), model, nearest);
-}
-
-// The same with a model that is looked up only when it may count.
-template <typename ModelOf>
-void MeetPolygonOf(std::span<const Vec2> vertices, ModelOf model_of, const Ray& ray, Nearest& nearest) {
-  const double distance = DistanceTo(vertices, ray);
-  if (distance >= 0.0 && distance <= nearest.distance) Meet(distance, model_of(), nearest);
-}
-
-Rectangle BoxAround(std::span<const Vec2> points) {
-  Rectangle box = Rectangle::Nothing();
-  for (const Vec2& point : points) box.Extend(point);
-  return box;
-}
-
-void MeetStandingPieces(const StaticIndex& index, const Ray& ray, double z, Nearest& nearest) {
+void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
   // The walk's own distances round too; a hair more keeps what is met exactly where a cell begins.
   constexpr double kHair = 1e-8;  // m
-  index.WalkRay(ray.origin, ray.direction, nearest.distance, [&](std::span<const std::uint32_t> pieces, double walked) {
-    if (walked > nearest.distance + kHair) return false;
-    for (std::uint32_t i : pieces) {
-      const StaticIndex::RayPiece& piece = index.ray_piece(i);
-      if (piece.is_box) {
-        if (piece.z.Contains(z)) Meet(DistanceTo(piece.box, ray), piece.model, nearest);
-        continue;
-      }
-      if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
-      MeetPolygon(index.vertices(piece), piece.model, ray, nearest);
-    }
-    return true;
-  });
+  index.WalkRay(ray.origin, ray.direction, ray.inverse, nearest.distance,
+                [&](std::span<const std::uint32_t> pieces, double walked) {
+                  if (walked > nearest.distance + kHair) return false;
+                  for (std::uint32_t i : pieces) {
+                    const StaticIndex::RayPiece& piece = index.ray_piece(i);
+                    if (piece.is_box) {
+                      if (piece.z.Contains(z)) TakeIfNearer(DistanceTo(piece.box, ray), piece.model, nearest);
+                      continue;
+                    }
+                    if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
+                    TakeIfNearer(DistanceTo(index.vertices(piece), ray), piece.model, nearest);
+                  }
+                  return true;
+                });
 }
 
 Vec2 DirectionOf(double angle) {
@@ -177,125 +162,202 @@ double HalfWidth(double distance, double radius) {
   return Atan2(radius, std::sqrt((distance - radius) * (distance + radius)));
 }
 
-}  // namespace
-
-RayCaster::RayCaster(const Scene& scene, const BodyIndex& bodies, const Rectangle& box, std::optional<RobotId> caster)
-    : scene_(scene), bodies_(bodies) {
-  std::vector<BodyId> near;
-  bodies.Query(box, near);
-  candidates_.reserve(near.size());
-  for (BodyId id : near) {
-    if (caster && bodies.owner(id) == caster) continue;
-    const RayShape& shape = scene.ray_shape(id);
-    if (shape.is_empty) continue;
-    const Pose& X_WB = bodies.X_WB(id);
-    candidates_.push_back({id, &shape, X_WB.translation(), shape.z + X_WB.z});
+// Which of some rays pass a disc, worked out for all of them at once.
+class RayBundle {
+ public:
+  explicit RayBundle(std::span<const Ray> rays) : reference_(rays.front().origin) {
+    const auto count = static_cast<Eigen::Index>(rays.size());
+    for (Eigen::ArrayXd* column : {&dx_, &dy_, &across_, &gap_}) column->resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Ray& ray = rays[static_cast<std::size_t>(i)];
+      dx_[i] = ray.direction.x();
+      dy_[i] = ray.direction.y();
+      across_[i] = Cross(ray.direction, ray.origin - reference_);
+    }
   }
-}
 
-std::span<const RayCaster::PlacedPiece> RayCaster::Place(Candidate& candidate, double z) const {
-  if (candidate.placed_for != z) {
-    const RayShape& shape = *candidate.shape;
-    const Pose& X_WB = bodies_.X_WB(candidate.body);
-    Pose X_WL = X_WB;
+  // Calls visit(ray) for those whose lines pass it. Never wrong by rounding if the radius has a margin of 1e-9 m.
+  template <typename Visit>
+  void ForEachNear(const Vec2& center, double radius, Visit visit) {
+    const Vec2 c = center - reference_;
+    gap_ = (dx_ * c.y() - dy_ * c.x() - across_).abs();
+    for (Eigen::Index i = 0; i < gap_.size(); ++i) {
+      if (gap_[i] <= radius) visit(static_cast<std::size_t>(i));
+    }
+  }
+
+ private:
+  Vec2 reference_;  // near the rays, so that differences are exact enough wherever in the world they are
+  Eigen::ArrayXd dx_, dy_, across_, gap_;
+};
+
+// A body that rays may meet: its pieces at the height of the rays, placed in W when the first one comes near.
+class PlacedBody {
+ public:
+  PlacedBody(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {}
+
+  void Take(BodyId body) {
+    body_ = body;
+    shape_ = &scene_.ray_shape(body);
+    X_WB_ = &bodies_.X_WB(body);
+    height_.reset();
+  }
+  Vec2 center() const { return X_WB_->translation(); }
+  double radius() const { return shape_->radius; }
+
+  void Meet(const Line& ray, double z, Nearest& nearest) {
+    PlaceAt(z);
+    for (const Piece& piece : pieces_) MeetPiece(piece, ray, nearest);
+  }
+  // The same, for many rays: looks at the box around a piece first.
+  void MeetInBoxes(const Line& ray, double z, Nearest& nearest) {
+    PlaceAt(z);
+    if (boxes_.empty()) {
+      for (const Piece& piece : pieces_) {
+        Rectangle& box = boxes_.emplace_back(Rectangle::Nothing());
+        for (const Vec2& vertex : VerticesOf(piece)) box.Extend(vertex);
+      }
+    }
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (ray.MayMeet(boxes_[i], nearest.distance)) MeetPiece(pieces_[i], ray, nearest);
+    }
+  }
+
+ private:
+  struct Piece {
+    std::uint32_t number;  // in Body::pieces
+    std::uint32_t first_vertex;
+    std::uint32_t vertex_count;
+  };
+
+  std::span<const Vec2> VerticesOf(const Piece& piece) const {
+    return {vertices_.data() + piece.first_vertex, piece.vertex_count};
+  }
+
+  void MeetPiece(const Piece& piece, const Line& ray, Nearest& nearest) const {
+    const double distance = DistanceTo(VerticesOf(piece), ray);
+    // The model is looked up only when it may count.
+    if (distance < 0.0 || distance > nearest.distance) return;
+    TakeIfNearer(distance, scene_.body(body_).pieces[piece.number].model, nearest);
+  }
+
+  void PlaceAt(double z) {
+    if (height_ == z) return;
+    height_ = z;
+    pieces_.clear();
+    vertices_.clear();
+    boxes_.clear();
+    if (!(shape_->z + X_WB_->z).Contains(z)) return;
+    Pose X_WL = *X_WB_;
     Transform2 transform(X_WL);
     std::uint32_t link = 0;
-    candidate.first_piece = static_cast<std::uint32_t>(pieces_.size());
-    for (const RayShape::Piece& piece : shape.pieces) {
+    for (const RayShape::Piece& piece : shape_->pieces) {
       if (piece.link != link) {
         link = piece.link;
-        X_WL = link == 0 ? X_WB : X_WB * bodies_.X_BL(candidate.body)[link];
+        X_WL = link == 0 ? *X_WB_ : *X_WB_ * bodies_.X_BL(body_)[link];
         transform = Transform2(X_WL);
       }
       if (!(piece.z + X_WL.z).Contains(z)) continue;
-      const auto first = static_cast<std::uint32_t>(vertices_.size());
-      pieces_.push_back({.number = piece.number, .first_vertex = first, .vertex_count = piece.vertex_count});
+      pieces_.push_back({piece.number, static_cast<std::uint32_t>(vertices_.size()), piece.vertex_count});
       for (std::uint32_t v = 0; v < piece.vertex_count; ++v) {
-        vertices_.push_back(transform * shape.vertices[piece.first_vertex + v]);
+        vertices_.push_back(transform * shape_->vertices[piece.first_vertex + v]);
       }
     }
-    candidate.piece_count = static_cast<std::uint32_t>(pieces_.size()) - candidate.first_piece;
-    candidate.placed_for = z;
   }
-  return {pieces_.data() + candidate.first_piece, candidate.piece_count};
+
+  const Scene& scene_;
+  const BodyIndex& bodies_;
+  BodyId body_;
+  const RayShape* shape_ = nullptr;
+  const Pose* X_WB_ = nullptr;
+  std::optional<double> height_;  // for which the pieces are placed
+  std::vector<Piece> pieces_;
+  std::vector<Vec2> vertices_;
+  std::vector<Rectangle> boxes_;  // around the pieces, once a fan asks
+};
+
+}  // namespace
+
+std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Ray& ray,
+                              std::optional<RobotId> caster) {
+  std::vector<std::optional<RayHit>> hits;
+  CastRays(scene, bodies, {&ray, 1}, caster, hits);
+  return hits.front();
 }
 
-std::optional<RayHit> RayCaster::CastRay(const Vec2& origin, const Vec2& direction, double z,
-                                         double max_distance) const {
-  const Ray ray{origin, direction};
-  Nearest nearest{max_distance, std::nullopt};
-  MeetStandingPieces(scene_.static_index(), ray, z, nearest);
-  for (Candidate& candidate : candidates_) {
-    const double radius = candidate.shape->radius;
-    const Vec2 center = candidate.center - origin;
-    if (std::abs(Cross(direction, center)) > radius) continue;
-    const double along = direction.dot(center);
-    if (along < -radius || along > nearest.distance + radius) continue;
-    if (!candidate.z.Contains(z)) continue;
-    for (const PlacedPiece& piece : Place(candidate, z)) {
-      MeetPolygonOf(
-          VerticesOf(piece), [&] { return ModelOf(candidate, piece); }, ray, nearest);
-    }
+void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> rays, std::optional<RobotId> caster,
+              std::vector<std::optional<RayHit>>& hits) {
+  hits.clear();
+  if (rays.empty()) return;
+  hits.reserve(rays.size());
+  std::vector<Line> lines;
+  std::vector<Nearest> nearest;
+  lines.reserve(rays.size());
+  nearest.reserve(rays.size());
+  Rectangle seen = Rectangle::Nothing();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Ray& ray = rays[i];
+    lines.emplace_back(ray.origin, ray.direction);
+    nearest.push_back({ray.max_distance, std::nullopt});
+    MeetStandingPieces(scene.static_index(), lines[i], ray.z, nearest[i]);
+    seen.Extend(ray.origin);
+    seen.Extend(ray.origin + nearest[i].distance * ray.direction);
   }
-  return nearest.hit();
+
+  RayBundle bundle(rays);
+  PlacedBody placed(scene, bodies);
+  bodies.ForEachNear(seen, [&](BodyId id) {
+    if (caster && bodies.owner(id) == caster) return;
+    placed.Take(id);
+    bundle.ForEachNear(placed.center(), placed.radius(), [&](std::size_t i) {
+      const double along = rays[i].direction.dot(placed.center() - rays[i].origin);
+      if (along < -placed.radius() || along > nearest[i].distance + placed.radius()) return;
+      placed.Meet(lines[i], rays[i].z, nearest[i]);
+    });
+  });
+
+  for (const Nearest& meeting : nearest) hits.push_back(meeting.hit());
 }
 
-void RayCaster::CastFan(const Vec2& origin, double heading, std::span<const double> bearings, double z,
-                        double max_distance, std::vector<std::optional<RayHit>>& hits) const {
-  std::vector<Vec2> directions(bearings.size());
-  std::vector<Nearest> nearest(bearings.size(), {max_distance, std::nullopt});
+void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
+             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
+             std::vector<std::optional<RayHit>>& hits) {
+  std::vector<Line> lines;
+  std::vector<Nearest> nearest;
+  lines.reserve(bearings.size());
+  nearest.reserve(bearings.size());
   double farthest = 0.0;
-  for (std::size_t i = 0; i < bearings.size(); ++i) {
-    directions[i] = DirectionOf(heading + bearings[i]);
-    MeetStandingPieces(scene_.static_index(), {origin, directions[i]}, z, nearest[i]);
-    farthest = std::max(farthest, nearest[i].distance);
+  for (const double bearing : bearings) {
+    const Line& line = lines.emplace_back(origin, DirectionOf(heading + bearing));
+    Nearest& meeting = nearest.emplace_back(Nearest{max_distance, std::nullopt});
+    MeetStandingPieces(scene.static_index(), line, z, meeting);
+    farthest = std::max(farthest, meeting.distance);
   }
 
   const SortedBearings sorted(bearings);
-  // The pieces of a candidate that are seen, and the boxes around them.
-  std::vector<std::pair<const PlacedPiece*, Rectangle>> seen;
-  for (Candidate& candidate : candidates_) {
-    const double radius = candidate.shape->radius;
-    const Vec2 center = candidate.center - origin;
+  PlacedBody placed(scene, bodies);
+  Rectangle seen = Rectangle::Nothing();
+  seen.Extend(origin);
+  bodies.ForEachNear(seen.Inflated(farthest), [&](BodyId id) {
+    if (caster && bodies.owner(id) == caster) return;
+    placed.Take(id);
+    const Vec2 center = placed.center() - origin;
     const double distance = std::sqrt(center.squaredNorm());
-    if (distance - radius > farthest || !candidate.z.Contains(z)) continue;
-    seen.clear();
+    if (distance - placed.radius() > farthest) return;
     const auto meet = [&](std::size_t i) {
-      if (distance - radius > nearest[i].distance) return;
-      if (seen.empty()) {
-        for (const PlacedPiece& piece : Place(candidate, z)) seen.emplace_back(&piece, BoxAround(VerticesOf(piece)));
-      }
-      const Ray ray{origin, directions[i]};
-      for (const auto& [piece, box] : seen) {
-        if (!ray.MayMeet(box, nearest[i].distance)) continue;
-        MeetPolygonOf(
-            VerticesOf(*piece), [&, found = piece] { return ModelOf(candidate, *found); }, ray, nearest[i]);
-      }
+      if (distance - placed.radius() <= nearest[i].distance) placed.MeetInBoxes(lines[i], z, nearest[i]);
     };
-    const double half_width = HalfWidth(distance, radius);
+    const double half_width = HalfWidth(distance, placed.radius());
     if (half_width >= kPi) {
       for (std::size_t i = 0; i < bearings.size(); ++i) meet(i);
     } else {
       const double bearing = Atan2(center.y(), center.x()) - heading;
       sorted.ForEachWithin(bearing - half_width, bearing + half_width, meet);
     }
-  }
+  });
 
   hits.resize(bearings.size());
   for (std::size_t i = 0; i < bearings.size(); ++i) hits[i] = nearest[i].hit();
-}
-
-std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, const Vec2& direction,
-                              double z, double max_distance, std::optional<RobotId> caster) {
-  const Rectangle box = BoxAround(std::array{origin, Vec2(origin + max_distance * direction)});
-  return RayCaster(scene, bodies, box, caster).CastRay(origin, direction, z, max_distance);
-}
-
-void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
-             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
-             std::vector<std::optional<RayHit>>& hits) {
-  const Rectangle box = BoxAround(std::array{origin}).Inflated(max_distance);
-  RayCaster(scene, bodies, box, caster).CastFan(origin, heading, bearings, z, max_distance, hits);
 }
 
 }  // namespace troupe

@@ -6,7 +6,7 @@ namespace troupe {
 namespace {
 
 std::vector<double> KeyOf(const RayShape& shape) {
-  std::vector<double> key = {shape.radius, shape.z.min, shape.z.max, shape.is_empty ? 1.0 : 0.0};
+  std::vector<double> key = {shape.radius, shape.z.min, shape.z.max};
   for (const RayShape::Piece& piece : shape.pieces) {
     for (const std::uint32_t number : {piece.link, piece.number, piece.vertex_count}) key.push_back(number);
     key.push_back(piece.z.min);
@@ -25,7 +25,6 @@ std::uint32_t RayShapes::Add(const Body& body) {
   RayShape shape;
   shape.radius = body.radius * (1.0 + 1e-9) + 1e-9;
   shape.z = body.z;
-  shape.is_empty = body.pieces.empty();
   for (std::size_t i = 0; i < body.pieces.size(); ++i) {
     const ConvexPiece& piece = body.pieces[i];
     if (piece.ranger_return < 0.0) continue;

@@ -23,9 +23,8 @@ struct RayShape {
   };
   std::vector<Piece> pieces;
   std::vector<Vec2> vertices;
-  double radius = 0.0;   // m, a hair more than the body's, because moving it rounds
-  ZRange z;              // m, the body's
-  bool is_empty = true;  // the body has no pieces at all
+  double radius = 0.0;  // m, a hair more than the body's, because moving it rounds
+  ZRange z;             // m, the body's
 };
 
 // Shapes by number, each once.

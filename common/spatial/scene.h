@@ -60,6 +60,9 @@ class Scene {
   // Pose of a robot's model in the robot's frame with all joints at their starts. REQUIRES: robot_of(model)
   Pose X_RM(ModelId model) const;
 
+  // As in the model's description, but close together in memory.
+  double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
+
   std::span<const JointId> joints_of(RobotId robot) const { return joints_of_[robot.index()]; }
   std::span<const GripperId> grippers_of(RobotId robot) const { return grippers_of_[robot.index()]; }
   // The link that the joint moves, of its robot's body.
@@ -74,10 +77,11 @@ class Scene {
   void MeasureBody(Body& body) const;
 
   WorldDescription world_;
-  std::vector<std::optional<BodyId>> body_of_;  // by model, like the next three
+  std::vector<std::optional<BodyId>> body_of_;  // by model, like the next four
   std::vector<std::uint32_t> link_of_;
   std::vector<Pose> X_LM_;  // in W for models that stand still
   std::vector<std::optional<JointId>> joint_of_;
+  std::vector<double> ranger_returns_;
   std::vector<Body> bodies_;
   RayShapes ray_shapes_;
   std::vector<std::uint32_t> ray_shape_of_;          // by body

@@ -40,11 +40,11 @@ class StaticIndex {
   // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes, in order, with the
   // distance at which it enters each part, until `visit` returns false. Every piece that the ray meets within
   // `max_distance` is among those visited at a distance not beyond the meeting; pieces may come several times.
-  // REQUIRES: |direction| = 1
+  // REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
-  void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
+  void WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance, Visit visit) const {
     if (pieces_.empty()) return;
-    grid_.WalkRay(origin, direction, max_distance, [&](std::size_t cell, double distance) {
+    grid_.WalkRay(origin, direction, inverse, max_distance, [&](std::size_t cell, double distance) {
       return visit(IsEmpty(cell) ? std::span<const std::uint32_t>() : PiecesInCell(cell), distance);
     });
   }

@@ -29,12 +29,14 @@ class Replica {
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // An edit has changed the world, or made the robots begin anew, or both. In a world of the same ids the robots go on,
-  // but for those that were removed; if `fresh`, those whose names are in the world are made anew. `edition`: the newest
-  // that is fresh, for the scan log. The error is a controller that cannot be made. Throws what `make_gateway` throws.
+  // but for those that were removed; if `fresh`, those whose names are in the world are made anew. `edition`: the
+  // newest that is fresh, for the scan log. The error is a controller that cannot be made. Throws what `make_gateway`
+  // throws.
   Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
   // The same in the world that it has.
   Status Renew(Edition edition);
 
+  bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "common/base/deterministic_math.h"
 #include "common/base/random.h"
@@ -15,8 +16,13 @@ enum class Draw : std::uint64_t { kAngle = 0, kProportional = 1, kConstant = 2 }
 // The random numbers of one sensor at one tick, each a function of its key alone.
 class Noise {
  public:
-  Noise(std::uint64_t seed, RobotId robot, std::size_t ranger, std::size_t sensor, Tick tick)
-      : key_(RandomBits({seed, robot.index(), ranger, sensor, tick})) {}
+  Noise(const WorldDescription& world, RobotId robot, std::size_t ranger, std::size_t sensor, Tick tick) {
+    const RaySensorDescription& description = world.robot(robot).rangers[ranger].sensors[sensor];
+    if (description.noise_variance == 0.0 && description.noise_proportional == 0.0 && description.noise_angle == 0.0) {
+      return;  // nothing will be drawn, as in most worlds
+    }
+    key_ = RandomBits({world.seed, robot.index(), ranger, sensor, tick});
+  }
 
   // Uniform in [-1, 1).
   double Uniform(std::size_t ray, Draw draw) const {
@@ -27,7 +33,7 @@ class Noise {
   }
 
  private:
-  std::uint64_t key_;
+  std::uint64_t key_ = 0;
 };
 
 // The angle between neighbouring rays; of a single ray, the whole fan.
@@ -50,20 +56,11 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
   return noisy;
 }
 
-// A fan shares its work among its rays; for a few, as of a sonar, looking along each is less work.
-constexpr std::size_t kFewRays = 4;
+// A fan shares its work among its rays; the rays of sensors with few, as of a sonar ring, share it with each other.
+constexpr std::uint32_t kFewRays = 4;
 
-void Cast(const RayCaster& caster, const Pose& X_WS, const std::vector<double>& bearings, double max_range,
-          std::vector<std::optional<RayHit>>& hits) {
-  if (bearings.size() > kFewRays) {
-    caster.CastFan(X_WS.translation(), X_WS.heading, bearings, X_WS.z, max_range, hits);
-    return;
-  }
-  hits.clear();
-  for (double bearing : bearings) {
-    const SinCosResult direction = SinCos(X_WS.heading + bearing);
-    hits.push_back(caster.CastRay(X_WS.translation(), {direction.cos, direction.sin}, X_WS.z, max_range));
-  }
+bool HasFewRays(const RaySensorDescription& sensor) {
+  return sensor.samples <= kFewRays;
 }
 
 // Where the sensors of a ranger are: X_WM * X_MS of each, with the sine and cosine of X_WM's heading worked out once.
@@ -76,17 +73,6 @@ std::vector<Pose> SensorPoses(const RangerDescription& ranger, const Pose& X_WM)
     poses.push_back({p.x(), p.y(), X_WM.z + sensor.X_MS.z, WrapAngle(X_WM.heading + sensor.X_MS.heading)});
   }
   return poses;
-}
-
-// Where the rays of a ranger may go.
-Rectangle ReachOf(const RangerDescription& ranger, const std::vector<Pose>& X_WS) {
-  Rectangle reach = Rectangle::Nothing();
-  for (std::size_t s = 0; s < X_WS.size(); ++s) {
-    Rectangle box = Rectangle::Nothing();
-    box.Extend(X_WS[s].translation());
-    reach.Extend(box.Inflated(ranger.sensors[s].range.max));
-  }
-  return reach;
 }
 
 void FillBearings(const RaySensorDescription& sensor, std::vector<double>& bearings) {
@@ -112,25 +98,53 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
   const WorldDescription& world = scene.world();
   const RangerDescription& description = world.robot(robot).rangers[ranger];
   const std::vector<Pose> poses = SensorPoses(description, bodies.X_WM(description.model));
-  const RayCaster caster(scene, bodies, ReachOf(description, poses), robot);
-  std::vector<std::optional<RayHit>> hits;
+  const auto noise_of = [&](std::size_t sensor) { return Noise(world, robot, ranger, sensor, tick); };
   std::vector<double> bearings;
+  const auto aim = [&](std::size_t sensor) {
+    FillBearings(description.sensors[sensor], bearings);
+    TurnRays(description.sensors[sensor], noise_of(sensor), bearings);
+  };
+
+  std::vector<Ray> rays;  // of all sensors with few
+  rays.reserve(kFewRays * description.sensors.size());
+  for (std::size_t s = 0; s < description.sensors.size(); ++s) {
+    if (!HasFewRays(description.sensors[s])) continue;
+    aim(s);
+    for (const double bearing : bearings) {
+      const SinCosResult direction = SinCos(poses[s].heading + bearing);
+      rays.push_back({.origin = poses[s].translation(),
+                      .direction = {direction.cos, direction.sin},
+                      .z = poses[s].z,
+                      .max_distance = description.sensors[s].range.max});
+    }
+  }
+  std::vector<std::optional<RayHit>> hits;
+  if (!rays.empty()) CastRays(scene, bodies, rays, robot, hits);
+
   reading.tick = tick;
   reading.scans.resize(description.sensors.size());
+  std::vector<std::optional<RayHit>> fan;
+  std::size_t first = 0;  // of the next sensor with few rays
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     const RaySensorDescription& sensor = description.sensors[s];
-    const Pose& X_WS = poses[s];
-    const Noise noise(world.seed, robot, ranger, s, tick);
-    FillBearings(sensor, bearings);
-    TurnRays(sensor, noise, bearings);
-    Cast(caster, X_WS, bearings, sensor.range.max, hits);
+    std::span<const std::optional<RayHit>> met;
+    if (HasFewRays(sensor)) {
+      met = std::span(hits).subspan(first, sensor.samples);
+      first += sensor.samples;
+    } else {
+      aim(s);
+      CastFan(scene, bodies, poses[s].translation(), poses[s].heading, bearings, poses[s].z, sensor.range.max, robot,
+              fan);
+      met = fan;
+    }
+    const Noise noise = noise_of(s);
     RangeScan& scan = reading.scans[s];
-    scan.ranges.assign(bearings.size(), sensor.range.max);
-    scan.intensities.assign(bearings.size(), 0.0);
-    for (std::size_t ray = 0; ray < bearings.size(); ++ray) {
-      if (!hits[ray]) continue;
-      scan.ranges[ray] = sensor.range.Clamp(NoisyRange(sensor, noise, ray, hits[ray]->distance));
-      scan.intensities[ray] = world.model(hits[ray]->model).ranger_return;
+    scan.ranges.resize(met.size());
+    scan.intensities.resize(met.size());
+    for (std::size_t ray = 0; ray < met.size(); ++ray) {
+      const std::optional<RayHit>& hit = met[ray];
+      scan.ranges[ray] = hit ? sensor.range.Clamp(NoisyRange(sensor, noise, ray, hit->distance)) : sensor.range.max;
+      scan.intensities[ray] = hit ? scene.ranger_return(hit->model) : 0.0;
     }
   }
 }

@@ -41,7 +41,7 @@ TEST(RayCastProperty, AgreesWithBruteForceOverRawOutlines) {
       if (!state.robots.empty() && random.Chance(0.5)) caster = RobotId(random.Index(state.robots.size()));
 
       const auto brute = rays.Cast(origin, direction, z, max_distance, caster);
-      const std::optional<RayHit> hit = CastRay(scene, robots, origin, direction, z, max_distance, caster);
+      const std::optional<RayHit> hit = CastRay(scene, robots, {origin, direction, z, max_distance}, caster);
       ASSERT_EQ(hit.has_value(), !brute.empty()) << "seed " << seed << " ray " << ray;
       if (!hit) continue;
       ++hits;
@@ -85,13 +85,48 @@ TEST(RayCastProperty, FanGivesTheSameBitsAsSingleRays) {
     for (std::size_t i = 0; i < bearings.size(); ++i) {
       const SinCosResult trig = SinCos(heading + bearings[i]);
       const std::optional<RayHit> single =
-          CastRay(scene, robots, origin, {trig.cos, trig.sin}, z, max_distance, caster);
+          CastRay(scene, robots, {origin, {trig.cos, trig.sin}, z, max_distance}, caster);
       ASSERT_EQ(hits[i].has_value(), single.has_value()) << "seed " << seed << " ray " << i;
       if (!single) continue;
       ASSERT_EQ(hits[i]->distance, single->distance) << "seed " << seed << " ray " << i;
       ASSERT_EQ(hits[i]->model, single->model) << "seed " << seed << " ray " << i;
     }
   }
+}
+
+TEST(RayCastProperty, RaysTogetherGiveTheSameBitsAsSingleRays) {
+  std::size_t hits_on_robots = 0;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    RandomStream random(seed + 6'000'000);
+    const double half_width = random.Uniform(1.0, 10.0);
+    const std::size_t robots = seed % 20 == 0 ? 300 : random.Index(30);
+    const Scene scene(test::RandomWorld(seed, half_width, random.Index(12), robots));
+    const WorldState state = Shuffled(scene.world(), random, half_width);
+    BodyIndex bodies(scene);
+    bodies.Assign(state);
+    std::optional<RobotId> caster;
+    if (!state.robots.empty()) caster = RobotId(random.Index(state.robots.size()));
+    std::vector<Ray> rays;
+    for (int i = 0; i < 16; ++i) {
+      const SinCosResult trig = SinCos(random.Angle());
+      rays.push_back({.origin = {random.Uniform(-1.0, 1.0) * half_width, random.Uniform(-1.0, 1.0) * half_width},
+                      .direction = {trig.cos, trig.sin},
+                      .z = random.Chance(0.5) ? 0.3 : random.Uniform(0.0, 2.0),
+                      .max_distance = random.Uniform(0.0, 3.0 * half_width)});
+    }
+    std::vector<std::optional<RayHit>> hits;
+    CastRays(scene, bodies, rays, caster, hits);
+    ASSERT_EQ(hits.size(), rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const std::optional<RayHit> single = CastRay(scene, bodies, rays[i], caster);
+      ASSERT_EQ(hits[i].has_value(), single.has_value()) << "seed " << seed << " ray " << i;
+      if (!single) continue;
+      ASSERT_EQ(hits[i]->distance, single->distance) << "seed " << seed << " ray " << i;
+      ASSERT_EQ(hits[i]->model, single->model) << "seed " << seed << " ray " << i;
+      if (scene.robot_of(single->model)) ++hits_on_robots;
+    }
+  }
+  EXPECT_GT(hits_on_robots, 400u) << "too empty to test anything";
 }
 
 TEST(RayCastProperty, NoRaySlipsBetweenTheRectanglesOfAWall) {
@@ -118,7 +153,7 @@ TEST(RayCastProperty, NoRaySlipsBetweenTheRectanglesOfAWall) {
     for (const ConvexPiece& piece : scene.static_index().pieces()) {
       for (const Vec2& vertex : piece.vertices) {  // exactly at the seams
         const Vec2 direction = (vertex - origin).normalized();
-        const std::optional<RayHit> hit = CastRay(scene, robots, origin, direction, 0.5, 10.0, std::nullopt);
+        const std::optional<RayHit> hit = CastRay(scene, robots, {origin, direction, 0.5, 10.0}, std::nullopt);
         ASSERT_TRUE(hit.has_value()) << "seed " << seed;
         ASSERT_EQ(hit->model, room);
         ASSERT_LE(hit->distance, (vertex - origin).norm() + 1e-9);

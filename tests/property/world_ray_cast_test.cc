@@ -43,7 +43,7 @@ class WorldRays {
     for (int i = 0; i < kRays && !testing::Test::HasFailure(); ++i) {
       const bool of_sensor = !sensors.empty() && i % 2 == 0;
       const Ray ray = of_sensor ? Turned(sensors[random_.Index(sensors.size())]) : AnyRay();
-      const auto hit = CastRay(scene_, bodies_, ray.origin, ray.direction, ray.z, ray.max_distance, ray.caster);
+      const auto hit = CastRay(scene_, bodies_, {ray.origin, ray.direction, ray.z, ray.max_distance}, ray.caster);
       Check(ray, hit, brute_force.Cast(ray.origin, ray.direction, ray.z, ray.max_distance, ray.caster));
     }
   }

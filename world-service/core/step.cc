@@ -111,11 +111,16 @@ class RobotTurn {
 }  // namespace
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals) {
+  BodyIndex bodies(scene);
+  return Step(scene, state, proposals, bodies);
+}
+
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies) {
   const std::size_t count = state.robots.size();
   TROUPE_CHECK(count == scene.world().robots.size());
   const std::vector<const Proposal*> by_robot = ProposalByRobot(count, proposals);
 
-  StepWorkspace workspace(scene, state);
+  StepWorkspace workspace(scene, state, std::move(bodies));
   workspace.next.tick = state.tick + 1;
   if (state.tick == 0) FindWhatRests(workspace);
   for (std::size_t k = 0; k < count; ++k) {
@@ -125,6 +130,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
   ForgetWhatIsGone(workspace);
   LetObjectsFall(workspace);
 
+  bodies = std::move(workspace.bodies);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });

@@ -14,6 +14,7 @@
 #include "common/model/event.h"
 #include "common/model/proposal.h"
 #include "common/model/world_state.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 
 namespace troupe {
@@ -26,5 +27,9 @@ struct StepResult {
 // REQUIRES: `state` belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and
 // valid (validate_proposal.h). A robot without a proposal stands still.
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals);
+
+// The same, for one tick after another: `bodies`, an index of the scene, takes in only what has moved since the last
+// step. It changes nothing in the result.
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies);
 
 }  // namespace troupe

@@ -1,6 +1,7 @@
 // StepWorkspace: a state on its way to the next one, shared by the parts of a step. Private to this folder.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "common/model/event.h"
@@ -11,10 +12,12 @@
 namespace troupe {
 
 struct StepWorkspace {
-  StepWorkspace(const Scene& scene_in, const WorldState& state)
+  StepWorkspace(const Scene& scene_in, const WorldState& state) : StepWorkspace(scene_in, state, BodyIndex(scene_in)) {}
+  // `index`: of the same scene, at whatever state.
+  StepWorkspace(const Scene& scene_in, const WorldState& state, BodyIndex index)
       : scene(scene_in),
         next(state),
-        bodies(scene_in),
+        bodies(std::move(index)),
         needs_support(state.objects.size(), false),
         lowered(state.objects.size(), 0.0) {
     bodies.Assign(state);

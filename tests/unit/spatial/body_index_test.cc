@@ -24,9 +24,13 @@ TEST(BodyIndex, IsEmptyWithoutRobots) {
   EXPECT_TRUE(Find(index, {-1e6, -1e6, 1e6, 1e6}).empty());
 }
 
-TEST(BodyIndex, FollowsMoves) {
+// With so many others far away, that they need a grid, or without.
+class BodyIndexMoves : public testing::TestWithParam<int> {};
+
+TEST_P(BodyIndexMoves, AreFollowed) {
   test::TestWorld test;
   for (int i = 0; i < 3; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 0.0, 0.0, 0.0});
+  for (int i = 0; i < GetParam(); ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 20.0, 0.0, 0.0});
   const Scene scene(test.world);
   BodyIndex index(scene);
   index.Assign(InitialState(scene.world()));
@@ -38,6 +42,8 @@ TEST(BodyIndex, FollowsMoves) {
   index.Move(BodyId(1), {1e9, -1e9, 0.0, 0.0});
   EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::vector<BodyId>{BodyId(1)})) << "far outside the grid";
 }
+
+INSTANTIATE_TEST_SUITE_P(Others, BodyIndexMoves, testing::Values(0, 300));
 
 TEST(BodyIndex, CopesWithThousandsOfRobots) {
   test::TestWorld test;

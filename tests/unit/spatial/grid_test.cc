@@ -17,7 +17,7 @@ struct Walked {
 
 Walked Walk(const Grid& grid, const Vec2& origin, const Vec2& direction, double max_distance) {
   Walked walked;
-  grid.WalkRay(origin, direction, max_distance, [&](std::size_t cell, double distance) {
+  grid.WalkRay(origin, direction, direction.cwiseInverse(), max_distance, [&](std::size_t cell, double distance) {
     walked.cells.push_back(cell);
     walked.distances.push_back(distance);
     return true;

@@ -18,7 +18,7 @@ class RayCastTest : public testing::Test {
     const Scene scene(test_.world);
     BodyIndex robots(scene);
     robots.Assign(InitialState(scene.world()));
-    return CastRay(scene, robots, origin, direction, z, max_distance, caster);
+    return CastRay(scene, robots, {origin, direction, z, max_distance}, caster);
   }
 
   TestWorld test_;

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/support/test_world.h"
 
 namespace troupe {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ConvexPiece PieceAt(const Rectangle& r) {
   return {test::Box(r.min_x, r.min_y, r.max_x, r.max_y), {0.0, 1.0}, {}, true, 1.0};
@@ -21,7 +25,7 @@ TEST(StaticIndex, IsEmptyWithoutPieces) {
   for (const StaticIndex& index : {StaticIndex(), StaticIndex(std::vector<ConvexPiece>{})}) {
     EXPECT_TRUE(Find(index, {-1e6, -1e6, 1e6, 1e6}).empty());
     EXPECT_TRUE(index.bounds().empty());
-    index.WalkRay({0, 0}, {1, 0}, 10.0, [](std::span<const std::uint32_t>, double) {
+    index.WalkRay({0, 0}, {1, 0}, {1, kInfinity}, 10.0, [](std::span<const std::uint32_t>, double) {
       ADD_FAILURE();
       return true;
     });
@@ -61,13 +65,14 @@ TEST(StaticIndex, RayWalkVisitsWhatTheRayMeetsInTime) {
   const StaticIndex index({PieceAt({0, 0, 1, 1}), PieceAt({3, 0, 4, 1}), PieceAt({0, 7, 1, 8})});
   double first_distance = -1.0;
   bool saw_second = false;
-  index.WalkRay({-1.0, 0.5}, {1.0, 0.0}, 20.0, [&](std::span<const std::uint32_t> pieces, double distance) {
-    for (std::uint32_t piece : pieces) {
-      if (piece == 0 && first_distance < 0.0) first_distance = distance;
-      saw_second |= piece == 1;
-    }
-    return true;
-  });
+  index.WalkRay({-1.0, 0.5}, {1.0, 0.0}, {1.0, kInfinity}, 20.0,
+                [&](std::span<const std::uint32_t> pieces, double distance) {
+                  for (std::uint32_t piece : pieces) {
+                    if (piece == 0 && first_distance < 0.0) first_distance = distance;
+                    saw_second |= piece == 1;
+                  }
+                  return true;
+                });
   EXPECT_GE(first_distance, 0.0);
   EXPECT_LE(first_distance, 1.0);
   EXPECT_TRUE(saw_second);
