@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kLongestStartDelay = 0.5;  // s, with --shuffle-start
 
+// Agents of a machine that have been started and have not joined. docs/performance.md has figures.
+constexpr std::size_t kMostStarting = 16;
+
 // The order in which to start `count` agents: as they come, or shuffled (Fisher and Yates).
 std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::uint64_t>& shuffle) {
   std::vector<std::size_t> order(count);
@@ -64,39 +67,62 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
   sites_ = sites;
   ready_ = ready;
   service_address_ = service_address;
-  return Add(ready.robots, site_of_robot);
+  if (Status failure = Plan(ready.robots, site_of_robot)) return failure;
+  return TakeJoined(0);
+}
+
+Status AgentFleet::TakeJoined(std::size_t agents) {
+  return StartUpTo(agents + kMostStarting * sites_.size());
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
-  std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready_.robots_per_process));
+  if (Status failure = Plan(robots, site_of_robot)) return failure;
+  return StartUpTo(size());
+}
+
+Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
+  const std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready_.robots_per_process));
   std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
   const std::size_t first = group_sites_.size();
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
   if (Status failure = options_.scans.empty() ? std::nullopt : scans_.AddFiles(groups.size())) return failure;
   if (Status failure = options_.trace.empty() ? std::nullopt : traces_.AddFiles(groups.size())) return failure;
-  for (std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
-    Group& group = groups[index];
-    const AgentSite& site = sites_[group.site];
-    RunOptions options = options_;
-    options.network_interface = site.network_interface;
-    std::vector<std::string> arguments = AgentArguments(options, service_address_, group.robots, ready_.ros);
-    if (!scans_.files.empty()) arguments.push_back("--scans=" + scans_.FileOn(*site.machine, first + index));
-    std::string restart_command = Quoted(site.machine->ProgramPath("robot-agent")) + " " + Quoted(arguments);
-    if (!scans_.files.empty()) restart_command += " --keep-scans";
-    // Not in the restart command: the file holds what the agent did before.
-    if (!traces_.files.empty()) {
-      arguments.push_back("--trace=" + traces_.FileOn(*site.machine, first + index));
-      if (!options_.trace_ticks.empty()) arguments.push_back("--trace-ticks=" + options_.trace_ticks);
-    }
+  for (const std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
+    waiting_.push_back({first + index, std::move(groups[index].robots)});
     if (options_.shuffle_start) {
-      double delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
-      arguments.push_back("--start-delay=" + std::to_string(delay));
+      waiting_.back().delay = kLongestStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
     }
-    Result<std::unique_ptr<Child>> process = site.machine->Start("robot-agent", arguments, false);
-    if (!process.ok()) return process.error();
-    agents_.push_back({std::move(process).value(), site.machine, std::move(group.robots), std::move(restart_command)});
-    ++running_;
   }
+  return std::nullopt;
+}
+
+Status AgentFleet::StartUpTo(std::size_t agents) {
+  while (agents_.size() < agents && !waiting_.empty()) {
+    WaitingAgent next = std::move(waiting_.front());
+    waiting_.pop_front();
+    if (Status failure = StartAgent(std::move(next))) return failure;
+  }
+  return std::nullopt;
+}
+
+Status AgentFleet::StartAgent(WaitingAgent agent) {
+  const AgentSite& site = *group_sites_[agent.group];
+  RunOptions options = options_;
+  options.network_interface = site.network_interface;
+  std::vector<std::string> arguments = AgentArguments(options, service_address_, agent.robots, ready_.ros);
+  if (!scans_.files.empty()) arguments.push_back("--scans=" + scans_.FileOn(*site.machine, agent.group));
+  std::string restart_command = Quoted(site.machine->ProgramPath("robot-agent")) + " " + Quoted(arguments);
+  if (!scans_.files.empty()) restart_command += " --keep-scans";
+  // Not in the restart command: the file holds what the agent did before.
+  if (!traces_.files.empty()) {
+    arguments.push_back("--trace=" + traces_.FileOn(*site.machine, agent.group));
+    if (!options_.trace_ticks.empty()) arguments.push_back("--trace-ticks=" + options_.trace_ticks);
+  }
+  if (agent.delay > 0.0) arguments.push_back("--start-delay=" + std::to_string(agent.delay));
+  Result<std::unique_ptr<Child>> process = site.machine->Start("robot-agent", arguments, false);
+  if (!process.ok()) return process.error();
+  agents_.push_back({std::move(process).value(), site.machine, std::move(agent.robots), std::move(restart_command)});
+  ++running_;
   return std::nullopt;
 }
 

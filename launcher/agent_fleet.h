@@ -1,6 +1,7 @@
 // AgentFleet: the agent processes of a run.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,16 +34,20 @@ class AgentFleet {
   explicit AgentFleet(const RunOptions& options);
 
   // Starts an agent for every `robots_per_process` robots that are neighbours and on one site; site_of_robot[i] is the
-  // index of that of ready.robots[i].
+  // index of that of ready.robots[i]. The first ones at once, and others when some have joined: hundreds that meet the
+  // service together hold each other up.
   Status Start(const ReadyReport& ready, const std::string& service_address, const std::vector<AgentSite>& sites,
                const std::vector<std::size_t>& site_of_robot);
 
-  // Starts agents for further robots of the run in the same way. REQUIRES: Start was called.
+  // So many agents have joined.
+  Status TakeJoined(std::size_t agents);
+
+  // Starts agents for further robots of the run, all at once. REQUIRES: Start was called.
   Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
 
   // The agents that ended since the last call.
   std::vector<const AgentProcess*> TakeEnded();
-  std::size_t size() const { return agents_.size(); }
+  std::size_t size() const { return agents_.size() + waiting_.size(); }
   bool all_ended() const { return running_ == 0; }
   void Signal(int signal) const;
   void Kill();
@@ -71,10 +76,24 @@ class AgentFleet {
     std::string FileOn(const Machine& machine, std::size_t group) const;
   };
 
+  // An agent that is to be started.
+  struct WaitingAgent {
+    std::size_t group;  // in the order of robots
+    std::vector<std::string> robots;
+    double delay = 0.0;  // s
+  };
+
+  // Queues agents for the robots.
+  Status Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
+  // Starts waiting ones until there are so many.
+  Status StartUpTo(std::size_t agents);
+  Status StartAgent(WaitingAgent agent);
+
   const RunOptions& options_;
   Output scans_;
   Output traces_;
-  std::vector<AgentProcess> agents_;           // in the order of starting
+  std::vector<AgentProcess> agents_;  // in the order of starting
+  std::deque<WaitingAgent> waiting_;
   std::vector<const AgentSite*> group_sites_;  // in the order of robots
   std::vector<AgentSite> sites_;
   ReadyReport ready_;

@@ -58,7 +58,7 @@ class DistributedRun {
   void Handle(const StartedReport&);
   // Which site each robot goes to.
   Result<std::vector<std::size_t>> Place(const std::vector<std::string>& robots) const;
-  void Handle(const StatusMessage& status) { progress_.Update(status); }
+  void Handle(const StatusMessage& status);
   void Handle(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
   void Handle(const RunSummary& summary) { summary_ = summary; }
   void HandleOutput();
@@ -221,6 +221,12 @@ void DistributedRun::Handle(const NewRobotsReport& report) {
   const Result<std::vector<std::size_t>> places = Place(report.robots);
   if (!places.ok()) return progress_.Tell(places.error().ToString());
   if (Status failure = agents_.Add(report.robots, places.value())) progress_.Tell(failure->ToString());
+}
+
+void DistributedRun::Handle(const StatusMessage& status) {
+  progress_.Update(status);
+  if (started_ || kill_at_) return;
+  if (Status failure = agents_.TakeJoined(status.agents)) Fail(kExitFailed, failure);
 }
 
 void DistributedRun::Handle(const StartedReport&) {

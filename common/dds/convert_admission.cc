@@ -2,20 +2,25 @@
 
 namespace troupe::dds {
 
-troupe_wire_Admission ToWire(const AdmissionMessage& message, WireArena& arena) {
-  troupe_wire_Admission wire{};
-  wire.agent = message.agent;
-  wire.run = message.run;
-  wire.admitted = message.admitted;
-  wire.reason = arena.Copy(message.reason);
+troupe_wire_Admissions ToWire(const std::vector<AdmissionMessage>& messages, WireArena& arena) {
+  troupe_wire_Admissions wire{};
+  troupe_wire_Admission* out = arena.Fill(wire.answers, messages.size());
+  for (const AdmissionMessage& message : messages) {
+    out->agent = message.agent;
+    out->run = message.run;
+    out->admitted = message.admitted;
+    out->reason = arena.Copy(message.reason);
+    ++out;
+  }
   return wire;
 }
 
-Status FromWire(const troupe_wire_Admission& wire, AdmissionMessage& message) {
-  message.agent = wire.agent;
-  message.run = wire.run;
-  message.admitted = wire.admitted;
-  message.reason = Text(wire.reason);
+Status FromWire(const troupe_wire_Admissions& wire, std::vector<AdmissionMessage>& messages) {
+  messages.clear();
+  for (std::uint32_t i = 0; i < wire.answers._length; ++i) {
+    const troupe_wire_Admission& answer = wire.answers._buffer[i];
+    messages.push_back({answer.run, answer.agent, answer.admitted, Text(answer.reason)});
+  }
   return {};
 }
 

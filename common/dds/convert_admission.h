@@ -1,5 +1,7 @@
-// Admission between its message and idl/admission.idl.
+// Admissions between their messages and idl/admission.idl.
 #pragma once
+
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/dds/wire.h"
@@ -8,10 +10,10 @@
 
 namespace troupe::dds {
 
-// Good while the message and the arena live.
-troupe_wire_Admission ToWire(const AdmissionMessage& message, WireArena& arena);
+// Good while the messages and the arena live.
+troupe_wire_Admissions ToWire(const std::vector<AdmissionMessage>& messages, WireArena& arena);
 
-// An error when the peer sent what breaks the contract of idl/admission.idl; `message` is then of no use.
-Status FromWire(const troupe_wire_Admission& wire, AdmissionMessage& message);
+// An error when the peer sent what breaks the contract of idl/admission.idl; `messages` is then of no use.
+Status FromWire(const troupe_wire_Admissions& wire, std::vector<AdmissionMessage>& messages);
 
 }  // namespace troupe::dds

@@ -49,7 +49,9 @@ void DdsAgentEndpoint::DrainSessions() {
 
 void DdsAgentEndpoint::DrainAdmissions() {
   const std::lock_guard lock(mutex_);
-  admissions_.Drain([this](const AdmissionMessage& admission) { handler_->OnAdmission(admission); });
+  admissions_.Drain([this](const std::vector<AdmissionMessage>& admissions) {
+    for (const AdmissionMessage& admission : admissions) handler_->OnAdmission(admission);
+  });
 }
 
 void DdsAgentEndpoint::DrainFrames() {

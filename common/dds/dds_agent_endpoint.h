@@ -28,7 +28,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   Outbox<troupe_wire_Join> joins_;
   Outbox<troupe_wire_Proposal> proposals_;
   Inbox<troupe_wire_Session, SessionMessage> sessions_;
-  Inbox<troupe_wire_Admission, AdmissionMessage> admissions_;
+  Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
   Inbox<troupe_wire_Frame, FrameMessage> frames_;
 
   // Whom the agent joined last; 0: nobody yet.

@@ -71,8 +71,8 @@ void DdsServiceEndpoint::DrainSessions() {
 void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
   sessions_.Send(session);
 }
-void DdsServiceEndpoint::SendAdmission(const AdmissionMessage& admission) {
-  admissions_.Send(admission);
+void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& admissions) {
+  admissions_.Send(admissions);
 }
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   frames_.Send(frame);

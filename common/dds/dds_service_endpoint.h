@@ -18,7 +18,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   void Start(ServiceHandler& handler) override;
   void SendSession(const SessionMessage& session) override;
-  void SendAdmission(const AdmissionMessage& admission) override;
+  void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
   void SendFrame(const FrameMessage& frame) override;
   void SendStatus(const StatusMessage& status) override;
   void SendControlReply(const ControlReply& reply) override;
@@ -31,7 +31,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void DrainSessions();
 
   Outbox<troupe_wire_Session> sessions_;
-  Outbox<troupe_wire_Admission> admissions_;
+  Outbox<troupe_wire_Admissions> admissions_;
   Outbox<troupe_wire_Frame> frames_;
   Outbox<troupe_wire_Status> statuses_;
   Outbox<troupe_wire_ControlReply> control_replies_;

@@ -7,6 +7,9 @@ Qos ReliableLatest() {
   return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1);
 }
 
+// Messages with answers to joins that may be on their way at once.
+constexpr std::int32_t kAdmissionsKept = 16;
+
 Qos KeptForLatecomers() {
   return ReliableLatest() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
 }
@@ -26,7 +29,7 @@ Qos Join(double lease_seconds) {
 }
 
 Qos Admission() {
-  return ReliableLatest();
+  return ReliableLatest() << History::KeepLast(kAdmissionsKept);
 }
 
 Qos Frame() {

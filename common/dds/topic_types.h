@@ -10,7 +10,7 @@
 #include "idl/session.h"
 #include "idl/status.h"
 
-TROUPE_DDS_TYPE(troupe_wire_Admission);
+TROUPE_DDS_TYPE(troupe_wire_Admissions);
 TROUPE_DDS_TYPE(troupe_wire_Control);
 TROUPE_DDS_TYPE(troupe_wire_ControlReply);
 TROUPE_DDS_TYPE(troupe_wire_Frame);

@@ -77,7 +77,7 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
     inner_->Start(*this);
   }
   void SendSession(const SessionMessage& session) override { inner_->SendSession(session); }
-  void SendAdmission(const AdmissionMessage& admission) override { inner_->SendAdmission(admission); }
+  void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override { inner_->SendAdmissions(admissions); }
   void SendFrame(const FrameMessage& frame) override { inner_->SendFrame(frame); }
   void SendStatus(const StatusMessage& status) override { inner_->SendStatus(status); }
   void SendControlReply(const ControlReply& reply) override { inner_->SendControlReply(reply); }

@@ -115,8 +115,8 @@ class MemoryServiceEndpoint final : public ServiceEndpoint {
     TROUPE_CHECK(target_.has_value());
     exchange_.PublishSession(*target_, session);
   }
-  void SendAdmission(const AdmissionMessage& admission) override {
-    exchange_.ToAgents(&AgentHandler::OnAdmission, admission);
+  void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override {
+    for (const AdmissionMessage& admission : admissions) exchange_.ToAgents(&AgentHandler::OnAdmission, admission);
   }
   void SendFrame(const FrameMessage& frame) override { exchange_.ToAgents(&AgentHandler::OnFrame, frame); }
   void SendStatus(const StatusMessage&) override {}  // tools are other processes

@@ -33,8 +33,8 @@ class ServiceEndpoint {
   virtual ~ServiceEndpoint() = default;  // no handler call runs any more when it returns
   // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
   virtual void Start(ServiceHandler& handler) = 0;
-  virtual void SendSession(const SessionMessage& session) = 0;      // kept for latecomers
-  virtual void SendAdmission(const AdmissionMessage& admission) = 0;
+  virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
+  virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendStatus(const StatusMessage& status) = 0;
   // Transports that no tool can reach have nobody to send it to.

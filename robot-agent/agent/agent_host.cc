@@ -205,7 +205,7 @@ void AgentHost::Join() {
       lock.unlock();  // sending may wait for a delivery that waits for the lock
       endpoint_.SendJoin(join);
       lock.lock();
-      // Each answer goes to all agents: where hundreds wait for theirs, asking again soon would hold them all up.
+      // Where hundreds wait for the run to begin, asking again soon would hold the service up.
       due = Clock::now() + period;
       period = std::min<Clock::duration>(2 * period, kLongestPeriod);
     }
@@ -342,7 +342,7 @@ bool AgentHost::Follow(const FrameMessage& frame) {
     Fail({{}, "the world was edited, and this agent cannot go on: " + problem->message});
     return false;
   }
-  if (!replica_->RobotNames().empty()) return true;
+  if (replica_->has_robots()) return true;
   stage_ = Stage::kRunOver;  // all its robots are gone
   changed_.notify_all();
   return false;

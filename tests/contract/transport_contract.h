@@ -125,7 +125,7 @@ TEST_P(TransportContract, AdmissionArrivesIntact) {
   agent_endpoint->Start(agent);
   for (const AdmissionMessage& sent : {AdmissionMessage{77, 5, true, ""}, AdmissionMessage{77, 5, false, "a reason"}}) {
     EXPECT_TRUE(SendUntil(
-        agent.admissions, [&] { service_endpoint->SendAdmission(sent); },
+        agent.admissions, [&] { service_endpoint->SendAdmissions({sent}); },
         [&](const AdmissionMessage& came) {
           return came.run == sent.run && came.agent == sent.agent && came.admitted == sent.admitted &&
                  came.reason == sent.reason;

@@ -11,7 +11,9 @@ class FakeServiceEndpoint final : public ServiceEndpoint {
  public:
   void Start(ServiceHandler&) override {}
   void SendSession(const SessionMessage& session) override { sessions.push_back(session); }
-  void SendAdmission(const AdmissionMessage& admission) override { admissions.push_back(admission); }
+  void SendAdmissions(const std::vector<AdmissionMessage>& sent) override {
+    admissions.insert(admissions.end(), sent.begin(), sent.end());
+  }
   void SendFrame(const FrameMessage& frame) override { frames.push_back(frame); }
   void SendStatus(const StatusMessage& status) override { statuses.push_back(status); }
   void Flush(double) override {}

@@ -160,6 +160,14 @@ void Membership::Restore(Member& member) {
   present_robots_ += member.robots.size();
 }
 
+std::vector<AgentId> Membership::PresentMembers() const {
+  std::vector<AgentId> present;
+  for (const auto& [id, member] : members_) {
+    if (member.present) present.push_back(id);
+  }
+  return present;
+}
+
 bool Membership::IsPresent(RobotId robot) const {
   const std::optional<AgentId>& owner = owners_[robot.index()];
   return owner && members_.at(*owner).present;

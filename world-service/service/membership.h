@@ -67,6 +67,7 @@ class Membership {
   void Restore(Member& member);
 
   std::size_t present_members() const { return present_members_; }
+  std::vector<AgentId> PresentMembers() const;
   bool all_robots_present() const { return present_robots_ == robot_by_name_.size(); }
   bool IsPresent(RobotId robot) const;
   // But for removed ones.

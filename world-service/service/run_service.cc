@@ -78,6 +78,7 @@ class Driver final : public WorldControl, private ServiceHandler {
       if (trace_ != nullptr) trace_->WriteSome();
       const bool status_due = now >= next_status;
       if (status_due) next_status = now + kStatusPeriod;
+      if (AgentsHaveCome()) TellWhoHasCome(lock);
       Tell(status_due, lock);
       ReadFiles(lock);
 
@@ -190,9 +191,21 @@ class Driver final : public WorldControl, private ServiceHandler {
     {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
-      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty();
+      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || AgentsHaveCome();
     }
     if (wake) wake_.notify_one();
+  }
+
+  // Before the run begins, somebody may wait for agents to come before starting more.
+  bool AgentsHaveCome() const {
+    return coordinator_.phase() == Phase::kGathering && coordinator_.present_agents() != told_agents_;
+  }
+  void TellWhoHasCome(std::unique_lock<std::mutex>& lock) {
+    told_agents_ = coordinator_.present_agents();
+    const StatusMessage status = coordinator_.MakeStatus(Now());
+    lock.unlock();
+    observer_.OnStatus(status);
+    lock.lock();
   }
 
   // Tells the observer what is new. The lock is open meanwhile: ticks do not wait for an observer.
@@ -224,7 +237,8 @@ class Driver final : public WorldControl, private ServiceHandler {
   bool started_ = false;    // the observer knows
   std::mutex mutex_;        // for what follows
   std::condition_variable wake_;
-  double wake_at_ = 0.0;  // when Run wakes up by itself
+  std::size_t told_agents_ = 0;  // who had come when the observer was told
+  double wake_at_ = 0.0;         // when Run wakes up by itself
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator

@@ -36,8 +36,9 @@ struct ServiceOptions {
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
-  virtual void OnStarted(double startup_seconds) = 0;      // all robots are there; the first tick follows
-  virtual void OnStatus(const StatusMessage& status) = 0;  // about twice a second
+  virtual void OnStarted(double startup_seconds) = 0;  // all robots are there; the first tick follows
+  virtual void OnStatus(
+      const StatusMessage& status) = 0;  // twice a second; before the run begins, when agents come, too
   virtual void OnEvent(const Event& event, const std::string& text) = 0;  // text: one line for people
   // An edit has brought robots that have no agents yet; somebody has to start them.
   virtual void OnNewRobots(const std::vector<std::string>& robots) { (void)robots; }

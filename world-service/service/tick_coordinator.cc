@@ -30,6 +30,7 @@ TickCoordinator::TickCoordinator(const Scene& scene, const CoordinatorOptions& o
                                  Recorder& recorder, double now, WorldGateway* gateway)
     : scene_(std::shared_ptr<void>(), &scene),  // the caller's
       original_(scene_),
+      bodies_(scene),
       options_(options),
       endpoint_(endpoint),
       recorder_(recorder),
@@ -82,7 +83,9 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
 }
 
 void TickCoordinator::Answer(const JoinMessage& join, bool admitted, const std::string& reason) {
-  endpoint_.SendAdmission({options_.run, join.agent, admitted, reason});
+  // Who comes before the run begins is told when it does.
+  if (admitted && phase_ == Phase::kGathering) return;
+  endpoint_.SendAdmissions({{options_.run, join.agent, admitted, reason}});
 }
 
 // From now on the barrier waits for the member.
@@ -216,6 +219,9 @@ bool TickCoordinator::ReadyToCommit(double now) const {
 
 void TickCoordinator::Begin(double now) {
   phase_ = Phase::kRunning;
+  std::vector<AdmissionMessage> admissions;
+  for (const AgentId agent : members_.PresentMembers()) admissions.push_back({options_.run, agent, true, {}});
+  endpoint_.SendAdmissions(admissions);
   started_at_ = now;
   status_at_ = now;
   pacer_.Start(now);
@@ -233,7 +239,7 @@ void TickCoordinator::Commit(double now) {
   }
   Enter(options_.trace, TickPhase::kStep, next_tick());
   ++steps_made_;
-  StepResult next = Step(*scene_, frame_.state, proposals_.ForStep(frame_.state));
+  StepResult next = Step(*scene_, frame_.state, proposals_.ForStep(frame_.state), bodies_);
   frame_.state = std::move(next.state);
   frame_.state_hash = StateHash(frame_.state);
   frame_.events = events_.TakeForFrame(frame_.state.tick, std::move(next.events));

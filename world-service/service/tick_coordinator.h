@@ -15,6 +15,7 @@
 
 #include "common/protocol/tick_barrier.h"
 #include "common/protocol/transport.h"
+#include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
@@ -85,6 +86,7 @@ class TickCoordinator {
   Phase phase() const { return phase_; }
   const FrameMessage& frame() const { return frame_; }
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  std::size_t present_agents() const { return members_.present_members(); }
   const Status& error() const { return error_; }
   // From the beginning to the first frame, once that is out.
   std::optional<double> startup_seconds() const {
@@ -155,6 +157,7 @@ class TickCoordinator {
 
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Scene> original_;  // of the world as loaded
+  BodyIndex bodies_;                       // of scene_: the steps' own
   const CoordinatorOptions options_;
   ServiceEndpoint& endpoint_;
   Recorder& recorder_;

@@ -127,6 +127,7 @@ void TickCoordinator::TakeOver(EditedWorld edited, double now) {
 void TickCoordinator::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh) {
   const std::shared_ptr<const Scene> before = std::exchange(scene_, std::move(scene));
   const WorldDescription& world = scene_->world();
+  bodies_ = BodyIndex(*scene_);
   frame_.world_edition = frame_.edition;
   if (fresh) {
     // Ids mean something else from now on.

@@ -35,8 +35,8 @@ TEST(ConvertTest, ASessionKeepsEveryField) {
 TEST(ConvertTest, AJoinKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Join);
 }
-TEST(ConvertTest, AnAdmissionKeepsEveryField) {
-  ExpectRoundTrip(&test::RandomMessages::Admission);
+TEST(ConvertTest, AdmissionsKeepEveryField) {
+  ExpectRoundTrip(&test::RandomMessages::Admissions);
 }
 TEST(ConvertTest, AFrameKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Frame);
@@ -287,11 +287,11 @@ TEST(ConvertTest, MalformedSessionsAreRefused) {
 }
 
 TEST(ConvertTest, MissingTextsAreEmpty) {
-  const troupe_wire_Admission wire{};
-  AdmissionMessage message;
-  message.reason = "from before";
+  const troupe_wire_Join wire{};
+  JoinMessage message;
+  message.host = "from before";
   EXPECT_FALSE(FromWire(wire, message));
-  EXPECT_EQ("", message.reason);
+  EXPECT_EQ("", message.host);
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ TEST_F(DdsTransportTest, CarriesEveryMessage) {
   EXPECT_EQ(Join(5, 11), service.Heard(service.joins)[0]);
 
   const AdmissionMessage admission{5, 11, false, "no such robot"};
-  service_end->SendAdmission(admission);
+  service_end->SendAdmissions({admission});
   ASSERT_TRUE(Eventually([&] { return !agent.Heard(agent.admissions).empty(); }));
   EXPECT_EQ(admission, agent.Heard(agent.admissions)[0]);
 
@@ -365,7 +365,7 @@ TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
   ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 2; }));
   agent_end->SendJoin(Join(2, 1));
   old_end.reset();
-  new_end->SendAdmission({2, 1, true, ""});
+  new_end->SendAdmissions({{2, 1, true, ""}});
   ASSERT_TRUE(Eventually([&] { return !agent.Heard(agent.admissions).empty(); }));
   EXPECT_TRUE(agent.Heard(agent.services_gone).empty());
   new_end.reset();

@@ -15,13 +15,13 @@ namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using Sample = troupe_wire_Admission;  // keyed by `agent`
+using Sample = troupe_wire_Join;  // keyed by `agent`
 
 Sample Make(std::uint64_t agent) {
   static char empty[] = "";
   Sample sample{};
   sample.agent = agent;
-  sample.reason = empty;
+  sample.host = empty;
   return sample;
 }
 
@@ -37,8 +37,8 @@ class ListenerTest : public testing::Test {
   DomainParticipant there_{test::TestConfig()};
   Publisher publisher_;
   Subscriber subscriber_;
-  Topic<Sample> topic_here_{here_, "test/admission"};
-  Topic<Sample> topic_there_{there_, "test/admission"};
+  Topic<Sample> topic_here_{here_, "test/join"};
+  Topic<Sample> topic_there_{there_, "test/join"};
   Qos qos_ = Qos() << Reliability::Reliable(1.0) << History::KeepAll();
 };
 

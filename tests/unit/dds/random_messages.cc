@@ -178,8 +178,10 @@ JoinMessage RandomMessages::Join() {
           static_cast<Edition>(Bits())};
 }
 
-AdmissionMessage RandomMessages::Admission() {
-  return {Bits(), Bits(), Coin(), Text()};
+std::vector<AdmissionMessage> RandomMessages::Admissions() {
+  std::vector<AdmissionMessage> answers(Below(4));
+  for (AdmissionMessage& answer : answers) answer = {Bits(), Bits(), Coin(), Text()};
+  return answers;
 }
 
 void RandomMessages::FillManipulation(WorldState& state) {

@@ -14,7 +14,7 @@ class RandomMessages {
 
   SessionMessage Session();
   JoinMessage Join();
-  AdmissionMessage Admission();
+  std::vector<AdmissionMessage> Admissions();
   FrameMessage Frame();
   ProposalMessage Proposal();
   StatusMessage Status();

@@ -65,14 +65,26 @@ TEST_F(TickCoordinatorTest, IgnoresDoubledAndOldProposals) {
   EXPECT_EQ(coordinator->MakeSummary().rejected, 0u);
 }
 
-TEST_F(TickCoordinatorTest, AnswersARepeatedJoinAgain) {
+TEST_F(TickCoordinatorTest, TellsAllWhoAreAdmittedWhenTheRunBegins) {
   Make(2);
   Join(1);
   Join(1);
+  EXPECT_THAT(endpoint.admissions, IsEmpty());
+  Join(2);
   ASSERT_EQ(endpoint.admissions.size(), 2u);
-  EXPECT_TRUE(endpoint.admissions[1].admitted);
-  EXPECT_EQ(endpoint.admissions[1].agent, 1u);
-  EXPECT_THAT(Events(), ElementsAre("joined r0"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(endpoint.admissions[i].admitted);
+    EXPECT_EQ(endpoint.admissions[i].agent, i + 1);
+  }
+}
+
+TEST_F(TickCoordinatorTest, AnswersARepeatedJoinAgain) {
+  MakeAndStart(2);
+  endpoint.admissions.clear();
+  Join(1);
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_TRUE(endpoint.admissions[0].admitted);
+  EXPECT_EQ(endpoint.admissions[0].agent, 1u);
 }
 
 TEST_F(TickCoordinatorTest, RefusesABadJoinAndSaysWhy) {
