@@ -3,6 +3,8 @@
 // Not safe to share between threads, not even for reading: pieces_in_world fills a cache.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -79,13 +81,16 @@ class BodyIndex {
 template <typename Visit>
 void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   if (X_WB_.empty() || box.empty()) return;
-  // A body may reach into the box from as far as the largest radius; in the grid it is in the cell of its origin.
-  const Rectangle around = box.Inflated(scene_->max_body_radius() * (1.0 + 1e-9) + 1e-9);
+  // A body may reach into the box from as far as its radius; in the grid it is in the cell of its origin.
+  const double max_radius = scene_->max_body_radius() * (1.0 + 1e-9) + 1e-9;
+  const Vec2 center = box.center();
+  const Vec2 half(0.5 * box.width(), 0.5 * box.height());
   const auto look_at = [&](std::size_t i) {
-    const Vec2 p = X_WB_[i].translation();
-    if (around.Contains(p) && box.Inflated(scene_->ray_shape(BodyId(i)).radius).Contains(p)) visit(BodyId(i));
+    const double gap =
+        std::max(std::abs(X_WB_[i].x - center.x()) - half.x(), std::abs(X_WB_[i].y - center.y()) - half.y());
+    if (gap <= max_radius && gap <= scene_->ray_shape(BodyId(i)).radius) visit(BodyId(i));
   };
-  const CellRange range = has_grid() ? grid_.CellsOf(around) : CellRange{};
+  const CellRange range = has_grid() ? grid_.CellsOf(box.Inflated(max_radius)) : CellRange{};
   if (!has_grid() || range.count() >= X_WB_.size()) {
     for (std::size_t i = 0; i < X_WB_.size(); ++i) look_at(i);
     return;
