@@ -40,10 +40,16 @@ void Run(benchmark::State& state, Cast cast) {
 }
 
 void BM_Fan(benchmark::State& state) {
+  std::vector<Ray> rays;
   std::vector<std::optional<RayHit>> hits;
   Run(state, [&](const Scene& scene, const BodyIndex& robots, const Pose& X_WR, const std::vector<double>& bearings,
                  RobotId self) {
-    CastFan(scene, robots, X_WR.translation(), X_WR.heading, bearings, 0.2, 8.0, self, hits);
+    rays.clear();
+    for (const double bearing : bearings) {
+      const SinCosResult trig = SinCos(X_WR.heading + bearing);
+      rays.push_back({X_WR.translation(), {trig.cos, trig.sin}, 0.2, 8.0});
+    }
+    CastRays(scene, robots, rays, self, hits);
     benchmark::DoNotOptimize(hits.data());
   });
 }

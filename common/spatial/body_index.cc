@@ -8,7 +8,8 @@
 namespace troupe {
 namespace {
 
-constexpr double kSmallestCell = 0.01;  // m
+constexpr double kSmallestCell = 0.01;   // m
+constexpr double kFloatRounding = 1e-6;  // relative; several times that of a float
 
 Rectangle BoundsOf(const std::vector<Pose>& poses) {
   Rectangle bounds = Rectangle::Nothing();
@@ -31,6 +32,9 @@ void BodyIndex::Assign(const WorldState& state) {
     for (const ObjectState& object : state.objects) X_WB_.push_back(object.X_WO);
     for (const JointState& joint : state.joints) positions_.push_back(joint.position);
     cache_.assign(count, {});
+    transforms_.assign(count, {});
+    discs_.assign((count + 3) / 4, Discs{});
+    for (std::size_t i = 0; i < count; ++i) SetDisc(i);
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
     for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
@@ -53,16 +57,43 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
-  fresh_[index] &= ~kPiecesFresh;
+  SetDisc(index);
+  fresh_[index] &= kLinksFresh;
   if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
   Insert(index);
 }
 
+BodyIndex::DiscBox::DiscBox(const Rectangle& box) {
+  const Vec2 center = box.center();
+  const double rounding = kFloatRounding * (std::abs(center.x()) + std::abs(center.y()) + box.width() + box.height());
+  x = static_cast<float>(center.x());
+  y = static_cast<float>(center.y());
+  half_width = static_cast<float>(0.5 * box.width() + rounding);
+  half_height = static_cast<float>(0.5 * box.height() + rounding);
+}
+
+void BodyIndex::SetDisc(std::size_t body) {
+  const Pose& X_WB = X_WB_[body];
+  const double radius = scene_->ray_shape(BodyId(body)).radius;
+  Discs& discs = discs_[body / 4];
+  const std::size_t lane = body % 4;
+  discs.x[lane] = static_cast<float>(X_WB.x);
+  discs.y[lane] = static_cast<float>(X_WB.y);
+  discs.radius[lane] = static_cast<float>(radius + kFloatRounding * (radius + std::abs(X_WB.x) + std::abs(X_WB.y)));
+}
+
 void BodyIndex::MoveJoint(JointId joint, double position) {
   if (positions_[joint.index()] == position) return;
   positions_[joint.index()] = position;
-  fresh_[scene_->body_of(scene_->world().joint(joint).robot).index()] = 0;
+  fresh_[scene_->body_of(scene_->world().joint(joint).robot).index()] &= kTransformFresh;
+}
+
+const Transform2& BodyIndex::transform(BodyId body) const {
+  Transform2& transform = transforms_[body.index()];
+  if ((fresh_[body.index()] & kTransformFresh) == 0) transform = Transform2(X_WB_[body.index()]);
+  fresh_[body.index()] |= kTransformFresh;
+  return transform;
 }
 
 const std::vector<Pose>& BodyIndex::X_BL(BodyId body) const {
@@ -86,7 +117,7 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
   const Pose& X_WB = X_WB_[id.index()];
   if (cache.pieces.size() != body.pieces.size()) cache.pieces = body.pieces;
   Pose X_WL = X_WB;
-  Transform2 transform(X_WL);
+  Transform2 transform = this->transform(id);
   std::uint32_t link = 0;
   for (std::size_t i = 0; i < body.pieces.size(); ++i) {
     if (body.piece_links[i] != link) {

@@ -3,8 +3,7 @@
 // Not safe to share between threads, not even for reading: pieces_in_world fills a cache.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "common/base/ids.h"
 #include "common/geometry/rectangle.h"
 #include "common/model/world_state.h"
+#include "common/spatial/float4.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/scene.h"
 
@@ -31,6 +31,7 @@ class BodyIndex {
   void MoveJoint(JointId joint, double position);
 
   const Pose& X_WB(BodyId body) const { return X_WB_[body.index()]; }
+  const Transform2& transform(BodyId body) const;  // X_WB
   // Pose of a model at present, wherever its joints are. REQUIRES: it belongs to a body.
   Pose X_WM(ModelId model) const;
   // Poses of a body's links in its frame at present.
@@ -52,6 +53,30 @@ class BodyIndex {
     std::vector<Pose> X_BL;
   };
 
+  // Four bodies as discs that are a hair larger, in single precision: all that finding the near ones looks at.
+  struct Discs {
+    Float4 x;  // m, in W
+    Float4 y;
+    Float4 radius;
+  };
+  // A box for asking which discs overlap it.
+  struct DiscBox {
+    float x;  // m, its middle
+    float y;
+    float half_width;
+    float half_height;
+    explicit DiscBox(const Rectangle& box);
+  };
+  // Bit i: disc i overlaps the box.
+  static std::uint32_t Overlapping(const Discs& discs, const DiscBox& box) {
+    const Float4 x = discs.x - box.x;
+    const Float4 y = discs.y - box.y;
+    const Float4 reach_x = discs.radius + box.half_width;
+    const Float4 reach_y = discs.radius + box.half_height;
+    return AllBits(~((x > reach_x) | (x < -reach_x) | (y > reach_y) | (y < -reach_y)) & kLaneBits);
+  }
+  void SetDisc(std::size_t body);
+
   // To look at all of so few is quicker than to keep the grid, and needs less memory.
   static constexpr std::size_t kFewBodies = 256;
 
@@ -63,13 +88,16 @@ class BodyIndex {
 
   const Scene* scene_;
   std::vector<Pose> X_WB_;
+  std::vector<Discs> discs_;       // of bodies 4i to 4i + 3
   std::vector<double> positions_;  // by joint
   std::vector<std::optional<RobotId>> owner_;
   mutable std::vector<Cache> cache_;
   // What of the cache is fresh, by body; apart from it, so that moving a body does not touch so much memory.
   static constexpr std::uint8_t kPiecesFresh = 1;
   static constexpr std::uint8_t kLinksFresh = 2;
+  static constexpr std::uint8_t kTransformFresh = 4;
   mutable std::vector<std::uint8_t> fresh_;
+  mutable std::vector<Transform2> transforms_;
   // With many bodies. Those of a cell are a list: cell_first_, then next_ of each. kNone ends it.
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   Grid grid_;
@@ -81,23 +109,24 @@ class BodyIndex {
 template <typename Visit>
 void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   if (X_WB_.empty() || box.empty()) return;
+  const DiscBox disc_box(box);
   // A body may reach into the box from as far as its radius; in the grid it is in the cell of its origin.
   const double max_radius = scene_->max_body_radius() * (1.0 + 1e-9) + 1e-9;
-  const Vec2 center = box.center();
-  const Vec2 half(0.5 * box.width(), 0.5 * box.height());
-  const auto look_at = [&](std::size_t i) {
-    const double gap =
-        std::max(std::abs(X_WB_[i].x - center.x()) - half.x(), std::abs(X_WB_[i].y - center.y()) - half.y());
-    if (gap <= max_radius && gap <= scene_->ray_shape(BodyId(i)).radius) visit(BodyId(i));
-  };
   const CellRange range = has_grid() ? grid_.CellsOf(box.Inflated(max_radius)) : CellRange{};
   if (!has_grid() || range.count() >= X_WB_.size()) {
-    for (std::size_t i = 0; i < X_WB_.size(); ++i) look_at(i);
+    for (std::size_t i = 0; i < discs_.size(); ++i) {
+      for (std::uint32_t near = Overlapping(discs_[i], disc_box); near != 0; near &= near - 1) {
+        const std::size_t body = 4 * i + static_cast<std::size_t>(std::countr_zero(near));
+        if (body < X_WB_.size()) visit(BodyId(body));
+      }
+    }
     return;
   }
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-      for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) look_at(i);
+      for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) {
+        if ((Overlapping(discs_[i / 4], disc_box) >> (i % 4) & 1u) != 0) visit(BodyId(i));
+      }
     }
   }
 }

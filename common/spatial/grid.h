@@ -49,7 +49,8 @@ class Grid {
   // until `visit` returns false, `max_distance` is reached or the ray leaves the bounds. REQUIRES: |direction| = 1;
   // inverse = 1 / direction by components.
   template <typename Visit>
-  void WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance, Visit visit) const;
+  void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
+               Visit visit) const;
 
  private:
   static std::int32_t Clamped(double index, std::int32_t count) {
@@ -86,7 +87,7 @@ struct RayAxis {
 };
 
 template <typename Visit>
-void Grid::WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance,
+void Grid::WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
                    Visit visit) const {
   // Where the ray enters and leaves the bounds.
   double enter = 0.0;

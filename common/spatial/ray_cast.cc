@@ -1,29 +1,25 @@
 #include "common/spatial/ray_cast.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 
-#include "common/base/deterministic_math.h"
+#include "common/spatial/float4.h"
 
 namespace troupe {
 namespace {
 
-// A ray's line, prepared for meeting many things.
 struct Line {
   Vec2 origin;
-  Vec2 direction;
-  Vec2 slant;    // |direction| by components
-  Vec2 inverse;  // 1 / direction by components
-
-  Line(const Vec2& from, const Vec2& towards)
-      : origin(from), direction(towards), slant(towards.cwiseAbs()), inverse(towards.cwiseInverse()) {}
+  Vec2 direction;  // of length 1
 
   // False only if the ray does not meet the box before `distance`. Cheap, and never wrong by rounding.
   bool MayMeet(const Rectangle& box, double distance) const {
     constexpr double kHair = 1e-8;  // m
+    const Vec2 slant = direction.cwiseAbs();
     const Vec2 center(0.5 * (box.min_x + box.max_x) - origin.x(), 0.5 * (box.min_y + box.max_y) - origin.y());
     const Vec2 half(0.5 * (box.max_x - box.min_x) + kHair, 0.5 * (box.max_y - box.min_y) + kHair);
     if (std::abs(Cross(direction, center)) > half.x() * slant.y() + half.y() * slant.x()) return false;
@@ -77,25 +73,41 @@ double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
   return leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
 }
 
-// The same for a box along the axes. Two boxes that share a side give the same bits for it, so that no ray slips
-// through between them.
-double DistanceTo(const Rectangle& box, const Line& ray) {
-  double enter = -std::numeric_limits<double>::infinity();
-  double leave = std::numeric_limits<double>::infinity();
-  const auto cut = [&](double from, double along, double inverse, double low, double high) {
-    if (along == 0.0) {
-      if (from < low || from > high) leave = -1.0;
-      return;
+// A ray's line, prepared for meeting many boxes along the axes.
+class BoxLine {
+ public:
+  explicit BoxLine(const Line& ray)
+      : origin_(ray.origin),
+        inverse_(ray.direction.array().inverse()),
+        along_axis_((ray.direction.array() == 0.0).any()) {}
+
+  // As DistanceTo. Two boxes that share a side give the same bits for it, so that no ray slips through between them.
+  double DistanceTo(const Rectangle& box) const {
+    Eigen::Array2d at_min = (Eigen::Array2d(box.min_x, box.min_y) - origin_) * inverse_;
+    Eigen::Array2d at_max = (Eigen::Array2d(box.max_x, box.max_y) - origin_) * inverse_;
+    if (along_axis_) {
+      for (int i = 0; i < 2; ++i) {
+        if (!std::isinf(inverse_[i])) continue;
+        const double from = origin_[i];
+        const bool within = i == 0 ? box.min_x <= from && from <= box.max_x : box.min_y <= from && from <= box.max_y;
+        if (!within) return -1.0;
+        at_min[i] = -kInfinity;
+        at_max[i] = kInfinity;
+      }
     }
-    const double a = (low - from) * inverse;
-    const double b = (high - from) * inverse;
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  };
-  cut(ray.origin.x(), ray.direction.x(), ray.inverse.x(), box.min_x, box.max_x);
-  cut(ray.origin.y(), ray.direction.y(), ray.inverse.y(), box.min_y, box.max_y);
-  return enter <= leave && leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
-}
+    const double enter = at_min.min(at_max).maxCoeff();
+    const double leave = at_min.max(at_max).minCoeff();
+    // One jump for both conditions: which of them fails cannot be foreseen.
+    return (enter <= leave) & (leave > kTouchTolerance) ? std::max(enter, 0.0) : -1.0;
+  }
+  const Eigen::Array2d& inverse() const { return inverse_; }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Eigen::Array2d origin_;
+  Eigen::Array2d inverse_;  // 1 / direction by components
+  bool along_axis_;
+};
 
 void TakeIfNearer(double distance, ModelId model, Nearest& nearest) {
   if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
@@ -104,13 +116,14 @@ void TakeIfNearer(double distance, ModelId model, Nearest& nearest) {
 void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
   // The walk's own distances round too; a hair more keeps what is met exactly where a cell begins.
   constexpr double kHair = 1e-8;  // m
-  index.WalkRay(ray.origin, ray.direction, ray.inverse, nearest.distance,
+  const BoxLine box_line(ray);
+  index.WalkRay(ray.origin, ray.direction, box_line.inverse(), nearest.distance,
                 [&](std::span<const std::uint32_t> pieces, double walked) {
                   if (walked > nearest.distance + kHair) return false;
                   for (std::uint32_t i : pieces) {
                     const StaticIndex::RayPiece& piece = index.ray_piece(i);
                     if (piece.is_box) {
-                      if (piece.z.Contains(z)) TakeIfNearer(DistanceTo(piece.box, ray), piece.model, nearest);
+                      if (piece.z.Contains(z)) TakeIfNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
                       continue;
                     }
                     if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
@@ -120,160 +133,152 @@ void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nea
                 });
 }
 
-Vec2 DirectionOf(double angle) {
-  const SinCosResult trig = SinCos(angle);
-  return {trig.cos, trig.sin};
-}
-
-// The bearings of a fan in ascending order.
-class SortedBearings {
- public:
-  explicit SortedBearings(std::span<const double> bearings) : bearings_(bearings), order_(bearings.size()) {
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    if (!std::is_sorted(bearings.begin(), bearings.end())) {
-      std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return bearings[a] < bearings[b]; });
-    }
-  }
-
-  // Calls visit(ray) for the rays whose bearings are in [low, high], or a full turn or several away from it.
-  template <typename Visit>
-  void ForEachWithin(double low, double high, Visit visit) const {
-    if (order_.empty()) return;
-    const double lowest = bearings_[order_.front()];
-    const double highest = bearings_[order_.back()];
-    const double margin = 1e-9 * (1.0 + std::max(std::abs(lowest), std::abs(highest)));
-    const double turn = 2.0 * kPi;
-    const double first_turn = std::ceil((lowest - margin - high) / turn);
-    for (double turns = first_turn; low + turns * turn <= highest + margin; turns += 1.0) {
-      auto at = std::lower_bound(order_.begin(), order_.end(), low + turns * turn - margin,
-                                 [&](std::size_t ray, double bearing) { return bearings_[ray] < bearing; });
-      for (; at != order_.end() && bearings_[*at] <= high + turns * turn + margin; ++at) visit(*at);
-    }
-  }
-
- private:
-  std::span<const double> bearings_;
-  std::vector<std::size_t> order_;
+// A body that some of the rays may meet, as seen from a place near them.
+struct NearBody {
+  BodyId body;
+  float x;  // m, its origin
+  float y;
+  float radius;  // m
 };
 
-// The angles under which a circle is seen from outside: its centre +- this. pi: all around.
-double HalfWidth(double distance, double radius) {
-  if (distance <= radius) return kPi;
-  return Atan2(radius, std::sqrt((distance - radius) * (distance + radius)));
-}
-
-// Which of some rays pass a disc, worked out for all of them at once.
-class RayBundle {
+// Up to kLanes rays whose distances to a body are worked out at once, with vector instructions in single precision and
+// a margin that makes up for it.
+class RayBlock {
  public:
-  explicit RayBundle(std::span<const Ray> rays) : reference_(rays.front().origin) {
-    const auto count = static_cast<Eigen::Index>(rays.size());
-    for (Eigen::ArrayXd* column : {&dx_, &dy_, &across_, &gap_}) column->resize(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Ray& ray = rays[static_cast<std::size_t>(i)];
-      dx_[i] = ray.direction.x();
-      dy_[i] = ray.direction.y();
-      across_[i] = Cross(ray.direction, ray.origin - reference_);
-    }
-  }
+  static constexpr std::size_t kLanes = 16;
 
-  // Calls visit(ray) for those whose lines pass it. Never wrong by rounding if the radius has a margin of 1e-9 m.
-  template <typename Visit>
-  void ForEachNear(const Vec2& center, double radius, Visit visit) {
-    const Vec2 c = center - reference_;
-    gap_ = (dx_ * c.y() - dy_ * c.x() - across_).abs();
-    for (Eigen::Index i = 0; i < gap_.size(); ++i) {
-      if (gap_[i] <= radius) visit(static_cast<std::size_t>(i));
-    }
-  }
-
- private:
-  Vec2 reference_;  // near the rays, so that differences are exact enough wherever in the world they are
-  Eigen::ArrayXd dx_, dy_, across_, gap_;
-};
-
-// A body that rays may meet: its pieces at the height of the rays, placed in W when the first one comes near.
-class PlacedBody {
- public:
-  PlacedBody(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {}
-
-  void Take(BodyId body) {
-    body_ = body;
-    shape_ = &scene_.ray_shape(body);
-    X_WB_ = &bodies_.X_WB(body);
-    height_.reset();
-  }
-  Vec2 center() const { return X_WB_->translation(); }
-  double radius() const { return shape_->radius; }
-
-  void Meet(const Line& ray, double z, Nearest& nearest) {
-    PlaceAt(z);
-    for (const Piece& piece : pieces_) MeetPiece(piece, ray, nearest);
-  }
-  // The same, for many rays: looks at the box around a piece first.
-  void MeetInBoxes(const Line& ray, double z, Nearest& nearest) {
-    PlaceAt(z);
-    if (boxes_.empty()) {
-      for (const Piece& piece : pieces_) {
-        Rectangle& box = boxes_.emplace_back(Rectangle::Nothing());
-        for (const Vec2& vertex : VerticesOf(piece)) box.Extend(vertex);
+  // `reference`: near the rays, so that differences are exact enough wherever in the world they are.
+  RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
+      if (i >= rays.size()) {
+        set(length_, -1e30);  // a lane without a ray is near nothing
+        continue;
       }
+      const Ray& ray = rays[i];
+      const Vec2 origin = ray.origin - reference;
+      const double across = Cross(ray.direction, origin);
+      const double start = ray.direction.dot(origin);
+      set(dx_, ray.direction.x());
+      set(dy_, ray.direction.y());
+      set(across_, across);
+      set(start_, start);
+      set(length_, nearest[i].distance);
+      spread_ = std::max({spread_, std::abs(across), std::abs(start), nearest[i].distance});
     }
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (ray.MayMeet(boxes_[i], nearest.distance)) MeetPiece(pieces_[i], ray, nearest);
+  }
+
+  // Calls visit(ray, distance) for those that come as near to the body as its radius before they end; `distance`: they
+  // do not meet it before.
+  template <typename Visit>
+  void ForEachNear(const NearBody& body, Visit visit) const {
+    constexpr float kRounding = 1e-6f;  // several times that of a float
+    const float radius = body.radius + kRounding * (body.radius + std::abs(body.x) + std::abs(body.y) +
+                                                    3.0f * static_cast<float>(spread_));
+    Lanes along;
+    Bits4 bits{};
+    for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
+      along[k] = dx_[k] * body.x + dy_[k] * body.y - start_[k];
+      const Float4 aside = dx_[k] * body.y - dy_[k] * body.x - across_[k];
+      // What is not a number is near.
+      const Bits4 apart =
+          (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
+      bits |= ~apart & (kLaneBits << static_cast<std::int32_t>(kWidth * k));
+    }
+    for (auto near = AllBits(bits); near != 0; near &= near - 1) {
+      const auto ray = static_cast<std::size_t>(std::countr_zero(near));
+      visit(ray, along[ray / kWidth][ray % kWidth] - radius);
     }
   }
 
  private:
-  struct Piece {
-    std::uint32_t number;  // in Body::pieces
-    std::uint32_t first_vertex;
-    std::uint32_t vertex_count;
-  };
+  static constexpr std::size_t kWidth = 4;
+  using Lanes = std::array<Float4, kLanes / kWidth>;
+  Lanes dx_{};  // directions
+  Lanes dy_{};
+  Lanes across_{};  // m, of the lines, left of the reference
+  Lanes start_{};   // m, along the rays, where they start
+  Lanes length_{};  // m
+  double spread_ = 0.0;
+};
 
-  std::span<const Vec2> VerticesOf(const Piece& piece) const {
-    return {vertices_.data() + piece.first_vertex, piece.vertex_count};
-  }
+// Meets rays with bodies.
+class BodyMeeting {
+ public:
+  BodyMeeting(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {}
 
-  void MeetPiece(const Piece& piece, const Line& ray, Nearest& nearest) const {
-    const double distance = DistanceTo(VerticesOf(piece), ray);
-    // The model is looked up only when it may count.
-    if (distance < 0.0 || distance > nearest.distance) return;
-    TakeIfNearer(distance, scene_.body(body_).pieces[piece.number].model, nearest);
-  }
-
-  void PlaceAt(double z) {
-    if (height_ == z) return;
-    height_ = z;
-    pieces_.clear();
-    vertices_.clear();
-    boxes_.clear();
-    if (!(shape_->z + X_WB_->z).Contains(z)) return;
-    Pose X_WL = *X_WB_;
-    Transform2 transform(X_WL);
+  void Meet(const Ray& ray, BodyId id, Nearest& nearest) {
+    const RayShape& shape = scene_.ray_shape(id);
+    const Pose& X_WB = bodies_.X_WB(id);
+    if (!(shape.z + X_WB.z).Contains(ray.z)) return;
+    Transform2 transform = bodies_.transform(id);
+    Line line_L = InFrame(transform, ray);
+    double z = X_WB.z;
     std::uint32_t link = 0;
-    for (const RayShape::Piece& piece : shape_->pieces) {
+    for (const RayShape::Piece& piece : shape.pieces) {
       if (piece.link != link) {
         link = piece.link;
-        X_WL = link == 0 ? *X_WB_ : *X_WB_ * bodies_.X_BL(body_)[link];
+        const Pose X_WL = link == 0 ? X_WB : X_WB * bodies_.X_BL(id)[link];
         transform = Transform2(X_WL);
+        line_L = InFrame(transform, ray);
+        z = X_WL.z;
       }
-      if (!(piece.z + X_WL.z).Contains(z)) continue;
-      pieces_.push_back({piece.number, static_cast<std::uint32_t>(vertices_.size()), piece.vertex_count});
-      for (std::uint32_t v = 0; v < piece.vertex_count; ++v) {
-        vertices_.push_back(transform * shape_->vertices[piece.first_vertex + v]);
-      }
+      if (!(piece.z + z).Contains(ray.z) || !line_L.MayMeet(piece.box, nearest.distance)) continue;
+      vertices_.clear();
+      for (const Vec2& vertex : shape.vertices_of(piece)) vertices_.push_back(transform * vertex);
+      const double distance = DistanceTo(vertices_, {ray.origin, ray.direction});
+      // The model is looked up only when it may count.
+      if (distance < 0.0 || distance > nearest.distance) continue;
+      TakeIfNearer(distance, scene_.body(id).pieces[piece.number].model, nearest);
     }
+  }
+
+ private:
+  static Line InFrame(const Transform2& X_WL, const Ray& ray) {
+    return {X_WL.InverseTransform(ray.origin), X_WL.InverseRotate(ray.direction)};
   }
 
   const Scene& scene_;
   const BodyIndex& bodies_;
-  BodyId body_;
-  const RayShape* shape_ = nullptr;
-  const Pose* X_WB_ = nullptr;
-  std::optional<double> height_;  // for which the pieces are placed
-  std::vector<Piece> pieces_;
-  std::vector<Vec2> vertices_;
-  std::vector<Rectangle> boxes_;  // around the pieces, once a fan asks
+  std::vector<Vec2> vertices_;  // of one piece, in W
+};
+
+// Of the rays of a block and the bodies near them, who meets whom. For each ray the body that begins first comes first:
+// then most others are farther than what it has met.
+class BlockMeeting {
+ public:
+  void Meet(std::span<const Ray> rays, const Vec2& reference, std::span<const NearBody> near, BodyMeeting& meeting,
+            std::span<Nearest> nearest) {
+    const RayBlock block(rays, nearest, reference);
+    std::array<std::uint32_t, RayBlock::kLanes> first;
+    first.fill(kNone);
+    pairs_.clear();
+    for (const NearBody& body : near) {
+      block.ForEachNear(body, [&](std::size_t ray, float distance) {
+        if (first[ray] == kNone || distance < pairs_[first[ray]].distance) {
+          first[ray] = static_cast<std::uint32_t>(pairs_.size());
+        }
+        pairs_.push_back({distance, static_cast<std::uint32_t>(ray), body.body});
+      });
+    }
+    for (std::size_t ray = 0; ray < rays.size(); ++ray) {
+      if (first[ray] != kNone) meeting.Meet(rays[ray], pairs_[first[ray]].body, nearest[ray]);
+    }
+    for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+      const Pair& pair = pairs_[i];
+      if (i == first[pair.ray] || pair.distance > nearest[pair.ray].distance) continue;
+      meeting.Meet(rays[pair.ray], pair.body, nearest[pair.ray]);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  struct Pair {
+    float distance;  // m, the ray does not meet the body before
+    std::uint32_t ray;
+    BodyId body;
+  };
+  std::vector<Pair> pairs_;
 };
 
 }  // namespace
@@ -289,75 +294,33 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
               std::vector<std::optional<RayHit>>& hits) {
   hits.clear();
   if (rays.empty()) return;
-  hits.reserve(rays.size());
-  std::vector<Line> lines;
   std::vector<Nearest> nearest;
-  lines.reserve(rays.size());
   nearest.reserve(rays.size());
   Rectangle seen = Rectangle::Nothing();
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Ray& ray = rays[i];
-    lines.emplace_back(ray.origin, ray.direction);
-    nearest.push_back({ray.max_distance, std::nullopt});
-    MeetStandingPieces(scene.static_index(), lines[i], ray.z, nearest[i]);
+  for (const Ray& ray : rays) {
+    Nearest& meeting = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
+    MeetStandingPieces(scene.static_index(), {ray.origin, ray.direction}, ray.z, meeting);
     seen.Extend(ray.origin);
-    seen.Extend(ray.origin + nearest[i].distance * ray.direction);
+    seen.Extend(ray.origin + meeting.distance * ray.direction);
   }
 
-  RayBundle bundle(rays);
-  PlacedBody placed(scene, bodies);
+  const Vec2 reference = rays.front().origin;
+  std::vector<NearBody> near;
   bodies.ForEachNear(seen, [&](BodyId id) {
     if (caster && bodies.owner(id) == caster) return;
-    placed.Take(id);
-    bundle.ForEachNear(placed.center(), placed.radius(), [&](std::size_t i) {
-      const double along = rays[i].direction.dot(placed.center() - rays[i].origin);
-      if (along < -placed.radius() || along > nearest[i].distance + placed.radius()) return;
-      placed.Meet(lines[i], rays[i].z, nearest[i]);
-    });
+    const Vec2 center = bodies.X_WB(id).translation() - reference;
+    near.push_back({id, static_cast<float>(center.x()), static_cast<float>(center.y()),
+                    static_cast<float>(scene.ray_shape(id).radius)});
   });
-
-  for (const Nearest& meeting : nearest) hits.push_back(meeting.hit());
-}
-
-void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
-             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
-             std::vector<std::optional<RayHit>>& hits) {
-  std::vector<Line> lines;
-  std::vector<Nearest> nearest;
-  lines.reserve(bearings.size());
-  nearest.reserve(bearings.size());
-  double farthest = 0.0;
-  for (const double bearing : bearings) {
-    const Line& line = lines.emplace_back(origin, DirectionOf(heading + bearing));
-    Nearest& meeting = nearest.emplace_back(Nearest{max_distance, std::nullopt});
-    MeetStandingPieces(scene.static_index(), line, z, meeting);
-    farthest = std::max(farthest, meeting.distance);
+  BodyMeeting meeting(scene, bodies);
+  BlockMeeting block;
+  for (std::size_t first = 0; first < rays.size(); first += RayBlock::kLanes) {
+    const std::size_t count = std::min(RayBlock::kLanes, rays.size() - first);
+    block.Meet(rays.subspan(first, count), reference, near, meeting, std::span(nearest).subspan(first, count));
   }
 
-  const SortedBearings sorted(bearings);
-  PlacedBody placed(scene, bodies);
-  Rectangle seen = Rectangle::Nothing();
-  seen.Extend(origin);
-  bodies.ForEachNear(seen.Inflated(farthest), [&](BodyId id) {
-    if (caster && bodies.owner(id) == caster) return;
-    placed.Take(id);
-    const Vec2 center = placed.center() - origin;
-    const double distance = std::sqrt(center.squaredNorm());
-    if (distance - placed.radius() > farthest) return;
-    const auto meet = [&](std::size_t i) {
-      if (distance - placed.radius() <= nearest[i].distance) placed.MeetInBoxes(lines[i], z, nearest[i]);
-    };
-    const double half_width = HalfWidth(distance, placed.radius());
-    if (half_width >= kPi) {
-      for (std::size_t i = 0; i < bearings.size(); ++i) meet(i);
-    } else {
-      const double bearing = Atan2(center.y(), center.x()) - heading;
-      sorted.ForEachWithin(bearing - half_width, bearing + half_width, meet);
-    }
-  });
-
-  hits.resize(bearings.size());
-  for (std::size_t i = 0; i < bearings.size(); ++i) hits[i] = nearest[i].hit();
+  hits.reserve(rays.size());
+  for (const Nearest& found : nearest) hits.push_back(found.hit());
 }
 
 }  // namespace troupe

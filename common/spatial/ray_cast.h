@@ -32,14 +32,9 @@ struct RayHit {
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Ray& ray,
                               std::optional<RobotId> caster);
 
-// The same for each of several rays that are near each other, as those of a sonar ring, found together. `hits` gets one
-// entry for each ray.
+// The same for each of several rays that start near each other, as those of a sonar ring or a scanner, found together:
+// quickest if neighbours in `rays` are neighbours in space. `hits` gets one entry for each ray.
 void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> rays, std::optional<RobotId> caster,
               std::vector<std::optional<RayHit>>& hits);
-
-// The same for a fan of many rays from one point: ray i leaves at heading + bearings[i] (radians, any order).
-void CastFan(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double heading,
-             std::span<const double> bearings, double z, double max_distance, std::optional<RobotId> caster,
-             std::vector<std::optional<RayHit>>& hits);
 
 }  // namespace troupe

@@ -32,7 +32,8 @@ std::uint32_t RayShapes::Add(const Body& body) {
                             .link = body.piece_links[i],
                             .number = static_cast<std::uint32_t>(i),
                             .first_vertex = static_cast<std::uint32_t>(shape.vertices.size()),
-                            .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
+                            .vertex_count = static_cast<std::uint32_t>(piece.vertices.size()),
+                            .box = BoundingBox(piece.vertices)});
     shape.vertices.insert(shape.vertices.end(), piece.vertices.begin(), piece.vertices.end());
   }
   const auto [place, is_new] = numbers_.emplace(KeyOf(shape), static_cast<std::uint32_t>(shapes_.size()));

@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
+#include "common/geometry/rectangle.h"
 #include "common/geometry/vec2.h"
 #include "common/geometry/z_range.h"
 
@@ -20,11 +22,16 @@ struct RayShape {
     std::uint32_t number;  // in Body::pieces
     std::uint32_t first_vertex;
     std::uint32_t vertex_count;
+    Rectangle box;  // m, around the vertices
   };
   std::vector<Piece> pieces;
   std::vector<Vec2> vertices;
   double radius = 0.0;  // m, a hair more than the body's, because moving it rounds
   ZRange z;             // m, the body's
+
+  std::span<const Vec2> vertices_of(const Piece& piece) const {
+    return {vertices.data() + piece.first_vertex, piece.vertex_count};
+  }
 };
 
 // Shapes by number, each once.

@@ -42,7 +42,8 @@ class StaticIndex {
   // `max_distance` is among those visited at a distance not beyond the meeting; pieces may come several times.
   // REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
-  void WalkRay(const Vec2& origin, const Vec2& direction, const Vec2& inverse, double max_distance, Visit visit) const {
+  void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
+               Visit visit) const {
     if (pieces_.empty()) return;
     grid_.WalkRay(origin, direction, inverse, max_distance, [&](std::size_t cell, double distance) {
       return visit(IsEmpty(cell) ? std::span<const std::uint32_t>() : PiecesInCell(cell), distance);

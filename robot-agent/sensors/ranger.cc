@@ -56,13 +56,6 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
   return noisy;
 }
 
-// A fan shares its work among its rays; the rays of sensors with few, as of a sonar ring, share it with each other.
-constexpr std::uint32_t kFewRays = 4;
-
-bool HasFewRays(const RaySensorDescription& sensor) {
-  return sensor.samples <= kFewRays;
-}
-
 // Where the sensors of a ranger are: X_WM * X_MS of each, with the sine and cosine of X_WM's heading worked out once.
 std::vector<Pose> SensorPoses(const RangerDescription& ranger, const Pose& X_WM) {
   const Transform2 transform(X_WM);
@@ -99,52 +92,35 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
   const RangerDescription& description = world.robot(robot).rangers[ranger];
   const std::vector<Pose> poses = SensorPoses(description, bodies.X_WM(description.model));
   const auto noise_of = [&](std::size_t sensor) { return Noise(world, robot, ranger, sensor, tick); };
+  std::vector<Ray> rays;  // of all sensors, one after another
   std::vector<double> bearings;
-  const auto aim = [&](std::size_t sensor) {
-    FillBearings(description.sensors[sensor], bearings);
-    TurnRays(description.sensors[sensor], noise_of(sensor), bearings);
-  };
-
-  std::vector<Ray> rays;  // of all sensors with few
-  rays.reserve(kFewRays * description.sensors.size());
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
-    if (!HasFewRays(description.sensors[s])) continue;
-    aim(s);
+    const RaySensorDescription& sensor = description.sensors[s];
+    FillBearings(sensor, bearings);
+    TurnRays(sensor, noise_of(s), bearings);
     for (const double bearing : bearings) {
       const SinCosResult direction = SinCos(poses[s].heading + bearing);
       rays.push_back({.origin = poses[s].translation(),
                       .direction = {direction.cos, direction.sin},
                       .z = poses[s].z,
-                      .max_distance = description.sensors[s].range.max});
+                      .max_distance = sensor.range.max});
     }
   }
   std::vector<std::optional<RayHit>> hits;
-  if (!rays.empty()) CastRays(scene, bodies, rays, robot, hits);
+  CastRays(scene, bodies, rays, robot, hits);
 
   reading.tick = tick;
   reading.scans.resize(description.sensors.size());
-  std::vector<std::optional<RayHit>> fan;
-  std::size_t first = 0;  // of the next sensor with few rays
+  auto hit = hits.begin();
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     const RaySensorDescription& sensor = description.sensors[s];
-    std::span<const std::optional<RayHit>> met;
-    if (HasFewRays(sensor)) {
-      met = std::span(hits).subspan(first, sensor.samples);
-      first += sensor.samples;
-    } else {
-      aim(s);
-      CastFan(scene, bodies, poses[s].translation(), poses[s].heading, bearings, poses[s].z, sensor.range.max, robot,
-              fan);
-      met = fan;
-    }
     const Noise noise = noise_of(s);
     RangeScan& scan = reading.scans[s];
-    scan.ranges.resize(met.size());
-    scan.intensities.resize(met.size());
-    for (std::size_t ray = 0; ray < met.size(); ++ray) {
-      const std::optional<RayHit>& hit = met[ray];
-      scan.ranges[ray] = hit ? sensor.range.Clamp(NoisyRange(sensor, noise, ray, hit->distance)) : sensor.range.max;
-      scan.intensities[ray] = hit ? scene.ranger_return(hit->model) : 0.0;
+    scan.ranges.resize(sensor.samples);
+    scan.intensities.resize(sensor.samples);
+    for (std::size_t ray = 0; ray < sensor.samples; ++ray, ++hit) {
+      scan.ranges[ray] = *hit ? sensor.range.Clamp(NoisyRange(sensor, noise, ray, (*hit)->distance)) : sensor.range.max;
+      scan.intensities[ray] = *hit ? scene.ranger_return((*hit)->model) : 0.0;
     }
   }
 }

@@ -51,6 +51,7 @@ Outcome RunCrowd() {
   Outcome run;
   std::vector<double> bearings;
   for (int i = 0; i < 32; ++i) bearings.push_back(2.0 * kPi * i / 32.0);
+  std::vector<Ray> rays;
   std::vector<std::optional<RayHit>> hits;
   while (state.tick < kTicks) {
     StepResult result = Step(scene, state, Proposals(state));
@@ -66,7 +67,12 @@ Outcome RunCrowd() {
     robots.Assign(state);
     for (std::size_t i = 0; i < state.robots.size(); i += 7) {
       const Pose& X_WR = state.robots[i].X_WR;
-      CastFan(scene, robots, X_WR.translation(), X_WR.heading, bearings, 0.3, 8.0, RobotId(i), hits);
+      rays.clear();
+      for (const double bearing : bearings) {
+        const SinCosResult trig = SinCos(X_WR.heading + bearing);
+        rays.push_back({X_WR.translation(), {trig.cos, trig.sin}, 0.3, 8.0});
+      }
+      CastRays(scene, robots, rays, RobotId(i), hits);
       for (const auto& hit : hits) ranges.Add(hit ? hit->distance : -1.0);
     }
   }

@@ -79,13 +79,16 @@ TEST(RayCastProperty, FanGivesTheSameBitsAsSingleRays) {
     if (random.Chance(0.2)) {
       for (double& bearing : bearings) bearing = random.Uniform(-20.0, 20.0);
     }
+    std::vector<Ray> rays;
+    for (const double bearing : bearings) {
+      const SinCosResult trig = SinCos(heading + bearing);
+      rays.push_back({origin, {trig.cos, trig.sin}, z, max_distance});
+    }
     std::vector<std::optional<RayHit>> hits;
-    CastFan(scene, robots, origin, heading, bearings, z, max_distance, caster, hits);
-    ASSERT_EQ(hits.size(), bearings.size());
-    for (std::size_t i = 0; i < bearings.size(); ++i) {
-      const SinCosResult trig = SinCos(heading + bearings[i]);
-      const std::optional<RayHit> single =
-          CastRay(scene, robots, {origin, {trig.cos, trig.sin}, z, max_distance}, caster);
+    CastRays(scene, robots, rays, caster, hits);
+    ASSERT_EQ(hits.size(), rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const std::optional<RayHit> single = CastRay(scene, robots, rays[i], caster);
       ASSERT_EQ(hits[i].has_value(), single.has_value()) << "seed " << seed << " ray " << i;
       if (!single) continue;
       ASSERT_EQ(hits[i]->distance, single->distance) << "seed " << seed << " ray " << i;

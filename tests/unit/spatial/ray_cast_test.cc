@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -110,20 +112,24 @@ TEST_F(RayCastTest, RunsAlongAWall) {
   EXPECT_FALSE(Cast({0, -1e-9}, {1, 0}));
 }
 
-TEST(CastFan, FillsOneEntryForEachBearing) {
+TEST(CastRays, FillsOneEntryForEachRay) {
   TestWorld test;
   test.AddModel(Box(2, -5, 3, 5));
   const Scene scene(test.world);
   BodyIndex robots(scene);
   robots.Assign(InitialState(scene.world()));
   std::vector<std::optional<RayHit>> hits(7);
-  const std::vector<double> bearings{0.0, kPi, -kPi / 4.0};
-  CastFan(scene, robots, {0, 0}, 0.0, bearings, 0.5, 10.0, std::nullopt, hits);
+  const double kHalf = std::sqrt(0.5);
+  std::vector<Ray> rays;
+  for (const Vec2& direction : {Vec2(1, 0), Vec2(-1, 0), Vec2(kHalf, -kHalf)}) {
+    rays.push_back({{0, 0}, direction, 0.5, 10.0});
+  }
+  CastRays(scene, robots, rays, std::nullopt, hits);
   ASSERT_EQ(hits.size(), 3u);
   EXPECT_NEAR(hits[0]->distance, 2.0, 1e-15);
   EXPECT_FALSE(hits[1]);
   EXPECT_NEAR(hits[2]->distance, 2.0 * 1.4142135623730951, 1e-14);
-  CastFan(scene, robots, {0, 0}, 0.0, {}, 0.5, 10.0, std::nullopt, hits);
+  CastRays(scene, robots, {}, std::nullopt, hits);
   EXPECT_TRUE(hits.empty());
 }
 
