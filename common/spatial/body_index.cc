@@ -9,7 +9,7 @@ namespace troupe {
 namespace {
 
 constexpr double kSmallestCell = 0.01;   // m
-constexpr double kFloatRounding = 1e-6;  // relative; several times that of a float
+constexpr double kFloatRounding = 1e-6;  // relative; many times that of a float
 
 Rectangle BoundsOf(const std::vector<Pose>& poses) {
   Rectangle bounds = Rectangle::Nothing();
@@ -34,7 +34,10 @@ void BodyIndex::Assign(const WorldState& state) {
     cache_.assign(count, {});
     transforms_.assign(count, {});
     discs_.assign((count + 3) / 4, Discs{});
-    for (std::size_t i = 0; i < count; ++i) SetDisc(i);
+    for (std::size_t i = 0; i < count; ++i) {
+      discs_[i / 4].radius[i % 4] = static_cast<float>(scene_->ray_shape(BodyId(i)).radius);
+      MoveDisc(i);
+    }
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
     for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
@@ -57,30 +60,23 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
-  SetDisc(index);
+  MoveDisc(index);
   fresh_[index] &= kLinksFresh;
   if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
   Insert(index);
 }
 
-BodyIndex::DiscBox::DiscBox(const Rectangle& box) {
+// The numbers of a disc that overlaps the box are not larger than those of the box and the disc's radius together, so
+// this makes up for the rounding of both.
+BodyIndex::DiscBox::DiscBox(const Rectangle& box, double max_radius) {
   const Vec2 center = box.center();
-  const double rounding = kFloatRounding * (std::abs(center.x()) + std::abs(center.y()) + box.width() + box.height());
+  const double rounding =
+      kFloatRounding * (std::abs(center.x()) + std::abs(center.y()) + box.width() + box.height() + max_radius);
   x = static_cast<float>(center.x());
   y = static_cast<float>(center.y());
   half_width = static_cast<float>(0.5 * box.width() + rounding);
   half_height = static_cast<float>(0.5 * box.height() + rounding);
-}
-
-void BodyIndex::SetDisc(std::size_t body) {
-  const Pose& X_WB = X_WB_[body];
-  const double radius = scene_->ray_shape(BodyId(body)).radius;
-  Discs& discs = discs_[body / 4];
-  const std::size_t lane = body % 4;
-  discs.x[lane] = static_cast<float>(X_WB.x);
-  discs.y[lane] = static_cast<float>(X_WB.y);
-  discs.radius[lane] = static_cast<float>(radius + kFloatRounding * (radius + std::abs(X_WB.x) + std::abs(X_WB.y)));
 }
 
 void BodyIndex::MoveJoint(JointId joint, double position) {

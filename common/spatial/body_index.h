@@ -53,19 +53,19 @@ class BodyIndex {
     std::vector<Pose> X_BL;
   };
 
-  // Four bodies as discs that are a hair larger, in single precision: all that finding the near ones looks at.
+  // Four bodies as discs, in single precision: all that finding the near ones looks at.
   struct Discs {
     Float4 x;  // m, in W
     Float4 y;
     Float4 radius;
   };
-  // A box for asking which discs overlap it.
+  // A box for asking which discs overlap it, a hair larger than it is.
   struct DiscBox {
     float x;  // m, its middle
     float y;
     float half_width;
     float half_height;
-    explicit DiscBox(const Rectangle& box);
+    DiscBox(const Rectangle& box, double max_radius);
   };
   // Bit i: disc i overlaps the box.
   static std::uint32_t Overlapping(const Discs& discs, const DiscBox& box) {
@@ -75,7 +75,10 @@ class BodyIndex {
     const Float4 reach_y = discs.radius + box.half_height;
     return AllBits(~((x > reach_x) | (x < -reach_x) | (y > reach_y) | (y < -reach_y)) & kLaneBits);
   }
-  void SetDisc(std::size_t body);
+  void MoveDisc(std::size_t body) {
+    discs_[body / 4].x[body % 4] = static_cast<float>(X_WB_[body].x);
+    discs_[body / 4].y[body % 4] = static_cast<float>(X_WB_[body].y);
+  }
 
   // To look at all of so few is quicker than to keep the grid, and needs less memory.
   static constexpr std::size_t kFewBodies = 256;
@@ -109,9 +112,9 @@ class BodyIndex {
 template <typename Visit>
 void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   if (X_WB_.empty() || box.empty()) return;
-  const DiscBox disc_box(box);
   // A body may reach into the box from as far as its radius; in the grid it is in the cell of its origin.
   const double max_radius = scene_->max_body_radius() * (1.0 + 1e-9) + 1e-9;
+  const DiscBox disc_box(box, max_radius);
   const CellRange range = has_grid() ? grid_.CellsOf(box.Inflated(max_radius)) : CellRange{};
   if (!has_grid() || range.count() >= X_WB_.size()) {
     for (std::size_t i = 0; i < discs_.size(); ++i) {

@@ -92,7 +92,10 @@ void MeasureRanger(const Scene& scene, const BodyIndex& bodies, RobotId robot, s
   const RangerDescription& description = world.robot(robot).rangers[ranger];
   const std::vector<Pose> poses = SensorPoses(description, bodies.X_WM(description.model));
   const auto noise_of = [&](std::size_t sensor) { return Noise(world, robot, ranger, sensor, tick); };
+  std::size_t count = 0;
+  for (const RaySensorDescription& sensor : description.sensors) count += sensor.samples;
   std::vector<Ray> rays;  // of all sensors, one after another
+  rays.reserve(count);
   std::vector<double> bearings;
   for (std::size_t s = 0; s < description.sensors.size(); ++s) {
     const RaySensorDescription& sensor = description.sensors[s];
