@@ -79,9 +79,10 @@ inline BarrierOptions ParseBarrierOptions(int argc, char** argv) {
   std::exit(2);
 }
 
-// Bytes of a frame and of a proposal, as they are on the wire: what is sent is as long as ours.
+// Bytes of a frame in which all robots drive on, and of a proposal, as they are on the wire: what is sent is as long as
+// ours.
 inline std::size_t FrameBytes(int robots) {
-  return 200 + 57 * static_cast<std::size_t>(robots);
+  return 300 + 40 * static_cast<std::size_t>(robots);
 }
 inline constexpr std::size_t kProposalBytes = 160;
 

@@ -103,6 +103,17 @@ void RunAgent(const DdsOptions& dds, AgentId id) {
   while (!agent.over()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
+// As if all robots had driven on.
+void Drive(WorldState& state) {
+  for (RobotState& robot : state.robots) {
+    robot.X_WR.x += 1e-3;
+    robot.X_WR.y += 2e-3;
+    robot.X_WR.heading += 1e-4;
+    robot.twist.vx += 1e-5;
+    robot.twist.wz += 1e-5;
+  }
+}
+
 // Until all agents have left; kills those that do not.
 void End(Service& service, ServiceEndpoint& endpoint, FrameMessage frame, const std::vector<pid_t>& agents) {
   frame.last = true;
@@ -143,6 +154,7 @@ int Run(const BarrierOptions& options, const DdsOptions& dds) {
   const auto begin = Clock::now();
   for (std::uint64_t tick = 0; tick < options.ticks && !stuck; ++tick) {
     frame.state.tick = tick;
+    Drive(frame.state);
     service.Open(tick + 1, options.agents);
     endpoint->SendFrame(frame);
     for (int repeats = 0; !stuck && !service.Await(kTimeToRepeat); ++repeats, ++repeated) {

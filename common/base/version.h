@@ -9,6 +9,6 @@ namespace troupe {
 const char* VersionText();
 
 // Programs work together only when this is equal: it changes whenever a message or its meaning does.
-inline constexpr std::uint32_t kProtocolVersion = 6;
+inline constexpr std::uint32_t kProtocolVersion = 7;
 
 }  // namespace troupe

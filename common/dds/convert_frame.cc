@@ -1,17 +1,20 @@
 #include "common/dds/convert_frame.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <type_traits>
 
 namespace troupe::dds {
 namespace {
 
-constexpr std::uint8_t kStalledBit = 1;
+constexpr std::uint8_t kSetBit = 1;
 constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(EventType::kUnstable);
-constexpr std::uint8_t kBlockedBit = 1;
 constexpr std::uint8_t kLastObjectMode = static_cast<std::uint8_t>(ObjectMode::kHeld);
 constexpr std::int32_t kNone = -1;
+constexpr std::size_t kAnyId = std::numeric_limits<std::int32_t>::max();
 
 template <typename Id>
 std::int32_t ToWire(const std::optional<Id>& id) {
@@ -30,175 +33,263 @@ bool IsIdBelow(std::int32_t id, std::size_t count) {
   return id >= kNone && (id == kNone || static_cast<std::size_t>(id) < count);
 }
 
+// A value of a row as it travels: Get gives it, Set takes it and says whether it is one that may come. `field` gives
+// the row's own.
+template <typename Field>
+struct Number {
+  Field field;
+  template <typename Row>
+  double Get(const Row& row) const {
+    return field(row);
+  }
+  template <typename Row>
+  bool Set(Row& row, double value) const {
+    field(row) = value;
+    return std::isfinite(value);
+  }
+};
+
+template <typename Field>
+struct Flag {
+  Field field;
+  template <typename Row>
+  std::uint8_t Get(const Row& row) const {
+    return field(row) ? kSetBit : 0;
+  }
+  template <typename Row>
+  bool Set(Row& row, std::uint8_t value) const {
+    field(row) = value != 0;
+    return (value & ~kSetBit) == 0;
+  }
+};
+
+template <typename Field>
+struct OptionalId {
+  Field field;
+  std::size_t count;  // how many there are
+  template <typename Row>
+  std::int32_t Get(const Row& row) const {
+    return ToWire(field(row));
+  }
+  template <typename Row>
+  bool Set(Row& row, std::int32_t value) const {
+    using Id = typename std::remove_reference_t<decltype(field(row))>::value_type;
+    if (!IsIdBelow(value, count)) return false;
+    field(row) = FromWire<Id>(value);
+    return true;
+  }
+};
+
+struct Mode {
+  std::uint8_t Get(const ObjectState& object) const { return static_cast<std::uint8_t>(object.mode); }
+  bool Set(ObjectState& object, std::uint8_t value) const {
+    object.mode = static_cast<ObjectMode>(value);
+    return value <= kLastObjectMode;
+  }
+};
+
+#define TROUPE_FIELD(expression) \
+  [](auto& row) -> auto& {       \
+    return row.expression;       \
+  }
+
+// The columns of each kind of row, for writing and for reading: calls visit(column, value).
+template <typename Wire, typename Visit>
+void VisitRobots(Wire& wire, Visit& visit) {
+  visit(wire.x, Number{TROUPE_FIELD(X_WR.x)});
+  visit(wire.y, Number{TROUPE_FIELD(X_WR.y)});
+  visit(wire.z, Number{TROUPE_FIELD(X_WR.z)});
+  visit(wire.heading, Number{TROUPE_FIELD(X_WR.heading)});
+  visit(wire.vx, Number{TROUPE_FIELD(twist.vx)});
+  visit(wire.vy, Number{TROUPE_FIELD(twist.vy)});
+  visit(wire.wz, Number{TROUPE_FIELD(twist.wz)});
+  visit(wire.flags, Flag{TROUPE_FIELD(stalled)});
+}
+
+template <typename Wire, typename Visit>
+void VisitJoints(Wire& wire, Visit& visit) {
+  visit(wire.joint_position, Number{TROUPE_FIELD(position)});
+  visit(wire.joint_velocity, Number{TROUPE_FIELD(velocity)});
+  visit(wire.joint_flags, Flag{TROUPE_FIELD(blocked)});
+}
+
+template <typename Wire, typename Visit>
+void VisitGrippers(Wire& wire, std::size_t objects, Visit& visit) {
+  visit(wire.gripper_left_contact, OptionalId{TROUPE_FIELD(left_contact), kAnyId});
+  visit(wire.gripper_right_contact, OptionalId{TROUPE_FIELD(right_contact), kAnyId});
+  visit(wire.gripper_clamped, OptionalId{TROUPE_FIELD(clamped), objects});
+}
+
+template <typename Wire, typename Visit>
+void VisitObjects(Wire& wire, std::size_t grippers, Visit& visit) {
+  visit(wire.object_x, Number{TROUPE_FIELD(X_WO.x)});
+  visit(wire.object_y, Number{TROUPE_FIELD(X_WO.y)});
+  visit(wire.object_z, Number{TROUPE_FIELD(X_WO.z)});
+  visit(wire.object_heading, Number{TROUPE_FIELD(X_WO.heading)});
+  visit(wire.object_mode, Mode{});
+  visit(wire.object_fall_speed, Number{TROUPE_FIELD(fall_speed)});
+  visit(wire.object_holder, OptionalId{TROUPE_FIELD(holder), grippers});
+  visit(wire.object_support, OptionalId{TROUPE_FIELD(support), kAnyId});
+}
+
+#undef TROUPE_FIELD
+
+// By their bits: -0.0 is not 0.0, and a replica must not differ in that either.
+template <typename Value>
+bool IsSame(Value a, Value b) {
+  if constexpr (std::is_same_v<Value, double>) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  } else {
+    return a == b;
+  }
+}
+
+// Finds the rows and the columns in which anything has changed.
+template <typename Row>
+class ChangeFinder {
+ public:
+  // `before`: as many rows; null if all are to be taken for changed.
+  ChangeFinder(const std::vector<Row>& now, const std::vector<Row>* before)
+      : now_(now), before_(before), row_changed_(now.size(), before == nullptr) {}
+
+  template <typename Column, typename Value>
+  void operator()(const Column&, const Value& value) {
+    bool changed = before_ == nullptr;
+    for (std::size_t i = 0; i < now_.size() && before_ != nullptr; ++i) {
+      if (IsSame(value.Get(now_[i]), value.Get((*before_)[i]))) continue;
+      row_changed_[i] = true;
+      changed = true;
+    }
+    column_changed_.push_back(changed);
+  }
+
+  std::vector<std::uint32_t> rows() const {
+    std::vector<std::uint32_t> rows;
+    for (std::size_t i = 0; i < row_changed_.size(); ++i) {
+      if (row_changed_[i]) rows.push_back(static_cast<std::uint32_t>(i));
+    }
+    return rows;
+  }
+  const std::vector<bool>& column_changed() const { return column_changed_; }
+
+ private:
+  const std::vector<Row>& now_;
+  const std::vector<Row>* before_;
+  std::vector<bool> row_changed_;
+  std::vector<bool> column_changed_;  // in the order of the visits
+};
+
+// Fills the columns with what a ChangeFinder found.
+template <typename Row>
+class ColumnWriter {
+ public:
+  ColumnWriter(const std::vector<Row>& now, const ChangeFinder<Row>& changes, WireArena& arena)
+      : now_(now), changes_(changes), rows_(changes.rows()), arena_(arena) {}
+
+  template <typename Sequence>
+  void WriteRowNumbers(Sequence& sequence) const {
+    if (rows_.size() < now_.size()) std::copy(rows_.begin(), rows_.end(), arena_.Fill(sequence, rows_.size()));
+  }
+
+  template <typename Column, typename Value>
+  void operator()(Column& column, const Value& value) {
+    if (!changes_.column_changed()[next_column_++]) return;
+    auto* out = arena_.Fill(column, rows_.size());
+    for (const std::uint32_t row : rows_) *out++ = value.Get(now_[row]);
+  }
+
+ private:
+  const std::vector<Row>& now_;
+  const ChangeFinder<Row>& changes_;
+  std::vector<std::uint32_t> rows_;
+  std::size_t next_column_ = 0;
+  WireArena& arena_;
+};
+
+// `visit_columns(visitor)` visits the columns of the rows.
+template <typename Row, typename Sequence, typename VisitColumns>
+void RowsToWire(const std::vector<Row>& now, const std::vector<Row>* before, Sequence& row_numbers, WireArena& arena,
+                VisitColumns visit_columns) {
+  if (now.empty()) return;
+  ChangeFinder<Row> changes(now, before);
+  visit_columns(changes);
+  ColumnWriter<Row> writer(now, changes, arena);
+  writer.WriteRowNumbers(row_numbers);
+  visit_columns(writer);
+}
+
+// Puts columns into rows.
+template <typename Row>
+class ColumnReader {
+ public:
+  ColumnReader(const char* what, bool whole, std::span<const std::uint32_t> numbers, std::vector<Row>& rows)
+      : what_(what), whole_(whole), numbers_(numbers), rows_(rows) {
+    if (whole && !numbers.empty()) Fail("frame that is whole and numbers its rows of");
+    for (const std::uint32_t number : numbers) {
+      if (number >= rows.size()) Fail("frame with a row that the world does not have, of");
+    }
+  }
+
+  template <typename Column, typename Value>
+  void operator()(const Column& column, const Value& value) {
+    const auto values = Elements(column);
+    if (problem_ || (!whole_ && values.empty())) return;  // of which nothing has changed
+    if (whole_ && !sized_) rows_.resize(values.size());
+    sized_ = true;
+    if (values.size() != (numbers_.empty() ? rows_.size() : numbers_.size())) {
+      return Fail("frame with a column of another length than its rows of");
+    }
+    bool fine = true;
+    if (numbers_.empty()) {
+      for (std::size_t i = 0; i < values.size(); ++i) fine &= value.Set(rows_[i], values[i]);
+    } else {
+      for (std::size_t i = 0; i < values.size(); ++i) fine &= value.Set(rows_[numbers_[i]], values[i]);
+    }
+    if (!fine) Fail("frame with a value that is not finite or not known, of");
+  }
+
+  const Status& problem() const { return problem_; }
+
+ private:
+  void Fail(const std::string& problem) {
+    if (!problem_) problem_ = Error{{}, problem + " " + what_};
+  }
+
+  const char* what_;
+  bool whole_;
+  bool sized_ = false;
+  std::span<const std::uint32_t> numbers_;
+  std::vector<Row>& rows_;
+  Status problem_;
+};
+
+Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
+  // What ids refer to may come later in the frame.
+  const std::size_t objects = wire.whole ? Elements(wire.object_x).size() : state.objects.size();
+  const std::size_t grippers = wire.whole ? Elements(wire.gripper_left_contact).size() : state.grippers.size();
+  ColumnReader robot_reader("robots", wire.whole, Elements(wire.robot_row), state.robots);
+  VisitRobots(wire, robot_reader);
+  ColumnReader joint_reader("joints", wire.whole, Elements(wire.joint_row), state.joints);
+  VisitJoints(wire, joint_reader);
+  ColumnReader gripper_reader("grippers", wire.whole, Elements(wire.gripper_row), state.grippers);
+  VisitGrippers(wire, objects, gripper_reader);
+  ColumnReader object_reader("objects", wire.whole, Elements(wire.object_row), state.objects);
+  VisitObjects(wire, grippers, object_reader);
+  for (const Status& problem :
+       {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(), object_reader.problem()}) {
+    if (problem) return problem;
+  }
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    if ((state.objects[i].mode == ObjectMode::kHeld) != state.objects[i].holder.has_value()) {
+      return Error{{}, "frame with object " + std::to_string(i) + " held by nobody, or by somebody but not held"};
+    }
+  }
+  return {};
+}
+
 template <typename First, typename... Others>
 bool SameLength(const First& first, const Others&... others) {
   return (... && (others.size() == first.size()));
-}
-
-void RobotsToWire(const std::vector<RobotState>& robots, troupe_wire_Frame& wire, WireArena& arena) {
-  const std::size_t count = robots.size();
-  double* x = arena.Fill(wire.x, count);
-  double* y = arena.Fill(wire.y, count);
-  double* z = arena.Fill(wire.z, count);
-  double* heading = arena.Fill(wire.heading, count);
-  double* vx = arena.Fill(wire.vx, count);
-  double* vy = arena.Fill(wire.vy, count);
-  double* wz = arena.Fill(wire.wz, count);
-  std::uint8_t* flags = arena.Fill(wire.flags, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const RobotState& robot = robots[i];
-    x[i] = robot.X_WR.x;
-    y[i] = robot.X_WR.y;
-    z[i] = robot.X_WR.z;
-    heading[i] = robot.X_WR.heading;
-    vx[i] = robot.twist.vx;
-    vy[i] = robot.twist.vy;
-    wz[i] = robot.twist.wz;
-    flags[i] = robot.stalled ? kStalledBit : 0;
-  }
-}
-
-Status RobotsFromWire(const troupe_wire_Frame& wire, std::vector<RobotState>& robots) {
-  const auto x = Elements(wire.x);
-  const auto y = Elements(wire.y);
-  const auto z = Elements(wire.z);
-  const auto heading = Elements(wire.heading);
-  const auto vx = Elements(wire.vx);
-  const auto vy = Elements(wire.vy);
-  const auto wz = Elements(wire.wz);
-  const auto flags = Elements(wire.flags);
-  const std::size_t count = x.size();
-  if (!SameLength(x, y, z, heading, vx, vy, wz, flags)) {
-    return Error{{}, "frame with columns of different lengths, expected one row for each robot"};
-  }
-  robots.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if ((flags[i] & ~kStalledBit) != 0) {
-      return Error{{}, "frame with robot flags " + std::to_string(flags[i]) + ", expected 0 or 1"};
-    }
-    robots[i] = {{x[i], y[i], z[i], heading[i]}, {vx[i], vy[i], wz[i]}, flags[i] != 0};
-    if (!IsFinite(robots[i].X_WR) || !IsFinite(robots[i].twist)) {
-      return Error{{}, "frame with a number that is not finite for robot " + std::to_string(i)};
-    }
-  }
-  return {};
-}
-
-void JointsToWire(const std::vector<JointState>& joints, troupe_wire_Frame& wire, WireArena& arena) {
-  double* position = arena.Fill(wire.joint_position, joints.size());
-  double* velocity = arena.Fill(wire.joint_velocity, joints.size());
-  std::uint8_t* flags = arena.Fill(wire.joint_flags, joints.size());
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    position[i] = joints[i].position;
-    velocity[i] = joints[i].velocity;
-    flags[i] = joints[i].blocked ? kBlockedBit : 0;
-  }
-}
-
-Status JointsFromWire(const troupe_wire_Frame& wire, std::vector<JointState>& joints) {
-  const auto position = Elements(wire.joint_position);
-  const auto velocity = Elements(wire.joint_velocity);
-  const auto flags = Elements(wire.joint_flags);
-  if (!SameLength(position, velocity, flags)) {
-    return Error{{}, "frame with joint columns of different lengths, expected one row for each joint"};
-  }
-  joints.resize(position.size());
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if ((flags[i] & ~kBlockedBit) != 0) {
-      return Error{{}, "frame with joint flags " + std::to_string(flags[i]) + ", expected 0 or 1"};
-    }
-    if (!std::isfinite(position[i]) || !std::isfinite(velocity[i])) {
-      return Error{{}, "frame with a number that is not finite for joint " + std::to_string(i)};
-    }
-    joints[i] = {position[i], velocity[i], flags[i] != 0};
-  }
-  return {};
-}
-
-void GrippersToWire(const std::vector<GripperState>& grippers, troupe_wire_Frame& wire, WireArena& arena) {
-  std::int32_t* left = arena.Fill(wire.gripper_left_contact, grippers.size());
-  std::int32_t* right = arena.Fill(wire.gripper_right_contact, grippers.size());
-  std::int32_t* clamped = arena.Fill(wire.gripper_clamped, grippers.size());
-  for (std::size_t i = 0; i < grippers.size(); ++i) {
-    left[i] = ToWire(grippers[i].left_contact);
-    right[i] = ToWire(grippers[i].right_contact);
-    clamped[i] = ToWire(grippers[i].clamped);
-  }
-}
-
-Status GrippersFromWire(const troupe_wire_Frame& wire, std::size_t objects, std::vector<GripperState>& grippers) {
-  const auto left = Elements(wire.gripper_left_contact);
-  const auto right = Elements(wire.gripper_right_contact);
-  const auto clamped = Elements(wire.gripper_clamped);
-  if (!SameLength(left, right, clamped)) {
-    return Error{{}, "frame with gripper columns of different lengths, expected one row for each gripper"};
-  }
-  grippers.resize(left.size());
-  for (std::size_t i = 0; i < grippers.size(); ++i) {
-    if (left[i] < kNone || right[i] < kNone || !IsIdBelow(clamped[i], objects)) {
-      return Error{{}, "frame with ids out of range for gripper " + std::to_string(i)};
-    }
-    grippers[i] = {FromWire<ModelId>(left[i]), FromWire<ModelId>(right[i]), FromWire<ObjectId>(clamped[i])};
-  }
-  return {};
-}
-
-void ObjectsToWire(const std::vector<ObjectState>& objects, troupe_wire_Frame& wire, WireArena& arena) {
-  const std::size_t count = objects.size();
-  double* x = arena.Fill(wire.object_x, count);
-  double* y = arena.Fill(wire.object_y, count);
-  double* z = arena.Fill(wire.object_z, count);
-  double* heading = arena.Fill(wire.object_heading, count);
-  std::uint8_t* mode = arena.Fill(wire.object_mode, count);
-  double* fall_speed = arena.Fill(wire.object_fall_speed, count);
-  std::int32_t* holder = arena.Fill(wire.object_holder, count);
-  std::int32_t* support = arena.Fill(wire.object_support, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const ObjectState& object = objects[i];
-    x[i] = object.X_WO.x;
-    y[i] = object.X_WO.y;
-    z[i] = object.X_WO.z;
-    heading[i] = object.X_WO.heading;
-    mode[i] = static_cast<std::uint8_t>(object.mode);
-    fall_speed[i] = object.fall_speed;
-    holder[i] = ToWire(object.holder);
-    support[i] = ToWire(object.support);
-  }
-}
-
-Status ObjectsFromWire(const troupe_wire_Frame& wire, std::size_t grippers, std::vector<ObjectState>& objects) {
-  const auto x = Elements(wire.object_x);
-  const auto y = Elements(wire.object_y);
-  const auto z = Elements(wire.object_z);
-  const auto heading = Elements(wire.object_heading);
-  const auto mode = Elements(wire.object_mode);
-  const auto fall_speed = Elements(wire.object_fall_speed);
-  const auto holder = Elements(wire.object_holder);
-  const auto support = Elements(wire.object_support);
-  if (!SameLength(x, y, z, heading, mode, fall_speed, holder, support)) {
-    return Error{{}, "frame with object columns of different lengths, expected one row for each object"};
-  }
-  objects.resize(x.size());
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (mode[i] > kLastObjectMode) {
-      return Error{{}, "frame with an object of unknown mode " + std::to_string(mode[i])};
-    }
-    if (!IsIdBelow(holder[i], grippers) || support[i] < kNone) {
-      return Error{{}, "frame with ids out of range for object " + std::to_string(i)};
-    }
-    objects[i] = {{x[i], y[i], z[i], heading[i]},
-                  static_cast<ObjectMode>(mode[i]),
-                  fall_speed[i],
-                  FromWire<GripperId>(holder[i]),
-                  FromWire<ModelId>(support[i])};
-    if ((objects[i].mode == ObjectMode::kHeld) != objects[i].holder.has_value()) {
-      return Error{{}, "frame with object " + std::to_string(i) + " held by nobody, or by somebody but not held"};
-    }
-    if (!IsFinite(objects[i].X_WO) || !std::isfinite(fall_speed[i])) {
-      return Error{{}, "frame with a number that is not finite for object " + std::to_string(i)};
-    }
-  }
-  return {};
 }
 
 void EventsToWire(const std::vector<Event>& events, troupe_wire_Frame& wire, WireArena& arena) {
@@ -249,7 +340,7 @@ Status EventsFromWire(const troupe_wire_Frame& wire, std::size_t robots, std::ve
 
 }  // namespace
 
-troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
+troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, WireArena& arena) {
   troupe_wire_Frame wire{};
   wire.run = message.run;
   wire.tick = message.state.tick;
@@ -260,12 +351,28 @@ troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
   wire.world_edition = message.world_edition;
   wire.fresh_edition = message.fresh_edition;
   std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
-  RobotsToWire(message.state.robots, wire, arena);
-  JointsToWire(message.state.joints, wire, arena);
-  GrippersToWire(message.state.grippers, wire, arena);
-  ObjectsToWire(message.state.objects, wire, arena);
+  wire.whole = before == nullptr;
+  const WorldState& now = message.state;
+  const auto of = [before](auto rows) { return before == nullptr ? nullptr : &(before->*rows); };
+  RowsToWire(now.robots, of(&WorldState::robots), wire.robot_row, arena,
+             [&](auto& visitor) { VisitRobots(wire, visitor); });
+  RowsToWire(now.joints, of(&WorldState::joints), wire.joint_row, arena,
+             [&](auto& visitor) { VisitJoints(wire, visitor); });
+  RowsToWire(now.grippers, of(&WorldState::grippers), wire.gripper_row, arena,
+             [&](auto& visitor) { VisitGrippers(wire, now.objects.size(), visitor); });
+  RowsToWire(now.objects, of(&WorldState::objects), wire.object_row, arena,
+             [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
   EventsToWire(message.events, wire, arena);
   return wire;
+}
+
+troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
+  return ToWire(message, nullptr, arena);
+}
+
+bool CanTake(const troupe_wire_Frame& wire, const FrameMessage& message) {
+  return wire.whole ||
+         (message.run == wire.run && message.edition == wire.edition && message.state.tick + 1 == wire.tick);
 }
 
 Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
@@ -279,12 +386,10 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.fresh_edition = wire.fresh_edition;
   const auto awaited = Elements(wire.awaited);
   message.awaited.assign(awaited.begin(), awaited.end());
-  WorldState& state = message.state;
-  if (Status failed = RobotsFromWire(wire, state.robots)) return failed;
-  if (Status failed = JointsFromWire(wire, state.joints)) return failed;
-  if (Status failed = GrippersFromWire(wire, Elements(wire.object_x).size(), state.grippers)) return failed;
-  if (Status failed = ObjectsFromWire(wire, state.grippers.size(), state.objects)) return failed;
-  return EventsFromWire(wire, state.robots.size(), message.events);
+  Status problem = StateFromWire(wire, message.state);
+  if (!problem) problem = EventsFromWire(wire, message.state.robots.size(), message.events);
+  if (problem) message = {};  // nothing can build on it
+  return problem;
 }
 
 }  // namespace troupe::dds

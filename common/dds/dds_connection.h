@@ -42,11 +42,12 @@ class Outbox {
   Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
       : connection_(connection), topic_(connection.participant, topic), writer_(connection.publisher, topic_, qos) {}
 
-  template <typename Message>
-  void Send(const Message& message) {
+  // `message`: what ToWire makes a Wire of, with an arena.
+  template <typename... Message>
+  void Send(const Message&... message) {
     try {
       WireArena arena;
-      writer_.write(ToWire(message, arena));
+      writer_.write(ToWire(message..., arena));
     } catch (const Exception& failure) {
       connection_.Report(topic_.name() + ": not sent: " + failure.what());
     }
@@ -89,7 +90,7 @@ class Inbox {
         const SampleInfo info = buffer_.info(i);
         if (!info.instance_alive()) {
           on_end(buffer_.data(i));
-        } else if (info.valid()) {
+        } else if (info.valid() && CanTake(buffer_.data(i), message_)) {
           if (Status malformed = FromWire(buffer_.data(i), message_)) {
             connection_.Report(topic_.name() + ": ignored: " + malformed->message);
           } else {

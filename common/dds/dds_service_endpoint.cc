@@ -1,10 +1,17 @@
 #include "common/dds/dds_service_endpoint.h"
 
 #include <chrono>
+#include <utility>
 
 #include "common/dds/topics.h"
 
 namespace troupe::dds {
+namespace {
+
+// Ticks between whole frames, for those who only listen.
+constexpr Tick kWholePeriod = 100;
+
+}  // namespace
 
 DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
     : sessions_(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds)),
@@ -75,7 +82,13 @@ void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& adm
   admissions_.Send(admissions);
 }
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
-  frames_.Send(frame);
+  // All that answered the frame of the tick before have its state. Who has not gets this frame again, whole.
+  const bool follows = frame.run == sent_run_ && frame.edition == sent_edition_ && frame.state.tick == sent_.tick + 1;
+  const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;
+  frames_.Send(frame, whole ? nullptr : &std::as_const(sent_));
+  sent_run_ = frame.run;
+  sent_edition_ = frame.edition;
+  sent_ = frame.state;
 }
 void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
   statuses_.Send(status);

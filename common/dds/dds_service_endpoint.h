@@ -40,6 +40,11 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   Inbox<troupe_wire_Control, ControlRequest> controls_;
   Inbox<troupe_wire_Session, SessionMessage> rivals_;
 
+  // Of the last frame.
+  RunId sent_run_ = 0;
+  Edition sent_edition_ = 0;
+  WorldState sent_;
+
   std::mutex mutex_;  // held while a handler runs; guards what follows
   ServiceHandler* handler_ = nullptr;
   std::set<AgentId> agents_;  // that have sent a join and are not gone

@@ -55,6 +55,13 @@ auto Elements(const Sequence& sequence) {
   return std::span<const Element>(sequence._buffer, sequence._buffer == nullptr ? 0 : sequence._length);
 }
 
+// False if a message cannot be taken because it builds on another one than the last. Converters whose messages do so
+// overload it.
+template <typename Wire, typename Message>
+bool CanTake(const Wire&, const Message&) {
+  return true;
+}
+
 inline std::string Text(const char* text) {
   return text == nullptr ? std::string() : std::string(text);
 }

@@ -14,20 +14,12 @@ Pose Inverse(const Pose& X_AB) {
   return {p.x(), p.y(), -X_AB.z, WrapAngle(-X_AB.heading)};
 }
 
-bool IsFinite(const Pose& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) && std::isfinite(pose.heading);
-}
-
 Transform2::Transform2(const Pose& X_AB) : p_(X_AB.x, X_AB.y) {
   if (X_AB.heading != 0.0) {
     const SinCosResult trig = SinCos(X_AB.heading);
     cos_ = trig.cos;
     sin_ = trig.sin;
   }
-}
-
-bool IsFinite(const Twist& twist) {
-  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
 }
 
 Pose Integrate(const Twist& twist, double seconds) {

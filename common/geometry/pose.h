@@ -4,6 +4,8 @@
 // R robot (its root model), S sensor. x forward, y left, z up; metres, radians counter-clockwise (REP 103).
 #pragma once
 
+#include <cmath>
+
 #include "common/base/deterministic_math.h"
 #include "common/geometry/vec2.h"
 
@@ -21,7 +23,9 @@ struct Pose {
 
 Pose operator*(const Pose& X_AB, const Pose& X_BC);
 Pose Inverse(const Pose& X_AB);
-bool IsFinite(const Pose& pose);
+inline bool IsFinite(const Pose& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) && std::isfinite(pose.heading);
+}
 
 // A pose with its sine and cosine at hand, for moving many points.
 class Transform2 {
@@ -55,7 +59,9 @@ struct Twist {
   bool operator==(const Twist&) const = default;
 };
 
-bool IsFinite(const Twist& twist);
+inline bool IsFinite(const Twist& twist) {
+  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
+}
 
 // The motion of frame R during `seconds` under a constant twist, exactly along its arc (the exponential map of SE(2)):
 // returns X_R0R1, with z 0.

@@ -179,6 +179,46 @@ TEST_F(DdsTransportTest, CarriesEveryMessage) {
   EXPECT_EQ(proposal, service.Heard(service.proposals)[0]);
 }
 
+// Most frames say what has changed since the one before. Who has not heard that one gets the state when it is repeated.
+TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
+  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_end = service_transport->MakeServiceEndpoint();
+  Service service;
+  service_end->Start(service);
+  const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
+  Agent agent;
+  agent_end->Start(agent);
+
+  FrameMessage frame;
+  frame.run = 5;
+  frame.state.robots.resize(3);
+  frame.state.objects.resize(2);
+  ASSERT_TRUE(Eventually([&] {
+    service_end->SendFrame(frame);
+    return !agent.Heard(agent.frames).empty();
+  }));
+  const auto drive = [&](std::size_t robot) {
+    ++frame.state.tick;
+    frame.state.robots[robot].X_WR.x += 1.0;
+    service_end->SendFrame(frame);
+    return Eventually([&] { return agent.Heard(agent.frames).back() == frame; });
+  };
+  for (const std::size_t robot : {0u, 1u, 0u, 2u}) EXPECT_TRUE(drive(robot)) << "tick " << frame.state.tick;
+
+  const auto late_transport = MakeDdsAgentTransport(AgentOptions());
+  const auto late_end = late_transport->MakeAgentEndpoint(2);
+  Agent late;
+  late_end->Start(late);
+  ASSERT_TRUE(Eventually([&] {
+    service_end->SendFrame(frame);
+    return !late.Heard(late.frames).empty();
+  }));
+  EXPECT_EQ(frame, late.Heard(late.frames).front());
+  EXPECT_TRUE(drive(1));
+  EXPECT_TRUE(Eventually([&] { return late.Heard(late.frames).back() == frame; }));
+}
+
 // An agent that starts before the service, and one that starts after.
 TEST_F(DdsTransportTest, TheSessionReachesEarlyAndLateAgents) {
   const auto early_transport = MakeDdsAgentTransport(options_);
@@ -397,6 +437,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   double numbers[] = {1.0, 2.0};
   troupe_wire_Frame frame{};
+  frame.whole = true;
   frame.x = {2, 2, numbers, false};
   const auto count = [&] {
     const std::lock_guard lock(mutex);

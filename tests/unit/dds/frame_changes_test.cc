@@ -1,0 +1,206 @@
+// Frames that say what has changed since the one before.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <random>
+
+#include "common/dds/convert_frame.h"
+#include "common/model/state_hash.h"
+
+namespace troupe::dds {
+namespace {
+
+FrameMessage SomeFrame() {
+  FrameMessage frame;
+  frame.run = 7;
+  frame.edition = 2;
+  frame.state.tick = 10;
+  frame.state.robots.resize(5);
+  frame.state.joints.resize(4);
+  frame.state.grippers.resize(2);
+  frame.state.objects.resize(6);
+  return frame;
+}
+
+FrameMessage Next(const FrameMessage& frame) {
+  FrameMessage next = frame;
+  ++next.state.tick;
+  return next;
+}
+
+class Changes {
+ public:
+  explicit Changes(std::uint64_t seed) : engine_(seed) {}
+
+  // Changes some of everything, and often nothing of a kind.
+  void Make(WorldState& state) {
+    for (RobotState& robot : state.robots) {
+      for (double* number : {&robot.X_WR.x, &robot.X_WR.y, &robot.X_WR.z, &robot.X_WR.heading, &robot.twist.vx,
+                             &robot.twist.vy, &robot.twist.wz}) {
+        Change(*number);
+      }
+      if (Chance(0.1)) robot.stalled = !robot.stalled;
+    }
+    for (JointState& joint : state.joints) {
+      Change(joint.position);
+      Change(joint.velocity);
+      if (Chance(0.1)) joint.blocked = !joint.blocked;
+    }
+    for (GripperState& gripper : state.grippers) {
+      Change(gripper.left_contact, 100);
+      Change(gripper.right_contact, 100);
+      Change(gripper.clamped, state.objects.size());
+    }
+    for (ObjectState& object : state.objects) {
+      for (double* number : {&object.X_WO.x, &object.X_WO.y, &object.X_WO.z, &object.X_WO.heading, &object.fall_speed}) {
+        Change(*number);
+      }
+      Change(object.support, 100);
+      if (!Chance(0.1)) continue;
+      object.mode = static_cast<ObjectMode>(Below(4));
+      object.holder.reset();
+      if (object.mode == ObjectMode::kHeld) object.holder = GripperId(Below(state.grippers.size()));
+    }
+  }
+
+ private:
+  std::size_t Below(std::size_t count) { return engine_() % count; }
+  bool Chance(double probability) { return std::uniform_real_distribution<double>(0.0, 1.0)(engine_) < probability; }
+  void Change(double& number) {
+    if (Chance(0.8)) return;
+    number = Chance(0.3) ? -number : std::uniform_real_distribution<double>(-9.0, 9.0)(engine_);  // -0.0 from 0.0
+  }
+  template <typename Id>
+  void Change(std::optional<Id>& id, std::size_t count) {
+    if (Chance(0.9)) return;
+    id.reset();
+    if (Chance(0.7)) id = Id(Below(count));
+  }
+
+  std::mt19937_64 engine_;
+};
+
+TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
+  Changes changes(1);
+  FrameMessage frame = SomeFrame();
+  FrameMessage taken;
+  {
+    WireArena arena;
+    ASSERT_FALSE(FromWire(ToWire(frame, arena), taken));
+  }
+  for (int tick = 0; tick < 2000; ++tick) {
+    FrameMessage next = Next(frame);
+    if (tick % 3 != 0) changes.Make(next.state);
+    WireArena arena;
+    const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
+    ASSERT_TRUE(CanTake(wire, taken));
+    const Status problem = FromWire(wire, taken);
+    ASSERT_FALSE(problem) << problem->message;
+    ASSERT_EQ(taken, next) << "tick " << tick;
+    ASSERT_EQ(StateHash(taken.state), StateHash(next.state)) << "tick " << tick;
+    frame = next;
+  }
+}
+
+TEST(FrameChangesTest, NothingTravelsOfWhatStandsStill) {
+  const FrameMessage frame = SomeFrame();
+  WireArena arena;
+  const troupe_wire_Frame wire = ToWire(Next(frame), &frame.state, arena);
+  EXPECT_FALSE(wire.whole);
+  EXPECT_EQ(wire.robot_row._length, 0u);
+  EXPECT_EQ(wire.x._length, 0u);
+  EXPECT_EQ(wire.joint_position._length, 0u);
+  EXPECT_EQ(wire.gripper_clamped._length, 0u);
+  EXPECT_EQ(wire.object_x._length, 0u);
+  EXPECT_EQ(wire.object_mode._length, 0u);
+}
+
+TEST(FrameChangesTest, OnlyTheRowsAndColumnsThatChangedTravel) {
+  const FrameMessage frame = SomeFrame();
+  FrameMessage next = Next(frame);
+  next.state.robots[3].X_WR.x = 1.5;
+  next.state.robots[1].X_WR.heading = -0.0;
+  WireArena arena;
+  const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
+  ASSERT_EQ(wire.robot_row._length, 2u);
+  EXPECT_EQ(wire.robot_row._buffer[0], 1u);
+  EXPECT_EQ(wire.robot_row._buffer[1], 3u);
+  ASSERT_EQ(wire.x._length, 2u);
+  EXPECT_EQ(wire.x._buffer[1], 1.5);
+  ASSERT_EQ(wire.heading._length, 2u);
+  EXPECT_TRUE(std::signbit(wire.heading._buffer[0]));
+  EXPECT_EQ(wire.y._length, 0u);
+  EXPECT_EQ(wire.vx._length, 0u);
+  EXPECT_EQ(wire.flags._length, 0u);
+}
+
+TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
+  const FrameMessage frame = SomeFrame();
+  FrameMessage next = Next(frame);
+  for (RobotState& robot : next.state.robots) robot.twist.vx = 0.25;
+  WireArena arena;
+  const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
+  EXPECT_EQ(wire.robot_row._length, 0u);
+  EXPECT_EQ(wire.vx._length, 5u);
+  EXPECT_EQ(wire.x._length, 0u);
+}
+
+TEST(FrameChangesTest, AreTakenOnlyAfterTheFrameBefore) {
+  const FrameMessage frame = SomeFrame();
+  const FrameMessage next = Next(frame);
+  WireArena arena;
+  const troupe_wire_Frame changes = ToWire(next, &frame.state, arena);
+  EXPECT_TRUE(CanTake(changes, frame));
+  EXPECT_FALSE(CanTake(changes, next));
+  EXPECT_FALSE(CanTake(changes, Next(next)));
+  EXPECT_FALSE(CanTake(changes, FrameMessage{}));
+  FrameMessage other = frame;
+  other.run = 8;
+  EXPECT_FALSE(CanTake(changes, other));
+  other = frame;
+  other.edition = 3;
+  EXPECT_FALSE(CanTake(changes, other));
+  const troupe_wire_Frame whole = ToWire(next, arena);
+  EXPECT_TRUE(CanTake(whole, other));
+  EXPECT_TRUE(CanTake(whole, FrameMessage{}));
+}
+
+struct BadChanges {
+  const char* what;
+  std::function<void(troupe_wire_Frame&)> spoil;
+};
+
+TEST(FrameChangesTest, MalformedOnesAreRefusedAndNothingBuildsOnThem) {
+  const FrameMessage frame = SomeFrame();
+  FrameMessage next = Next(frame);
+  next.state.robots[1].X_WR.x = 2.0;
+  next.state.robots[4].X_WR.y = 2.0;
+  next.state.objects[2].mode = ObjectMode::kHeld;
+  next.state.objects[2].holder = GripperId(1);
+  next.state.joints[0].position = 0.5;
+  const BadChanges cases[] = {
+      {"a robot that does not exist", [](troupe_wire_Frame& f) { f.robot_row._buffer[1] = 5; }},
+      {"an object that does not exist", [](troupe_wire_Frame& f) { f.object_row._buffer[0] = 6; }},
+      {"more rows than values", [](troupe_wire_Frame& f) { f.x._length = 1; }},
+      {"values without rows", [](troupe_wire_Frame& f) { f.robot_row._length = 0; }},
+      {"not a number", [](troupe_wire_Frame& f) { f.joint_position._buffer[0] = std::nan(""); }},
+      {"held by a gripper that does not exist", [](troupe_wire_Frame& f) { f.object_holder._buffer[0] = 2; }},
+      {"held by nobody", [](troupe_wire_Frame& f) { f.object_holder._length = 0; }},
+      {"an unknown mode", [](troupe_wire_Frame& f) { f.object_mode._buffer[0] = 4; }},
+      {"whole, with numbered rows", [](troupe_wire_Frame& f) { f.whole = true; }},
+  };
+  for (const BadChanges& bad : cases) {
+    WireArena arena;
+    troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
+    bad.spoil(wire);
+    FrameMessage message = frame;
+    EXPECT_TRUE(FromWire(wire, message)) << bad.what;
+    EXPECT_FALSE(CanTake(ToWire(Next(next), &next.state, arena), message)) << bad.what;
+  }
+}
+
+}  // namespace
+}  // namespace troupe::dds
