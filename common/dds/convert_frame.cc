@@ -224,9 +224,9 @@ class ColumnReader {
  public:
   ColumnReader(const char* what, bool whole, std::span<const std::uint32_t> numbers, std::vector<Row>& rows)
       : what_(what), whole_(whole), numbers_(numbers), rows_(rows) {
-    if (whole && !numbers.empty()) Fail("frame that is whole and numbers its rows of");
+    if (whole && !numbers.empty()) Fail("row numbers though it is whole");
     for (const std::uint32_t number : numbers) {
-      if (number >= rows.size()) Fail("frame with a row that the world does not have, of");
+      if (number >= rows.size()) Fail("a row that the world does not have");
     }
   }
 
@@ -237,7 +237,7 @@ class ColumnReader {
     if (whole_ && !sized_) rows_.resize(values.size());
     sized_ = true;
     if (values.size() != (numbers_.empty() ? rows_.size() : numbers_.size())) {
-      return Fail("frame with a column of another length than its rows of");
+      return Fail("columns of different lengths");
     }
     bool fine = true;
     if (numbers_.empty()) {
@@ -245,14 +245,14 @@ class ColumnReader {
     } else {
       for (std::size_t i = 0; i < values.size(); ++i) fine &= value.Set(rows_[numbers_[i]], values[i]);
     }
-    if (!fine) Fail("frame with a value that is not finite or not known, of");
+    if (!fine) Fail("a value that is not finite or not known");
   }
 
   const Status& problem() const { return problem_; }
 
  private:
   void Fail(const std::string& problem) {
-    if (!problem_) problem_ = Error{{}, problem + " " + what_};
+    if (!problem_) problem_ = Error{{}, "frame with " + problem + ", for its " + what_};
   }
 
   const char* what_;

@@ -449,8 +449,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   }));
   {
     const std::lock_guard lock(mutex);
-    EXPECT_EQ("troupe/frame: ignored: frame with columns of different lengths, expected one row for each robot",
-              problems[0]);
+    EXPECT_EQ("troupe/frame: ignored: frame with columns of different lengths, for its robots", problems[0]);
   }
   EXPECT_TRUE(agent.Heard(agent.frames).empty());
   frame.x = {0, 0, nullptr, false};

@@ -55,7 +55,8 @@ class Changes {
       Change(gripper.clamped, state.objects.size());
     }
     for (ObjectState& object : state.objects) {
-      for (double* number : {&object.X_WO.x, &object.X_WO.y, &object.X_WO.z, &object.X_WO.heading, &object.fall_speed}) {
+      for (double* number :
+           {&object.X_WO.x, &object.X_WO.y, &object.X_WO.z, &object.X_WO.heading, &object.fall_speed}) {
         Change(*number);
       }
       Change(object.support, 100);
