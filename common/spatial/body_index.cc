@@ -8,8 +8,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kSmallestCell = 0.01;   // m
-constexpr double kFloatRounding = 1e-6;  // relative; many times that of a float
+constexpr double kSmallestCell = 0.01;  // m
 
 Rectangle BoundsOf(const std::vector<Pose>& poses) {
   Rectangle bounds = Rectangle::Nothing();
@@ -36,7 +35,7 @@ void BodyIndex::Assign(const WorldState& state) {
     discs_.assign((count + 3) / 4, Discs{});
     for (std::size_t i = 0; i < count; ++i) {
       discs_[i / 4].radius[i % 4] = static_cast<float>(scene_->ray_shape(BodyId(i)).radius);
-      MoveDisc(i);
+      discs_[i / 4].Move(i % 4, X_WB_[i].translation());
     }
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
@@ -60,23 +59,11 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
-  MoveDisc(index);
+  discs_[index / 4].Move(index % 4, X_WB.translation());
   fresh_[index] &= kLinksFresh;
   if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
   Insert(index);
-}
-
-// The numbers of a disc that overlaps the box are not larger than those of the box and the disc's radius together, so
-// this makes up for the rounding of both.
-BodyIndex::DiscBox::DiscBox(const Rectangle& box, double max_radius) {
-  const Vec2 center = box.center();
-  const double rounding =
-      kFloatRounding * (std::abs(center.x()) + std::abs(center.y()) + box.width() + box.height() + max_radius);
-  x = static_cast<float>(center.x());
-  y = static_cast<float>(center.y());
-  half_width = static_cast<float>(0.5 * box.width() + rounding);
-  half_height = static_cast<float>(0.5 * box.height() + rounding);
 }
 
 void BodyIndex::MoveJoint(JointId joint, double position) {

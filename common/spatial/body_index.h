@@ -12,7 +12,7 @@
 #include "common/base/ids.h"
 #include "common/geometry/rectangle.h"
 #include "common/model/world_state.h"
-#include "common/spatial/float4.h"
+#include "common/spatial/discs.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/scene.h"
 
@@ -53,33 +53,6 @@ class BodyIndex {
     std::vector<Pose> X_BL;
   };
 
-  // Four bodies as discs, in single precision: all that finding the near ones looks at.
-  struct Discs {
-    Float4 x;  // m, in W
-    Float4 y;
-    Float4 radius;
-  };
-  // A box for asking which discs overlap it, a hair larger than it is.
-  struct DiscBox {
-    float x;  // m, its middle
-    float y;
-    float half_width;
-    float half_height;
-    DiscBox(const Rectangle& box, double max_radius);
-  };
-  // Bit i: disc i overlaps the box.
-  static std::uint32_t Overlapping(const Discs& discs, const DiscBox& box) {
-    const Float4 x = discs.x - box.x;
-    const Float4 y = discs.y - box.y;
-    const Float4 reach_x = discs.radius + box.half_width;
-    const Float4 reach_y = discs.radius + box.half_height;
-    return AllBits(~((x > reach_x) | (x < -reach_x) | (y > reach_y) | (y < -reach_y)) & kLaneBits);
-  }
-  void MoveDisc(std::size_t body) {
-    discs_[body / 4].x[body % 4] = static_cast<float>(X_WB_[body].x);
-    discs_[body / 4].y[body % 4] = static_cast<float>(X_WB_[body].y);
-  }
-
   // To look at all of so few is quicker than to keep the grid, and needs less memory.
   static constexpr std::size_t kFewBodies = 256;
 
@@ -118,7 +91,7 @@ void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   const CellRange range = has_grid() ? grid_.CellsOf(box.Inflated(max_radius)) : CellRange{};
   if (!has_grid() || range.count() >= X_WB_.size()) {
     for (std::size_t i = 0; i < discs_.size(); ++i) {
-      for (std::uint32_t near = Overlapping(discs_[i], disc_box); near != 0; near &= near - 1) {
+      for (std::uint32_t near = disc_box.Overlapping(discs_[i]); near != 0; near &= near - 1) {
         const std::size_t body = 4 * i + static_cast<std::size_t>(std::countr_zero(near));
         if (body < X_WB_.size()) visit(BodyId(body));
       }
@@ -128,7 +101,7 @@ void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
       for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) {
-        if ((Overlapping(discs_[i / 4], disc_box) >> (i % 4) & 1u) != 0) visit(BodyId(i));
+        if ((disc_box.Overlapping(discs_[i / 4]) >> (i % 4) & 1u) != 0) visit(BodyId(i));
       }
     }
   }

@@ -7,11 +7,15 @@
 #include <cstdint>
 #include <limits>
 
-#include "common/spatial/float4.h"
+#include "common/spatial/discs.h"
 
 namespace troupe {
 namespace {
 
+// Room for as many of something as a cast seldom exceeds, so that it allocates once.
+constexpr std::size_t kUsualCount = 64;
+
+// A ray's line.
 struct Line {
   Vec2 origin;
   Vec2 direction;  // of length 1
@@ -133,12 +137,43 @@ void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nea
                 });
 }
 
-// A body that some of the rays may meet, as seen from a place near them.
-struct NearBody {
-  BodyId body;
-  float x;  // m, its origin
-  float y;
-  float radius;  // m
+// The bodies that some rays may meet, as seen from a place near them.
+class NearBodies {
+ public:
+  // `reference`: near the rays, so that differences are exact enough wherever in the world they are. `seen`: a box
+  // around all that the rays pass.
+  NearBodies(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
+             std::optional<RobotId> caster)
+      : max_radius_(scene.max_body_radius()) {
+    discs_.reserve(kUsualCount / 4);
+    ids_.reserve(kUsualCount);
+    bodies.ForEachNear(seen, [&](BodyId id) {
+      if (caster && bodies.owner(id) == caster) return;
+      const std::size_t lane = ids_.size() % 4;
+      if (lane == 0) discs_.emplace_back();
+      ids_.push_back(id);
+      discs_.back().Move(lane, bodies.X_WB(id).translation() - reference);
+      discs_.back().radius[lane] = static_cast<float>(scene.ray_shape(id).radius);
+    });
+  }
+
+  // Calls visit(body, x, y, radius) for those that overlap the box. All relative to the reference, m.
+  template <typename Visit>
+  void ForEachIn(const Rectangle& box, Visit visit) const {
+    const DiscBox disc_box(box, max_radius_);
+    for (std::size_t i = 0; i < discs_.size(); ++i) {
+      for (std::uint32_t near = disc_box.Overlapping(discs_[i]); near != 0; near &= near - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(near));
+        if (4 * i + lane >= ids_.size()) return;
+        visit(ids_[4 * i + lane], discs_[i].x[lane], discs_[i].y[lane], discs_[i].radius[lane]);
+      }
+    }
+  }
+
+ private:
+  double max_radius_;
+  std::vector<Discs> discs_;  // around ids_[4 i] to ids_[4 i + 3]
+  std::vector<BodyId> ids_;
 };
 
 // Up to kLanes rays whose distances to a body are worked out at once, with vector instructions in single precision and
@@ -147,7 +182,7 @@ class RayBlock {
  public:
   static constexpr std::size_t kLanes = 16;
 
-  // `reference`: near the rays, so that differences are exact enough wherever in the world they are.
+  // `reference`: as that of the bodies.
   RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
@@ -157,6 +192,8 @@ class RayBlock {
       }
       const Ray& ray = rays[i];
       const Vec2 origin = ray.origin - reference;
+      seen_.Extend(origin);
+      seen_.Extend(origin + nearest[i].distance * ray.direction);
       const double across = Cross(ray.direction, origin);
       const double start = ray.direction.dot(origin);
       set(dx_, ray.direction.x());
@@ -168,18 +205,20 @@ class RayBlock {
     }
   }
 
-  // Calls visit(ray, distance) for those that come as near to the body as its radius before they end; `distance`: they
-  // do not meet it before.
+  // A box around all that the rays pass, relative to the reference.
+  const Rectangle& seen() const { return seen_; }
+
+  // Calls visit(ray, distance) for those that come as near to (x, y) as `radius` before they end; `distance`: they are
+  // not as near before.
   template <typename Visit>
-  void ForEachNear(const NearBody& body, Visit visit) const {
+  void ForEachNear(float x, float y, float radius, Visit visit) const {
     constexpr float kRounding = 1e-6f;  // several times that of a float
-    const float radius = body.radius + kRounding * (body.radius + std::abs(body.x) + std::abs(body.y) +
-                                                    3.0f * static_cast<float>(spread_));
+    radius += kRounding * (radius + std::abs(x) + std::abs(y) + 3.0f * static_cast<float>(spread_));
     Lanes along;
     Bits4 bits{};
     for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
-      along[k] = dx_[k] * body.x + dy_[k] * body.y - start_[k];
-      const Float4 aside = dx_[k] * body.y - dy_[k] * body.x - across_[k];
+      along[k] = dx_[k] * x + dy_[k] * y - start_[k];
+      const Float4 aside = dx_[k] * y - dy_[k] * x - across_[k];
       // What is not a number is near.
       const Bits4 apart =
           (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
@@ -200,22 +239,28 @@ class RayBlock {
   Lanes start_{};   // m, along the rays, where they start
   Lanes length_{};  // m
   double spread_ = 0.0;
+  Rectangle seen_ = Rectangle::Nothing();
 };
 
 // Meets rays with bodies.
 class BodyMeeting {
  public:
-  BodyMeeting(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {}
+  BodyMeeting(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {
+    vertices_.reserve(kUsualCount);
+    slice_.reserve(kUsualCount);
+  }
 
   void Meet(const Ray& ray, BodyId id, Nearest& nearest) {
     const RayShape& shape = scene_.ray_shape(id);
     const Pose& X_WB = bodies_.X_WB(id);
     if (!(shape.z + X_WB.z).Contains(ray.z)) return;
+    SliceAt(shape, X_WB.z, ray.z);
     Transform2 transform = bodies_.transform(id);
     Line line_L = InFrame(transform, ray);
     double z = X_WB.z;
     std::uint32_t link = 0;
-    for (const RayShape::Piece& piece : shape.pieces) {
+    for (const std::uint32_t number : slice_) {
+      const RayShape::Piece& piece = shape.pieces[number];
       if (piece.link != link) {
         link = piece.link;
         const Pose X_WL = link == 0 ? X_WB : X_WB * bodies_.X_BL(id)[link];
@@ -223,7 +268,8 @@ class BodyMeeting {
         line_L = InFrame(transform, ray);
         z = X_WL.z;
       }
-      if (!(piece.z + z).Contains(ray.z) || !line_L.MayMeet(piece.box, nearest.distance)) continue;
+      if (piece.link != 0 && !(piece.z + z).Contains(ray.z)) continue;
+      if (!line_L.MayMeet(piece.box, nearest.distance)) continue;
       vertices_.clear();
       for (const Vec2& vertex : shape.vertices_of(piece)) vertices_.push_back(transform * vertex);
       const double distance = DistanceTo(vertices_, {ray.origin, ray.direction});
@@ -238,29 +284,48 @@ class BodyMeeting {
     return {X_WL.InverseTransform(ray.origin), X_WL.InverseRotate(ray.direction)};
   }
 
+  // Fills slice_: the pieces that a ray at height `z` may meet, of a body at height `z_body`. Bodies that are alike
+  // follow each other more often than not.
+  void SliceAt(const RayShape& shape, double z_body, double z) {
+    if (sliced_ == &shape && sliced_z_body_ == z_body && sliced_z_ == z) return;
+    sliced_ = &shape;
+    sliced_z_body_ = z_body;
+    sliced_z_ = z;
+    slice_.clear();
+    for (std::uint32_t i = 0; i < shape.pieces.size(); ++i) {
+      const RayShape::Piece& piece = shape.pieces[i];
+      if (piece.link != 0 || (piece.z + z_body).Contains(z)) slice_.push_back(i);
+    }
+  }
+
   const Scene& scene_;
   const BodyIndex& bodies_;
   std::vector<Vec2> vertices_;  // of one piece, in W
+  const RayShape* sliced_ = nullptr;
+  double sliced_z_body_ = 0.0;
+  double sliced_z_ = 0.0;
+  std::vector<std::uint32_t> slice_;  // in RayShape::pieces
 };
 
 // Of the rays of a block and the bodies near them, who meets whom. For each ray the body that begins first comes first:
 // then most others are farther than what it has met.
 class BlockMeeting {
  public:
-  void Meet(std::span<const Ray> rays, const Vec2& reference, std::span<const NearBody> near, BodyMeeting& meeting,
+  BlockMeeting() { pairs_.reserve(kUsualCount); }
+  void Meet(std::span<const Ray> rays, const Vec2& reference, const NearBodies& near, BodyMeeting& meeting,
             std::span<Nearest> nearest) {
     const RayBlock block(rays, nearest, reference);
     std::array<std::uint32_t, RayBlock::kLanes> first;
     first.fill(kNone);
     pairs_.clear();
-    for (const NearBody& body : near) {
-      block.ForEachNear(body, [&](std::size_t ray, float distance) {
+    near.ForEachIn(block.seen(), [&](BodyId body, float x, float y, float radius) {
+      block.ForEachNear(x, y, radius, [&](std::size_t ray, float distance) {
         if (first[ray] == kNone || distance < pairs_[first[ray]].distance) {
           first[ray] = static_cast<std::uint32_t>(pairs_.size());
         }
-        pairs_.push_back({distance, static_cast<std::uint32_t>(ray), body.body});
+        pairs_.push_back({distance, static_cast<std::uint32_t>(ray), body});
       });
-    }
+    });
     for (std::size_t ray = 0; ray < rays.size(); ++ray) {
       if (first[ray] != kNone) meeting.Meet(rays[ray], pairs_[first[ray]].body, nearest[ray]);
     }
@@ -305,13 +370,7 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   }
 
   const Vec2 reference = rays.front().origin;
-  std::vector<NearBody> near;
-  bodies.ForEachNear(seen, [&](BodyId id) {
-    if (caster && bodies.owner(id) == caster) return;
-    const Vec2 center = bodies.X_WB(id).translation() - reference;
-    near.push_back({id, static_cast<float>(center.x()), static_cast<float>(center.y()),
-                    static_cast<float>(scene.ray_shape(id).radius)});
-  });
+  const NearBodies near(scene, bodies, reference, seen, caster);
   BodyMeeting meeting(scene, bodies);
   BlockMeeting block;
   for (std::size_t first = 0; first < rays.size(); first += RayBlock::kLanes) {
