@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "common/model/check_state.h"
 
@@ -11,6 +12,8 @@ namespace {
 
 // Robots for which a thread of their own is worth its hand-offs.
 constexpr std::size_t kRobotsPerThread = 16;
+// Robots that a thread takes at a time.
+constexpr std::size_t kShare = 4;
 
 Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<RobotId> ids;
@@ -196,13 +199,15 @@ void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
   for (std::size_t i = 0; i < count && gateway_; ++i) outside[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
+  std::atomic<std::size_t> next = 0;  // of the robots, which whoever is free takes: a thread may wake up late
   const auto decide = [&](std::size_t thread) {
     BodyIndex& bodies = indices_[thread];
     Enter(lanes_[thread], TickPhase::kApply, answer.tick);
     bodies.Assign(state);
-    const std::size_t end = count * (thread + 1) / indices_.size();
-    for (std::size_t i = count * thread / indices_.size(); i < end; ++i) {
-      answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i], lanes_[thread]);
+    for (std::size_t first = next.fetch_add(kShare); first < count; first = next.fetch_add(kShare)) {
+      for (std::size_t i = first; i < std::min(first + kShare, count); ++i) {
+        answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i], lanes_[thread]);
+      }
     }
     if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
   };
