@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "common/command_line/parse_command_line.h"
+#include "common/command_line/exit_status.h"
 #include "launcher/check_controllers.h"
 
 namespace troupe {

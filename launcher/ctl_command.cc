@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -10,8 +11,8 @@
 #include <vector>
 
 #include "common/base/deterministic_math.h"
+#include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
-#include "common/command_line/parse_command_line.h"
 #include "common/dds/control_client.h"
 #include "common/dds/session_monitor.h"
 

@@ -1,7 +1,9 @@
 // `troupe ctl`: pauses, plays and steps a run.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
 
+#include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
-#include "common/command_line/parse_command_line.h"
 #include "common/spatial/occupancy_grid.h"
 #include "common/worldfile/load_world.h"
+#include "launcher/command_failure.h"
 
 namespace troupe {
 namespace {
@@ -49,11 +51,6 @@ std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
       "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
       "0.25\n",
       image, grid.resolution, grid.origin_x, grid.origin_y);
-}
-
-int Fail(int exit_status, const Error& error) {
-  fmt::print(stderr, "{}\n", error.ToString());
-  return exit_status;
 }
 
 int ExportMapCommand(const ExportMapOptions& options) {

@@ -1,7 +1,9 @@
 // `troupe export-map`: a world's map as files of ROS's map_server.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/version.h"
@@ -25,7 +26,7 @@ constexpr const char* kDefaultStart =
     "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=3 {address} "
     "{command_text}";
 
-constexpr auto kTimeToEnd = std::chrono::seconds(3);        // of a host without processes
+constexpr auto kTimeForHost = std::chrono::seconds(3);      // of a host without processes
 constexpr auto kLongestSilence = std::chrono::seconds(30);  // while a file is sent
 
 std::string ConnectingCommand(const HostSettings& host) {
@@ -92,7 +93,7 @@ Result<std::unique_ptr<FarMachine>> FarMachine::Connect(const HostSettings& sett
 
 FarMachine::~FarMachine() {
   if (requests_ >= 0) close(requests_);
-  const auto deadline = Clock::now() + kTimeToEnd;
+  const auto deadline = Clock::now() + kTimeForHost;
   while (connection_ && connection_->running() && !connection_->Poll() && Clock::now() < deadline) {
     WaitFor({messages_.at_end() ? -1 : messages_.reading_end()}, std::chrono::milliseconds(10));
     messages_.Read();

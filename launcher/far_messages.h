@@ -10,7 +10,7 @@
 //   {"file": path, "data": hexadecimal}    {"file": path, "end": true}    {"file": path, "error": text}
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace troupe {

@@ -11,10 +11,11 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/version.h"
-#include "common/command_line/parse_command_line.h"
+#include "common/command_line/exit_status.h"
 #include "launcher/far_messages.h"
 #include "launcher/line_pipe.h"
 #include "launcher/local_machine.h"

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/base/version.h"
+#include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
 #include "common/command_line/parse_command_line.h"
 #include "launcher/check_command.h"

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "launcher/check_controllers.h"
+#include "launcher/command_failure.h"
 #include "launcher/distributed_run.h"
 #include "launcher/in_process_run.h"
 #include "launcher/summary.h"
@@ -12,11 +13,6 @@
 
 namespace troupe {
 namespace {
-
-int Fail(int exit_status, const Error& error) {
-  fmt::print(stderr, "{}\n", error.ToString());
-  return exit_status;
-}
 
 Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
   Result<OutputFile> file = OutputFile::Create(path);

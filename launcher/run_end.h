@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "common/base/result.h"
-#include "common/command_line/parse_command_line.h"
+#include "common/command_line/exit_status.h"
 #include "launcher/summary.h"
 
 namespace troupe {

@@ -1,7 +1,6 @@
 // What `troupe run` was asked for.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +10,10 @@
 #include "common/command_line/ros_flags.h"
 #include "common/worldfile/host_settings.h"
 #include "common/worldfile/load_world.h"
+
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 
+#include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
-#include "common/command_line/parse_command_line.h"
 #include "common/picture/draw_picture.h"
 #include "common/worldfile/load_world.h"
 #include "launcher/check_controllers.h"
+#include "launcher/command_failure.h"
 #include "launcher/run_to_tick.h"
 
 namespace troupe {
@@ -46,11 +48,6 @@ Status WriteFile(const std::string& path, const std::string& bytes) {
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const bool closed = std::fclose(file) == 0;
   return written && closed ? Status() : CannotWrite(path);
-}
-
-int Fail(int exit_status, const Error& error) {
-  fmt::print(stderr, "{}\n", error.ToString());
-  return exit_status;
 }
 
 PictureOptions ToPictureOptions(const SnapshotOptions& options, PictureFormat format) {

@@ -1,11 +1,14 @@
 // `troupe snapshot`: draws a world at one tick.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

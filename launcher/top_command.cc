@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "common/command_line/parse_command_line.h"
+#include "common/command_line/exit_status.h"
 #include "common/dds/session_monitor.h"
 #include "launcher/session_table.h"
 #include "launcher/signal_watch.h"

@@ -1,5 +1,6 @@
 #include "common/command_line/option_checks.h"
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <optional>

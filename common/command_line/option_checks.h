@@ -1,11 +1,14 @@
 // Checks for values on the command line: each says what was found and what was expected.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class Validator;
+}
 
 namespace troupe {
 

@@ -1,6 +1,9 @@
 #include "common/command_line/parse_command_line.h"
 
+#include <CLI/CLI.hpp>
 #include <iostream>
+
+#include "common/command_line/exit_status.h"
 
 namespace troupe {
 

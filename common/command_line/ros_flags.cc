@@ -1,5 +1,7 @@
 #include "common/command_line/ros_flags.h"
 
+#include <CLI/CLI.hpp>
+
 #include "common/command_line/option_checks.h"
 
 namespace troupe {

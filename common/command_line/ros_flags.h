@@ -1,12 +1,15 @@
 // The command-line options about ROS 2: the same for every program.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/ros/ros_options.h"
+
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

@@ -1,9 +1,11 @@
 // The options --trace and --trace-ticks of the programs that make ticks.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "common/trace/tick_trace.h"
+
+namespace CLI {
+class App;
+}
 
 namespace troupe {
 

@@ -2,17 +2,12 @@
 
 #include <cmath>
 
+#include "common/dds/convert_pose.h"
+
 namespace troupe::dds {
 namespace {
 
 constexpr auto kLastCommand = static_cast<std::uint8_t>(kLastControlCommand);
-
-troupe_wire_Pose ToWire(const Pose& pose) {
-  return {pose.x, pose.y, pose.z, pose.heading};
-}
-Pose FromWire(const troupe_wire_Pose& wire) {
-  return {wire.x, wire.y, wire.z, wire.heading};
-}
 
 }  // namespace
 
@@ -24,7 +19,7 @@ troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
   wire.ticks = message.ticks;
   wire.name = arena.Copy(message.name);
   wire.source = arena.Copy(message.source);
-  wire.pose = ToWire(message.pose);
+  wire.pose = PoseToWire(message.pose);
   wire.scopes = message.scopes;
   wire.rename = message.rename;
   return wire;
@@ -43,7 +38,7 @@ troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena) {
   troupe_wire_Entity* out = arena.Fill(wire.entities, message.entities.size());
   for (const EntityReport& entity : message.entities) {
     *out++ = {arena.Copy(entity.name), arena.Copy(entity.type), static_cast<std::uint8_t>(entity.kind),
-              ToWire(entity.X_WE),     entity.twist.vx,         entity.twist.vy,
+              PoseToWire(entity.X_WE), entity.twist.vx,         entity.twist.vy,
               entity.twist.wz};
   }
   return wire;
@@ -62,7 +57,7 @@ Status FromWire(const troupe_wire_Control& wire, ControlRequest& message) {
   message.ticks = wire.ticks;
   message.name = Text(wire.name);
   message.source = Text(wire.source);
-  message.pose = FromWire(wire.pose);
+  message.pose = PoseFromWire(wire.pose);
   message.scopes = wire.scopes;
   message.rename = wire.rename;
   return {};
@@ -88,7 +83,7 @@ Status FromWire(const troupe_wire_ControlReply& wire, ControlReply& message) {
     message.entities.push_back({Text(entity.name),
                                 Text(entity.type),
                                 static_cast<EntityKind>(entity.kind),
-                                FromWire(entity.pose),
+                                PoseFromWire(entity.pose),
                                 {entity.vx, entity.vy, entity.wz}});
   }
   return {};

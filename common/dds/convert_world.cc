@@ -1,21 +1,16 @@
 #include "common/dds/convert_world.h"
 
+#include "common/dds/convert_pose.h"
+
 namespace troupe::dds {
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNoIndex = -1;
 constexpr std::uint8_t kLastDriveType = static_cast<std::uint8_t>(DriveType::kCar);
 constexpr std::uint8_t kLastLocalizationType = static_cast<std::uint8_t>(LocalizationType::kOdometry);
 constexpr std::uint8_t kLastJointType = static_cast<std::uint8_t>(JointType::kRevolute);
 constexpr std::size_t kNumbersOfPoint = 2;
 constexpr std::size_t kNumbersOfRectangle = 4;
-
-troupe_wire_Pose ToWire(const Pose& pose) {
-  return {pose.x, pose.y, pose.z, pose.heading};
-}
-Pose FromWire(const troupe_wire_Pose& wire) {
-  return {wire.x, wire.y, wire.z, wire.heading};
-}
 
 troupe_wire_TwistBounds ToWire(const TwistBounds& bounds) {
   return {bounds.x.min, bounds.x.max, bounds.y.min, bounds.y.max, bounds.heading.min, bounds.heading.max};
@@ -83,8 +78,8 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   troupe_wire_Model wire{};
   wire.name = arena.Copy(model.name);
   wire.type = arena.Copy(model.type);
-  wire.parent = model.parent ? static_cast<std::int32_t>(model.parent->index()) : kNone;
-  wire.pose_in_parent = ToWire(model.X_PM);
+  wire.parent = model.parent ? static_cast<std::int32_t>(model.parent->index()) : kNoIndex;
+  wire.pose_in_parent = PoseToWire(model.X_PM);
   wire.shape = static_cast<std::uint32_t>(model.shape.index());
   wire.size_x = model.size_x;
   wire.size_y = model.size_y;
@@ -101,9 +96,9 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
 Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.name = Text(wire.name);
   model.type = Text(wire.type);
-  if (wire.parent < kNone) return Error{{}, "model '" + model.name + "' with parent " + std::to_string(wire.parent)};
-  if (wire.parent != kNone) model.parent = ModelId(static_cast<std::size_t>(wire.parent));
-  model.X_PM = FromWire(wire.pose_in_parent);
+  if (wire.parent < kNoIndex) return Error{{}, "model '" + model.name + "' with parent " + std::to_string(wire.parent)};
+  if (wire.parent != kNoIndex) model.parent = ModelId(static_cast<std::size_t>(wire.parent));
+  model.X_PM = PoseFromWire(wire.pose_in_parent);
   model.shape = ShapeId(wire.shape);
   model.size_x = wire.size_x;
   model.size_y = wire.size_y;
@@ -119,12 +114,17 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
 }
 
 troupe_wire_RaySensor ToWire(const RaySensorDescription& sensor) {
-  return {ToWire(sensor.X_MS), sensor.range.min,      sensor.range.max,          sensor.fov,
-          sensor.samples,      sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle};
+  return {PoseToWire(sensor.X_MS), sensor.range.min,      sensor.range.max,          sensor.fov,
+          sensor.samples,          sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle};
 }
 RaySensorDescription FromWire(const troupe_wire_RaySensor& wire) {
-  return {FromWire(wire.pose_in_model), {wire.range_min, wire.range_max}, wire.fov,        wire.samples,
-          wire.noise_variance,          wire.noise_proportional,          wire.noise_angle};
+  return {PoseFromWire(wire.pose_in_model),
+          {wire.range_min, wire.range_max},
+          wire.fov,
+          wire.samples,
+          wire.noise_variance,
+          wire.noise_proportional,
+          wire.noise_angle};
 }
 
 troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
@@ -135,7 +135,7 @@ troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
   wire.drive.wheelbase = robot.drive.wheelbase;
   wire.drive.velocity = ToWire(robot.drive.velocity);
   wire.drive.acceleration = ToWire(robot.drive.acceleration);
-  wire.localization = {static_cast<std::uint8_t>(robot.localization.type), ToWire(robot.localization.origin),
+  wire.localization = {static_cast<std::uint8_t>(robot.localization.type), PoseToWire(robot.localization.origin),
                        robot.localization.error_x, robot.localization.error_y, robot.localization.error_heading};
   troupe_wire_Ranger* rangers = arena.Fill(wire.rangers, robot.rangers.size());
   for (const RangerDescription& ranger : robot.rangers) {
@@ -159,7 +159,7 @@ Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
   }
   robot.drive = {static_cast<DriveType>(wire.drive.type), wire.drive.wheelbase, FromWire(wire.drive.velocity),
                  FromWire(wire.drive.acceleration)};
-  robot.localization = {static_cast<LocalizationType>(wire.localization.type), FromWire(wire.localization.origin),
+  robot.localization = {static_cast<LocalizationType>(wire.localization.type), PoseFromWire(wire.localization.origin),
                         wire.localization.error_x, wire.localization.error_y, wire.localization.error_heading};
   for (const troupe_wire_Ranger& ranger : Elements(wire.rangers)) {
     RangerDescription& out = robot.rangers.emplace_back();
@@ -212,7 +212,7 @@ troupe_wire_Gripper ToWire(const GripperDescription& gripper, WireArena& arena) 
   wire.right = static_cast<std::uint32_t>(gripper.right.index());
   wire.left_pad = static_cast<std::uint32_t>(gripper.left_pad.index());
   wire.right_pad = static_cast<std::uint32_t>(gripper.right_pad.index());
-  wire.lift = gripper.lift ? static_cast<std::int32_t>(gripper.lift->index()) : kNone;
+  wire.lift = gripper.lift ? static_cast<std::int32_t>(gripper.lift->index()) : kNoIndex;
   troupe_wire_BreakBeam* beams = arena.Fill(wire.beams, gripper.beams.size());
   for (const BreakBeam& beam : gripper.beams) {
     *beams++ = {beam.from.x(), beam.from.y(), beam.to.x(), beam.to.y(), beam.z};
@@ -228,8 +228,8 @@ Status FromWire(const troupe_wire_Gripper& wire, GripperDescription& gripper) {
   gripper.right = JointId(wire.right);
   gripper.left_pad = ModelId(wire.left_pad);
   gripper.right_pad = ModelId(wire.right_pad);
-  if (wire.lift < kNone) return Error{{}, "gripper '" + gripper.name + "' with lift " + std::to_string(wire.lift)};
-  if (wire.lift != kNone) gripper.lift = JointId(static_cast<std::size_t>(wire.lift));
+  if (wire.lift < kNoIndex) return Error{{}, "gripper '" + gripper.name + "' with lift " + std::to_string(wire.lift)};
+  if (wire.lift != kNoIndex) gripper.lift = JointId(static_cast<std::size_t>(wire.lift));
   for (const troupe_wire_BreakBeam& beam : Elements(wire.beams)) {
     gripper.beams.push_back({{beam.from_x, beam.from_y}, {beam.to_x, beam.to_y}, beam.z});
   }

@@ -1,6 +1,7 @@
 #include "common/worldfile/json_document.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -32,12 +33,12 @@ std::string Shortened(const std::string& what) {
   return "not valid JSON: " + message;
 }
 
-bool IsBlank(char c) {
+bool IsJsonBlank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
 void SkipBlanks(const std::string& text, std::size_t& offset) {
-  while (offset < text.size() && IsBlank(text[offset])) ++offset;
+  while (offset < text.size() && IsJsonBlank(text[offset])) ++offset;
 }
 
 // Skips a string, `offset` being at its opening quote.
@@ -50,7 +51,7 @@ void SkipString(const std::string& text, std::size_t& offset) {
 
 // Skips a number, true, false or null.
 void SkipScalar(const std::string& text, std::size_t& offset) {
-  while (offset < text.size() && !IsBlank(text[offset]) && text[offset] != ',' && text[offset] != ']' &&
+  while (offset < text.size() && !IsJsonBlank(text[offset]) && text[offset] != ',' && text[offset] != ']' &&
          text[offset] != '}') {
     ++offset;
   }
@@ -117,7 +118,7 @@ class SyntaxCheck : public nlohmann::json_sax<json> {
 
  private:
   void ToToken() {
-    while (cursor_ < text_.size() && (IsBlank(text_[cursor_]) || text_[cursor_] == ',' || text_[cursor_] == ':')) {
+    while (cursor_ < text_.size() && (IsJsonBlank(text_[cursor_]) || text_[cursor_] == ',' || text_[cursor_] == ':')) {
       ++cursor_;
     }
   }
@@ -180,6 +181,10 @@ JsonDocument::JsonDocument(const std::string& text, std::string file) : file_(st
     if (text[i] == '\n') line_starts_.push_back(i + 1);
   }
 }
+
+JsonDocument::~JsonDocument() = default;
+JsonDocument::JsonDocument(JsonDocument&&) = default;
+JsonDocument& JsonDocument::operator=(JsonDocument&&) = default;
 
 Result<JsonDocument> JsonDocument::Parse(const std::string& text, const std::string& file) {
   if (text.size() > kMaxBytes) {

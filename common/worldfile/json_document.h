@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -22,8 +22,9 @@ class JsonDocument {
   // Strict JSON in UTF-8; a key that an object has twice is an error. `file` names the text in messages.
   static Result<JsonDocument> Parse(const std::string& text, const std::string& file);
 
-  JsonDocument(JsonDocument&&) = default;
-  JsonDocument& operator=(JsonDocument&&) = default;
+  ~JsonDocument();
+  JsonDocument(JsonDocument&&);
+  JsonDocument& operator=(JsonDocument&&);
   JsonDocument(const JsonDocument&) = delete;  // places are known by the values' addresses
   JsonDocument& operator=(const JsonDocument&) = delete;
 

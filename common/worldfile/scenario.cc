@@ -1,6 +1,7 @@
 #include "common/worldfile/scenario.h"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "common/worldfile/json_document.h"
 #include "common/worldfile/map_yaml.h"

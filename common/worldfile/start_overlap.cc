@@ -27,7 +27,7 @@ Rectangle BoxOf(const ConvexPiece& piece) {
   return box;
 }
 
-bool Overlap(const ConvexPiece& a, const ConvexPiece& b) {
+bool OverlapNoticeably(const ConvexPiece& a, const ConvexPiece& b) {
   return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > kNoticeableDepth;
 }
 
@@ -65,7 +65,7 @@ class Pieces {
       index_.Query(BoxOf(piece), near);
       for (const std::uint32_t i : near) {
         const ConvexPiece& other = index_.pieces()[i];
-        if (BodyOf(other.model) == body || !Overlap(piece, other)) continue;
+        if (BodyOf(other.model) == body || !OverlapNoticeably(piece, other)) continue;
         const auto [entry, is_new] = found.emplace(*body, other.model);
         if (!is_new) entry->second = std::min(entry->second, other.model);
       }

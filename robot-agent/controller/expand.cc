@@ -18,8 +18,8 @@ struct ExpandParameters {
   double clear_angle = 0.5;     // rad: the front is what lies within this of the heading
 };
 
-std::string Parse(const std::string& json, ExpandParameters& p) {
-  Parameters reader("expand", json);
+std::string Parse(const std::string& text, ExpandParameters& p) {
+  Parameters reader("expand", text);
   reader.ReadNumber("speed", {0.0, 100.0}, p.speed);
   reader.ReadNumber("turn_gain", {0.0, 100.0}, p.turn_gain);
   reader.ReadNumber("clear_distance", {0.0, 1000.0}, p.clear_distance);
@@ -99,12 +99,12 @@ class ExpandController final : public Controller {
   double escape_until_ = 0.0;  // s, simulated
 };
 
-std::string Check(const std::string& parameters) {
+std::string CheckExpand(const std::string& parameters) {
   ExpandParameters ignored;
   return Parse(parameters, ignored);
 }
 
-Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateExpand(const RobotInfo& info) {
   ExpandParameters parameters;
   if (const std::string error = Parse(info.parameters, parameters); !error.empty()) return Error{{}, error};
   std::optional<std::size_t> ranger = FindSonar(*info.robot);
@@ -117,7 +117,7 @@ Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController Expand() {
-  return {"expand", Check, Create};
+  return {"expand", CheckExpand, CreateExpand};
 }
 
 }  // namespace troupe

@@ -132,12 +132,12 @@ class FetchController final : public Controller {
   double until_ = 0.0;   // s, simulated
 };
 
-std::string Check(const std::string& parameters) {
+std::string CheckFetch(const std::string& parameters) {
   FetchPlan ignored;
   return ParseFetchPlan(parameters, ignored);
 }
 
-Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateFetch(const RobotInfo& info) {
   FetchPlan plan;
   if (const std::string error = ParseFetchPlan(info.parameters, plan); !error.empty()) return Error{{}, error};
   if (info.robot->drive.type == DriveType::kCar) {
@@ -155,7 +155,7 @@ Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController Fetch() {
-  return {"fetch", Check, Create};
+  return {"fetch", CheckFetch, CreateFetch};
 }
 
 }  // namespace troupe

@@ -10,19 +10,19 @@ class IdleController final : public Controller {
   Command Update(const Observation&) override { return {}; }
 };
 
-std::string Check(const std::string& parameters) {
+std::string CheckIdle(const std::string& parameters) {
   return Parameters("idle", parameters).Finish();
 }
 
-Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
-  if (const std::string error = Check(info.parameters); !error.empty()) return Error{{}, error};
+Result<std::unique_ptr<Controller>> CreateIdle(const RobotInfo& info) {
+  if (const std::string error = CheckIdle(info.parameters); !error.empty()) return Error{{}, error};
   return std::unique_ptr<Controller>(std::make_unique<IdleController>());
 }
 
 }  // namespace
 
 BuiltInController Idle() {
-  return {"idle", Check, Create};
+  return {"idle", CheckIdle, CreateIdle};
 }
 
 }  // namespace troupe

@@ -60,7 +60,7 @@ class ScriptController final : public Controller {
   std::uint64_t told_ = 0;  // commands, in all rounds
 };
 
-std::string Check(const std::string& parameters) {
+std::string CheckScript(const std::string& parameters) {
   ScriptParameters ignored;
   return ParseScript(parameters, ignored);
 }
@@ -144,7 +144,7 @@ std::string Resolve(const RobotInfo& info, const ScriptCommand& command, Resolve
   return problem;
 }
 
-Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
   ScriptParameters parameters;
   if (const std::string error = ParseScript(info.parameters, parameters); !error.empty()) return Error{{}, error};
   std::vector<ResolvedCommand> commands(parameters.commands.size());
@@ -158,7 +158,7 @@ Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController Script() {
-  return {"script", Check, Create};
+  return {"script", CheckScript, CreateScript};
 }
 
 }  // namespace troupe

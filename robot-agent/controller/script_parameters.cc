@@ -10,8 +10,8 @@
 namespace troupe {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Interval kAny{-kInfinity, kInfinity};
+constexpr Interval kAny{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+constexpr Interval kFromZero{0.0, kAny.max};
 
 void ReadMotion(Parameters& reader, ScriptCommand& command) {
   Command& motion = command.motion;
@@ -42,10 +42,10 @@ bool ReadGripper(Parameters& reader, ScriptGripper& gripper) {
 void ReadManipulation(Parameters& reader, ScriptCommand& command) {
   ScriptGripper only;
   if (ReadGripper(reader, only)) command.grippers.push_back(only);
-  for (const auto& [name, json] : reader.ReadObject("grippers")) {
+  for (const auto& [name, value] : reader.ReadObject("grippers")) {
     ScriptGripper gripper;
     gripper.name = name;
-    Parameters inner(fmt::format("gripper '{}'", name), json);
+    Parameters inner(fmt::format("gripper '{}'", name), value);
     if (!ReadGripper(inner, gripper)) inner.Fail("nothing to do, expected 'gripper' or 'lift'");
     if (const std::string error = inner.Finish(); !error.empty()) reader.Fail(error);
     if (name.empty()) reader.Fail("a gripper in 'grippers' has no name");
@@ -56,19 +56,19 @@ void ReadManipulation(Parameters& reader, ScriptCommand& command) {
       reader.Fail("gives both 'grippers' and, for a robot's only gripper, 'gripper' or 'lift', expected one of them");
     }
   }
-  for (const auto& [name, json] : reader.ReadObject("joints")) {
+  for (const auto& [name, value] : reader.ReadObject("joints")) {
     ScriptJoint joint{name, 0.0};
-    Parameters inner("joints", nlohmann::json{{name, json}});
+    Parameters inner("joints", nlohmann::json{{name, value}});
     inner.ReadNumber(name.c_str(), kAny, joint.position);
     if (const std::string error = inner.Finish(); !error.empty()) reader.Fail(error);
     command.joints.push_back(joint);
   }
 }
 
-ScriptCommand ParseCommand(const nlohmann::json& json, std::size_t number, double earliest, Parameters& script) {
+ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, double earliest, Parameters& script) {
   ScriptCommand command;
-  Parameters reader(fmt::format("command {}", number), json);
-  if (!reader.ReadNumber("at", {0.0, kInfinity}, command.at)) {
+  Parameters reader(fmt::format("command {}", number), entry);
+  if (!reader.ReadNumber("at", kFromZero, command.at)) {
     reader.Fail("'at' is missing, expected a time in seconds");
   }
   ReadMotion(reader, command);
@@ -83,8 +83,8 @@ ScriptCommand ParseCommand(const nlohmann::json& json, std::size_t number, doubl
 
 }  // namespace
 
-std::string ParseScript(const std::string& json, ScriptParameters& p) {
-  Parameters reader("script", json);
+std::string ParseScript(const std::string& text, ScriptParameters& p) {
+  Parameters reader("script", text);
   for (const nlohmann::json& command : reader.ReadArray("commands")) {
     const double earliest = p.commands.empty() ? 0.0 : p.commands.back().at;
     p.commands.push_back(ParseCommand(command, p.commands.size() + 1, earliest, reader));
@@ -93,7 +93,7 @@ std::string ParseScript(const std::string& json, ScriptParameters& p) {
   reader.ReadBool("repeat", repeat);
   double period = p.commands.empty() ? 0.0 : p.commands.back().at;
   const double shortest = period;
-  const bool has_period = reader.ReadNumber("period", {0.0, kInfinity}, period);
+  const bool has_period = reader.ReadNumber("period", kFromZero, period);
   if (p.commands.empty()) reader.Fail("'commands' is missing or empty, expected a list of {\"at\": seconds, ...}");
   if (has_period && !repeat) reader.Fail("'period' is given without \"repeat\": true");
   if (repeat && period < shortest) {

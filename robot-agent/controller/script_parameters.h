@@ -36,6 +36,6 @@ struct ScriptParameters {
 };
 
 // "" or what is wrong.
-std::string ParseScript(const std::string& json, ScriptParameters& parameters);
+std::string ParseScript(const std::string& text, ScriptParameters& parameters);
 
 }  // namespace troupe

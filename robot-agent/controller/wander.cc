@@ -19,8 +19,8 @@ struct WanderParameters {
   double steering_angle = 0.5;  // rad, car drives: steering in a turn
 };
 
-std::string Parse(const std::string& json, WanderParameters& p) {
-  Parameters reader("wander", json);
+std::string Parse(const std::string& text, WanderParameters& p) {
+  Parameters reader("wander", text);
   reader.ReadNumber("speed", {0.0, 100.0}, p.speed);
   reader.ReadNumber("turn_rate", {0.0, 100.0}, p.turn_rate);
   reader.ReadNumber("min_distance", {0.0, 1000.0}, p.min_distance);
@@ -118,12 +118,12 @@ class WanderController final : public Controller {
   double turn_until_ = 0.0;      // s, simulated
 };
 
-std::string Check(const std::string& parameters) {
+std::string CheckWander(const std::string& parameters) {
   WanderParameters ignored;
   return Parse(parameters, ignored);
 }
 
-Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateWander(const RobotInfo& info) {
   WanderParameters parameters;
   if (const std::string error = Parse(info.parameters, parameters); !error.empty()) return Error{{}, error};
   return std::unique_ptr<Controller>(std::make_unique<WanderController>(info, parameters));
@@ -132,7 +132,7 @@ Result<std::unique_ptr<Controller>> Create(const RobotInfo& info) {
 }  // namespace
 
 BuiltInController Wander() {
-  return {"wander", Check, Create};
+  return {"wander", CheckWander, CreateWander};
 }
 
 }  // namespace troupe

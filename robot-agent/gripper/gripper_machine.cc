@@ -6,7 +6,7 @@ namespace troupe {
 namespace {
 
 // m, of what a gripper is open by.
-constexpr double kRounding = 1e-9;
+constexpr double kOpeningRounding = 1e-9;
 
 bool IsOpen(const JointMotor& finger, const JointState& state) {
   return JointMotor::IsAt(state, finger.joint().position.min);
@@ -82,7 +82,7 @@ GripperMachine::Velocities GripperMachine::Propose(const Fingers& f, double tick
 GripperMachine::Velocities GripperMachine::ProposeOpening(const Fingers& f, double fraction,
                                                           double tick_seconds) const {
   const double way = WayToOpening(f, fraction);
-  if (f.gripper.clamped && way <= kRounding) {
+  if (f.gripper.clamped && way <= kOpeningRounding) {
     f.left.MoveAt(0.0);
     f.right.MoveAt(0.0);
   } else {

@@ -7,7 +7,7 @@ namespace troupe {
 namespace {
 
 // m or rad, of positions near 0.
-constexpr double kRounding = 1e-12;
+constexpr double kPositionRounding = 1e-12;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ double JointMotor::WayLeft(const JointState& state) const {
 }
 
 bool JointMotor::IsAt(const JointState& state, double position) {
-  return std::abs(position - state.position) <= kRounding * std::max(1.0, std::abs(position));
+  return std::abs(position - state.position) <= kPositionRounding * std::max(1.0, std::abs(position));
 }
 
 }  // namespace troupe

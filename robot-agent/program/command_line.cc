@@ -4,6 +4,7 @@
 
 #include "common/base/version.h"
 #include "common/command_line/option_checks.h"
+#include "common/command_line/parse_command_line.h"
 #include "common/command_line/trace_flags.h"
 
 namespace troupe {

@@ -11,7 +11,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::int32_t kDepth = 10;
+constexpr std::int32_t kStateDepth = 10;
 constexpr double kPercent = 100.0;
 
 // As controllers count them.
@@ -40,7 +40,7 @@ ManipulatorPort::ManipulatorPort(const ros::RosNode& node, const Scene& scene, R
           std::make_unique<PositionInput>(node, name + "/lift/command", world_->joint(*description.lift).position);
     }
     gripper.action = std::make_unique<GripperAction>(node, name + "/gripper_cmd", *world_, id);
-    gripper.state = std::make_unique<ros::RosWriter<ros::String>>(node, name + "/state", ros::Stream(kDepth));
+    gripper.state = std::make_unique<ros::RosWriter<ros::String>>(node, name + "/state", ros::Stream(kStateDepth));
     grippers_.push_back(std::move(gripper));
   }
   for (const ros::JointName& joint : ros::JointNamesOf(*world_, robot)) {

@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::int32_t kDepth = 10;
+constexpr std::int32_t kOutputDepth = 10;
 
 // Where a model is on its robot, with joints as they are.
 Pose PoseOnRobot(const Scene& scene, ModelId model, const RobotView& robot) {
@@ -30,24 +30,24 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
       frames_(ros::FramesOf(name, !options.namespaced_tf)),
       tree_(ros::RobotFramesOf(scene, robot, frames_)),
       odometry_error_(description().localization),
-      odom_(node, "odom", ros::Stream(kDepth)),
-      ground_truth_(node, "ground_truth", ros::Stream(kDepth)),
-      stalled_(node, "stalled", ros::Stream(kDepth)),
-      joint_states_(node, "joint_states", ros::Stream(kDepth)),
+      odom_(node, "odom", ros::Stream(kOutputDepth)),
+      ground_truth_(node, "ground_truth", ros::Stream(kOutputDepth)),
+      stalled_(node, "stalled", ros::Stream(kOutputDepth)),
+      joint_states_(node, "joint_states", ros::Stream(kOutputDepth)),
       robot_description_(node, "robot_description", ros::Latched()) {
   dds::WireArena arena;
   robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, name, frames_))});
   const ros::SensorTopics topics = ros::SensorTopicsOf(description());
   for (const ros::LaserTopic& topic : topics.lasers) {
     lasers_.push_back(
-        {topic, std::make_unique<ros::RosWriter<ros::LaserScan>>(node, topic.topic, ros::Stream(kDepth))});
+        {topic, std::make_unique<ros::RosWriter<ros::LaserScan>>(node, topic.topic, ros::Stream(kOutputDepth))});
   }
   for (const ros::SonarTopic& topic : topics.sonars) {
     // All sensors of a ring share the topic.
-    const dds::Qos qos = ros::Stream(kDepth * static_cast<std::int32_t>(topic.sensors.size()));
+    const dds::Qos qos = ros::Stream(kOutputDepth * static_cast<std::int32_t>(topic.sensors.size()));
     Sonar sonar{topic, nullptr, nullptr, nullptr};
     sonar.points =
-        std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points", ros::Stream(kDepth));
+        std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points", ros::Stream(kOutputDepth));
     if (options.distribution == ros::Distribution::kHumble) {
       sonar.humble_writer = std::make_unique<ros::RosWriter<ros::HumbleRangeMessage>>(node, topic.topic, qos);
     } else {

@@ -6,13 +6,13 @@
 namespace troupe {
 namespace {
 
-struct BadWorld {
+struct BadSyntax {
   const char* name;
   std::string text;
   const char* message;
 };
 
-const BadWorld kBadWorlds[] = {
+const BadSyntax kBadSyntaxs[] = {
     {"comma", "model( pose [0,0,0,0] )", "w.world:1:15: error: found ',', expected a name, a value or a bracket"},
     {"braces", "model { }", "w.world:1:7: error: found '{', expected a name, a value or a bracket"},
     {"underscore at the start of a word", "_model( )",
@@ -145,7 +145,7 @@ const BadWorld kBadWorlds[] = {
 
 TEST(BadSyntax, GivesOneLineThatSaysWhereAndWhatWasExpected) {
   WorldFolder folder;
-  for (const BadWorld& world : kBadWorlds) {
+  for (const BadSyntax& world : kBadSyntaxs) {
     folder.Write("w.world", world.text);
     EXPECT_EQ(folder.ErrorOf("w.world"), world.message) << world.name;
   }

@@ -6,13 +6,13 @@
 namespace troupe {
 namespace {
 
-struct BadWorld {
+struct BadValue {
   const char* name;
   std::string text;
   const char* message;
 };
 
-const BadWorld kBadWorlds[] = {
+const BadValue kBadValues[] = {
     {"interval of zero", "interval_sim 0",
      "w.world:1:14: error: found 0 for 'interval_sim', expected 0.001 to 1000000"},
     {"negative interval", "interval_sim -100",
@@ -162,8 +162,7 @@ const BadWorld kBadWorlds[] = {
      "w.world:1:33: error: found negative noise, expected values of at least 0"},
     {"sensor size of two values", "position( ranger( sensor( size [0.01 0.04] ) ) )",
      "w.world:1:32: error: found 2 values for 'size', expected 3"},
-    {"negative gravity", "gravity -9.81",
-     "w.world:1:9: error: found -9.81 for 'gravity', expected 0 to 1000"},
+    {"negative gravity", "gravity -9.81", "w.world:1:9: error: found -9.81 for 'gravity', expected 0 to 1000"},
     {"actuator of another type", "position( actuator( type \"screw\" ) )",
      "w.world:1:26: error: found type 'screw', expected \"linear\" or \"rotational\""},
     {"actuator without axis", "position( actuator( ) )",
@@ -229,7 +228,7 @@ const BadWorld kBadWorlds[] = {
      "gripper to have its own"},
     {"gripper with a child called like its lift", "position( gripper( model( name \"lift\" ) ) )",
      "w.world:1:32: error: found name 'position:0.gripper:0.lift' twice, expected each name once (first at w.world:1)"},
-    {"gripper with a paddle far away", 
+    {"gripper with a paddle far away",
      "position( actuator( name \"m\" axis [0 0 1] gripper( lift \"m\" origin [1000000 0 0 0] noblocks 1 ) ) )",
      "w.world:1:43: error: found a gripper with a paddle beyond 1000 km, expected it nearer"},
     {"negative update interval", "position( ranger( update_interval -1 ) )",
@@ -238,7 +237,7 @@ const BadWorld kBadWorlds[] = {
 
 TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
   WorldFolder folder;
-  for (const BadWorld& world : kBadWorlds) {
+  for (const BadValue& world : kBadValues) {
     folder.Write("w.world", world.text);
     EXPECT_EQ(folder.ErrorOf("w.world"), world.message) << world.name;
   }

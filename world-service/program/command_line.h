@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "common/command_line/parse_command_line.h"
+#include "common/command_line/exit_status.h"
 #include "common/command_line/ros_flags.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/worldfile/load_world.h"

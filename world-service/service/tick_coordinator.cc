@@ -17,7 +17,6 @@ constexpr double kLongestEnd = 1.0;          // that agents get to leave
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 constexpr std::size_t kNamesListed = 10;
-constexpr std::size_t kNoticesKept = 100;  // between two calls of TakeNotices; a hostile peer may send any number
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
   if (settings.mode == Mode::kRealtime) return settings.speed.value_or(1.0);

@@ -183,6 +183,8 @@ class TickCoordinator {
   TickBarrier barrier_;
   ProposalCollector proposals_;
   EventLog events_;
+  // A hostile peer may cause any number between two calls of TakeNotices.
+  static constexpr std::size_t kNoticesKept = 100;
   std::vector<std::string> notices_;
   Pacer pacer_;
   RepeatTimer repeat_timer_;

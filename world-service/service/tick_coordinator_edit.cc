@@ -18,8 +18,6 @@ std::string NameOfSource(const std::string& source) {
   return std::filesystem::path(source).stem().string();
 }
 
-constexpr std::size_t kNoticesKept = 100;  // that nobody has taken yet
-
 }  // namespace
 
 void TickCoordinator::AskForEdit(OpenRequest open, double now) {

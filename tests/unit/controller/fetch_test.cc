@@ -6,13 +6,13 @@
 namespace troupe {
 namespace {
 
-struct Case {
+struct FetchCase {
   const char* parameters;
   const char* message;
 };
 
 TEST(FetchParameters, AreCheckedStepByStep) {
-  const Case cases[] = {
+  const FetchCase cases[] = {
       {R"({"steps": [{"go_to": [1, 2]}, {"turn_to": 1}, {"drive": -1}, {"push": 1}, {"gripper": "open"}, {"lift": 50},
                      {"wait": 1}, {"wait_until": 9}, {"take": [1, 2, 3, 0]}, {"put": "shelf"}],
            "places": [{"name": "shelf", "at": [0, 0, 0, 100]}],
@@ -42,7 +42,7 @@ TEST(FetchParameters, AreCheckedStepByStep) {
        "fetch: unknown parameter \"rech\", expected one of: approach, places, raise, reach, speed, steps, travel, "
        "turn_rate"},
   };
-  for (const Case& c : cases) EXPECT_EQ(CheckController("fetch", c.parameters), c.message) << c.parameters;
+  for (const FetchCase& c : cases) EXPECT_EQ(CheckController("fetch", c.parameters), c.message) << c.parameters;
 }
 
 TEST(FetchWithoutGripper, IsAnErrorIfItNeedsOne) {

@@ -13,10 +13,10 @@ namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using Sample = troupe_wire_Status;  // keyed by `run`
+using StatusSample = troupe_wire_Status;  // keyed by `run`
 
-Sample Make(std::uint64_t run, std::uint64_t tick) {
-  Sample sample{};
+StatusSample Make(std::uint64_t run, std::uint64_t tick) {
+  StatusSample sample{};
   sample.run = run;
   sample.tick = tick;
   return sample;
@@ -34,7 +34,7 @@ class DataReaderTest : public testing::Test {
         publisher_(here_, Qos() << Partition{session_}),
         subscriber_(there_, Qos() << Partition{session_}) {}
 
-  static bool Matched(const DataWriter<Sample>& writer, std::uint32_t readers = 1) {
+  static bool Matched(const DataWriter<StatusSample>& writer, std::uint32_t readers = 1) {
     return Eventually([&] { return writer.publication_matched_status().current_count == readers; });
   }
 
@@ -43,23 +43,23 @@ class DataReaderTest : public testing::Test {
   DomainParticipant there_{test::TestConfig()};
   Publisher publisher_;
   Subscriber subscriber_;
-  Topic<Sample> topic_here_{here_, "test/status"};
-  Topic<Sample> topic_there_{there_, "test/status"};
+  Topic<StatusSample> topic_here_{here_, "test/status"};
+  Topic<StatusSample> topic_there_{there_, "test/status"};
 };
 
 TEST_F(DataReaderTest, TakesWhatWasWrittenOnce) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
   std::string first = "r0";
   std::string second = "r1";
   char* names[] = {first.data(), second.data()};
-  Sample sample = Make(5, 77);
+  StatusSample sample = Make(5, 77);
   sample.real_time_factor = 1.25;
   sample.waiting_for = {2, 2, names, false};
   writer.write(sample);
 
-  std::optional<LoanedSamples<Sample>> loan;
+  std::optional<LoanedSamples<StatusSample>> loan;
   ASSERT_TRUE(Eventually([&] {
     loan.emplace(reader.take());
     return !loan->empty();
@@ -78,8 +78,8 @@ TEST_F(DataReaderTest, TakesWhatWasWrittenOnce) {
 }
 
 TEST_F(DataReaderTest, ReadingLeavesTheSample) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
   writer.write(Make(1, 1));
   ASSERT_TRUE(Eventually([&] { return !reader.read().empty(); }));
@@ -88,15 +88,15 @@ TEST_F(DataReaderTest, ReadingLeavesTheSample) {
 }
 
 TEST_F(DataReaderTest, SeveralLoansAreOutAtATime) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
-  constexpr std::size_t kMany = 2 * LoanedSamples<Sample>::kMaxSamples;
+  constexpr std::size_t kMany = 2 * LoanedSamples<StatusSample>::kMaxSamples;
   for (std::size_t i = 0; i < kMany; ++i) writer.write(Make(1, i));
   ASSERT_TRUE(writer.wait_for_acknowledgments(10.0));
   const auto first = reader.take();
-  LoanedSamples<Sample> moved_from = reader.take();
-  const LoanedSamples<Sample> second = std::move(moved_from);
+  LoanedSamples<StatusSample> moved_from = reader.take();
+  const LoanedSamples<StatusSample> second = std::move(moved_from);
   EXPECT_EQ(kMany, first.length() + second.length());
   EXPECT_EQ(0u, first[0].data().tick);
   EXPECT_EQ(kMany - 1, second[second.length() - 1].data().tick);
@@ -104,8 +104,9 @@ TEST_F(DataReaderTest, SeveralLoansAreOutAtATime) {
 }
 
 TEST_F(DataReaderTest, KeepLastKeepsTheLatestOfEachInstance) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Qos() << Reliability::Reliable(1.0) << History::KeepLast(1));
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_,
+                                  Qos() << Reliability::Reliable(1.0) << History::KeepLast(1));
   ASSERT_TRUE(Matched(writer));
   for (std::uint64_t tick = 0; tick < 5; ++tick) {
     writer.write(Make(1, tick));
@@ -118,13 +119,13 @@ TEST_F(DataReaderTest, KeepLastKeepsTheLatestOfEachInstance) {
 }
 
 TEST_F(DataReaderTest, TellsThatAnInstanceWasDisposed) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
   writer.write(Make(9, 1));
   ASSERT_TRUE(Eventually([&] { return !reader.take().empty(); }));
   writer.dispose(Make(9, 0));
-  std::optional<LoanedSamples<Sample>> loan;
+  std::optional<LoanedSamples<StatusSample>> loan;
   ASSERT_TRUE(Eventually([&] {
     loan.emplace(reader.take());
     return !loan->empty();
@@ -135,8 +136,8 @@ TEST_F(DataReaderTest, TellsThatAnInstanceWasDisposed) {
 }
 
 TEST_F(DataReaderTest, DeletingTheWriterEndsItsInstances) {
-  std::optional<DataWriter<Sample>> writer(std::in_place, publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  std::optional<DataWriter<StatusSample>> writer(std::in_place, publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(*writer));
   writer->write(Make(9, 1));
   ASSERT_TRUE(Eventually([&] { return !reader.take().empty(); }));
@@ -149,11 +150,11 @@ TEST_F(DataReaderTest, DeletingTheWriterEndsItsInstances) {
 
 TEST_F(DataReaderTest, LatecomersGetWhatATransientLocalWriterKept) {
   const Qos kept = Reliable() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
-  DataWriter<Sample> writer(publisher_, topic_here_, kept);
+  DataWriter<StatusSample> writer(publisher_, topic_here_, kept);
   writer.write(Make(1, 1));
   writer.write(Make(1, 2));
-  DataReader<Sample> reader(subscriber_, topic_there_, kept);
-  std::optional<LoanedSamples<Sample>> loan;
+  DataReader<StatusSample> reader(subscriber_, topic_there_, kept);
+  std::optional<LoanedSamples<StatusSample>> loan;
   ASSERT_TRUE(Eventually([&] {
     loan.emplace(reader.take());
     return !loan->empty();
@@ -163,13 +164,13 @@ TEST_F(DataReaderTest, LatecomersGetWhatATransientLocalWriterKept) {
 }
 
 TEST_F(DataReaderTest, LatecomersGetNothingOfAVolatileWriter) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   writer.write(Make(1, 1));
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
   ASSERT_TRUE(Eventually([&] { return reader.subscription_matched_status().current_count == 1; }));
   writer.write(Make(1, 2));
-  std::optional<LoanedSamples<Sample>> loan;
+  std::optional<LoanedSamples<StatusSample>> loan;
   ASSERT_TRUE(Eventually([&] {
     loan.emplace(reader.take());
     return !loan->empty();
@@ -180,10 +181,10 @@ TEST_F(DataReaderTest, LatecomersGetNothingOfAVolatileWriter) {
 TEST_F(DataReaderTest, PartitionsSeparateAndWildcardsJoin) {
   const Subscriber elsewhere(there_, Qos() << Partition{session_ + "-elsewhere"});
   const Subscriber everywhere(there_, Qos() << Partition{session_ + "*"});
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> other(elsewhere, topic_there_, Reliable());
-  DataReader<Sample> same(subscriber_, topic_there_, Reliable());
-  DataReader<Sample> all(everywhere, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> other(elsewhere, topic_there_, Reliable());
+  DataReader<StatusSample> same(subscriber_, topic_there_, Reliable());
+  DataReader<StatusSample> all(everywhere, topic_there_, Reliable());
   // The last reader was made after the first one, and discovery keeps the order.
   ASSERT_TRUE(Matched(writer, 2));
   writer.write(Make(1, 1));
@@ -194,8 +195,8 @@ TEST_F(DataReaderTest, PartitionsSeparateAndWildcardsJoin) {
 }
 
 TEST_F(DataReaderTest, IncompatibleQosIsToldOnBothSides) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Qos() << Reliability::BestEffort());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Qos() << Reliability::BestEffort());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   EXPECT_TRUE(Eventually([&] { return writer.offered_incompatible_qos_status().total_count == 1; }));
   EXPECT_TRUE(Eventually([&] { return reader.requested_incompatible_qos_status().total_count == 1; }));
   EXPECT_EQ(static_cast<std::uint32_t>(DDS_RELIABILITY_QOS_POLICY_ID),
@@ -206,24 +207,24 @@ TEST_F(DataReaderTest, IncompatibleQosIsToldOnBothSides) {
 TEST_F(DataReaderTest, AnotherTypeOfTheSameTopicNameDoesNotMatch) {
   const Topic<troupe_wire_Join> imposter(here_, topic_there_.name());
   DataWriter<troupe_wire_Join> wrong(publisher_, imposter, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
-  DataWriter<Sample> right(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> right(publisher_, topic_here_, Reliable());
   ASSERT_TRUE(Matched(right));  // discovered after the wrong one
   EXPECT_EQ(0u, wrong.publication_matched_status().total_count);
 }
 
 TEST_F(DataReaderTest, AReaderAndItsWriterCanBeMoved) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
-  DataReader<Sample> reader(subscriber_, topic_there_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
+  DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
-  DataWriter<Sample> moved_writer = std::move(writer);
-  DataReader<Sample> moved_reader = std::move(reader);
+  DataWriter<StatusSample> moved_writer = std::move(writer);
+  DataReader<StatusSample> moved_reader = std::move(reader);
   moved_writer.write(Make(1, 1));
   EXPECT_TRUE(Eventually([&] { return !moved_reader.take().empty(); }));
 }
 
 TEST_F(DataReaderTest, WaitingForAcknowledgmentsTakesAsLongAsItIsGiven) {
-  DataWriter<Sample> writer(publisher_, topic_here_, Reliable());
+  DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   EXPECT_TRUE(writer.wait_for_acknowledgments(0.0));  // nobody has to
 }
 

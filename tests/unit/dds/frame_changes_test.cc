@@ -13,7 +13,7 @@
 namespace troupe::dds {
 namespace {
 
-FrameMessage SomeFrame() {
+FrameMessage FirstFrame() {
   FrameMessage frame;
   frame.run = 7;
   frame.edition = 2;
@@ -86,7 +86,7 @@ class Changes {
 
 TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
   Changes changes(1);
-  FrameMessage frame = SomeFrame();
+  FrameMessage frame = FirstFrame();
   FrameMessage taken;
   {
     WireArena arena;
@@ -107,7 +107,7 @@ TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
 }
 
 TEST(FrameChangesTest, NothingTravelsOfWhatStandsStill) {
-  const FrameMessage frame = SomeFrame();
+  const FrameMessage frame = FirstFrame();
   WireArena arena;
   const troupe_wire_Frame wire = ToWire(Next(frame), &frame.state, arena);
   EXPECT_FALSE(wire.whole);
@@ -120,7 +120,7 @@ TEST(FrameChangesTest, NothingTravelsOfWhatStandsStill) {
 }
 
 TEST(FrameChangesTest, OnlyTheRowsAndColumnsThatChangedTravel) {
-  const FrameMessage frame = SomeFrame();
+  const FrameMessage frame = FirstFrame();
   FrameMessage next = Next(frame);
   next.state.robots[3].X_WR.x = 1.5;
   next.state.robots[1].X_WR.heading = -0.0;
@@ -139,7 +139,7 @@ TEST(FrameChangesTest, OnlyTheRowsAndColumnsThatChangedTravel) {
 }
 
 TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
-  const FrameMessage frame = SomeFrame();
+  const FrameMessage frame = FirstFrame();
   FrameMessage next = Next(frame);
   for (RobotState& robot : next.state.robots) robot.twist.vx = 0.25;
   WireArena arena;
@@ -150,7 +150,7 @@ TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
 }
 
 TEST(FrameChangesTest, AreTakenOnlyAfterTheFrameBefore) {
-  const FrameMessage frame = SomeFrame();
+  const FrameMessage frame = FirstFrame();
   const FrameMessage next = Next(frame);
   WireArena arena;
   const troupe_wire_Frame changes = ToWire(next, &frame.state, arena);
@@ -175,7 +175,7 @@ struct BadChanges {
 };
 
 TEST(FrameChangesTest, MalformedOnesAreRefusedAndNothingBuildsOnThem) {
-  const FrameMessage frame = SomeFrame();
+  const FrameMessage frame = FirstFrame();
   FrameMessage next = Next(frame);
   next.state.robots[1].X_WR.x = 2.0;
   next.state.robots[4].X_WR.y = 2.0;

@@ -15,11 +15,11 @@ namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using Sample = troupe_wire_Join;  // keyed by `agent`
+using JoinSample = troupe_wire_Join;  // keyed by `agent`
 
-Sample Make(std::uint64_t agent) {
+JoinSample Make(std::uint64_t agent) {
   static char empty[] = "";
-  Sample sample{};
+  JoinSample sample{};
   sample.agent = agent;
   sample.host = empty;
   return sample;
@@ -37,8 +37,8 @@ class ListenerTest : public testing::Test {
   DomainParticipant there_{test::TestConfig()};
   Publisher publisher_;
   Subscriber subscriber_;
-  Topic<Sample> topic_here_{here_, "test/join"};
-  Topic<Sample> topic_there_{there_, "test/join"};
+  Topic<JoinSample> topic_here_{here_, "test/join"};
+  Topic<JoinSample> topic_there_{there_, "test/join"};
   Qos qos_ = Qos() << Reliability::Reliable(1.0) << History::KeepAll();
 };
 
@@ -46,14 +46,14 @@ TEST_F(ListenerTest, HearsOfDataAndOfPartners) {
   std::atomic<int> taken = 0;
   std::atomic<int> publications = 0;
   std::atomic<int> subscriptions = 0;
-  DataReader<Sample> reader(subscriber_, topic_there_, qos_);
+  DataReader<JoinSample> reader(subscriber_, topic_there_, qos_);
   DataReaderListener hears;
   hears.on_data_available = [&] { taken += static_cast<int>(reader.take().length()); };
   hears.on_subscription_matched = [&](const SubscriptionMatchedStatus& status) {
     publications += status.current_count_change;
   };
   reader.set_listener(hears);
-  std::optional<DataWriter<Sample>> writer(std::in_place, publisher_, topic_here_, qos_);
+  std::optional<DataWriter<JoinSample>> writer(std::in_place, publisher_, topic_here_, qos_);
   DataWriterListener writers;
   writers.on_publication_matched = [&](const PublicationMatchedStatus& status) {
     subscriptions += status.current_count_change;
@@ -71,7 +71,7 @@ TEST_F(ListenerTest, HearsOfDataAndOfPartners) {
 TEST_F(ListenerTest, AnExceptionIsHandedOverAndTheNextCallStillComes) {
   std::atomic<int> calls = 0;
   std::atomic<int> exceptions = 0;
-  DataReader<Sample> reader(subscriber_, topic_there_, qos_);
+  DataReader<JoinSample> reader(subscriber_, topic_there_, qos_);
   DataReaderListener listener;
   listener.on_data_available = [&] {
     reader.take();
@@ -86,7 +86,7 @@ TEST_F(ListenerTest, AnExceptionIsHandedOverAndTheNextCallStillComes) {
     }
   };
   reader.set_listener(listener);
-  DataWriter<Sample> writer(publisher_, topic_here_, qos_);
+  DataWriter<JoinSample> writer(publisher_, topic_here_, qos_);
   ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   writer.write(Make(1));
   ASSERT_TRUE(Eventually([&] { return exceptions == 1; }));
@@ -97,7 +97,7 @@ TEST_F(ListenerTest, AnExceptionIsHandedOverAndTheNextCallStillComes) {
 
 TEST_F(ListenerTest, AThrowingExceptionHandlerDoesNoHarmEither) {
   std::atomic<int> calls = 0;
-  DataReader<Sample> reader(subscriber_, topic_there_, qos_);
+  DataReader<JoinSample> reader(subscriber_, topic_there_, qos_);
   DataReaderListener listener;
   listener.on_data_available = [&] {
     reader.take();
@@ -106,7 +106,7 @@ TEST_F(ListenerTest, AThrowingExceptionHandlerDoesNoHarmEither) {
   };
   listener.on_exception = [](std::exception_ptr) { throw std::runtime_error("expected in the log of this test"); };
   reader.set_listener(listener);
-  DataWriter<Sample> writer(publisher_, topic_here_, qos_);
+  DataWriter<JoinSample> writer(publisher_, topic_here_, qos_);
   ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   writer.write(Make(1));
   ASSERT_TRUE(Eventually([&] { return calls == 1; }));
@@ -116,12 +116,12 @@ TEST_F(ListenerTest, AThrowingExceptionHandlerDoesNoHarmEither) {
 
 TEST_F(ListenerTest, ClearedItIsSilent) {
   std::atomic<int> calls = 0;
-  DataReader<Sample> reader(subscriber_, topic_there_, qos_);
+  DataReader<JoinSample> reader(subscriber_, topic_there_, qos_);
   DataReaderListener listener;
   listener.on_data_available = [&] { ++calls; };
   reader.set_listener(listener);
   reader.clear_listener();
-  DataWriter<Sample> writer(publisher_, topic_here_, qos_);
+  DataWriter<JoinSample> writer(publisher_, topic_here_, qos_);
   ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   writer.write(Make(1));
   ASSERT_TRUE(writer.wait_for_acknowledgments(10.0));
@@ -134,10 +134,10 @@ TEST_F(ListenerTest, MayWriteAndTake) {
   constexpr std::uint64_t kRounds = 1000;
   const Publisher back(there_, Qos() << Partition{session_ + "-back"});
   const Subscriber back_here(here_, Qos() << Partition{session_ + "-back"});
-  DataWriter<Sample> ping(publisher_, topic_here_, qos_);
-  DataReader<Sample> ping_reader(subscriber_, topic_there_, qos_);
-  DataWriter<Sample> pong(back, topic_there_, qos_);
-  DataReader<Sample> pong_reader(back_here, topic_here_, qos_);
+  DataWriter<JoinSample> ping(publisher_, topic_here_, qos_);
+  DataReader<JoinSample> ping_reader(subscriber_, topic_there_, qos_);
+  DataWriter<JoinSample> pong(back, topic_there_, qos_);
+  DataReader<JoinSample> pong_reader(back_here, topic_here_, qos_);
   std::atomic<std::uint64_t> rounds = 0;
   DataReaderListener answers;
   answers.on_data_available = [&] {

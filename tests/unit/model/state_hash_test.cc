@@ -11,7 +11,7 @@
 namespace troupe {
 namespace {
 
-WorldState SomeState() {
+WorldState HashedState() {
   test::TestWorld test;
   test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0, 2.0, 0.5, 0.3});
   test.AddRobot(test::Square(0.4), {0.0, 1.0}, {-1.0, 0.0, 0.0, 0.0});
@@ -36,14 +36,14 @@ TEST(StateHash, ChangesWithEveryPartOfTheState) {
   };
   std::set<std::uint64_t> hashes;
   for (const auto& change : changes) {
-    WorldState state = SomeState();
+    WorldState state = HashedState();
     change(state);
     EXPECT_TRUE(hashes.insert(StateHash(state)).second) << "change " << hashes.size();
   }
 }
 
 TEST(StateHash, IsAFunctionOfTheState) {
-  EXPECT_EQ(StateHash(SomeState()), StateHash(SomeState()));
+  EXPECT_EQ(StateHash(HashedState()), StateHash(HashedState()));
 }
 
 }  // namespace
