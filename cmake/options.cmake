@@ -15,7 +15,7 @@ endif()
 # in the presets release and ci. Not in dev, where one changed source is to cost one compilation and a missing include
 # is to be found.
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
-if(CMAKE_UNITY_BUILD)
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # A source may give its classes members of types that are its own, a header may not: here they cannot be told apart.
   target_compile_options(troupe_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
 endif()

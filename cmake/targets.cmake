@@ -35,13 +35,18 @@ function(troupe_library name)
   endif()
 endfunction()
 
-# troupe_test(NAME SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds]): one GoogleTest program,
-# run by CTest as one test.
+# troupe_test(NAME SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds] [OPTIMIZED]): one GoogleTest
+# program, run by CTest as one test. OPTIMIZED: it calculates much itself.
 function(troupe_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "OPTIMIZED" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE troupe_options ${arg_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main)
-  troupe_use_precompiled_headers(${name} troupe_test_headers)
+  # The options are -O0 in the presets release and ci: the code under test is optimised, what only calls it need not be,
+  # and to optimise that would take longer than it runs. The precompiled headers have the same options.
+  if(NOT arg_OPTIMIZED OR NOT TROUPE_TEST_OPTIONS)
+    target_compile_options(${name} PRIVATE ${TROUPE_TEST_OPTIONS})
+    troupe_use_precompiled_headers(${name} troupe_test_headers)
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
