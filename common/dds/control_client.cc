@@ -37,7 +37,7 @@ class ControlClient::Implementation {
         request_topic_(participant_, dds::topics::kControl),
         reply_topic_(participant_, dds::topics::kControlReply),
         requests_(publisher_, request_topic_, dds::qos_profiles::Control()),
-        replies_(subscriber_, reply_topic_, dds::qos_profiles::Control()),
+        replies_(subscriber_, reply_topic_, dds::qos_profiles::ControlReply()),
         answered_(replies_),
         changes_(participant_) {
     dds::Check(dds_set_status_mask(requests_.handle(), DDS_PUBLICATION_MATCHED_STATUS), "watching a writer");

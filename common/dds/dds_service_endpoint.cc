@@ -18,7 +18,7 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::Frame()),
       statuses_(connection, topics::kStatus, qos_profiles::Status()),
-      control_replies_(connection, topics::kControlReply, qos_profiles::Control()),
+      control_replies_(connection, topics::kControlReply, qos_profiles::ControlReply()),
       joins_(connection, topics::kJoin, qos_profiles::Join()),
       proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
       controls_(connection, topics::kControl, qos_profiles::Control()),

@@ -34,6 +34,11 @@ Qos& Qos::operator<<(const DurabilityService& policy) {
   return *this;
 }
 
+Qos& Qos::operator<<(const Lifespan& policy) {
+  dds_qset_lifespan(qos_.get(), ToDuration(policy.seconds));
+  return *this;
+}
+
 Qos& Qos::operator<<(const Liveliness& policy) {
   dds_qset_liveliness(qos_.get(), policy.kind, ToDuration(policy.lease_duration));
   return *this;

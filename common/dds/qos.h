@@ -38,6 +38,11 @@ struct DurabilityService {
   History history;
 };
 
+// How long a sample is of use; then it is forgotten everywhere.
+struct Lifespan {
+  double seconds;
+};
+
 struct Liveliness {
   dds_liveliness_kind_t kind;
   double lease_duration;  // s: silent for longer means not alive
@@ -79,6 +84,7 @@ class Qos {
   Qos& operator<<(const Durability& policy);
   Qos& operator<<(const History& policy);
   Qos& operator<<(const DurabilityService& policy);
+  Qos& operator<<(const Lifespan& policy);
   Qos& operator<<(const Liveliness& policy);
   Qos& operator<<(const Partition& policy);
   Qos& operator<<(const WriterDataLifecycle& policy);

@@ -3,6 +3,9 @@
 namespace troupe::dds::qos_profiles {
 namespace {
 
+// s; a service discovers the client that it has answered long before.
+constexpr double kReplyLifespan = 10.0;
+
 Qos ReliableLatest() {
   return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1);
 }
@@ -42,6 +45,11 @@ Qos Proposal() {
 
 Qos Control() {
   return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepAll() << WriterDataLifecycle{false};
+}
+
+Qos ControlReply() {
+  return Control() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)}
+                   << Lifespan{kReplyLifespan};
 }
 
 Qos Status() {

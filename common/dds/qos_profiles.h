@@ -27,6 +27,9 @@ Qos Frame();
 Qos Proposal();
 // Requests of tools and their answers: all of them.
 Qos Control();
+// The last answer to each client waits for it: a service may have got a request before it has found who reads the
+// answer.
+Qos ControlReply();
 // How the run goes, for tools: the latest of each run, also for tools that start later.
 Qos Status();
 
