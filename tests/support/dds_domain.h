@@ -9,12 +9,13 @@
 #include <thread>
 
 #include "common/dds/domain_config.h"
+#include "tests/support/reserved_domain.h"
 
 namespace troupe::test {
 
-// Processes with the same domain do not disturb each other either, because their sessions differ.
 inline std::uint32_t TestDomain() {
-  return 100 + static_cast<std::uint32_t>(getpid()) % 120;
+  static const std::uint32_t domain = ReserveDomain(100, 120);
+  return domain;
 }
 
 inline std::string TestSession(const std::string& name) {

@@ -1,15 +1,15 @@
 // A ROS domain of this test process' own, on the loopback interface.
 #pragma once
 
-#include <unistd.h>
-
 #include "common/ros/ros_options.h"
+#include "tests/support/reserved_domain.h"
 
 namespace troupe::test {
 
 inline ros::RosOptions TestRosOptions() {
   ros::RosOptions options;
-  options.domain = 1 + static_cast<std::uint32_t>(getpid()) % 99;  // TestDomain() begins at 100
+  static const std::uint32_t domain = ReserveDomain(1, 99);  // TestDomain() begins at 100
+  options.domain = domain;
   options.network_interface = "lo";
   return options;
 }

@@ -1,0 +1,33 @@
+// A DDS domain that no other test process on the same network uses at the same time.
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace troupe::test {
+
+// The first free of the `count` domains from `first`, kept until this process ends. What keeps it is the name of a
+// Unix socket in the abstract namespace: such names end with their process, whatever ends it, and are those of one
+// network namespace, as the loopback interface is.
+inline std::uint32_t ReserveDomain(std::uint32_t first, std::uint32_t count) {
+  const int holder = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t domain = first + (static_cast<std::uint32_t>(getpid()) + i) % count;
+    const std::string name = "troupe-test-domain-" + std::to_string(domain);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy(name.begin(), name.end(), address.sun_path + 1);  // the first byte stays 0: abstract
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    if (bind(holder, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
+  }
+  throw std::runtime_error("no DDS domain from " + std::to_string(first) + " on is free for this test");
+}
+
+}  // namespace troupe::test
