@@ -32,11 +32,8 @@ void BodyIndex::Assign(const WorldState& state) {
     for (const JointState& joint : state.joints) positions_.push_back(joint.position);
     cache_.assign(count, {});
     transforms_.assign(count, {});
-    discs_.assign((count + 3) / 4, Discs{});
-    for (std::size_t i = 0; i < count; ++i) {
-      discs_[i / 4].radius[i % 4] = static_cast<float>(scene_->ray_shape(BodyId(i)).radius);
-      discs_[i / 4].Move(i % 4, X_WB_[i].translation());
-    }
+    discs_.Clear();
+    for (std::size_t i = 0; i < count; ++i) discs_.Add(X_WB_[i].translation(), scene_->ray_shape(BodyId(i)).radius);
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
     for (std::size_t i = 0; i < state.robots.size(); ++i) owner_[i] = RobotId(i);
@@ -59,7 +56,7 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
-  discs_[index / 4].Move(index % 4, X_WB.translation());
+  discs_.Move(index, X_WB.translation());
   fresh_[index] &= kLinksFresh;
   if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);

@@ -1,9 +1,9 @@
 // BodyIndex: where the bodies of a state are, for finding those near a box. Rebuilt or updated as they move.
 //
-// Not safe to share between threads, not even for reading: pieces_in_world fills a cache.
+// Not safe to share between threads, not even for reading: what is worked out of the poses is kept when first asked
+// for.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -64,7 +64,7 @@ class BodyIndex {
 
   const Scene* scene_;
   std::vector<Pose> X_WB_;
-  std::vector<Discs> discs_;       // of bodies 4i to 4i + 3
+  DiscList discs_;                 // around the bodies
   std::vector<double> positions_;  // by joint
   std::vector<std::optional<RobotId>> owner_;
   mutable std::vector<Cache> cache_;
@@ -90,18 +90,13 @@ void BodyIndex::ForEachNear(const Rectangle& box, Visit visit) const {
   const DiscBox disc_box(box, max_radius);
   const CellRange range = has_grid() ? grid_.CellsOf(box.Inflated(max_radius)) : CellRange{};
   if (!has_grid() || range.count() >= X_WB_.size()) {
-    for (std::size_t i = 0; i < discs_.size(); ++i) {
-      for (std::uint32_t near = disc_box.Overlapping(discs_[i]); near != 0; near &= near - 1) {
-        const std::size_t body = 4 * i + static_cast<std::size_t>(std::countr_zero(near));
-        if (body < X_WB_.size()) visit(BodyId(body));
-      }
-    }
+    discs_.ForEachOverlapping(disc_box, [&](std::size_t i) { visit(BodyId(i)); });
     return;
   }
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
       for (std::uint32_t i = cell_first_[grid_.CellAt(column, row)]; i != kNone; i = next_[i]) {
-        if ((disc_box.Overlapping(discs_[i / 4]) >> (i % 4) & 1u) != 0) visit(BodyId(i));
+        if (discs_.Overlaps(i, disc_box)) visit(BodyId(i));
       }
     }
   }

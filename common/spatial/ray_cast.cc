@@ -145,34 +145,26 @@ class NearBodies {
   NearBodies(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
              std::optional<RobotId> caster)
       : max_radius_(scene.max_body_radius()) {
-    discs_.reserve(kUsualCount / 4);
+    discs_.Reserve(kUsualCount);
     ids_.reserve(kUsualCount);
     bodies.ForEachNear(seen, [&](BodyId id) {
       if (caster && bodies.owner(id) == caster) return;
-      const std::size_t lane = ids_.size() % 4;
-      if (lane == 0) discs_.emplace_back();
+      discs_.Add(bodies.X_WB(id).translation() - reference, scene.ray_shape(id).radius);
       ids_.push_back(id);
-      discs_.back().Move(lane, bodies.X_WB(id).translation() - reference);
-      discs_.back().radius[lane] = static_cast<float>(scene.ray_shape(id).radius);
     });
   }
 
-  // Calls visit(body, x, y, radius) for those that overlap the box. All relative to the reference, m.
+  double max_radius() const { return max_radius_; }
+
+  // Calls visit(body, disc around it relative to the reference) for those that overlap the box.
   template <typename Visit>
-  void ForEachIn(const Rectangle& box, Visit visit) const {
-    const DiscBox disc_box(box, max_radius_);
-    for (std::size_t i = 0; i < discs_.size(); ++i) {
-      for (std::uint32_t near = disc_box.Overlapping(discs_[i]); near != 0; near &= near - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(near));
-        if (4 * i + lane >= ids_.size()) return;
-        visit(ids_[4 * i + lane], discs_[i].x[lane], discs_[i].y[lane], discs_[i].radius[lane]);
-      }
-    }
+  void ForEachIn(const DiscBox& box, Visit visit) const {
+    discs_.ForEachOverlapping(box, [&](std::size_t i) { visit(ids_[i], discs_[i]); });
   }
 
  private:
   double max_radius_;
-  std::vector<Discs> discs_;  // around ids_[4 i] to ids_[4 i + 3]
+  DiscList discs_;  // around ids_
   std::vector<BodyId> ids_;
 };
 
@@ -183,7 +175,8 @@ class RayBlock {
   static constexpr std::size_t kLanes = 16;
 
   // `reference`: as that of the bodies.
-  RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference) {
+  RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference)
+      : forward_(rays[rays.size() / 2].direction) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
       if (i >= rays.size()) {
@@ -192,8 +185,10 @@ class RayBlock {
       }
       const Ray& ray = rays[i];
       const Vec2 origin = ray.origin - reference;
-      seen_.Extend(origin);
-      seen_.Extend(origin + nearest[i].distance * ray.direction);
+      const Vec2 origin_F(forward_.dot(origin), Cross(forward_, origin));
+      const Vec2 direction_F(forward_.dot(ray.direction), Cross(forward_, ray.direction));
+      seen_F_.Extend(origin_F);
+      seen_F_.Extend(origin_F + nearest[i].distance * direction_F);
       const double across = Cross(ray.direction, origin);
       const double start = ray.direction.dot(origin);
       set(dx_, ray.direction.x());
@@ -205,15 +200,17 @@ class RayBlock {
     }
   }
 
-  // A box around all that the rays pass, relative to the reference.
-  const Rectangle& seen() const { return seen_; }
+  // A box around all that the rays pass, relative to the reference. It lies along one of them, so that it is narrow if
+  // they are a part of a fan. `max_radius`: no body has a larger one.
+  DiscBox seen(double max_radius) const { return {seen_F_, max_radius, forward_}; }
 
-  // Calls visit(ray, distance) for those that come as near to (x, y) as `radius` before they end; `distance`: they are
-  // not as near before.
+  // Calls visit(ray, distance) for those that come to the disc before they end; `distance`: they do not before.
   template <typename Visit>
-  void ForEachNear(float x, float y, float radius, Visit visit) const {
+  void ForEachNear(const DiscList::Disc& disc, Visit visit) const {
     constexpr float kRounding = 1e-6f;  // several times that of a float
-    radius += kRounding * (radius + std::abs(x) + std::abs(y) + 3.0f * static_cast<float>(spread_));
+    const auto [x, y, disc_radius] = disc;
+    const float radius =
+        disc_radius + kRounding * (disc_radius + std::abs(x) + std::abs(y) + 3.0f * static_cast<float>(spread_));
     Lanes along;
     Bits4 bits{};
     for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
@@ -239,7 +236,8 @@ class RayBlock {
   Lanes start_{};   // m, along the rays, where they start
   Lanes length_{};  // m
   double spread_ = 0.0;
-  Rectangle seen_ = Rectangle::Nothing();
+  Vec2 forward_;  // the x axis of a frame F at the reference
+  Rectangle seen_F_ = Rectangle::Nothing();
 };
 
 // Meets rays with bodies.
@@ -318,8 +316,8 @@ class BlockMeeting {
     std::array<std::uint32_t, RayBlock::kLanes> first;
     first.fill(kNone);
     pairs_.clear();
-    near.ForEachIn(block.seen(), [&](BodyId body, float x, float y, float radius) {
-      block.ForEachNear(x, y, radius, [&](std::size_t ray, float distance) {
+    near.ForEachIn(block.seen(near.max_radius()), [&](BodyId body, const DiscList::Disc& disc) {
+      block.ForEachNear(disc, [&](std::size_t ray, float distance) {
         if (first[ray] == kNone || distance < pairs_[first[ray]].distance) {
           first[ray] = static_cast<std::uint32_t>(pairs_.size());
         }

@@ -8,9 +8,9 @@
 namespace troupe {
 namespace {
 
-constexpr double kCellsPerPiece = 4.0;
+constexpr double kCellsPerPiece = 8.0;
 // A piece may reach over several cells; if all together do so more than this often, the cells are too small.
-constexpr std::size_t kMaxEntriesPerPiece = 12;
+constexpr std::size_t kMaxEntriesPerPiece = 24;
 constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance along a ray
 
 // True for a rectangle along the axes.
@@ -38,7 +38,7 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pi
     vertices_.insert(vertices_.end(), piece.vertices.begin(), piece.vertices.end());
   }
 
-  const Rectangle area = bounds_.Inflated(kMargin);
+  const Rectangle area = bounds_.Inflated(kMargin + kWalkTolerance * std::max(bounds_.width(), bounds_.height()));
   const double max_cells = kCellsPerPiece * static_cast<double>(pieces_.size()) + 64.0;
   double cell_size = std::sqrt(area.width() * area.height() / max_cells);
   for (;;) {
@@ -67,14 +67,14 @@ void StaticIndex::FillCells() {
   for_each_entry([this](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
   std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
   cell_pieces_.resize(cell_start_.back());
-  filled_.assign((grid_.cell_count() + 63) / 64, 0);
-  for_each_entry([this](std::size_t cell, std::uint32_t) { filled_[cell >> 6] |= std::uint64_t{1} << (cell & 63); });
+  filled_.assign(grid_.cell_count(), 0);
+  for_each_entry([this](std::size_t cell, std::uint32_t) { filled_[cell] = 1; });
   std::vector<std::uint32_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for_each_entry([&](std::size_t cell, std::uint32_t piece) { cell_pieces_[next[cell]++] = piece; });
 }
 
 CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
-  return grid_.CellsOf(BoundingBox(piece.vertices).Inflated(kMargin));
+  return grid_.CellsOf(BoundingBox(piece.vertices).Inflated(kMargin + kWalkTolerance * grid_.cell_size()));
 }
 
 void StaticIndex::Query(const Rectangle& box, std::vector<std::uint32_t>& result) const {

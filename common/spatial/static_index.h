@@ -8,6 +8,7 @@
 #include "common/geometry/rectangle.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
+#include "common/spatial/ray_walk.h"
 
 namespace troupe {
 
@@ -37,25 +38,24 @@ class StaticIndex {
     return {vertices_.data() + piece.first_vertex, piece.vertex_count};
   }
 
-  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes, in order, with the
-  // distance at which it enters each part, until `visit` returns false. Every piece that the ray meets within
-  // `max_distance` is among those visited at a distance not beyond the meeting; pieces may come several times.
-  // REQUIRES: |direction| = 1; inverse = 1 / direction by components
+  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes and that hold any, in
+  // order, with a distance before which it does not enter each part, until `visit` returns false. Every piece that the
+  // ray meets within `max_distance` is among those visited at a distance not beyond the meeting; pieces may come
+  // several times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
                Visit visit) const {
     if (pieces_.empty()) return;
-    grid_.WalkRay(origin, direction, inverse, max_distance, [&](std::size_t cell, double distance) {
-      return visit(IsEmpty(cell) ? std::span<const std::uint32_t>() : PiecesInCell(cell), distance);
-    });
+    troupe::WalkRay(
+        grid_, origin, direction, inverse, max_distance, [this](std::size_t cell) { return filled_[cell]; },
+        [&](std::size_t cell, double distance) { return visit(PiecesInCell(cell), distance); });
   }
 
  private:
-  bool IsEmpty(std::size_t cell) const { return ((filled_[cell >> 6] >> (cell & 63)) & 1u) == 0; }
   std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
     return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
   }
-  // The cells whose neighbourhood the piece touches. The margin makes up for rounding where a ray passes between cells.
+  // The cells whose neighbourhood the piece touches, for a ray that passes between cells may be taken to be in either.
   CellRange CellsOf(const ConvexPiece& piece) const;
 
   void FillCells();
@@ -67,8 +67,8 @@ class StaticIndex {
   Grid grid_;
   // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
   std::vector<std::uint32_t> cell_start_;
-  // A bit for each cell that holds any: rays pass empty cells most of the time, and then look at nothing else.
-  std::vector<std::uint64_t> filled_;
+  // 1 for each cell that holds any: rays pass empty cells most of the time, and then look at nothing else.
+  std::vector<std::uint8_t> filled_;
   std::vector<std::uint32_t> cell_pieces_;
 };
 
