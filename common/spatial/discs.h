@@ -99,7 +99,7 @@ class DiscList {
     const Float4 y = box.cos_ * discs.y - box.sin_ * discs.x - box.y_;
     const Float4 reach_x = discs.radius + box.half_width_;
     const Float4 reach_y = discs.radius + box.half_height_;
-    return AllBits(~((x > reach_x) | (x < -reach_x) | (y > reach_y) | (y < -reach_y)) & kLaneBits);
+    return BitsOf(~((x > reach_x) | (x < -reach_x) | (y > reach_y) | (y < -reach_y)));
   }
 
   std::vector<Group> groups_;

@@ -47,6 +47,12 @@ struct Nearest {
   }
 };
 
+// Where the ray's line meets the edge from `before` to `here`, whose ends are on different sides of it.
+double Crossing(const Line& ray, const Vec2& before, double side_before, const Vec2& here, double side) {
+  const double at_before = ray.direction.dot(before);
+  return at_before + (ray.direction.dot(here) - at_before) * (side_before / (side_before - side));
+}
+
 // Distance at which the ray enters the convex polygon, 0 if it starts inside; negative if it does not meet it. A
 // polygon that ends where the ray starts is behind it.
 //
@@ -68,8 +74,7 @@ double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
     if (side == 0.0) {
       meet(ray.direction.dot(here));
     } else if ((side < 0.0 && side_before > 0.0) || (side > 0.0 && side_before < 0.0)) {
-      const double at_before = ray.direction.dot(before);
-      meet(at_before + (ray.direction.dot(here) - at_before) * (side_before / (side_before - side)));
+      meet(Crossing(ray, before, side_before, here, side));
     }
     before = here;
     side_before = side;
@@ -212,16 +217,16 @@ class RayBlock {
     const float radius =
         disc_radius + kRounding * (disc_radius + std::abs(x) + std::abs(y) + 3.0f * static_cast<float>(spread_));
     Lanes along;
-    Bits4 bits{};
+    std::uint32_t bits = 0;
     for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
       along[k] = dx_[k] * x + dy_[k] * y - start_[k];
       const Float4 aside = dx_[k] * y - dy_[k] * x - across_[k];
       // What is not a number is near.
       const Bits4 apart =
           (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
-      bits |= ~apart & (kLaneBits << static_cast<std::int32_t>(kWidth * k));
+      bits |= BitsOf(~apart) << (kWidth * k);
     }
-    for (auto near = AllBits(bits); near != 0; near &= near - 1) {
+    for (std::uint32_t near = bits; near != 0; near &= near - 1) {
       const auto ray = static_cast<std::size_t>(std::countr_zero(near));
       visit(ray, along[ray / kWidth][ray % kWidth] - radius);
     }
@@ -268,9 +273,7 @@ class BodyMeeting {
       }
       if (piece.link != 0 && !(piece.z + z).Contains(ray.z)) continue;
       if (!line_L.MayMeet(piece.box, nearest.distance)) continue;
-      vertices_.clear();
-      for (const Vec2& vertex : shape.vertices_of(piece)) vertices_.push_back(transform * vertex);
-      const double distance = DistanceTo(vertices_, {ray.origin, ray.direction});
+      const double distance = DistanceToPiece(shape, piece, transform, {ray.origin, ray.direction}, line_L);
       // The model is looked up only when it may count.
       if (distance < 0.0 || distance > nearest.distance) continue;
       TakeIfNearer(distance, scene_.body(id).pieces[piece.number].model, nearest);
@@ -280,6 +283,32 @@ class BodyMeeting {
  private:
   static Line InFrame(const Transform2& X_WL, const Ray& ray) {
     return {X_WL.InverseTransform(ray.origin), X_WL.InverseRotate(ray.direction)};
+  }
+
+  // As DistanceTo of the piece's vertices in W, with the same bits. Which edges the ray crosses is found in the frame
+  // of the link, so that only the ends of the one by which it enters have to be placed in W.
+  double DistanceToPiece(const RayShape& shape, const RayShape::Piece& piece, const Transform2& X_WL, const Line& ray,
+                         const Line& line_L) {
+    constexpr std::uint32_t kFewVertices = 4;  // are placed sooner than looked at
+    if (piece.vertex_count > kFewVertices) {
+      using Kind = RayShape::Passage::Kind;
+      const RayShape::Passage passage = shape.Pass(piece, line_L.direction, Cross(line_L.direction, line_L.origin));
+      if (passage.kind == Kind::kApart) return -1.0;
+      if (passage.kind == Kind::kThrough) {
+        const auto crossing = [&](const Line& line, std::uint32_t edge, auto place) {
+          const Vec2 before = place(shape.vertices[piece.first_vertex + edge]) - line.origin;
+          const Vec2 here = place(shape.vertices[piece.first_vertex + edge + 1]) - line.origin;
+          return Crossing(line, before, Cross(line.direction, before), here, Cross(line.direction, here));
+        };
+        const double enter = crossing(ray, passage.enter, [&](const Vec2& vertex) -> Vec2 { return X_WL * vertex; });
+        const double leave = crossing(line_L, passage.leave, [](const Vec2& vertex) { return vertex; });
+        constexpr double kClear = 1e-3;  // m, far above the difference between the frames
+        if (leave > kClear && leave > enter + kClear) return std::max(enter, 0.0);
+      }
+    }
+    vertices_.clear();
+    for (const Vec2& vertex : shape.vertices_of(piece)) vertices_.push_back(X_WL * vertex);
+    return DistanceTo(vertices_, ray);
   }
 
   // Fills slice_: the pieces that a ray at height `z` may meet, of a body at height `z_body`. Bodies that are alike

@@ -1,5 +1,8 @@
 #include "common/spatial/ray_shape.h"
 
+#include <bit>
+#include <cmath>
+
 #include "common/spatial/scene.h"
 
 namespace troupe {
@@ -19,7 +22,46 @@ std::vector<double> KeyOf(const RayShape& shape) {
   return key;
 }
 
+bool IsOneBit(std::uint32_t bits) {
+  return (bits & (bits - 1)) == 0;
+}
+
 }  // namespace
+
+RayShape::Passage RayShape::Pass(const Piece& piece, const Vec2& direction, double across) const {
+  using Kind = Passage::Kind;
+  constexpr std::uint32_t kBits = 32;
+  if (piece.vertex_count > kBits) return {Kind::kUnclear};
+  // All numbers of the pieces that a line comes near are of the size of the body, so they are exact enough by far.
+  const auto margin = static_cast<float>(1e-6 * (radius + std::abs(across)) + 1e-7);  // m
+  const auto dx = static_cast<float>(direction.x());
+  const auto dy = static_cast<float>(direction.y());
+  const auto offset = static_cast<float>(across);
+  std::uint32_t left = 0;
+  std::uint32_t right = 0;
+  const Corners* group = corners.data() + piece.first_corner;
+  for (std::uint32_t i = 0; i < piece.vertex_count; i += 4, ++group) {
+    const Float4 side = dx * group->y - dy * group->x - offset;
+    left |= BitsOf(side > margin) << i;
+    right |= BitsOf(side < -margin) << i;
+  }
+  const std::uint32_t last = piece.vertex_count - 1;
+  const std::uint32_t all = (std::uint32_t{2} << last) - 1;
+  left &= all;
+  right &= all;
+  if (left == all || right == all) return {Kind::kApart};
+  if ((left | right) != all) return {Kind::kUnclear};
+  // Bit i of these: vertex i + 1, or the first after the last.
+  const std::uint32_t left_next = left >> 1 | left << last;
+  const std::uint32_t right_next = right >> 1 | right << last;
+  // The line enters where the outline, which runs counter-clockwise, passes from its left to its right.
+  const std::uint32_t to_right = left & right_next;
+  const std::uint32_t to_left = right & left_next;
+  if (!IsOneBit(to_right) || !IsOneBit(to_left)) return {Kind::kUnclear};
+  const auto enter = static_cast<std::uint32_t>(std::countr_zero(to_right));
+  const auto leave = static_cast<std::uint32_t>(std::countr_zero(to_left));
+  return {Kind::kThrough, enter, leave};
+}
 
 std::uint32_t RayShapes::Add(const Body& body) {
   RayShape shape;
@@ -33,8 +75,16 @@ std::uint32_t RayShapes::Add(const Body& body) {
                             .number = static_cast<std::uint32_t>(i),
                             .first_vertex = static_cast<std::uint32_t>(shape.vertices.size()),
                             .vertex_count = static_cast<std::uint32_t>(piece.vertices.size()),
+                            .first_corner = static_cast<std::uint32_t>(shape.corners.size()),
                             .box = BoundingBox(piece.vertices)});
     shape.vertices.insert(shape.vertices.end(), piece.vertices.begin(), piece.vertices.end());
+    shape.vertices.push_back(piece.vertices.front());
+    for (std::size_t v = 0; v < piece.vertices.size(); ++v) {
+      if (v % 4 == 0) shape.corners.emplace_back();
+      const Vec2& vertex = piece.vertices[v];
+      shape.corners.back().x[v % 4] = static_cast<float>(vertex.x());
+      shape.corners.back().y[v % 4] = static_cast<float>(vertex.y());
+    }
   }
   const auto [place, is_new] = numbers_.emplace(KeyOf(shape), static_cast<std::uint32_t>(shapes_.size()));
   if (is_new) shapes_.push_back(std::move(shape));

@@ -10,6 +10,7 @@
 #include "common/geometry/rectangle.h"
 #include "common/geometry/vec2.h"
 #include "common/geometry/z_range.h"
+#include "common/spatial/float4.h"
 
 namespace troupe {
 
@@ -22,16 +23,33 @@ struct RayShape {
     std::uint32_t number;  // in Body::pieces
     std::uint32_t first_vertex;
     std::uint32_t vertex_count;
-    Rectangle box;  // m, around the vertices
+    std::uint32_t first_corner;  // in corners
+    Rectangle box;               // m, around the vertices
   };
+  // Four vertices in single precision.
+  struct Corners {
+    Float4 x;  // m
+    Float4 y;
+  };
+  // Where a line passes a piece; edge i leads from vertex i to the next.
+  struct Passage {
+    enum class Kind { kApart, kThrough, kUnclear } kind;  // kUnclear: too near to a vertex to tell
+    std::uint32_t enter = 0;                              // edges, if kThrough
+    std::uint32_t leave = 0;
+  };
+
   std::vector<Piece> pieces;
-  std::vector<Vec2> vertices;
-  double radius = 0.0;  // m, a hair more than the body's, because moving it rounds
-  ZRange z;             // m, the body's
+  std::vector<Vec2> vertices;    // of each piece, counter-clockwise, then its first once more
+  std::vector<Corners> corners;  // of each piece, and what fills the last four
+  double radius = 0.0;           // m, a hair more than the body's, because moving it rounds
+  ZRange z;                      // m, the body's
 
   std::span<const Vec2> vertices_of(const Piece& piece) const {
     return {vertices.data() + piece.first_vertex, piece.vertex_count};
   }
+  // `direction`: of length 1, in the frame of the piece's link; `across`: m, how far the line is left of that frame's
+  // origin, which is Cross(direction, a point of the line). Never wrong by rounding.
+  Passage Pass(const Piece& piece, const Vec2& direction, double across) const;
 };
 
 // Shapes by number, each once.
