@@ -25,7 +25,7 @@ Qos Admission();
 Qos Frame();
 // Commands of the agents: each agent's latest.
 Qos Proposal();
-// Requests of tools and their answers: all of them.
+// Requests of tools: all of them.
 Qos Control();
 // The last answer to each client waits for it: a service may have got a request before it has found who reads the
 // answer.

@@ -28,4 +28,8 @@ double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b) {
   return -std::max(LargestGap(a, b), LargestGap(b, a));
 }
 
+bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth) {
+  return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > depth;
+}
+
 }  // namespace troupe

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "common/geometry/vec2.h"
+#include "common/spatial/convex_piece.h"
 
 namespace troupe {
 
@@ -11,5 +12,11 @@ namespace troupe {
 // move to come free (separating axis theorem). Zero or negative if they do not overlap in area; then its size is a
 // lower bound of their distance.
 double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b);
+
+// Placing by hand and rounding in a file make small overlaps that nobody means or sees.
+inline constexpr double kNoticeableDepth = 1e-6;  // m
+
+// True if pieces in the same frame share a height, and in the plane overlap by more than `depth`, in m.
+bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth);
 
 }  // namespace troupe

@@ -23,10 +23,6 @@ bool Matters(const ConvexPiece& piece) {
   return piece.obstacle || piece.ranger_return >= 0.0;
 }
 
-bool PiecesOverlap(const ConvexPiece& a, const ConvexPiece& b) {
-  return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > kTouchTolerance;
-}
-
 Rectangle BoxOf(const std::vector<ConvexPiece>& pieces) {
   Rectangle box = Rectangle::Nothing();
   for (const ConvexPiece& piece : pieces) {
@@ -186,7 +182,7 @@ class Placer {
     standing_.Query(body.box, near);
     for (const ConvexPiece& piece : body.pieces) {
       for (const std::uint32_t index : near) {
-        if (PiecesOverlap(piece, standing_.pieces()[index])) return false;
+        if (OverlapBy(piece, standing_.pieces()[index], kTouchTolerance)) return false;
       }
     }
     return !placed_cells_.AnyNear(body.box, [&](std::uint32_t other) { return Overlap(body, placed_[other]); });
@@ -196,7 +192,7 @@ class Placer {
     if (!a.box.Overlaps(b.box)) return false;
     for (const ConvexPiece& piece_of_a : a.pieces) {
       for (const ConvexPiece& piece_of_b : b.pieces) {
-        if (PiecesOverlap(piece_of_a, piece_of_b)) return true;
+        if (OverlapBy(piece_of_a, piece_of_b, kTouchTolerance)) return true;
       }
     }
     return false;

@@ -18,19 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 20;
 
-// Placing by hand and rounding in a file make small overlaps that nobody means; they do not keep a robot from moving.
-constexpr double kNoticeableDepth = 1e-6;  // m
-
-Rectangle BoxOf(const ConvexPiece& piece) {
-  Rectangle box = Rectangle::Nothing();
-  for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
-  return box;
-}
-
-bool OverlapNoticeably(const ConvexPiece& a, const ConvexPiece& b) {
-  return a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > kNoticeableDepth;
-}
-
 // All pieces of a world that collide, in W, in one index. A body is what moves as one: a robot's tree or an object's.
 class Pieces {
  public:
@@ -62,10 +49,10 @@ class Pieces {
       const std::optional<ModelId> body = BodyOf(piece.model);
       if (!body) continue;
       near.clear();
-      index_.Query(BoxOf(piece), near);
+      index_.Query(BoundingBox(piece.vertices), near);
       for (const std::uint32_t i : near) {
         const ConvexPiece& other = index_.pieces()[i];
-        if (BodyOf(other.model) == body || !OverlapNoticeably(piece, other)) continue;
+        if (BodyOf(other.model) == body || !OverlapBy(piece, other, kNoticeableDepth)) continue;
         const auto [entry, is_new] = found.emplace(*body, other.model);
         if (!is_new) entry->second = std::min(entry->second, other.model);
       }

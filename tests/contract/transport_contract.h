@@ -221,9 +221,9 @@ TEST_P(TransportContract, ServiceIsToldOfAnAgentThatIsGone) {
   CollectingService service;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
   service_endpoint->Start(service);
+  CollectingAgent other;
   auto staying = rig_->ForAgent().MakeAgentEndpoint(1);
   auto leaving = rig_->ForAgent().MakeAgentEndpoint(2);
-  CollectingAgent other;
   staying->Start(other);
   leaving->Start(agent);
   for (AgentEndpoint* endpoint : {staying.get(), leaving.get()}) {
@@ -318,10 +318,10 @@ TEST_P(TransportContract, HandlersMaySendAndAreCalledOneAtATime) {
 
   PingPong service;
   CollectingAgent agent;
+  std::atomic<bool> inside = false;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
   service.endpoint = service_endpoint.get();
   const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(1);
-  std::atomic<bool> inside = false;
   agent.on_frame = [&](const FrameMessage& frame) {
     EXPECT_FALSE(inside.exchange(true));
     agent_endpoint->SendProposal({frame.run, 1, frame.state.tick, {}, {}});

@@ -14,7 +14,7 @@
 namespace troupe::test {
 
 inline std::uint32_t TestDomain() {
-  static const std::uint32_t domain = ReserveDomain(100, 120);
+  static const std::uint32_t domain = ReserveDomain();
   return domain;
 }
 

@@ -13,13 +13,16 @@
 
 namespace troupe::test {
 
-// The first free of the `count` domains from `first`, kept until this process ends. What keeps it is the name of a
-// Unix socket in the abstract namespace: such names end with their process, whatever ends it, and are those of one
-// network namespace, as the loopback interface is.
-inline std::uint32_t ReserveDomain(std::uint32_t first, std::uint32_t count) {
+// A free domain, kept until this process ends. What keeps it is the name of a Unix socket in the abstract namespace:
+// such names end with their process, whatever ends it, and are those of one network namespace, as the loopback
+// interface is.
+inline std::uint32_t ReserveDomain() {
+  // From 1, because 0 is everybody's, and so few because the ports of higher ones are among those that Linux gives to
+  // any socket.
+  constexpr std::uint32_t kDomains = 100;
   const int holder = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t domain = first + (static_cast<std::uint32_t>(getpid()) + i) % count;
+  for (std::uint32_t i = 0; i < kDomains; ++i) {
+    const std::uint32_t domain = 1 + (static_cast<std::uint32_t>(getpid()) + i) % kDomains;
     const std::string name = "troupe-test-domain-" + std::to_string(domain);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -27,7 +30,7 @@ inline std::uint32_t ReserveDomain(std::uint32_t first, std::uint32_t count) {
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     if (bind(holder, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
   }
-  throw std::runtime_error("no DDS domain from " + std::to_string(first) + " on is free for this test");
+  throw std::runtime_error("no DDS domain is free for this test");
 }
 
 }  // namespace troupe::test

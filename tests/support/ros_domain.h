@@ -8,7 +8,7 @@ namespace troupe::test {
 
 inline ros::RosOptions TestRosOptions() {
   ros::RosOptions options;
-  static const std::uint32_t domain = ReserveDomain(1, 99);  // TestDomain() begins at 100
+  static const std::uint32_t domain = ReserveDomain();
   options.domain = domain;
   options.network_interface = "lo";
   return options;

@@ -9,15 +9,6 @@
 namespace troupe {
 namespace {
 
-// As for overlaps at the start: what nobody could mean or see does not count.
-constexpr double kNoticeableDepth = 1e-6;  // m
-
-Rectangle BoxOf(const ConvexPiece& piece) {
-  Rectangle box = Rectangle::Nothing();
-  for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
-  return box;
-}
-
 class OverlapFinder {
  public:
   OverlapFinder(const Scene& scene, const WorldState& state, ModelId root)
@@ -36,7 +27,7 @@ class OverlapFinder {
 
  private:
   void Compare(const ConvexPiece& piece) {
-    const Rectangle box = BoxOf(piece);
+    const Rectangle box = BoundingBox(piece.vertices);
     standing_.clear();
     scene_.static_index().Query(box, standing_);
     for (const std::uint32_t index : standing_) {
@@ -52,8 +43,7 @@ class OverlapFinder {
   }
 
   void Consider(const ConvexPiece& piece, const ConvexPiece& other) {
-    if (!other.obstacle || !piece.z.Overlaps(other.z)) return;
-    if (PenetrationDepth(piece.vertices, other.vertices) <= kNoticeableDepth) return;
+    if (!other.obstacle || !OverlapBy(piece, other, kNoticeableDepth)) return;
     found_ = found_ ? std::min(*found_, other.model) : other.model;
   }
 

@@ -5,7 +5,9 @@
 #include <functional>
 #include <mutex>
 
+#include "common/dds/data_reader.h"
 #include "common/dds/data_writer.h"
+#include "common/dds/domain_participant.h"
 #include "common/dds/exception.h"
 #include "common/dds/qos_profiles.h"
 #include "common/dds/topic_types.h"
@@ -182,12 +184,12 @@ TEST_F(DdsTransportTest, CarriesEveryMessage) {
 // Most frames say what has changed since the one before. Who has not heard that one gets the state when it is repeated.
 TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
   const auto service_transport = MakeDdsServiceTransport(options_, &port_);
-  const auto service_end = service_transport->MakeServiceEndpoint();
   Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
-  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent_end->Start(agent);
 
   FrameMessage frame;
@@ -207,8 +209,8 @@ TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
   for (const std::size_t robot : {0u, 1u, 0u, 2u}) EXPECT_TRUE(drive(robot)) << "tick " << frame.state.tick;
 
   const auto late_transport = MakeDdsAgentTransport(AgentOptions());
-  const auto late_end = late_transport->MakeAgentEndpoint(2);
   Agent late;
+  const auto late_end = late_transport->MakeAgentEndpoint(2);
   late_end->Start(late);
   ASSERT_TRUE(Eventually([&] {
     service_end->SendFrame(frame);
@@ -222,18 +224,18 @@ TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
 // An agent that starts before the service, and one that starts after.
 TEST_F(DdsTransportTest, TheSessionReachesEarlyAndLateAgents) {
   const auto early_transport = MakeDdsAgentTransport(options_);
-  const auto early_end = early_transport->MakeAgentEndpoint(1);
   Agent early;
+  const auto early_end = early_transport->MakeAgentEndpoint(1);
   early_end->Start(early);
   const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->SendSession(Session(5));
-  Service service;
   service_end->Start(service);
   EXPECT_TRUE(Eventually([&] { return early.Heard(early.sessions).size() == 1; }));
   const auto late_transport = MakeDdsAgentTransport(AgentOptions());
-  const auto late_end = late_transport->MakeAgentEndpoint(2);
   Agent late;
+  const auto late_end = late_transport->MakeAgentEndpoint(2);
   late_end->Start(late);
   EXPECT_TRUE(Eventually([&] { return late.Heard(late.sessions).size() == 1; }));
 }
@@ -248,8 +250,8 @@ TEST_F(DdsTransportTest, ALargeWorldArrivesWhole) {
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->SendSession(session);
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
-  const auto agent_end = agent_transport->MakeAgentEndpoint(2);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(2);
   agent_end->Start(agent);
   ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 1; }));
   EXPECT_EQ(session, agent.Heard(agent.sessions)[0]);
@@ -299,18 +301,18 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
   const auto service_transport = MakeDdsServiceTransport(options_, &port_);
   const auto other_transport = MakeDdsServiceTransport(other, &other_port);
   EXPECT_NE(port_, other_port);
-  const auto service_end = service_transport->MakeServiceEndpoint();
-  const auto other_end = other_transport->MakeServiceEndpoint();
   Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
   Service other_service;
+  const auto other_end = other_transport->MakeServiceEndpoint();
   service_end->Start(service);
   other_end->Start(other_service);
   service_end->SendSession(Session(1));
   other_end->SendSession(Session(2));
   // Without a port, the agent finds its own service among those of this machine.
   const auto agent_transport = MakeDdsAgentTransport(options_);
-  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent_end->Start(agent);
   ASSERT_TRUE(Eventually([&] { return !agent.Heard(agent.sessions).empty(); }));
   EXPECT_EQ(1u, agent.Heard(agent.sessions)[0].run);
@@ -321,10 +323,10 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
 TEST_F(DdsTransportTest, ARivalServiceIsSeenByBoth) {
   const auto first_transport = MakeDdsServiceTransport(options_, nullptr);
   const auto second_transport = MakeDdsServiceTransport(options_, nullptr);
-  const auto first_end = first_transport->MakeServiceEndpoint();
-  const auto second_end = second_transport->MakeServiceEndpoint();
   Service first;
+  const auto first_end = first_transport->MakeServiceEndpoint();
   Service second;
+  const auto second_end = second_transport->MakeServiceEndpoint();
   first_end->Start(first);
   second_end->Start(second);
   first_end->SendSession(Session(1));
@@ -335,15 +337,41 @@ TEST_F(DdsTransportTest, ARivalServiceIsSeenByBoth) {
   EXPECT_EQ(1u, second.Heard(second.rivals)[0].run);
 }
 
+// A tool that asks is heard as soon as the service has found its writer; its reader may be found later.
+TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
+  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
+  service_end->Start(service);
+  ControlReply reply;
+  reply.client = 77;
+  reply.number = 5;
+  service_end->SendControlReply(reply);
+
+  const dds::DomainParticipant participant(
+      dds::ToolConfig(options_.domain, "lo", "127.0.0.1:" + std::to_string(port_)));
+  const dds::Topic<troupe_wire_ControlReply> topic(participant, dds::topics::kControlReply);
+  const dds::Subscriber subscriber(participant, dds::qos_profiles::Session(options_.session));
+  dds::DataReader<troupe_wire_ControlReply> reader(subscriber, topic, dds::qos_profiles::ControlReply());
+  std::uint64_t heard = 0;
+  ASSERT_TRUE(Eventually([&] {
+    for (const auto sample : reader.take()) {
+      if (sample.info().valid() && sample.data().client == reply.client) heard = sample.data().number;
+    }
+    return heard != 0;
+  }));
+  EXPECT_EQ(heard, reply.number);
+}
+
 TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
   const auto service_transport = MakeDdsServiceTransport(options_, &port_);
-  const auto service_end = service_transport->MakeServiceEndpoint();
   Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
   {
-    const auto agent_end = agent_transport->MakeAgentEndpoint(21);
     Agent agent;
+    const auto agent_end = agent_transport->MakeAgentEndpoint(21);
     agent_end->Start(agent);
     ASSERT_TRUE(Eventually([&] {
       agent_end->SendJoin(Join(1, 21));
@@ -358,8 +386,8 @@ TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
 TEST_F(DdsTransportTest, AKilledAgentIsGoneAndTheOthersAreNot) {
   options_.lease_seconds = 1.0;
   const auto service_transport = MakeDdsServiceTransport(options_, nullptr);
-  const auto service_end = service_transport->MakeServiceEndpoint();
   Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
   service_end->SendSession(Session(1));
   ChildProcess victim(Peer("agent", 31));
@@ -379,8 +407,8 @@ TEST_F(DdsTransportTest, AServiceThatEndsIsGone) {
     options_.session += "x";
     ChildProcess service(Peer("service", 41));
     const auto agent_transport = MakeDdsAgentTransport(options_);
-    const auto agent_end = agent_transport->MakeAgentEndpoint(1);
     Agent agent;
+    const auto agent_end = agent_transport->MakeAgentEndpoint(1);
     agent_end->Start(agent);
     ASSERT_TRUE(Eventually([&] { return !agent.Heard(agent.sessions).empty(); }));
     agent_end->SendJoin(Join(41, 1));
@@ -395,8 +423,8 @@ TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
   auto old_end = old_transport->MakeServiceEndpoint();
   old_end->SendSession(Session(1));
   const auto agent_transport = MakeDdsAgentTransport(options_);
-  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent_end->Start(agent);
   ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 1; }));
   const auto new_transport = MakeDdsServiceTransport(options_, nullptr);
@@ -431,8 +459,8 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
     problems.push_back(problem);
   };
   const auto agent_transport = MakeDdsAgentTransport(agent_options);
-  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent_end->Start(agent);
   ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   double numbers[] = {1.0, 2.0};
@@ -469,13 +497,13 @@ TEST_F(DdsTransportTest, RefusesSessionNamesThatMatchOthers) {
 
 TEST_F(DdsTransportTest, FlushWaitsUntilAllHaveReceived) {
   const auto service_transport = MakeDdsServiceTransport(options_, &port_);
-  const auto service_end = service_transport->MakeServiceEndpoint();
   Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
   service_end->SendSession(Session(1));
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
-  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent.on_session = [&](const SessionMessage& session) { agent_end->SendJoin(Join(session.run, 1)); };
   agent_end->Start(agent);
   FrameMessage frame;
