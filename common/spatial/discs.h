@@ -50,7 +50,6 @@ class DiscList {
     float radius;
   };
 
-  std::size_t size() const { return size_; }
   Disc operator[](std::size_t i) const {
     const Group& group = groups_[i / 4];
     return {group.x[i % 4], group.y[i % 4], group.radius[i % 4]};
@@ -81,7 +80,8 @@ class DiscList {
   void ForEachOverlapping(const DiscBox& box, Visit visit) const {
     for (std::size_t group = 0; group < groups_.size(); ++group) {
       for (std::uint32_t lanes = Overlapping(groups_[group], box); lanes != 0; lanes &= lanes - 1) {
-        visit(4 * group + static_cast<std::size_t>(std::countr_zero(lanes)));
+        const std::size_t i = 4 * group + static_cast<std::size_t>(std::countr_zero(lanes));
+        if (i < size_) visit(i);  // a box without bounds overlaps the lanes without a disc as well
       }
     }
   }

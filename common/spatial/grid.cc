@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// So that what a ray's walk rounds for each cell stays far within its tolerance (ray_walk.h).
 constexpr double kMaxCellsAlong = 65536.0;
 
 }  // namespace

@@ -28,8 +28,8 @@ class Grid {
  public:
   Grid() = default;
 
-  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would take more than `max_cells`
-  // otherwise. REQUIRES: bounds finite and not empty; cell_size > 0; max_cells >= 1
+  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would take more than `max_cells`,
+  // or more than 65,536 along x or y, otherwise. REQUIRES: bounds finite and not empty; cell_size > 0; max_cells >= 1
   Grid(const Rectangle& bounds, double cell_size, double max_cells);
 
   const Rectangle& bounds() const { return bounds_; }

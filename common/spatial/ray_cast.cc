@@ -181,13 +181,9 @@ class RayBlock {
 
   // `reference`: as that of the bodies.
   RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference)
-      : forward_(rays[rays.size() / 2].direction) {
-    for (std::size_t i = 0; i < kLanes; ++i) {
+      : taken_((1u << rays.size()) - 1), forward_(rays[rays.size() / 2].direction) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
       const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
-      if (i >= rays.size()) {
-        set(length_, -1e30);  // a lane without a ray is near nothing
-        continue;
-      }
       const Ray& ray = rays[i];
       const Vec2 origin = ray.origin - reference;
       const Vec2 origin_F(forward_.dot(origin), Cross(forward_, origin));
@@ -226,7 +222,7 @@ class RayBlock {
           (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
       bits |= BitsOf(~apart) << (kWidth * k);
     }
-    for (std::uint32_t near = bits; near != 0; near &= near - 1) {
+    for (std::uint32_t near = bits & taken_; near != 0; near &= near - 1) {
       const auto ray = static_cast<std::size_t>(std::countr_zero(near));
       visit(ray, along[ray / kWidth][ray % kWidth] - radius);
     }
@@ -241,7 +237,8 @@ class RayBlock {
   Lanes start_{};   // m, along the rays, where they start
   Lanes length_{};  // m
   double spread_ = 0.0;
-  Vec2 forward_;  // the x axis of a frame F at the reference
+  std::uint32_t taken_;  // a bit for each lane with a ray
+  Vec2 forward_;         // the x axis of a frame F at the reference
   Rectangle seen_F_ = Rectangle::Nothing();
 };
 

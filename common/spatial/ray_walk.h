@@ -21,8 +21,8 @@ inline constexpr double kWalkTolerance = 1e-6;
 
 // Calls visit(cell, distance) for those cells that the ray passes for which filled(cell) is true, in order, until
 // `visit` returns false, `max_distance` is reached or the ray leaves the grid; `distance`: m, the ray does not enter
-// the cell before. A few cells that the ray just misses may be among them. REQUIRES: |direction| = 1; inverse = 1 /
-// direction by components
+// the cell before. A few cells that the ray just misses, or that are just beyond its end, may be among them. REQUIRES:
+// |direction| = 1; inverse = 1 / direction by components
 template <typename Filled, typename Visit>
 void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
              double max_distance, Filled filled, Visit visit) {
@@ -42,8 +42,8 @@ void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const 
     };
     cut(origin.x(), direction.x(), inverse.x(), bounds.min_x, bounds.max_x);
     cut(origin.y(), direction.y(), inverse.y(), bounds.min_y, bounds.max_y);
-    if (!(enter <= leave)) return;
   }
+  if (!(enter <= leave)) return;
 
   // From here on lengths are in cells, columns are those of the axis along which the ray passes more cells, rows those
   // of the other.
@@ -63,13 +63,21 @@ void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const 
   // Rows as whole numbers, a cell being kCell: their errors do not grow with the distance from 0.
   constexpr int kBits = 40;
   constexpr double kCell = static_cast<double>(std::int64_t{1} << kBits);
+  const double row_count = rows.count;
+  const std::int64_t end = static_cast<std::int64_t>(rows.count) << kBits;
   const double first_row_left = from_row + first_left * rows_per_metre;
-  auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(rows.count + 1.0, first_row_left)) * kCell);
+  auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
+  // Where a ray enters at a corner, rounding may put the place where it leaves the first column on the wrong side of
+  // the edge; and where it passes from corner to corner, the rows in which it enters and leaves two apart.
+  if (rows_per_metre >= 0.0) row_left = std::max<std::int64_t>(row_left, 0);
+  if (rows_per_metre <= 0.0) row_left = std::min(row_left, end - 1);
+  const auto first_left_row = static_cast<std::int32_t>(row_left >> kBits);
+  const std::int32_t first_row =
+      std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
   const auto rise = static_cast<std::int64_t>(rows_per_metre * metres_per_column * kCell);
-  const auto end = static_cast<std::uint64_t>(rows.count) << kBits;
-  std::ptrdiff_t row = rows.Clamped(from_row + enter * rows_per_metre) * rows.stride;
+  std::ptrdiff_t row = first_row * rows.stride;
   for (std::int32_t column = first;; column += up, row_left += rise) {
-    const bool stays = static_cast<std::uint64_t>(row_left) < end;
+    const bool stays = static_cast<std::uint64_t>(row_left) < static_cast<std::uint64_t>(end);
     const std::ptrdiff_t next_row = stays ? (row_left >> kBits) * rows.stride : row;
     const std::ptrdiff_t column_offset = column * columns.stride;
     const auto cell = static_cast<std::size_t>(column_offset + row);

@@ -30,7 +30,7 @@ inline std::uint32_t ReserveDomain() {
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     if (bind(holder, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
   }
-  throw std::runtime_error("no DDS domain is free for this test");
+  throw std::runtime_error("no DDS domain can be reserved for this test");
 }
 
 }  // namespace troupe::test

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -59,7 +61,8 @@ TEST(WalkRay, StaysInTheGridWhateverTheRay) {
   const double kInfinity = std::numeric_limits<double>::infinity();
   const double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double far : {1e9, 1e300, kInfinity, kNan}) {
-    for (const double length : {1.0, 1e300, kInfinity, kNan}) {
+    for (const double length : {-1.0, 1.0, 1e300, kInfinity, kNan}) {
+      Walk(kGridOfTwelve, {1.5, 1.5}, {-1.0, 0.0}, length);
       Walk(kGridOfTwelve, {far, 1.5}, {-1.0, 0.0}, length);
       Walk(kGridOfTwelve, {far, far}, {-0.8, -0.6}, length);
       Walk(kGridOfTwelve, {-far, 1.0}, {0.6, 0.8}, length);
@@ -83,6 +86,55 @@ TEST(WalkRay, WalksThroughEveryCellThatTheRayPasses) {
       ASSERT_LT(at, walked.cells.size()) << "seed " << seed << " at " << distance;
     }
   }
+}
+
+// Whether a cell that was visited holds the point, or is within the tolerance of it.
+bool IsVisited(const Grid& grid, const Walked& walked, const Vec2& p) {
+  const double tolerance = kWalkTolerance * grid.cell_size();
+  const CellRange near = grid.CellsOf({p.x() - tolerance, p.y() - tolerance, p.x() + tolerance, p.y() + tolerance});
+  for (std::int32_t row = near.min_row; row <= near.max_row; ++row) {
+    for (std::int32_t column = near.min_column; column <= near.max_column; ++column) {
+      if (std::ranges::find(walked.cells, grid.CellAt(column, row)) != walked.cells.end()) return true;
+    }
+  }
+  return false;
+}
+
+void ExpectAllVisited(const Grid& grid, const Vec2& origin, const Vec2& direction, double length) {
+  const Walked walked = Walk(grid, origin, direction, length);
+  for (double distance = 0.0; distance <= length; distance += 0.05 * grid.cell_size()) {
+    const Vec2 p = origin + distance * direction;
+    if (!grid.bounds().Inflated(-kWalkTolerance * grid.cell_size()).Contains(p)) continue;
+    ASSERT_TRUE(IsVisited(grid, walked, p))
+        << origin.transpose() << " along " << direction.transpose() << " at " << distance;
+  }
+}
+
+TEST(WalkRay, LeavesNoCellOutFromCornerToCorner) {
+  // Around each corner of the cells, by as little as a number can differ, and in the directions that lead to another.
+  constexpr double kHalfRoot = 0.7071067811865476;
+  std::vector<Vec2> directions = {{1.0, 0.0}, {0.0, 1.0}, {kHalfRoot, kHalfRoot}, {0.8, 0.6}, {0.6, 0.8}};
+  for (std::size_t i = 0; i < 5; ++i) {
+    directions.push_back(-directions[i]);
+    directions.emplace_back(directions[i].x(), -directions[i].y());
+    directions.emplace_back(-directions[i].x(), directions[i].y());
+  }
+  for (int x = -3; x <= 7; ++x) {
+    for (int y = -3; y <= 6; ++y) {
+      for (int way_x = -1; way_x <= 1; ++way_x) {
+        for (int way_y = -1; way_y <= 1; ++way_y) {
+          const Vec2 origin(std::nextafter(x, x + way_x), std::nextafter(y, y + way_y));
+          for (const Vec2& direction : directions) ExpectAllVisited(kGridOfTwelve, origin, direction, 12.0);
+        }
+      }
+    }
+  }
+}
+
+TEST(WalkRay, FollowsARayThatEntersAtACorner) {
+  ExpectAllVisited(kGridOfTwelve, {6.0, 6.0}, {-0.8, -0.6}, 12.0);
+  const Grid grid({-10.0, -10.0, 10.0, 10.0}, 20.0 / 12.0, 1000.0);
+  ExpectAllVisited(grid, {-9.497034526147136, 22.83039465948047}, {0.7071067811865476, -0.7071067811865476}, 60.0);
 }
 
 }  // namespace
