@@ -103,14 +103,16 @@ class Troupe:
         output, _ = run([self.folder / program, *arguments])
         return json.loads(output)
 
-    def functions(self, program, quick, environment):
-        """Rows of a Google Benchmark program."""
-        # "0.02" and not "0.02s": version 1.7 takes a number only.
-        command = [self.folder / program, "--benchmark_format=json", f"--benchmark_min_time={0.01 if quick else 0.5}"]
+    def functions(self, program, rounds, quick, environment):
+        """Rows of a Google Benchmark program, one for each round."""
+        # "0.2" and not "0.2s": version 1.7 takes a number only.
+        command = [self.folder / program, "--benchmark_format=json", f"--benchmark_min_time={0.01 if quick else 0.2}",
+                   f"--benchmark_repetitions={rounds}"]
         if quick:
             command.append("--benchmark_filter=-/(10000|200000)")
         output, _ = run(command, environment=environment)
-        return [row for row in json.loads(output)["benchmarks"] if not row.get("error_occurred")]
+        return [row for row in json.loads(output)["benchmarks"]
+                if row.get("run_type") == "iteration" and not row.get("error_occurred")]
 
 
 class Stage:

@@ -28,7 +28,7 @@ def functions(setting):
     for program in ["ray_cast", "map_import", "body_index", "step", "manipulation"]:
         if not setting.troupe.has(f"bench_{program}"):
             continue
-        for row in setting.troupe.functions(f"bench_{program}", setting.quick, environment):
+        for row in setting.troupe.functions(f"bench_{program}", setting.rounds, setting.quick, environment):
             yield {"program": program, "name": row["name"], "time": row["real_time"], "unit": row["time_unit"],
                    "items_per_second": row.get("items_per_second", row.get("rays", ""))}
 

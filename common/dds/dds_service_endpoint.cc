@@ -11,6 +11,11 @@ namespace {
 // Ticks between whole frames, for those who only listen.
 constexpr Tick kWholePeriod = 100;
 
+bool HaveSameSizes(const WorldState& a, const WorldState& b) {
+  return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
+         a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size();
+}
+
 }  // namespace
 
 DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
@@ -83,7 +88,8 @@ void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& adm
 }
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   // All that answered the frame of the tick before have its state. Who has not gets this frame again, whole.
-  const bool follows = frame.run == sent_run_ && frame.edition == sent_edition_ && frame.state.tick == sent_.tick + 1;
+  const bool follows = frame.run == sent_run_ && frame.edition == sent_edition_ && frame.state.tick == sent_.tick + 1 &&
+                       HaveSameSizes(frame.state, sent_);
   const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;
   frames_.Send(frame, whole ? nullptr : &std::as_const(sent_));
   sent_run_ = frame.run;
