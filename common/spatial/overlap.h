@@ -16,7 +16,7 @@ double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b);
 // Placing by hand and rounding in a file make small overlaps that nobody means or sees.
 inline constexpr double kNoticeableDepth = 1e-6;  // m
 
-// True if pieces in the same frame share a height, and in the plane overlap by more than `depth`, in m.
+// True if pieces in the same frame share a height, and their PenetrationDepth in the plane is more than `depth`, in m.
 bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth);
 
 }  // namespace troupe

@@ -19,6 +19,30 @@ namespace troupe {
 // How far, in cells, a walk may be wrong about where the ray is.
 inline constexpr double kWalkTolerance = 1e-6;
 
+// From where to where, in m along it, a ray is within a rectangle; nowhere if `enter` is not at most `leave`.
+struct RayPart {
+  double enter;
+  double leave;
+};
+
+inline RayPart PartWithin(const Rectangle& bounds, const Vec2& origin, const Vec2& direction,
+                          const Eigen::Array2d& inverse, double max_distance) {
+  RayPart part{0.0, max_distance};
+  const auto cut = [&part](double from, double along, double inverse_along, double low, double high) {
+    if (along == 0.0) {
+      if (from < low || from > high) part.leave = -1.0;
+      return;
+    }
+    const double a = (low - from) * inverse_along;
+    const double b = (high - from) * inverse_along;
+    part.enter = std::max(part.enter, std::min(a, b));
+    part.leave = std::min(part.leave, std::max(a, b));
+  };
+  cut(origin.x(), direction.x(), inverse.x(), bounds.min_x, bounds.max_x);
+  cut(origin.y(), direction.y(), inverse.y(), bounds.min_y, bounds.max_y);
+  return part;
+}
+
 // Calls visit(cell, distance) for those cells that the ray passes for which filled(cell) is true, in order, until
 // `visit` returns false, `max_distance` is reached or the ray leaves the grid; `distance`: m, the ray does not enter
 // the cell before. A few cells that the ray just misses, or that are just beyond its end, may be among them. REQUIRES:
@@ -26,23 +50,10 @@ inline constexpr double kWalkTolerance = 1e-6;
 template <typename Filled, typename Visit>
 void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
              double max_distance, Filled filled, Visit visit) {
-  const Rectangle& bounds = grid.bounds();
-  double enter = 0.0;
-  double leave = max_distance;
-  if (!bounds.Contains(origin)) {
-    const auto cut = [&](double from, double along, double inverse_along, double low, double high) {
-      if (along == 0.0) {
-        if (from < low || from > high) leave = -1.0;
-        return;
-      }
-      const double a = (low - from) * inverse_along;
-      const double b = (high - from) * inverse_along;
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    };
-    cut(origin.x(), direction.x(), inverse.x(), bounds.min_x, bounds.max_x);
-    cut(origin.y(), direction.y(), inverse.y(), bounds.min_y, bounds.max_y);
-  }
+  RayPart part{0.0, max_distance};
+  // A walk that starts inside ends at the edge by itself.
+  if (!grid.bounds().Contains(origin)) part = PartWithin(grid.bounds(), origin, direction, inverse, max_distance);
+  const auto [enter, leave] = part;
   if (!(enter <= leave)) return;
 
   // From here on lengths are in cells, columns are those of the axis along which the ray passes more cells, rows those

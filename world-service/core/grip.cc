@@ -13,7 +13,7 @@ bool Touches(const StepWorkspace& workspace, ModelId pad, ObjectId object) {
   for (const ConvexPiece& a : pads) {
     if (a.model != pad) continue;
     for (const ConvexPiece& b : workspace.bodies.pieces_in_world(workspace.scene.body_of(object))) {
-      if (a.z.Overlaps(b.z) && PenetrationDepth(a.vertices, b.vertices) > -kPadReach) return true;
+      if (OverlapBy(a, b, -kPadReach)) return true;
     }
   }
   return false;
