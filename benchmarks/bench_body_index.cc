@@ -24,7 +24,7 @@ void BM_Query(benchmark::State& state) {
   const WorldState world_state = InitialState(scene.world());
   BodyIndex bodies(scene);
   bodies.Assign(world_state);
-  std::vector<BodyId> near;
+  std::pmr::vector<BodyId> near;
   std::size_t i = 0;
   for (auto _ : state) {
     const Pose& pose = world_state.robots[i++ % world_state.robots.size()].X_WR;

@@ -90,10 +90,15 @@ double SignedArea(const Polygon& polygon) {
   return 0.5 * twice;
 }
 
-Rectangle BoundingBox(const Polygon& polygon) {
-  Rectangle box = Rectangle::Nothing();
-  for (const Vec2& vertex : polygon) box.Extend(vertex);
-  return box;
+Rectangle BoundingBox(std::span<const Vec2> polygon) {
+  const Rectangle nothing = Rectangle::Nothing();
+  Vec2 min(nothing.min_x, nothing.min_y);
+  Vec2 max(nothing.max_x, nothing.max_y);
+  for (const Vec2& vertex : polygon) {
+    min = min.cwiseMin(vertex);
+    max = max.cwiseMax(vertex);
+  }
+  return {min.x(), min.y(), max.x(), max.y()};
 }
 
 bool Contains(const Polygon& polygon, const Vec2& p) {

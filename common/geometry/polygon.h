@@ -1,6 +1,7 @@
 // Simple polygons: closed, not crossing themselves, possibly concave. Vertices in metres, without repeating the first.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ using Polygon = std::vector<Vec2>;
 // Positive if counter-clockwise; m^2.
 double SignedArea(const Polygon& polygon);
 
-Rectangle BoundingBox(const Polygon& polygon);
+Rectangle BoundingBox(std::span<const Vec2> polygon);
 
 // True if p lies inside or on the edge.
 bool Contains(const Polygon& polygon, const Vec2& p);

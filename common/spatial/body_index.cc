@@ -114,7 +114,7 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
   return cache.pieces;
 }
 
-void BodyIndex::Query(const Rectangle& box, std::vector<BodyId>& result) const {
+void BodyIndex::Query(const Rectangle& box, std::pmr::vector<BodyId>& result) const {
   const auto first = static_cast<std::ptrdiff_t>(result.size());
   ForEachNear(box, [&](BodyId body) { result.push_back(body); });
   if (has_grid()) std::sort(result.begin() + first, result.end());

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory_resource>
 #include <optional>
 #include <vector>
 
@@ -42,7 +43,7 @@ class BodyIndex {
   std::optional<RobotId> owner(BodyId body) const { return owner_[body.index()]; }
 
   // The bodies that may overlap `box`, in id order without repeats. Appends to `result`.
-  void Query(const Rectangle& box, std::vector<BodyId>& result) const;
+  void Query(const Rectangle& box, std::pmr::vector<BodyId>& result) const;
   // Calls visit(body) for the same bodies, in an order that depends on how they came to be where they are.
   template <typename Visit>
   void ForEachNear(const Rectangle& box, Visit visit) const;

@@ -13,10 +13,17 @@ namespace troupe {
 // lower bound of their distance.
 double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b);
 
+// True if a normal of an edge of `a` or `b` shows that nothing within `margin`, in m, of the hull of `a` and `a_later`
+// touches `b`; a_later: the same polygon, moved.
+bool StayApart(std::span<const Vec2> a, std::span<const Vec2> a_later, std::span<const Vec2> b, double margin);
+
 // Placing by hand and rounding in a file make small overlaps that nobody means or sees.
 inline constexpr double kNoticeableDepth = 1e-6;  // m
 
-// True if pieces in the same frame share a height, and their PenetrationDepth in the plane is more than `depth`, in m.
+// True if PenetrationDepth(a, b) > depth; quicker.
+bool OverlapBy(std::span<const Vec2> a, std::span<const Vec2> b, double depth);
+
+// True if pieces in the same frame share a height, and overlap in the plane by more than `depth`, in m.
 bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth);
 
 }  // namespace troupe

@@ -77,10 +77,10 @@ CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
   return grid_.CellsOf(BoundingBox(piece.vertices).Inflated(kMargin + kWalkTolerance * grid_.cell_size()));
 }
 
-void StaticIndex::Query(const Rectangle& box, std::vector<std::uint32_t>& result) const {
+void StaticIndex::Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const {
   if (pieces_.empty() || !bounds_.Overlaps(box)) return;
   const auto take = [&](std::uint32_t piece) {
-    if (BoundingBox(pieces_[piece].vertices).Overlaps(box)) result.push_back(piece);
+    if (ray_pieces_[piece].box.Overlaps(box)) result.push_back(piece);
   };
   const CellRange range = grid_.CellsOf(box);
   if (range.count() >= pieces_.size()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,7 @@ class StaticIndex {
 
   // Indices of the pieces whose bounding boxes overlap `box` (touching counts): ascending, without repeats. Appends to
   // `result`.
-  void Query(const Rectangle& box, std::vector<std::uint32_t>& result) const;
+  void Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const;
 
   // A piece as rays see it, small and close to its neighbours in memory: one line of a cache.
   struct alignas(64) RayPiece {

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory_resource>
 #include <tuple>
 #include <vector>
 
 #include "common/base/deterministic_math.h"
+#include "common/base/stack_memory.h"
 #include "common/geometry/rectangle.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/sweep_events.h"
@@ -48,7 +50,8 @@ struct Pair {
 // Sweeps pairs of polygons, all along one motion.
 class PairSweep {
  public:
-  explicit PairSweep(const Motion& motion) : motion_(motion), transform_WF_(motion.X_WF) {}
+  PairSweep(const Motion& motion, const Transform2& transform_WF, std::pmr::memory_resource& memory)
+      : motion_(motion), transform_WF_(transform_WF), times_(&memory), a_in_W_(&memory), b_in_F_(&memory) {}
 
   // The first time at which the pair overlaps too deeply.
   std::optional<double> Find(const Pair& pair) {
@@ -62,20 +65,31 @@ class PairSweep {
     return std::nullopt;
   }
 
-  bool IsFree(const Pair& pair, double seconds) { return DepthAfter(pair, seconds) <= pair.allowed_depth(); }
+  bool IsFree(const Pair& pair, double seconds) {
+    if (motion_.climb != 0.0 && HeightsAfter(pair, seconds) <= pair.allowed_depth()) return true;
+    Place(pair, seconds);
+    return !OverlapBy(a_in_W_, pair.b_in_W, pair.allowed_depth());
+  }
 
   // How far the first prism is in the second one: in the plane, and when heights change, whichever way out is shorter.
   double DepthAfter(const Pair& pair, double seconds) {
-    const Transform2 transform(motion_.After(seconds));
-    a_in_W_.clear();
-    for (const Vec2& vertex : pair.a_in_F) a_in_W_.push_back(transform * vertex);
+    Place(pair, seconds);
     const double depth = PenetrationDepth(a_in_W_, pair.b_in_W);
-    if (motion_.climb == 0.0) return depth;
-    const ZRange a_z = pair.a_z + motion_.climb * seconds;
-    return std::min(depth, std::min(a_z.max, pair.b_z.max) - std::max(a_z.min, pair.b_z.min));
+    return motion_.climb == 0.0 ? depth : std::min(depth, HeightsAfter(pair, seconds));
   }
 
  private:
+  // Fills a_in_W_.
+  void Place(const Pair& pair, double seconds) {
+    const Transform2 transform(motion_.After(seconds));
+    a_in_W_.clear();
+    for (const Vec2& vertex : pair.a_in_F) a_in_W_.push_back(transform * vertex);
+  }
+  // How much of their heights the prisms share, in m.
+  double HeightsAfter(const Pair& pair, double seconds) const {
+    const ZRange a_z = pair.a_z + motion_.climb * seconds;
+    return std::min(a_z.max, pair.b_z.max) - std::max(a_z.min, pair.b_z.min);
+  }
   // Fills times_: the start, the events in order, the end.
   void FindTimes(const Pair& pair) {
     double end = motion_.duration;
@@ -121,9 +135,9 @@ class PairSweep {
 
   const Motion motion_;
   const Transform2 transform_WF_;
-  std::vector<double> times_;
-  std::vector<Vec2> a_in_W_;
-  std::vector<Vec2> b_in_F_;
+  std::pmr::vector<double> times_;
+  std::pmr::vector<Vec2> a_in_W_;
+  std::pmr::vector<Vec2> b_in_F_;
 };
 
 // `time`, or as little before it as makes is_free(time) true; 0 at the earliest. max_speed in m/s.
@@ -137,31 +151,39 @@ double SteppedBack(double time, double max_speed, IsFree is_free) {
   return time;
 }
 
-// Where R's origin may come along during the motion: within `margin` of the straight line from start to end.
-struct Corridor {
-  std::array<Vec2, 2> chord;  // in W
-  double margin;              // m
+// Where a motion begins and ends, and how far it strays from the straight line between.
+class Passage {
+ public:
+  explicit Passage(const Motion& motion)
+      : motion_(motion),
+        X_WF_end_(motion.After(motion.duration)),
+        start_(motion.X_WF),
+        end_(X_WF_end_),
+        angle_(std::abs(motion.twist.wz) * motion.duration) {}
 
-  explicit Corridor(const Motion& motion)
-      : chord{motion.X_WF.translation(), motion.After(motion.duration).translation()} {
-    // An arc of angle w and length s leaves its chord by at most s w / 8, and its start by no more than the diameter.
-    const double angle = std::abs(motion.twist.wz) * motion.duration;
-    const double length = SpeedOf(motion) * motion.duration;
-    margin = std::min(length * angle / 8.0, length) + 1e-9;
-    if (angle > kPi) {
-      chord[1] = chord[0];
-      margin = 2.0 * length / angle + 1e-9;
-    }
+  const Motion& motion() const { return motion_; }
+  const Transform2& start() const { return start_; }
+  const Transform2& end() const { return end_; }
+  // No point within `radius` of F's origin is ever farther from the line between its start and end, in m. An arc of
+  // angle w and length s leaves its chord by at most s w / 8, and its start by no more than the diameter.
+  double MarginAt(double radius) const {
+    const double length = MaxSpeed(motion_, radius) * motion_.duration;
+    return (angle_ < kPi ? length * angle_ / 8.0 : 2.0 * length / angle_) + kTouchTolerance;
   }
-
+  // Around all that such points pass.
   Rectangle BoxAround(double radius) const {
     Rectangle box = Rectangle::Nothing();
-    for (const Vec2& end : chord) box.Extend(end);
-    return box.Inflated(margin + radius);
+    box.Extend(motion_.X_WF.translation());
+    box.Extend(X_WF_end_.translation());
+    return box.Inflated(MarginAt(0.0) + radius);
   }
-  bool MayReach(const ConvexPiece& piece, double radius) const {
-    return -PenetrationDepth(chord, piece.vertices) <= margin + radius;
-  }
+
+ private:
+  const Motion& motion_;
+  const Pose X_WF_end_;
+  const Transform2 start_;
+  const Transform2 end_;
+  const double angle_;  // rad
 };
 
 struct Obstacle {
@@ -179,36 +201,31 @@ ZRange SweptHeights(const ZRange& z_in_F, const Motion& motion) {
 // What of all that stands around the mover may meet on its way.
 class ObstacleFilter {
  public:
-  ObstacleFilter(const Mover& mover, const Motion& motion)
-      : corridor_(motion),
-        radius_(mover.radius * (1.0 + 1e-9) + 1e-9),
-        z_(SweptHeights(mover.z, motion)),
-        box_(corridor_.BoxAround(radius_)) {}
+  ObstacleFilter(const Mover& mover, const Passage& passage)
+      : z_(SweptHeights(mover.z, passage.motion())), box_(passage.BoxAround(mover.radius * (1.0 + 1e-9) + 1e-9)) {}
 
   const Rectangle& box() const { return box_; }
 
-  void Consider(const ConvexPiece& piece, std::vector<Obstacle>& obstacles) const {
+  void Consider(const ConvexPiece& piece, std::pmr::vector<Obstacle>& obstacles) const {
     if (!piece.obstacle || !piece.z.Overlaps(z_)) return;
     const Rectangle piece_box = BoundingBox(piece.vertices);
-    if (box_.Overlaps(piece_box) && corridor_.MayReach(piece, radius_)) obstacles.push_back({&piece, piece_box});
+    if (box_.Overlaps(piece_box)) obstacles.push_back({&piece, piece_box});
   }
 
  private:
-  Corridor corridor_;
-  double radius_;
   ZRange z_;
   Rectangle box_;
 };
 
-std::vector<Obstacle> FindObstacles(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
-                                    const Motion& motion) {
-  const ObstacleFilter filter(mover, motion);
-  std::vector<Obstacle> obstacles;
-  std::vector<std::uint32_t> standing;
+std::pmr::vector<Obstacle> FindObstacles(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
+                                         const Passage& passage, std::pmr::memory_resource& memory) {
+  const ObstacleFilter filter(mover, passage);
+  std::pmr::vector<Obstacle> obstacles(&memory);
+  std::pmr::vector<std::uint32_t> standing(&memory);
   scene.static_index().Query(filter.box(), standing);
   for (std::uint32_t index : standing) filter.Consider(scene.static_index().pieces()[index], obstacles);
 
-  std::vector<BodyId> near;
+  std::pmr::vector<BodyId> near(&memory);
   bodies.Query(filter.box(), near);
   for (BodyId other : near) {
     if (std::binary_search(mover.bodies.begin(), mover.bodies.end(), other)) continue;
@@ -238,33 +255,62 @@ std::optional<Contact> GroundContact(const Mover& mover, const Motion& motion) {
   return first;
 }
 
+// A piece of the mover on its way.
+class MovingPiece {
+ public:
+  // `margin`: how far, in m, its vertices may be from the line between their starts and ends.
+  MovingPiece(const ConvexPiece& piece, const Passage& passage, double margin, std::pmr::memory_resource& memory)
+      : z_(SweptHeights(piece.z, passage.motion())), margin_(margin), start_(&memory), end_(&memory) {
+    start_.reserve(piece.vertices.size());
+    for (const Vec2& vertex : piece.vertices) start_.push_back(passage.start() * vertex);
+    end_.reserve(piece.vertices.size());
+    for (const Vec2& vertex : piece.vertices) end_.push_back(passage.end() * vertex);
+    box_ = BoundingBox(start_);
+    box_.Extend(BoundingBox(end_));
+    box_ = box_.Inflated(margin_);
+  }
+
+  std::span<const Vec2> start() const { return start_; }  // vertices in W
+  bool MayMeet(const Obstacle& other) const {
+    return box_.Overlaps(other.box) && z_.Overlaps(other.piece->z) &&
+           !StayApart(start_, end_, other.piece->vertices, margin_);
+  }
+
+ private:
+  ZRange z_;  // that it passes
+  double margin_;
+  std::pmr::vector<Vec2> start_;
+  std::pmr::vector<Vec2> end_;
+  Rectangle box_;  // around all that it may cover
+};
+
 // The first contact of the mover with any of the obstacles.
-std::optional<Contact> MeetObstacles(const Mover& mover, const Motion& motion, const std::vector<Obstacle>& obstacles) {
+std::optional<Contact> MeetObstacles(const Mover& mover, const Passage& passage,
+                                     const std::pmr::vector<Obstacle>& obstacles, std::pmr::memory_resource& memory) {
+  const Motion& motion = passage.motion();
+  const double max_speed = MaxSpeed(motion, mover.radius);
+  const double margin = passage.MarginAt(mover.radius);
   std::optional<Contact> first;
-  std::vector<Pair> pairs;  // all that come near each other
-  PairSweep sweep(motion);
-  for (const ConvexPiece& mine : mover.pieces) {
-    if (!mine.obstacle) continue;
-    const ConvexPiece mine_in_W = Transformed(mine, motion.X_WF);
-    const ZRange swept = SweptHeights(mine.z, motion);
-    const double max_speed = MaxSpeed(motion, RadiusOf(mine.vertices));
-    const Rectangle box = BoundingBox(mine_in_W.vertices).Inflated(max_speed * motion.duration + kTouchTolerance);
+  std::pmr::vector<Pair> pairs(&memory);  // all that come near each other
+  PairSweep sweep(motion, passage.start(), memory);
+  for (const ConvexPiece& piece : mover.pieces) {
+    if (!piece.obstacle) continue;
+    const MovingPiece mine(piece, passage, margin, memory);
     for (const Obstacle& other : obstacles) {
-      if (!box.Overlaps(other.box) || !swept.Overlaps(other.piece->z)) continue;
-      Pair pair{mine.vertices, other.piece->vertices, mine_in_W.z, other.piece->z,
-                PenetrationDepth(mine_in_W.vertices, other.piece->vertices)};
+      if (!mine.MayMeet(other)) continue;
+      Pair pair{piece.vertices, other.piece->vertices, piece.z + motion.X_WF.z, other.piece->z,
+                PenetrationDepth(mine.start(), other.piece->vertices)};
       const double gap = -pair.initial_depth - kTouchTolerance;
       if (gap > max_speed * (first ? first->time : motion.duration)) continue;
       if (motion.climb != 0.0) pair.initial_depth = sweep.DepthAfter(pair, 0.0);
       pairs.push_back(pair);
       const std::optional<double> time = sweep.Find(pair);
-      if (time) first = FirstOf(first, Contact{*time, mine.model, other.piece->model});
+      if (time) first = FirstOf(first, Contact{*time, piece.model, other.piece->model});
     }
   }
   if (first) {
     // Rounding may leave the contact's pose a little too deep, in this pair or in another.
-    const double max_speed = MaxSpeed(motion, mover.radius) + std::abs(motion.climb);
-    first->time = SteppedBack(first->time, max_speed, [&](double time) {
+    first->time = SteppedBack(first->time, max_speed + std::abs(motion.climb), [&](double time) {
       return std::all_of(pairs.begin(), pairs.end(), [&](const Pair& pair) { return sweep.IsFree(pair, time); });
     });
   }
@@ -285,10 +331,11 @@ std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_
   const Motion motion{X_WR, twist, 0.0, duration};
   if (motion.IsRest()) return std::nullopt;
   const Transform2 transform(X_WR);
-  std::vector<Vec2> a_in_W;
+  StackMemory memory;
+  std::pmr::vector<Vec2> a_in_W(&memory);
   for (const Vec2& vertex : a_in_R) a_in_W.push_back(transform * vertex);
   const Pair pair{a_in_R, b_in_W, {}, {}, PenetrationDepth(a_in_W, b_in_W)};
-  PairSweep sweep(motion);
+  PairSweep sweep(motion, transform, memory);
   const std::optional<double> time = sweep.Find(pair);
   if (!time) return std::nullopt;
   return SteppedBack(*time, MaxSpeed(motion, RadiusOf(a_in_R)), [&](double t) { return sweep.IsFree(pair, t); });
@@ -299,18 +346,22 @@ std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies,
   if (motion.IsRest()) return std::nullopt;
   const std::optional<Contact> ground = GroundContact(mover, motion);
   if (ground && ground->time == 0.0) return ground;
-  const std::vector<Obstacle> obstacles = FindObstacles(scene, bodies, mover, motion);
+  const Passage passage(motion);
+  StackMemory memory;
+  const std::pmr::vector<Obstacle> obstacles = FindObstacles(scene, bodies, mover, passage, memory);
   if (obstacles.empty()) return ground;
-  return FirstOf(MeetObstacles(mover, motion, obstacles), ground);
+  return FirstOf(MeetObstacles(mover, passage, obstacles, memory), ground);
 }
 
 std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> standing, const Mover& mover,
                                         const Motion& motion) {
   if (motion.IsRest()) return std::nullopt;
-  const ObstacleFilter filter(mover, motion);
-  std::vector<Obstacle> obstacles;
+  const Passage passage(motion);
+  const ObstacleFilter filter(mover, passage);
+  StackMemory memory;
+  std::pmr::vector<Obstacle> obstacles(&memory);
   for (const ConvexPiece& piece : standing) filter.Consider(piece, obstacles);
-  return MeetObstacles(mover, motion, obstacles);
+  return MeetObstacles(mover, passage, obstacles, memory);
 }
 
 }  // namespace troupe

@@ -18,7 +18,7 @@ Vec2 QuarterTurn(const Vec2& v) {
 // Vertices that move with a constant twist, against edges that stand.
 class EventFinder {
  public:
-  EventFinder(const Twist& twist, double duration, std::vector<double>& times)
+  EventFinder(const Twist& twist, double duration, std::pmr::vector<double>& times)
       : velocity_(twist.vx, twist.vy), rate_(twist.wz), duration_(duration), times_(times) {
     const double half_turn = 0.5 * std::abs(rate_) * duration;
     if (half_turn < 1e-8) {
@@ -29,16 +29,23 @@ class EventFinder {
     }
   }
 
-  // Adds the times at which the vertex that starts at p meets the edge.
+  // The most that a vertex that starts at p moves, in m.
+  double ReachOf(const Vec2& p) const {
+    return (std::sqrt(velocity_.squaredNorm()) + std::abs(rate_) * std::sqrt(p.squaredNorm())) * duration_ +
+           kEdgeMargin;
+  }
+
+  // Adds the times at which the vertex that starts at p, and moves no more than `reach`, meets the edge.
   //
   // With c = cos(wt), s = sin(wt), J a quarter turn to the left and v the velocity, p moves to
   //   c p + s Jp + (s/w) v + ((1-c)/w) Jv.
   // The condition that it lies on the edge's line becomes, with r = (2/w) tan(wt/2), a quadratic without a singularity
   // at w = 0, where r = t.
-  void Add(const Vec2& p, const Vec2& start, const Vec2& end) {
+  void Add(const Vec2& p, double reach, const Vec2& start, const Vec2& end) {
     const Vec2 along = end - start;
     const Vec2 normal(along.y(), -along.x());
     const double c = normal.dot(p - start);
+    if (c * c > reach * reach * normal.squaredNorm()) return;
     const double b = rate_ * normal.dot(QuarterTurn(p)) + normal.dot(velocity_);
     const double a = 0.5 * rate_ * normal.dot(QuarterTurn(velocity_)) - 0.25 * rate_ * rate_ * normal.dot(p + start);
     const double discriminant = b * b - 4.0 * a * c;
@@ -73,22 +80,24 @@ class EventFinder {
   double rate_;
   double duration_;
   std::optional<double> largest_root_;  // r at the end of the motion; nothing from half a turn on, where r wraps round
-  std::vector<double>& times_;
+  std::pmr::vector<double>& times_;
 };
 
 void AppendMeetings(std::span<const Vec2> moving, std::span<const Vec2> standing, const Twist& twist, double duration,
-                    std::vector<double>& times) {
+                    std::pmr::vector<double>& times) {
   EventFinder finder(twist, duration, times);
-  for (std::size_t i = 0; i < standing.size(); ++i) {
-    const Vec2& end = standing[i + 1 < standing.size() ? i + 1 : 0];
-    for (const Vec2& vertex : moving) finder.Add(vertex, standing[i], end);
+  for (const Vec2& vertex : moving) {
+    const double reach = finder.ReachOf(vertex);
+    for (std::size_t i = 0; i < standing.size(); ++i) {
+      finder.Add(vertex, reach, standing[i], standing[i + 1 < standing.size() ? i + 1 : 0]);
+    }
   }
 }
 
 }  // namespace
 
 void AppendEvents(std::span<const Vec2> a, std::span<const Vec2> b, const Twist& twist, double duration,
-                  std::vector<double>& times) {
+                  std::pmr::vector<double>& times) {
   AppendMeetings(a, b, twist, duration, times);
   // Seen from the moving body, what stands moves with the opposite twist.
   AppendMeetings(b, a, {-twist.vx, -twist.vy, -twist.wz}, duration, times);

@@ -2,6 +2,7 @@
 // end to overlap.
 #pragma once
 
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,6 @@ namespace troupe {
 // the frame R in which the motion starts; `a` moves, `b` stands. A vertex that glides along an edge does not count.
 // REQUIRES: |wz| * duration <= 2 pi
 void AppendEvents(std::span<const Vec2> a, std::span<const Vec2> b, const Twist& twist, double duration,
-                  std::vector<double>& times);
+                  std::pmr::vector<double>& times);
 
 }  // namespace troupe

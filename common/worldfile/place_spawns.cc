@@ -178,7 +178,7 @@ class Placer {
   }
 
   bool IsFree(const PlacedBody& body) const {
-    std::vector<std::uint32_t> near;
+    std::pmr::vector<std::uint32_t> near;
     standing_.Query(body.box, near);
     for (const ConvexPiece& piece : body.pieces) {
       for (const std::uint32_t index : near) {

@@ -44,7 +44,7 @@ class Pieces {
   // For each body, by its root, what it starts inside of, if anything: the model with the lowest id.
   std::map<ModelId, ModelId> FindOverlaps() const {
     std::map<ModelId, ModelId> found;
-    std::vector<std::uint32_t> near;
+    std::pmr::vector<std::uint32_t> near;
     for (const ConvexPiece& piece : index_.pieces()) {
       const std::optional<ModelId> body = BodyOf(piece.model);
       if (!body) continue;

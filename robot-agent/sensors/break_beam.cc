@@ -34,7 +34,7 @@ std::optional<double> EntersAt(const Segment& segment, const std::vector<Vec2>& 
 }
 
 std::optional<ObjectId> FindObject(const Scene& scene, const BodyIndex& bodies, const Segment& segment,
-                                   std::vector<BodyId>& near) {
+                                   std::pmr::vector<BodyId>& near) {
   Rectangle box = Rectangle::Nothing();
   box.Extend(segment.from);
   box.Extend(segment.to);
@@ -62,7 +62,7 @@ void MeasureBeams(const Scene& scene, const BodyIndex& bodies, GripperId id,
   const GripperDescription& gripper = scene.world().gripper(id);
   const Pose X_WG = bodies.X_WM(gripper.model);
   const Transform2 to_world(X_WG);
-  std::vector<BodyId> near;
+  std::pmr::vector<BodyId> near;
   broken_by.clear();
   for (const BreakBeam& beam : gripper.beams) {
     broken_by.push_back(FindObject(scene, bodies, {to_world * beam.from, to_world * beam.to, X_WG.z + beam.z}, near));

@@ -24,11 +24,11 @@ TEST(StaticIndexProperty, QueryFindsExactlyThePiecesWhoseBoxesOverlap) {
     const StaticIndex& index = scene.static_index();
     for (int query = 0; query < 20; ++query) {
       const Rectangle box = RandomBox(random, half_width);
-      std::vector<std::uint32_t> expected{77};  // stays: queries append
+      std::pmr::vector<std::uint32_t> expected{77};  // stays: queries append
       for (std::size_t i = 0; i < index.pieces().size(); ++i) {
         if (BoundingBox(index.pieces()[i].vertices).Overlaps(box)) expected.push_back(static_cast<std::uint32_t>(i));
       }
-      std::vector<std::uint32_t> found{77};
+      std::pmr::vector<std::uint32_t> found{77};
       index.Query(box, found);
       ASSERT_EQ(found, expected) << "seed " << seed << " query " << query;
     }
@@ -57,7 +57,7 @@ TEST(BodyIndexProperty, QueryMissesNoRobotWhileTheyMove) {
           index.Move(body, state.robots[body.index()].X_WR);
         }
         const Rectangle box = RandomBox(random, half_width);
-        std::vector<BodyId> found;
+        std::pmr::vector<BodyId> found;
         index.Query(box, found);
         ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));
         ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());

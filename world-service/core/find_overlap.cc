@@ -1,6 +1,7 @@
 #include "world-service/core/find_overlap.h"
 
 #include <algorithm>
+#include <memory_resource>
 #include <vector>
 
 #include "common/spatial/body_index.h"
@@ -52,8 +53,8 @@ class OverlapFinder {
   const std::optional<BodyId> own_body_;
   BodyIndex bodies_;
   std::optional<ModelId> found_;
-  std::vector<std::uint32_t> standing_;
-  std::vector<BodyId> near_;
+  std::pmr::vector<std::uint32_t> standing_;
+  std::pmr::vector<BodyId> near_;
 };
 
 }  // namespace

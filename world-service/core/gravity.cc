@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory_resource>
 #include <vector>
 
 #include "common/spatial/overlap.h"
@@ -57,10 +58,10 @@ class SupportFinder {
     for (const ConvexPiece& piece : Pieces()) {
       for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
     }
-    std::vector<std::uint32_t> standing;
+    std::pmr::vector<std::uint32_t> standing;
     workspace_.scene.static_index().Query(box, standing);
     for (std::uint32_t index : standing) consider(workspace_.scene.static_index().pieces()[index]);
-    std::vector<BodyId> near;
+    std::pmr::vector<BodyId> near;
     workspace_.bodies.Query(box, near);
     for (BodyId other : near) {
       if (other == body_) continue;

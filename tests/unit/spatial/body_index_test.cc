@@ -7,8 +7,8 @@
 namespace troupe {
 namespace {
 
-std::vector<BodyId> Find(const BodyIndex& index, const Rectangle& box) {
-  std::vector<BodyId> result;
+std::pmr::vector<BodyId> Find(const BodyIndex& index, const Rectangle& box) {
+  std::pmr::vector<BodyId> result;
   index.Query(box, result);
   return result;
 }
@@ -34,13 +34,13 @@ TEST_P(BodyIndexMoves, AreFollowed) {
   const Scene scene(test.world);
   BodyIndex index(scene);
   index.Assign(InitialState(scene.world()));
-  EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::vector<BodyId>{BodyId(0)}));
-  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<BodyId>{BodyId(0), BodyId(1), BodyId(2)}));
+  EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::pmr::vector<BodyId>{BodyId(0)}));
+  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::pmr::vector<BodyId>{BodyId(0), BodyId(1), BodyId(2)}));
   index.Move(BodyId(0), {4.0, 0.1, 0.0, 1.0});
   EXPECT_TRUE(Find(index, Around(0.1, 0.1)).empty());
-  EXPECT_EQ(Find(index, Around(4.0, 0.1)), (std::vector<BodyId>{BodyId(0), BodyId(2)}));
+  EXPECT_EQ(Find(index, Around(4.0, 0.1)), (std::pmr::vector<BodyId>{BodyId(0), BodyId(2)}));
   index.Move(BodyId(1), {1e9, -1e9, 0.0, 0.0});
-  EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::vector<BodyId>{BodyId(1)})) << "far outside the grid";
+  EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::pmr::vector<BodyId>{BodyId(1)})) << "far outside the grid";
 }
 
 INSTANTIATE_TEST_SUITE_P(Others, BodyIndexMoves, testing::Values(0, 300));
@@ -57,7 +57,7 @@ TEST(BodyIndex, CopesWithThousandsOfRobots) {
     for (RobotState& robot : state.robots) robot.X_WR.x += 0.01;
     index.Assign(state);
   }
-  EXPECT_EQ(Find(index, Around(50.1, 50.0)), (std::vector<BodyId>{BodyId(5050)}));
+  EXPECT_EQ(Find(index, Around(50.1, 50.0)), (std::pmr::vector<BodyId>{BodyId(5050)}));
 }
 
 TEST(BodyIndex, CopesWithAllRobotsInOnePlace) {
