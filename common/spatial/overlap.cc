@@ -25,8 +25,8 @@ bool ForEachGap(std::span<const Vec2> a, std::span<const Vec2> b, Visit visit) {
   return true;
 }
 
-// How far each of the points is beyond the line along `along` through `start`, on the outer side, times its length: the
-// least and the most.
+// How far the points are beyond the line along `along` through `start`, on the outer side, times its length: the least
+// and the most.
 struct Beyond {
   double least = kUnbounded;
   double most = -kUnbounded;
@@ -40,6 +40,7 @@ struct Beyond {
   }
 };
 
+// `gap`: times the length of `along`. Without a root or a division.
 bool IsMoreThan(double gap, double margin, const Vec2& along) {
   return gap > 0.0 && gap * gap > margin * margin * along.squaredNorm();
 }

@@ -13,8 +13,8 @@ namespace troupe {
 // lower bound of their distance.
 double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b);
 
-// True if a normal of an edge of `a` or `b` shows that nothing within `margin`, in m, of the hull of `a` and `a_later`
-// touches `b`; a_later: the same polygon, moved.
+// True if the normal of an edge of `a` or `b` shows that `b` is farther than `margin`, in m, from the hull of `a` and
+// `a_later`, the same polygon moved. Normals of `a_later` would show a little more, for a third of the price.
 bool StayApart(std::span<const Vec2> a, std::span<const Vec2> a_later, std::span<const Vec2> b, double margin);
 
 // Placing by hand and rounding in a file make small overlaps that nobody means or sees.

@@ -1,7 +1,6 @@
 #include "common/spatial/sweep.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory_resource>
 #include <tuple>
@@ -20,14 +19,10 @@ namespace {
 // for.
 constexpr double kEventAccuracy = 1e-7;  // m
 
-// Of F's origin in the plane, m/s.
-double SpeedOf(const Motion& motion) {
-  return std::sqrt(motion.twist.vx * motion.twist.vx + motion.twist.vy * motion.twist.vy);
-}
-
 // No point within `radius` of F's origin is faster in the plane; m/s.
 double MaxSpeed(const Motion& motion, double radius) {
-  return SpeedOf(motion) + std::abs(motion.twist.wz) * radius;
+  const double origin = std::sqrt(motion.twist.vx * motion.twist.vx + motion.twist.vy * motion.twist.vy);
+  return origin + std::abs(motion.twist.wz) * radius;
 }
 
 double RadiusOf(std::span<const Vec2> vertices) {
@@ -165,10 +160,12 @@ class Passage {
   const Transform2& start() const { return start_; }
   const Transform2& end() const { return end_; }
   // No point within `radius` of F's origin is ever farther from the line between its start and end, in m. An arc of
-  // angle w and length s leaves its chord by at most s w / 8, and its start by no more than the diameter.
+  // angle w and length s leaves its chord by at most s w / 8, as long as it is no more than half a circle; and its
+  // start by no more than the diameter, 2 s / w.
   double MarginAt(double radius) const {
+    constexpr double kRounding = 1e-12;  // of a pose, for each metre of the way
     const double length = MaxSpeed(motion_, radius) * motion_.duration;
-    return (angle_ < kPi ? length * angle_ / 8.0 : 2.0 * length / angle_) + kTouchTolerance;
+    return length * ((angle_ < kPi ? angle_ / 8.0 : 2.0 / angle_) + kRounding) + kTouchTolerance;
   }
   // Around all that such points pass.
   Rectangle BoxAround(double radius) const {
@@ -179,7 +176,7 @@ class Passage {
   }
 
  private:
-  const Motion& motion_;
+  const Motion motion_;
   const Pose X_WF_end_;
   const Transform2 start_;
   const Transform2 end_;

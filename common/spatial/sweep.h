@@ -26,7 +26,8 @@ namespace troupe {
 std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_WR, const Twist& twist, double duration,
                                     std::span<const Vec2> b_in_W);
 
-// A motion of frame F: along the arc of a constant twist, and up or down at a constant rate.
+// A motion of frame F: along the arc of a constant twist, and up or down at a constant rate. REQUIRES, where contacts
+// are looked for: it climbs, or turns more than once round, but not both.
 struct Motion {
   Pose X_WF;              // at the start
   Twist twist;            // in F

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <memory_resource>
 #include <string>
 
 #include "common/base/random.h"

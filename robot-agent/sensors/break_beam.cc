@@ -1,6 +1,7 @@
 #include "robot-agent/sensors/break_beam.h"
 
 #include <algorithm>
+#include <memory_resource>
 
 namespace troupe {
 namespace {

@@ -1,8 +1,10 @@
 // The exact sweep against brute force: many small time steps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "common/spatial/overlap.h"
 #include "common/spatial/sweep.h"
@@ -107,6 +109,40 @@ TEST(SweepProperty, LeavesOutOnlyWhatIsNotMet) {
   }
   EXPECT_GT(contacts, 5000);
   EXPECT_GT(passed_by, 5000);
+}
+
+TEST(SweepProperty, MeetsTheSameInWhateverOrderThingsAre) {
+  int contacts = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    const Case c = RandomCase(seed);
+    std::vector<ConvexPiece> mine;
+    std::vector<ConvexPiece> standing;
+    double square = 0.0;
+    for (std::uint64_t i = 0; i < 6; ++i) {
+      const Case other = RandomCase(RandomBits({seed, i}));
+      const double z = 0.2 * static_cast<double>(i);
+      standing.push_back({.vertices = other.b, .z = {z, z + 0.5}, .model = ModelId(100 + i)});
+      if (i < 3) mine.push_back({.vertices = other.a, .z = {z, z + 0.3}, .model = ModelId(i)});
+    }
+    for (const ConvexPiece& piece : mine) {
+      for (const Vec2& vertex : piece.vertices) square = std::max(square, vertex.squaredNorm());
+    }
+    const Motion motion{c.X_WR, c.twist, 0.0, c.duration};
+    const auto meet = [&] {
+      return FirstContactWith(standing, Mover{mine, std::sqrt(square), {0.0, 0.7}, {}}, motion);
+    };
+    const std::optional<Contact> contact = meet();
+    std::reverse(mine.begin(), mine.end());
+    std::rotate(standing.begin(), standing.begin() + 4, standing.end());
+    const std::optional<Contact> again = meet();
+    ASSERT_EQ(contact.has_value(), again.has_value()) << "seed " << seed;
+    if (!contact) continue;
+    ++contacts;
+    ASSERT_EQ(contact->time, again->time) << "seed " << seed;
+    ASSERT_EQ(contact->mine, again->mine) << "seed " << seed;
+    ASSERT_EQ(contact->other, again->other) << "seed " << seed;
+  }
+  EXPECT_GT(contacts, 1000);
 }
 
 TEST(SweepProperty, NeverDeepensAnOverlapThatWasThereAtTheStart) {
