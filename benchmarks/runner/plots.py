@@ -19,7 +19,7 @@ def draw(folder, title, label, series):
     axes.minorticks_off()
     axes.set_xlabel(label)
     axes.set_ylabel("us per robot and tick (median)")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.1 * axes.get_ylim()[1])
     axes.set_title(title)
     axes.grid(alpha=0.3)
     axes.legend()
