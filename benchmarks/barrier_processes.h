@@ -1,4 +1,4 @@
-// Processes of a barrier's benchmark, and what they cost.
+// The processes of a barrier benchmark, and their cost.
 #pragma once
 
 #include <sys/prctl.h>
@@ -38,7 +38,7 @@ inline void WaitForAll(const std::vector<pid_t>& children) {
   for (const pid_t pid : children) waitpid(pid, nullptr, 0);
 }
 
-// A number from /proc/<pid>/status; 0 if it is not there.
+// A number from /proc/<pid>/status; 0 if it is missing.
 inline long StatusNumber(pid_t pid, const std::string& key) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(file, line);) {
@@ -47,7 +47,7 @@ inline long StatusNumber(pid_t pid, const std::string& key) {
   return 0;
 }
 
-// Processor time of all threads of this process and the others, s. Unlike wall time it says something on a busy
+// Processor time of all threads of this process and the others, s. Unlike wall time it is meaningful on a busy
 // machine.
 inline double ProcessorTime(std::vector<pid_t> processes) {
   processes.push_back(getpid());
@@ -67,20 +67,23 @@ inline double ProcessorTime(std::vector<pid_t> processes) {
 struct BarrierOptions {
   int agents = 100;
   std::uint64_t ticks = 1000;
+  int observers = 0;
 };
 
-// "[agents] [ticks]" from the command line; ends the program when they make no sense.
+// "[agents] [ticks] [observers]" from the command line; ends the program if they are not valid.
 inline BarrierOptions ParseBarrierOptions(int argc, char** argv) {
   BarrierOptions options;
   if (argc > 1) options.agents = std::atoi(argv[1]);
   if (argc > 2) options.ticks = static_cast<std::uint64_t>(std::atoll(argv[2]));
-  if (options.agents >= 1 && options.agents <= 1000 && options.ticks >= 1) return options;
-  std::fprintf(stderr, "expected 1 to 1000 agents, and ticks from 1\n");
+  if (argc > 3) options.observers = std::atoi(argv[3]);
+  const bool valid = options.agents >= 1 && options.agents <= 1000 && options.ticks >= 1 && options.observers >= 0 &&
+                     options.observers <= 100;
+  if (valid) return options;
+  std::fprintf(stderr, "expected 1 to 1000 agents, ticks from 1, and at most 100 observers\n");
   std::exit(2);
 }
 
-// Bytes of a frame in which all robots drive on, and of a proposal, as they are on the wire: what is sent is as long as
-// ours.
+// Bytes on the wire of a frame in which all robots drive, and of a proposal; the benchmarks send messages of this size.
 inline std::size_t FrameBytes(int robots) {
   return 300 + 40 * static_cast<std::size_t>(robots);
 }

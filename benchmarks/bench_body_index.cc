@@ -1,4 +1,4 @@
-// The index of moving bodies: taking in a state, and finding who is near. Argument: robots, 3 m from each other.
+// The index of moving bodies: assigning a state, and finding near bodies. Argument: robots, 3 m from each other.
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/sparse_world.h"
@@ -10,7 +10,7 @@ namespace {
 // Every robot has moved by some centimetres.
 void BM_AssignMovedState(benchmark::State& state) {
   const Scene scene(bench::SparseWorld(static_cast<std::size_t>(state.range(0)), 1));
-  WorldState states[] = {InitialState(scene.world()), InitialState(scene.world())};
+  WorldState states[] = {PlacedState(scene.world()), PlacedState(scene.world())};
   for (RobotState& robot : states[1].robots) robot.X_WR.x += 0.05;
   BodyIndex bodies(scene);
   std::size_t turn = 0;
@@ -21,7 +21,7 @@ BENCHMARK(BM_AssignMovedState)->Arg(10)->Arg(100)->Arg(1000)->Arg(10'000)->Unit(
 
 void BM_Query(benchmark::State& state) {
   const Scene scene(bench::SparseWorld(static_cast<std::size_t>(state.range(0)), 1));
-  const WorldState world_state = InitialState(scene.world());
+  const WorldState world_state = PlacedState(scene.world());
   BodyIndex bodies(scene);
   bodies.Assign(world_state);
   std::pmr::vector<BodyId> near;

@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/support/gripper_world.h"
+#include "world-service/core/initial_state.h"
 
 namespace troupe {
 namespace {
@@ -54,13 +55,14 @@ std::vector<Proposal> Proposals(Tick tick) {
 // Argument: objects, of which up to ten are handled.
 void BM_StepWithObjects(benchmark::State& state) {
   const Scene scene(Yard(static_cast<std::size_t>(state.range(0))).world);
-  WorldState world_state = InitialState(scene.world());
+  WorldState world_state = InitialState(scene);
+  BodyIndex bodies(scene);
   std::int64_t held = 0;
   for (auto _ : state) {
     state.PauseTiming();
     const std::vector<Proposal> proposals = Proposals(world_state.tick);
     state.ResumeTiming();
-    world_state = Step(scene, world_state, proposals).state;
+    world_state = Step(scene, world_state, proposals, bodies).state;
     for (const ObjectState& object : world_state.objects) held += object.mode == ObjectMode::kHeld;
   }
   state.counters["held"] = benchmark::Counter(static_cast<double>(held), benchmark::Counter::kAvgIterations);
@@ -70,8 +72,9 @@ BENCHMARK(BM_StepWithObjects)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMi
 // Nobody moves. Argument: objects.
 void BM_StepWithIdleObjects(benchmark::State& state) {
   const Scene scene(Yard(static_cast<std::size_t>(state.range(0))).world);
-  WorldState world_state = InitialState(scene.world());
-  for (auto _ : state) world_state = Step(scene, world_state, {}).state;
+  WorldState world_state = InitialState(scene);
+  BodyIndex bodies(scene);
+  for (auto _ : state) world_state = Step(scene, world_state, {}, bodies).state;
 }
 BENCHMARK(BM_StepWithIdleObjects)->Arg(10)->Arg(1000)->Unit(benchmark::kMicrosecond);
 

@@ -33,7 +33,7 @@ void BM_CoverByRectangles(benchmark::State& state) {
 }
 BENCHMARK(BM_CoverByRectangles)->Arg(1000)->Arg(10'000)->Unit(benchmark::kMillisecond);
 
-// A PGM file, which has no compression to hide behind.
+// A PGM file, so that decompression does not count.
 void BM_ReadImage(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0));
   const std::string path =

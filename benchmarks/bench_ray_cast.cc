@@ -5,9 +5,9 @@
 #include <string>
 
 #include "benchmarks/cave_world.h"
+#include "common/sensing/sensor_suite.h"
 #include "common/spatial/ray_cast.h"
 #include "common/worldfile/load_world.h"
-#include "robot-agent/sensors/ranger.h"
 
 namespace troupe {
 namespace {
@@ -24,7 +24,7 @@ std::vector<double> Bearings() {
 template <typename Cast>
 void Run(benchmark::State& state, Cast cast) {
   const Scene scene(bench::CaveWorld(static_cast<std::size_t>(state.range(0)), 12));
-  const WorldState world_state = InitialState(scene.world());
+  const WorldState world_state = PlacedState(scene.world());
   BodyIndex robots(scene);
   robots.Assign(world_state);
   const std::vector<double> bearings = Bearings();
@@ -74,19 +74,23 @@ void BM_StageCave(benchmark::State& state) {
   if (!loaded.ok()) return state.SkipWithError(loaded.error().ToString().c_str());
   const Scene scene(std::move(loaded).value().world);
   BodyIndex bodies(scene);
-  bodies.Assign(InitialState(scene.world()));
-  RangerReading reading;
-  std::int64_t rays = 0;
-  for (auto _ : state) {
-    for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
-      const std::vector<RangerDescription>& rangers = scene.world().robots[i].rangers;
-      for (std::size_t ranger = 0; ranger < rangers.size(); ++ranger) {
-        if (rangers[ranger].sensors.size() != 1) continue;  // sonars
-        MeasureRanger(scene, bodies, RobotId(i), ranger, 0, reading);
-        rays += static_cast<std::int64_t>(reading.scans[0].ranges.size());
-      }
+  bodies.Assign(PlacedState(scene.world()));
+  // A subscription and an update of tick 0, as in a robot: readings are reused.
+  std::vector<SensorSuite> robots;
+  std::int64_t rays_per_iteration = 0;
+  for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
+    SensorSuite& sensors = robots.emplace_back(scene, RobotId(i));
+    for (std::size_t j = 0; j < sensors.size(); ++j) {
+      const auto* ranger = std::get_if<RangerParameters>(&sensors.sensor(j).description().parameters);
+      if (ranger == nullptr || ranger->ray_sensors.size() != 1) continue;  // sonars
+      sensors.Subscribe(j);
+      rays_per_iteration += ranger->ray_sensors.front().samples;
     }
   }
+  for (auto _ : state) {
+    for (SensorSuite& sensors : robots) sensors.Update({scene, bodies}, 0);
+  }
+  const auto rays = static_cast<std::int64_t>(state.iterations()) * rays_per_iteration;
   state.counters["rays"] = benchmark::Counter(static_cast<double>(rays), benchmark::Counter::kIsRate);
 }
 BENCHMARK(BM_StageCave)->Unit(benchmark::kMillisecond);

@@ -3,6 +3,7 @@
 
 #include "benchmarks/cave_world.h"
 #include "benchmarks/sparse_world.h"
+#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {
@@ -21,13 +22,14 @@ std::vector<Proposal> Proposals(const WorldState& state) {
 }
 
 void Run(benchmark::State& state, const Scene& scene) {
-  WorldState world_state = InitialState(scene.world());
+  WorldState world_state = InitialState(scene);
+  BodyIndex bodies(scene);
   std::int64_t stalls = 0;
   for (auto _ : state) {
     state.PauseTiming();
     const std::vector<Proposal> proposals = Proposals(world_state);
     state.ResumeTiming();
-    world_state = Step(scene, world_state, proposals).state;
+    world_state = Step(scene, world_state, proposals, bodies).state;
     for (const RobotState& robot : world_state.robots) stalls += robot.stalled;
   }
   state.counters["robots"] = static_cast<double>(world_state.robots.size());

@@ -1,22 +1,27 @@
-// What lockstep over DDS costs by itself: a service and N agent processes that only answer. Prints a JSON object:
-// microseconds for each robot and tick, the time until all had met, and an agent's memory.
-//   dds_barrier [agents=100] [ticks=1000]
+// The cost of lockstep over DDS alone: a service, agent processes that only answer, and observer processes that read
+// all frames. Prints a JSON object: microseconds for each robot and tick, the time until all agents had joined, an
+// agent's memory, and the share of the frames that the observers saw.
+//   dds_barrier [agents=100] [ticks=1000] [observers=0]
+#include <sys/mman.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <new>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "benchmarks/barrier_processes.h"
-#include "common/dds/dds_transport.h"
+#include "common/dds/transport/dds_transport.h"
 
 namespace troupe::bench {
 namespace {
 
-constexpr double kTimeToMeet = 60.0;    // s
-constexpr double kTimeToRepeat = 0.05;  // s, of a frame that is not answered
-constexpr int kMostRepeats = 200;       // of one frame: something is broken
+constexpr double kDiscoveryTimeout = 60.0;  // s
+constexpr double kResendPeriod = 0.05;      // s, of an unanswered frame
+constexpr int kMostResends = 200;           // of one frame: beyond it the benchmark fails
 
 // Answers every frame until the last.
 class Agent : public AgentHandler {
@@ -95,6 +100,48 @@ class Service : public ServiceHandler {
   int missing_ = 0;
 };
 
+// Of all observers, in memory that their processes share with this one.
+struct ObserverCounts {
+  std::atomic<int> joined = 0;
+  std::atomic<std::uint64_t> frames = 0;
+};
+
+ObserverCounts& MakeSharedCounts() {
+  void* const memory = mmap(nullptr, sizeof(ObserverCounts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) {
+    std::perror("mmap");
+    std::exit(3);
+  }
+  return *new (memory) ObserverCounts;
+}
+
+class Observer : public ObserverHandler {
+ public:
+  explicit Observer(ObserverCounts& counts) : counts_(counts) {}
+  void OnSession(const SessionMessage&) override {}
+  void OnFrame(const FrameMessage& frame) override {
+    if (!joined_) ++counts_.joined;
+    joined_ = true;
+    if (frame.state.tick > 0) ++counts_.frames;
+  }
+  void OnStatus(const StatusMessage&) override {}
+  void OnServiceGone() override { over_ = true; }
+  bool over() const { return over_; }
+
+ private:
+  ObserverCounts& counts_;
+  bool joined_ = false;
+  std::atomic<bool> over_ = false;
+};
+
+void RunObserver(const DdsOptions& dds, ObserverCounts& counts) {
+  auto transport = MakeDdsObserverTransport(dds);
+  auto endpoint = transport->MakeObserverEndpoint();
+  Observer observer(counts);
+  endpoint->Start(observer);
+  while (!observer.over()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
 void RunAgent(const DdsOptions& dds, AgentId id) {
   auto transport = MakeDdsAgentTransport(dds);
   auto endpoint = transport->MakeAgentEndpoint(id);
@@ -103,7 +150,7 @@ void RunAgent(const DdsOptions& dds, AgentId id) {
   while (!agent.over()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
-// As if all robots had driven on.
+// As if all robots had driven.
 void Drive(WorldState& state) {
   for (RobotState& robot : state.robots) {
     robot.X_WR.x += 1e-3;
@@ -114,24 +161,54 @@ void Drive(WorldState& state) {
   }
 }
 
-// Until all agents have left; kills those that do not.
-void End(Service& service, ServiceEndpoint& endpoint, FrameMessage frame, const std::vector<pid_t>& agents) {
+// Returns when all other processes have ended; kills them when the agents do not leave.
+void End(Service& service, std::unique_ptr<ServiceEndpoint>& endpoint, FrameMessage frame,
+         const std::vector<pid_t>& processes) {
   frame.last = true;
-  endpoint.SendFrame(frame);
-  endpoint.Flush(1.0);
+  endpoint->SendFrame(frame);
+  endpoint->Flush(1.0);
   if (!service.AwaitJoined(0, 10.0)) {
-    for (const pid_t pid : agents) kill(pid, SIGKILL);
+    for (const pid_t pid : processes) kill(pid, SIGKILL);
   }
-  WaitForAll(agents);
+  endpoint.reset();  // observers end when the service is gone
+  WaitForAll(processes);
+}
+
+// The ticks of a run; the number of frames that were sent again, or nothing when one was never answered.
+std::optional<int> RunTicks(const BarrierOptions& options, Service& service, ServiceEndpoint& endpoint,
+                            FrameMessage& frame) {
+  int repeated = 0;
+  for (std::uint64_t tick = 0; tick < options.ticks; ++tick) {
+    frame.state.tick = tick;
+    Drive(frame.state);
+    service.Open(tick + 1, options.agents);
+    endpoint.SendFrame(frame);
+    for (int repeats = 0; !service.Await(kResendPeriod); ++repeats, ++repeated) {
+      if (repeats >= kMostResends) return std::nullopt;
+      endpoint.SendFrame(frame);
+    }
+  }
+  return repeated;
+}
+
+bool AwaitObservers(const ObserverCounts& counts, int count) {
+  const auto start = Clock::now();
+  while (counts.joined < count && Since(start) < kDiscoveryTimeout)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return counts.joined >= count;
 }
 
 int Run(const BarrierOptions& options, const DdsOptions& dds) {
   const auto start = Clock::now();
+  ObserverCounts& counts = MakeSharedCounts();
   std::vector<pid_t> children;
+  for (int i = 0; i < options.observers; ++i) {
+    children.push_back(Fork([&] { RunObserver(dds, counts); }));
+  }
   for (int i = 1; i <= options.agents; ++i) {
     children.push_back(Fork([&dds, i] { RunAgent(dds, static_cast<AgentId>(i)); }));
   }
-  auto transport = MakeDdsServiceTransport(dds, nullptr);
+  const auto transport = MakeDdsServiceTransport(dds).transport;
   auto endpoint = transport->MakeServiceEndpoint();
   Service service;
   SessionMessage session;
@@ -142,38 +219,34 @@ int Run(const BarrierOptions& options, const DdsOptions& dds) {
   FrameMessage frame;
   frame.run = 1;
   frame.state.robots.resize(static_cast<std::size_t>(options.agents));
-  if (!service.AwaitJoined(static_cast<std::size_t>(options.agents), kTimeToMeet)) {
-    End(service, *endpoint, frame, children);
+  if (!service.AwaitJoined(static_cast<std::size_t>(options.agents), kDiscoveryTimeout)) {
+    End(service, endpoint, frame, children);
     return std::fprintf(stderr, "not all agents joined\n"), 3;
   }
   const double met = Since(start);
+  endpoint->SendFrame(frame);
+  const bool observed = AwaitObservers(counts, options.observers);
 
-  int repeated = 0;
-  bool stuck = false;
   const double used_before = ProcessorTime(children);
   const auto begin = Clock::now();
-  for (std::uint64_t tick = 0; tick < options.ticks && !stuck; ++tick) {
-    frame.state.tick = tick;
-    Drive(frame.state);
-    service.Open(tick + 1, options.agents);
-    endpoint->SendFrame(frame);
-    for (int repeats = 0; !stuck && !service.Await(kTimeToRepeat); ++repeats, ++repeated) {
-      endpoint->SendFrame(frame);
-      stuck = repeats >= kMostRepeats;
-    }
-  }
+  const std::optional<int> repeated = RunTicks(options, service, *endpoint, frame);
+  const double seconds = Since(begin);
   const double share = 1e6 / static_cast<double>(options.ticks) / options.agents;
-  const double wall = Since(begin) * share;
   const double processor = (ProcessorTime(children) - used_before) * share;
   const double agent_mib = static_cast<double>(StatusNumber(children.back(), "VmHWM")) / 1024.0;
   const long threads = StatusNumber(children.back(), "Threads");
+  const double frames_to_see = static_cast<double>(options.ticks - 1) * options.observers;
+  const double seen = frames_to_see > 0.0 ? static_cast<double>(counts.frames) / frames_to_see : 1.0;
   frame.state.tick = options.ticks;
-  End(service, *endpoint, frame, children);
-  if (stuck) return std::fprintf(stderr, "a frame was not answered\n"), 3;
+  End(service, endpoint, frame, children);
+  if (!repeated) return std::fprintf(stderr, "a frame was not answered\n"), 3;
+  if (!observed) return std::fprintf(stderr, "not all observers saw a frame\n"), 3;
   std::printf(
-      "{\"processes\": %d, \"ticks\": %lu, \"wall_us\": %.3f, \"processor_us\": %.3f, \"met_seconds\": %.3f, "
-      "\"frames_repeated\": %d, \"agent_mib\": %.2f, \"agent_threads\": %ld}\n",
-      options.agents, options.ticks, wall, processor, met, repeated, agent_mib, threads);
+      "{\"processes\": %d, \"observers\": %d, \"ticks\": %lu, \"ticks_per_second\": %.1f, \"wall_us\": %.3f, "
+      "\"processor_us\": %.3f, \"met_seconds\": %.3f, \"frames_repeated\": %d, \"frames_observed\": %.3f, "
+      "\"agent_mib\": %.2f, \"agent_threads\": %ld}\n",
+      options.agents, options.observers, options.ticks, static_cast<double>(options.ticks) / seconds, seconds * share,
+      processor, met, *repeated, seen, agent_mib, threads);
   return 0;
 }
 

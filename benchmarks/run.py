@@ -3,7 +3,7 @@
 
     run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--output FOLDER]
 
-Scenes: functions, barrier, processes, robots, cave, swarm, scenarios, site_map; all of them without names. Each writes
+Scenes: functions, barrier, observers, processes, robots, cave, swarm, scenarios, site_map; all of them without names. Each writes
 FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so that scenes can be measured one by one.
 """
 import argparse

@@ -1,4 +1,4 @@
-// The least that lockstep over UDP can cost: a datagram of a frame's size to each of N processes, and one of a
+// The least cost of lockstep over UDP: a datagram of a frame's size to each of N processes, and one of a
 // proposal's size back from each. Prints a JSON object.
 //   udp_barrier [agents=100] [ticks=1000]
 #include <arpa/inet.h>
@@ -12,10 +12,10 @@
 namespace troupe::bench {
 namespace {
 
-// No more at a time than the socket's buffer holds answers of: there is no repair here.
+// The most agents whose answers fit the socket's buffer: lost datagrams are not resent here.
 constexpr std::size_t kAnswersAtATime = 100;
 
-// Answers until a datagram of one byte comes.
+// Answers until it receives a datagram of one byte.
 void RunAgent(const sockaddr_in& service) {
   std::vector<char> buffer(65536);
   const int agent = socket(AF_INET, SOCK_DGRAM, 0);

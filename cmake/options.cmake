@@ -19,12 +19,17 @@ if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # A source may give its classes members of types that are its own, a header may not: here they cannot be told apart.
   target_compile_options(troupe_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
 endif()
-target_include_directories(troupe_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(troupe_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
 
 if(TROUPE_SANITIZER)
   target_compile_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
   target_link_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER})
+endif()
+
+if(TROUPE_ONE_LINK)
+  # scripts/odr links the sources of all programs as one, so each program's main needs a name of its own.
+  target_compile_definitions(troupe_options INTERFACE main=main_of_$<MAKE_C_IDENTIFIER:$<TARGET_PROPERTY:NAME>>)
 endif()
 
 if(TROUPE_FUZZ)

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "common/worldfile/scenario.h"
-#include "common/worldfile/stage_parser.h"
+#include "common/worldfile/scenario/scenario.h"
+#include "common/worldfile/stage/stage_parser.h"
 
 namespace {
 
@@ -35,9 +35,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const troupe::Result<troupe::LoadedWorld> loaded = troupe::LoadScenarioText(text, "fuzz/scenario.json", {}, tools);
   if (loaded.ok()) {
-    if (troupe::Validate(loaded.value().world)) __builtin_trap();  // what loads must be sound
+    if (!troupe::Validate(loaded.value().world).ok()) __builtin_trap();  // a loaded world is valid
   } else if (loaded.error().message.empty() || loaded.error().where.file.empty()) {
-    __builtin_trap();  // every error says what and where
+    __builtin_trap();  // every error has a message and a place
   }
   return 0;
 }

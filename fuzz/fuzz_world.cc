@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "common/worldfile/build_world.h"
-#include "common/worldfile/stage_parser.h"
+#include "common/worldfile/build/build_world.h"
+#include "common/worldfile/stage/stage_parser.h"
 
 namespace {
 
@@ -19,7 +19,7 @@ const std::map<std::string, std::string>& MemoryFiles() {
   return *files;
 }
 
-// What is true of every message that a user reads: it says what and where, on one line.
+// Every message to a user has a text, of one line, and a place.
 void CheckMessage(const troupe::SourceLocation& where, const std::string& message) {
   if (message.empty() || where.file.empty() || where.line < 1 || where.column < 1) __builtin_trap();
   if (message.find('\n') != std::string::npos) __builtin_trap();
@@ -45,6 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   for (const troupe::Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
-  if (troupe::Validate(loaded.value().world)) __builtin_trap();  // what loads must be sound
+  if (!troupe::Validate(loaded.value().world).ok()) __builtin_trap();  // a loaded world is valid
   return 0;
 }

@@ -3,62 +3,121 @@
 cmake_minimum_required(VERSION 3.25)
 
 # What each folder may include from, besides itself. From leaf to edge.
-set(may_include_common/base)
+set(may_include_common/base include/troupe)
 set(may_include_common/geometry common/base)
 set(may_include_common/model common/base common/geometry)
 set(may_include_common/bitmap common/base common/geometry)
 set(may_include_common/spatial common/base common/geometry common/model)
+set(may_include_common/sensing common/base common/geometry common/model common/spatial)
 set(may_include_common/picture common/base common/geometry common/model)
-set(may_include_common/worldfile common/base common/geometry common/model common/bitmap common/spatial)
+set(may_include_common/run common/base)
+set(may_include_common/worldfile/text common/base)
+set(may_include_common/worldfile/stage common/base common/worldfile/text)
+set(may_include_common/worldfile/map
+  common/base common/geometry common/model common/bitmap common/worldfile/stage common/worldfile/text)
+set(may_include_common/worldfile/build/properties
+  common/base common/geometry common/model common/worldfile/map common/worldfile/stage common/worldfile/text)
+set(may_include_common/worldfile/build/types
+  common/base common/geometry common/model common/worldfile/build/properties common/worldfile/stage
+  common/worldfile/text)
+set(may_include_common/worldfile/build
+  common/base common/geometry common/model common/run common/spatial common/worldfile/build/properties
+  common/worldfile/build/types common/worldfile/stage common/worldfile/text)
+set(may_include_common/worldfile/scenario
+  common/base common/geometry common/model common/bitmap common/run common/spatial
+  common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/stage
+  common/worldfile/text)
+set(may_include_common/worldfile
+  common/base common/geometry common/model
+  common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/scenario
+  common/worldfile/stage common/worldfile/text)
 set(may_include_common/protocol common/base common/geometry common/model)
 set(may_include_common/trace common/base)
-set(may_include_common/command_line common/base common/protocol common/ros common/trace)
-set(may_include_common/dds common/base common/geometry common/model common/protocol idl)
+set(may_include_common/command_line common/base common/protocol common/ros common/run common/trace)
+set(may_include_common/dds/binding common/base)
+set(may_include_common/dds/convert common/base common/geometry common/model common/protocol common/dds/binding idl)
+set(may_include_common/wire common/base common/protocol common/dds/binding common/dds/convert idl)
+set(may_include_common/dds/transport
+  common/base common/geometry common/model common/protocol common/run common/dds/binding common/dds/convert idl)
+set(may_include_common/dds/tools
+  common/base common/protocol common/run common/dds/binding common/dds/convert common/dds/transport idl)
 # The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.
-set(may_include_common/ros common/base common/geometry common/model common/spatial common/dds idl/ros)
-set(may_include_common/ros_dds common/dds common/ros idl/ros)
+set(may_include_common/ros common/base common/geometry common/model common/sensing common/spatial common/dds/binding idl/ros)
+set(may_include_common/ros_dds common/base common/dds/binding common/ros idl/ros)
 
 set(may_include_world-service/core common/base common/geometry common/model common/spatial)
 set(may_include_world-service/service
-  common/base common/geometry common/model common/spatial common/worldfile common/protocol common/trace world-service/core)
-set(may_include_world-service/ros
-  common/base common/geometry common/model common/spatial common/protocol common/dds common/ros common/ros_dds
+  common/base common/geometry common/model common/run common/spatial common/worldfile common/worldfile/build common/protocol common/trace world-service/core)
+set(may_include_world-service/observers/recorder
+  common/base common/geometry common/model common/protocol common/spatial world-service/service)
+set(may_include_world-service/observers/status
+  common/base common/model common/protocol common/worldfile world-service/service)
+set(may_include_world-service/observers/ros
+  common/base common/geometry common/model common/spatial common/protocol common/dds/binding common/ros common/ros_dds
   world-service/service)
 set(may_include_world-service/program
-  common/base common/command_line common/protocol common/worldfile world-service/service)
+  common/base common/command_line common/protocol common/ros common/run common/worldfile common/worldfile/build
+  world-service/observers/recorder world-service/service)
 set(may_include_world-service
-  common/base common/command_line common/dds common/spatial world-service/program world-service/ros)
+  common/base common/command_line common/dds/binding common/dds/transport common/run common/spatial world-service/program
+  world-service/observers/recorder world-service/observers/ros world-service/observers/status world-service/service)
 
-set(may_include_robot-agent/controller common/base common/geometry common/model)
+set(may_include_robot-agent/controller common/base common/geometry common/model common/sensing)
 set(may_include_robot-agent/drive common/base common/geometry common/model robot-agent/controller)
 set(may_include_robot-agent/gripper common/base common/model robot-agent/controller)
-set(may_include_robot-agent/sensors common/base common/geometry common/model common/spatial robot-agent/controller)
+set(may_include_robot-agent/robot
+  common/base common/geometry common/model common/sensing common/spatial common/trace
+  robot-agent/controller robot-agent/drive robot-agent/gripper)
 set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial common/protocol common/trace
-  robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/sensors)
+  robot-agent/controller robot-agent/robot)
 set(may_include_robot-agent/ros
-  common/base common/geometry common/model common/spatial common/dds common/ros common/ros_dds
-  robot-agent/agent robot-agent/controller)
-set(may_include_robot-agent/program common/base common/command_line common/protocol robot-agent/agent)
-set(may_include_robot-agent common/base common/command_line common/dds robot-agent/program robot-agent/ros)
+  common/base common/geometry common/model common/spatial common/dds/binding common/ros common/ros_dds
+  robot-agent/agent robot-agent/controller robot-agent/robot)
+set(may_include_robot-agent/program
+  common/base common/command_line common/protocol common/ros common/run robot-agent/agent)
+set(may_include_robot-agent
+  common/base common/command_line common/dds/binding common/dds/transport common/run robot-agent/program robot-agent/ros)
 
-set(may_include_launcher
-  common/base common/command_line common/dds common/geometry common/model common/picture common/protocol
-  common/spatial common/trace common/worldfile robot-agent/agent robot-agent/controller robot-agent/ros robot-agent/sensors world-service/core
-  world-service/ros world-service/service)
+# The library: the step and the robots in one process, without protocol or DDS. Its public headers are installed.
+set(may_include_include/troupe
+  common/base common/geometry common/model common/picture common/sensing robot-agent/controller)
+set(may_include_library
+  common/base common/geometry common/model common/picture common/sensing common/spatial common/worldfile include/troupe
+  robot-agent/controller robot-agent/robot world-service/core)
+
+set(may_include_launcher/process common/base)
+set(may_include_launcher/hosts
+  common/base common/run common/worldfile/scenario launcher/process)
+set(may_include_launcher/supervise
+  common/base common/command_line common/dds/binding common/model common/protocol common/ros common/run common/spatial
+  common/trace
+  common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
+  robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/service)
+set(may_include_launcher/commands
+  common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol common/run
+  common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
+  common/worldfile/text common/bitmap include/troupe launcher/hosts launcher/process launcher/supervise
+  robot-agent/controller world-service/service)
+set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
-set(dds_users launcher/ctl_command.cc launcher/session_table.h launcher/top_command.cc robot-agent/main.cc world-service/main.cc)
+set(dds_users
+  launcher/commands/ctl_command.cc launcher/commands/session_table.h launcher/commands/top_command.cc
+  robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others
-  common/dds/control_client.h common/dds/dds_transport.h common/dds/network_log.h common/dds/session_monitor.h)
+  common/dds/tools/control_client.h common/dds/transport/dds_transport.h common/dds/binding/network_log.h common/dds/tools/session_monitor.h)
 # These folders are the way to ROS 2, which is DDS throughout.
-set(dds_folders common/ros common/ros_dds robot-agent/ros world-service/ros)
-set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/ros/ros_world_gateway.h)
+set(dds_folders
+  common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/wire
+  common/ros common/ros_dds robot-agent/ros world-service/observers/ros)
+set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
   ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
-  ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc)
+  ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
+  ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc)
 foreach(file IN LISTS files)
   get_filename_component(folder ${file} DIRECTORY)
   if(NOT DEFINED may_include_${folder} AND NOT folder STREQUAL "common/base")
@@ -68,18 +127,21 @@ foreach(file IN LISTS files)
   file(STRINGS ${ROOT}/${file} lines REGEX "^#include ")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^#include [\"<]([^\">]*)[\">].*" "\\1" header "${line}")
-    if(header MATCHES "^dds/" AND NOT folder STREQUAL "common/dds" AND NOT folder IN_LIST dds_folders)
+    if(header MATCHES "^dds/" AND NOT folder IN_LIST dds_folders)
       list(APPEND failures "${file} includes ${header}: DDS stays in common/dds")
     elseif(line MATCHES "\"")
       get_filename_component(from ${header} DIRECTORY)
+      if(from STREQUAL "troupe")
+        set(from include/troupe)
+      endif()
       if(from STREQUAL folder)
         continue()
       endif()
       if(NOT from IN_LIST may_include_${folder})
         list(APPEND failures "${file} includes ${header}: ${folder} must not depend on ${from}")
-      elseif(from MATCHES "^(robot-agent|world-service)/ros$" AND NOT header IN_LIST ros_headers_for_others)
+      elseif(from MATCHES "^(robot-agent|world-service/observers)/ros$" AND NOT from STREQUAL folder AND NOT header IN_LIST ros_headers_for_others)
         list(APPEND failures "${file} includes ${header}: only what makes a gateway is for others")
-      elseif(from STREQUAL "common/dds" AND NOT folder IN_LIST dds_folders AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
+      elseif(from MATCHES "^common/dds/" AND NOT folder IN_LIST dds_folders AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
         list(APPEND failures "${file} includes ${header}: only the programs' edges use common/dds")
       endif()
     endif()

@@ -6,74 +6,81 @@
 #include <exception>
 
 #include "common/base/stop_signals.h"
-#include "common/dds/dds_transport.h"
-#include "common/dds/network_log.h"
+#include "common/dds/binding/network_log.h"
+#include "common/dds/transport/dds_transport.h"
 #include "common/spatial/scene.h"
+#include "world-service/observers/recorder/recorder.h"
+#include "world-service/observers/ros/ros_world_gateway.h"
+#include "world-service/observers/status/reporter.h"
 #include "world-service/program/command_line.h"
-#include "world-service/program/reporter.h"
 #include "world-service/program/session_lock.h"
-#include "world-service/ros/ros_world_gateway.h"
 
 namespace troupe {
 namespace {
 
-int Run(const CommandLine& line, Reporter& reporter) {
-  const auto fail = [&reporter](const Error& error, int exit_status) {
+int Run(const ServiceCommandLine& line, Reporter& reporter) {
+  const auto fail = [&reporter](const Error& error) {
     reporter.Failed(error);
-    return exit_status;
+    return ExitStatusOf(error);
   };
-  const Result<SessionLock> lock = SessionLock::Acquire(line.domain, line.session);
-  if (!lock.ok()) return fail(lock.error(), kExitFailed);
+  const Result<SessionLock> lock = SessionLock::Acquire(line.network.domain, line.network.session);
+  if (!lock.ok()) return fail(lock.error());
   Result<LoadedWorld> loaded = LoadWorld(line.file, line.overrides);
-  if (!loaded.ok()) return fail(loaded.error(), kExitBadInput);
+  if (!loaded.ok()) return fail(loaded.error());
   for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
-  line.ApplyTo(loaded.value().settings);
+  line.run.ApplyTo(loaded.value().settings);
   ServiceOptions options = line.service;
   options.settings = loaded.value().settings;
   options.world_file = line.file;
   options.overrides = line.overrides;
-  if (options.settings.ros) options.make_gateway = MakeRosWorldGateway(line.ros.options);
-  const Scene scene(loaded.value().world);
+  const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;
   DdsOptions dds;
-  dds.domain = line.domain;
-  dds.session = line.session;
-  dds.network_interface = line.network_interface;
-  dds.network = line.network;
-  dds.lease_seconds = options.lease_seconds;
+  static_cast<NetworkSettings&>(dds) = line.network;
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
-  std::uint16_t port = 0;
-  std::unique_ptr<Transport> transport = MakeDdsServiceTransport(dds, &port);
+  auto [transport, port] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
   reporter.Ready(loaded.value(), port);
-  const Result<RunSummary> summary = RunService(scene, options, std::move(endpoint), reporter, stop.requested());
-  if (!summary.ok()) return fail(summary.error(), kExitFailed);
+  RunObservers observers;
+  std::unique_ptr<RunObserver> ros;
+  if (options.settings.ros) {
+    ros = MakeRosWorldGateway(line.ros, scene);
+    observers.push_back(ros.get());
+  }
+  const Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(scene->world(), line.outputs);
+  if (!recorder.ok()) return fail(recorder.error());
+  observers.push_back(recorder.value().get());
+  observers.push_back(&reporter);
+  const Result<RunSummary> summary = RunService(scene, options, std::move(endpoint), observers, stop.requested());
+  if (!summary.ok()) return fail(summary.error());
   reporter.Ended(summary.value());
   return summary.value().interrupted ? kExitInterrupted : kExitDone;
 }
 
 int Main(int argc, const char* const* argv) {
-  const std::variant<CommandLine, int> parsed = ParseCommandLine(argc, argv);
+  const std::variant<ServiceCommandLine, int> parsed = ParseServiceCommandLine(argc, argv);
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
-  const CommandLine& line = std::get<CommandLine>(parsed);
+  const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   std::signal(SIGPIPE, SIG_IGN);
   const std::unique_ptr<Reporter> reporter =
       line.report_fd ? MakeLauncherReporter(*line.report_fd) : MakeConsoleReporter();
   try {
     return Run(line, *reporter);
   } catch (const std::exception& exception) {
-    reporter->Failed({{}, exception.what()});
-    return kExitFailed;
+    const Error error = Failure(exception.what());
+    reporter->Failed(error);
+    return ExitStatusOf(error);
   }
 }
 
 }  // namespace
 }  // namespace troupe
 
-int main(int argc, char** argv) {
+// An exception while another is reported ends the program.
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   return troupe::Main(argc, argv);
 }

@@ -36,7 +36,7 @@ def line(rows, key, column="wall_us"):
 
 
 def draw_all(folder):
-    """The paths of what was drawn."""
+    """The paths of the plots."""
     try:
         import matplotlib  # noqa: F401
     except ImportError:

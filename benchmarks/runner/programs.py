@@ -40,7 +40,7 @@ class Usage:
 
 
 def run(command, limit=TIME_LIMIT, environment=None):
-    """The program's output and what it cost."""
+    """The program's output and its resource usage."""
     before = Usage()
     process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                start_new_session=True, env={**os.environ, **(environment or {})})
@@ -67,14 +67,14 @@ class Troupe:
         return (self.folder / program).exists()
 
     def run(self, world, ticks, *options):
-        """The summary of a run, with what it cost under "usage"."""
+        """The summary of a run, with its resource usage under "usage"."""
         with tempfile.NamedTemporaryFile(suffix=".json") as summary:
             _, usage = run([self.folder / "troupe", "run", world, "--ticks", ticks, "--speed", "max", "--headless",
                             "--summary", summary.name, *options])
             return {**json.load(open(summary.name)), "usage": usage}
 
     def per_robot_and_tick(self, world, ticks, *options):
-        """Costs of a tick alone: a short run, which costs what starting and ending does, is taken off a long one."""
+        """The cost of a tick: that of a long run minus that of a short one, which is the cost of start and end."""
         short = self.run(world, 2, *options)
         long = self.run(world, ticks, *options)
         of_tick = {key: (long["usage"][key] - short["usage"][key]) / (ticks - 2) for key in long["usage"]}

@@ -46,6 +46,17 @@ def barrier(setting):
                 yield {"round": number, "transport": transport, **row}
 
 
+def observers(setting):
+    """Lockstep over DDS of 100 processes that only answer: with 10 observer processes that read every frame, and alone."""
+    if not setting.troupe.has("dds_barrier"):
+        return
+    agents = 4 if setting.quick else 100
+    for number in range(setting.rounds):
+        for count in [0, 10]:
+            row = setting.troupe.json_line("dds_barrier", agents, 50 if setting.quick else 1000, count)
+            yield {"round": number, **row}
+
+
 def processes(setting):
     """Idle robots, a process each: the real programs and nothing to do."""
     counts = [1, 4] if setting.quick else [1, 4, 16, 50, 100, 200]
@@ -130,11 +141,11 @@ def site_map(setting):
                "processor_seconds": usage["user"] + usage["system"]}
 
 
-ALL = {scene.__name__: scene for scene in [functions, barrier, processes, robots, cave, swarm, scenarios, site_map]}
+ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, cave, swarm, scenarios, site_map]}
 
 
 def measure(name, setting):
-    """All rows of a scene; what failed is said and left out."""
+    """All rows of a scene; failed ones are reported and left out."""
     rows = []
     try:
         for row in ALL[name](setting):

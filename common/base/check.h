@@ -1,5 +1,5 @@
-// CHECK(condition): a broken contract between parts of the program. It prints where and aborts, in every build type.
-// Never for what a user typed or a peer sent: that is Result (result.h) or an event.
+// CHECK(condition): a broken contract between parts of the program. It prints the place and aborts, in every build
+// type. Never for the input of a user or a peer: that is a Result (result.h) or an event.
 #pragma once
 
 namespace troupe {

@@ -69,7 +69,7 @@ SinCosResult SinCos(double radians) {
   if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
   if (std::abs(radians) > 1e5) radians = std::fmod(radians, 2.0 * kPi);
   const double quadrant = std::nearbyint(radians * (2.0 / kPi));
-  // The reduced angle as a sum: `rest` is what rounding cut off `reduced`, and turns the result by a last bit or two.
+  // The reduced angle as a sum: `rest` is the part that rounding cut off `reduced`; it changes the last bit or two.
   const double high = radians - quadrant * kHalfPiHigh;
   const double middle = quadrant * kHalfPiMiddle;
   const double reduced = high - middle;

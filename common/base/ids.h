@@ -20,13 +20,13 @@ class Id {
   std::uint32_t index_ = 0;
 };
 
-using ModelId = Id<struct ModelTag>;  // in WorldDescription::models
-using RobotId = Id<struct RobotTag>;  // in WorldDescription::robots and WorldState::robots
-using ShapeId = Id<struct ShapeTag>;  // in WorldDescription::shapes
-using JointId = Id<struct JointTag>;  // in WorldDescription::joints and WorldState::joints
+using ModelId = Id<struct ModelTag>;      // in WorldDescription::models
+using RobotId = Id<struct RobotTag>;      // in WorldDescription::robots and WorldState::robots
+using ShapeId = Id<struct ShapeTag>;      // in WorldDescription::shapes
+using JointId = Id<struct JointTag>;      // in WorldDescription::joints and WorldState::joints
 using GripperId = Id<struct GripperTag>;  // in WorldDescription::grippers and WorldState::grippers
-using BodyId = Id<struct BodyTag>;  // whatever moves as a whole: the robots, then the objects (common/spatial/scene.h)
-using ObjectId = Id<struct ObjectTag>;  // in WorldDescription::objects and WorldState::objects
+using BodyId = Id<struct BodyTag>;        // moving bodies: the robots, then the objects (common/spatial/scene.h)
+using ObjectId = Id<struct ObjectTag>;    // in WorldDescription::objects and WorldState::objects
 
 // Tick n is simulated time n * interval. Tick 0 is the world as loaded.
 using Tick = std::uint64_t;

@@ -1,5 +1,6 @@
-// Counter-based random numbers: a pure function of a key, so that a draw does not depend on which process makes it, nor
-// on what was drawn before. The key is (seed, stream words..., counter), for instance (seed, robot, sensor, tick, sample).
+// Counter-based random numbers: a pure function of a key, so that a draw depends neither on the process that makes it
+// nor on earlier draws. The key is (seed, stream words..., counter), for instance (seed, robot, sensor, tick,
+// sample).
 #pragma once
 
 #include <cstdint>

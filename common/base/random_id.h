@@ -1,4 +1,4 @@
-// Names for processes and clients that nobody else has. Not for the simulation: they differ from run to run.
+// Unique ids of processes and clients. Not for the simulation: they differ from run to run.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 // wrong; broken contracts inside the program are TROUPE_CHECK.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,9 +19,16 @@ struct SourceLocation {
   int column = 0;
 };
 
+// The exit status of a program follows from it: 2 for bad input, 3 for a failure.
+enum class ErrorCode : std::uint8_t {
+  kBadInput,  // the user's input is wrong: a file, an option, a request
+  kFailure,   // the input is good, but the work cannot be done: no memory, a full disk, a lost service
+};
+
 struct Error {
   SourceLocation where;
-  std::string message;  // what was found, and what was expected
+  std::string message;  // the text found, and the text expected
+  ErrorCode code = ErrorCode::kBadInput;
 
   // "file:line:column: error: message"; unknown parts of the place are left out.
   std::string ToString() const;
@@ -66,7 +74,27 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
-// The outcome of something that yields no value: nothing, or an error.
-using Status = std::optional<Error>;
+// The outcome of an operation that yields no value: success, or an error.
+class [[nodiscard]] Status {
+ public:
+  Status() = default;                                // success
+  Status(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+
+  bool ok() const { return !error_.has_value(); }
+
+  // REQUIRES: !ok()
+  const Error& error() const {
+    TROUPE_CHECK(!ok());
+    return *error_;
+  }
+
+ private:
+  std::optional<Error> error_;
+};
+
+// The code of the error is kFailure.
+inline Error Failure(std::string message) {
+  return {{}, std::move(message), ErrorCode::kFailure};
+}
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// StackMemory: for vectors that live for a moment, on the stack as long as they are small.
+// StackMemory: memory for short-lived vectors, on the stack as long as they are small.
 //
 //   StackMemory memory;
 //   std::pmr::vector<BodyId> near(&memory);
@@ -11,14 +11,14 @@
 namespace troupe {
 
 namespace internal {
-// A base, so that the bytes are there before the resource begins to use them, and until it has ended.
+// A base class, so that the bytes outlive the resource that uses them.
 struct StackBytes {
   alignas(std::max_align_t) std::array<std::byte, 4096> bytes;
 };
 }  // namespace internal
 
-// Gives out memory one piece after another, first from the stack and then from the heap. Takes nothing back before it
-// ends, so a vector that grows and shrinks all the time does not belong here. Must outlive its vectors.
+// Allocates memory one piece after another, first from the stack and then from the heap. Frees nothing before its
+// destruction, so it does not suit a vector that grows and shrinks often. Must outlive its vectors. For one thread.
 class StackMemory : private internal::StackBytes, public std::pmr::monotonic_buffer_resource {
  public:
   StackMemory() : std::pmr::monotonic_buffer_resource(bytes.data(), bytes.size()) {}

@@ -1,5 +1,5 @@
-// StopSignals: SIGINT, SIGTERM and SIGHUP as a flag. While one lives they do not end the process by themselves. Make it
-// before any other thread starts, so that all threads leave these signals alone.
+// StopSignals: SIGINT, SIGTERM and SIGHUP as a flag. While an instance lives they do not end the process. REQUIRES:
+// constructed before any other thread starts, so that all threads block these signals.
 #pragma once
 
 #include <signal.h>

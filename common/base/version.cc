@@ -1,4 +1,4 @@
-#include "common/base/version.h"
+#include "troupe/version.h"
 
 namespace troupe {
 

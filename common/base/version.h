@@ -1,12 +1,11 @@
-// The version of the programs, and of the protocol that they speak with each other.
+// The version of the programs, and of the protocol between them.
 #pragma once
 
 #include <cstdint>
 
-namespace troupe {
+#include "troupe/version.h"
 
-// "0.1.0"
-const char* VersionText();
+namespace troupe {
 
 // Programs work together only when this is equal: it changes whenever a message or its meaning does.
 inline constexpr std::uint32_t kProtocolVersion = 7;

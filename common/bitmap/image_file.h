@@ -10,7 +10,7 @@
 
 namespace troupe {
 
-// Which pixels of an image are occupied. Only the grey value of a pixel counts, reduced to 0..255.
+// The rule that makes pixels of an image occupied. Only the grey value of a pixel counts, reduced to 0..255.
 struct PixelRule {
   std::array<bool, 256> occupied{};  // by grey value
   // A colour image's grey value is the mean of red, green and blue; otherwise it is red alone.

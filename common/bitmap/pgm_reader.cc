@@ -47,7 +47,7 @@ class PgmReader {
   Error Fail(const std::string& message) const { return Error{{file_.path}, message}; }
   int Get() { return std::getc(file_.stream.get()); }
 
-  // The next number after blanks and comments; takes one more character, which must be a blank or the end.
+  // The next number after blanks and comments; consumes one more character, which must be a blank or the end.
   std::optional<std::int64_t> Number(std::int64_t maximum) {
     int c = Get();
     while (c == '#' || IsBlank(c)) {

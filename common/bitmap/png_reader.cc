@@ -35,7 +35,7 @@ class PngReader {
   Result<Bitmap> Read() {
     if (png_ == nullptr || info_ == nullptr) return Fail("libpng cannot be started");
     if (!Guarded([this] { ReadHeader(); })) return Fail(message_.data());
-    if (Status error = CheckSize()) return *error;
+    if (Status error = CheckSize(); !error.ok()) return error.error();
     if (!Guarded([this] { SetTransformations(); })) return Fail(message_.data());
     Bitmap bitmap(static_cast<int>(png_get_image_width(png_, info_)),
                   static_cast<int>(png_get_image_height(png_, info_)));
@@ -95,7 +95,7 @@ class PngReader {
       return Error{{file_.path},
                    "found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text};
     }
-    return std::nullopt;
+    return Status();
   }
 
   void SetTransformations() {

@@ -1,11 +1,18 @@
 // Exit statuses of all programs.
 #pragma once
 
+#include "common/base/result.h"
+
 namespace troupe {
 
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitBadInput = 2;  // of files or usage
 inline constexpr int kExitFailed = 3;
 inline constexpr int kExitInterrupted = 130;
+
+// Of a program that ends with this error.
+inline int ExitStatusOf(const Error& error) {
+  return error.code == ErrorCode::kBadInput ? kExitBadInput : kExitFailed;
+}
 
 }  // namespace troupe

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "common/protocol/faulty_transport.h"
+#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "common/trace/tick_trace.h"
 
 namespace troupe {
@@ -58,13 +60,14 @@ CLI::Validator NumberFromZero() {
 
 CLI::Validator SpeedValue() {
   auto check = [](const std::string& text) {
-    return text == "max" || IsPositive(text) ? "" : Mismatch(text, "a multiple of real time above 0, or max");
+    const Result<Speed> parsed = ParseSpeed(text);
+    return parsed.ok() ? std::string() : parsed.error().message;
   };
   return CLI::Validator(check, "");
 }
 
 CLI::Validator OneOf(std::vector<std::string> words) {
-  auto check = [words](const std::string& text) -> std::string {
+  auto check = [words = std::move(words)](const std::string& text) -> std::string {
     std::string expected;
     for (const std::string& word : words) {
       if (word == text) return "";
@@ -85,7 +88,7 @@ CLI::Validator SessionName() {
 }
 
 CLI::Validator DdsDomain() {
-  return WholeNumber(0, 230);
+  return WholeNumber(0, kMaxDomain);
 }
 
 CLI::Validator NetworkName() {

@@ -1,4 +1,4 @@
-// Checks for values on the command line: each says what was found and what was expected.
+// Checks of values on the command line. The message of each states the text found and the text expected.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,19 @@ CLI::Validator SpeedValue();
 
 CLI::Validator OneOf(std::vector<std::string> words);
 
-// Letters, digits, '.', '-' and '_', at most 64: a DDS partition that matches only itself.
+// 1 to 64 letters, digits, '.', '-' and '_': a DDS partition without wildcards.
 CLI::Validator SessionName();
 
-// Those for which Cyclone has ports.
+// 0 to kMaxDomain (common/run/network_settings.h).
 CLI::Validator DdsDomain();
 
-// A network profile (common/dds/domain_config.h).
+// A network profile (common/dds/binding/domain_config.h).
 CLI::Validator NetworkName();
 
-// What ParseFaults (common/protocol/faulty_transport.h) takes.
+// Text for ParseFaults (common/protocol/faulty_transport.h).
 CLI::Validator FaultsValue();
 
-// What ParseTraceTicks (common/trace/tick_trace.h) takes.
+// Text for ParseTraceTicks (common/trace/tick_trace.h).
 CLI::Validator TraceTicksValue();
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// Parsing, as all programs do it.
+// ParseCommandLine: the same for all programs.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@ class App;
 
 namespace troupe {
 
-// Parses into what the options were declared with. An exit status for a program that has nothing more to do: it has
-// printed help or its version, or one line that says what is wrong.
+// Parses into the variables with which the options were declared. Nothing: the program continues. An exit status: the
+// program ends with it; its help, its version, or an error of one line has been printed.
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace troupe

@@ -1,5 +1,7 @@
 #include "common/command_line/ros_flags.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 
 #include "common/command_line/option_checks.h"
@@ -8,14 +10,10 @@ namespace troupe {
 namespace {
 
 using ros::CommandType;
-using ros::Distribution;
 
 CLI::Option* AddText(CLI::App& app, const std::string& group, const std::string& name, const char* help,
-                     const std::vector<std::string>& words, std::function<void(const std::string&)> set) {
-  return app.add_option_function<std::string>(name, std::move(set), help)
-      ->type_name("NAME")
-      ->check(OneOf(words))
-      ->group(group);
+                     const std::vector<std::string>& words, const std::function<void(const std::string&)>& set) {
+  return app.add_option_function<std::string>(name, set, help)->type_name("NAME")->check(OneOf(words))->group(group);
 }
 
 CommandType ParseCommandType(const std::string& word) {
@@ -23,47 +21,14 @@ CommandType ParseCommandType(const std::string& word) {
   return word == "stamped" ? CommandType::kTwistStamped : CommandType::kTwist;
 }
 
-}  // namespace
-
-void AddRosFlags(CLI::App& app, RosFlags& flags, const std::string& group) {
-  ros::RosOptions& options = flags.options;
-  app.add_flag_callback(
-         "--ros", [&flags] { flags.on = true; }, "Show the robots to ROS 2, and let it drive them")
-      ->group(group);
-  app.add_flag_callback(
-         "--no-ros", [&flags] { flags.on = false; }, "Do not (default)")
-      ->group(group);
-  app.add_option("--ros-domain", options.domain, "ROS domain (default: ROS_DOMAIN_ID, or 0)")
-      ->check(DdsDomain())
-      ->type_name("D")
-      ->group(group);
-  app.add_option("--ros-interface", options.network_interface,
-                 "Network interface to ROS, or auto (default: auto; lo if ROS_LOCALHOST_ONLY is 1)")
-      ->type_name("NAME")
-      ->group(group);
-  AddText(app, group, "--ros-distro", "Distribution to be understood by (default: ROS_DISTRO, or jazzy)",
-          {"humble", "iron", "jazzy", "kilted", "rolling"},
-          [&options](const std::string& word) { options.distribution = *ros::ParseDistribution(word); });
-  AddText(app, group, "--ros-cmd-vel", "Types of cmd_vel: twist (default), stamped or both",
-          {"twist", "stamped", "both"},
-          [&options](const std::string& word) { options.command_type = ParseCommandType(word); });
-  app.add_flag("--ros-reliable-commands", options.reliable_commands,
-               "Take commands of reliable writers only, which can wait until they have arrived")
-      ->group(group);
-  app.add_option("--ros-command-timeout", options.command_timeout,
-                 "Simulated seconds for which a command counts; 0: for ever (default: 5)")
-      ->check(NumberFromZero())
-      ->type_name("SECONDS")
-      ->group(group);
-  AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each",
-          {"shared", "namespaced"},
-          [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
-  app.add_option("--ros-map-resolution", options.map_resolution, "Side of a cell of /map (default: 0.05)")
+void AddRosMapFlags(CLI::App& app, ros::RosOptions& options, const std::string& group) {
+  app.add_option("--ros-map-resolution", options.map_resolution,
+                 fmt::format("Side of a cell of /map in metres (default: {})", options.map_resolution))
       ->check(PositiveNumber())
       ->type_name("METRES")
       ->group(group);
   app.add_option("--ros-map-height", options.map_height,
-                 "Height of the things on /map (default: that of the lowest scanner)")
+                 "Height of the horizontal section that /map shows, in metres (default: that of the lowest ranger)")
       ->check(NumberFromZero())
       ->type_name("METRES")
       ->group(group);
@@ -71,6 +36,44 @@ void AddRosFlags(CLI::App& app, RosFlags& flags, const std::string& group) {
          "--no-ros-map-odom", [&options] { options.map_to_odom = false; },
          "Leave the transform from map to odom to a localization node")
       ->group(group);
+}
+
+}  // namespace
+
+void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group) {
+  app.add_flag_callback(
+         "--ros", [&on] { on = true; }, "Publish the robots to ROS 2, and accept commands from it")
+      ->group(group);
+  app.add_flag_callback(
+         "--no-ros", [&on] { on = false; }, "Do not use ROS 2 (default)")
+      ->group(group);
+  app.add_option("--ros-domain", options.domain, "ROS domain (default: ROS_DOMAIN_ID, or 0)")
+      ->check(DdsDomain())
+      ->type_name("D")
+      ->group(group);
+  app.add_option("--ros-interface", options.network_interface,
+                 "Network interface to ROS 2; auto: chosen by DDS (default: auto, or lo if ROS_LOCALHOST_ONLY is 1)")
+      ->type_name("NAME")
+      ->group(group);
+  AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
+          {"humble", "iron", "jazzy", "kilted", "rolling"},
+          [&options](const std::string& word) { options.distribution = *ros::ParseDistribution(word); });
+  AddText(app, group, "--ros-cmd-vel", "Message types accepted on cmd_vel: twist (default), stamped or both",
+          {"twist", "stamped", "both"},
+          [&options](const std::string& word) { options.command_type = ParseCommandType(word); });
+  app.add_flag("--ros-reliable-commands", options.reliable_commands,
+               "Accept commands of reliable writers only, which can wait for acknowledgement")
+      ->group(group);
+  app.add_option("--ros-command-timeout", options.command_timeout,
+                 fmt::format("Simulated seconds for which a command is valid; 0: no limit (default: {})",
+                             options.command_timeout))
+      ->check(NumberFromZero())
+      ->type_name("SECONDS")
+      ->group(group);
+  AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
+          {"shared", "namespaced"},
+          [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
+  AddRosMapFlags(app, options, group);
 }
 
 std::vector<std::string> RosArguments(const ros::RosOptions& options) {

@@ -1,4 +1,4 @@
-// The command-line options about ROS 2: the same for every program.
+// The options about ROS 2, the same for all programs.
 #pragma once
 
 #include <optional>
@@ -13,13 +13,9 @@ class App;
 
 namespace troupe {
 
-struct RosFlags {
-  std::optional<bool> on;  // --ros or --no-ros; nothing: as the scenario says
-  ros::RosOptions options = ros::OptionsFromEnvironment();
-};
-
-// The program keeps `flags` until its command line is parsed.
-void AddRosFlags(CLI::App& app, RosFlags& flags, const std::string& group);
+// --ros, --no-ros and --ros-...; without --ros and --no-ros `on` keeps its value. The variables must outlive the
+// parsing.
+void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group);
 
 // The arguments that give another program of Troupe the same options, without --ros.
 std::vector<std::string> RosArguments(const ros::RosOptions& options);

@@ -69,7 +69,7 @@ class EarClipper {
 
   bool IsEar(std::size_t i) const {
     const double area = Area(i);
-    if (area == 0.0) return true;  // nothing to cut off: the corner just goes
+    if (area == 0.0) return true;  // nothing to cut off: the corner is dropped
     if (area < 0.0) return false;
     const Vec2& a = polygon_[previous_[i]];
     const Vec2& b = polygon_[i];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/geometry/limits.h"
 #include "common/geometry/z_range.h"
 
 namespace troupe {
@@ -11,9 +12,6 @@ namespace {
 
 // More vertices than any outline needs; it keeps the quadratic algorithms on outlines harmless for any input.
 constexpr std::size_t kMaxVertices = 10'000;
-
-// Beyond this a double has no room left for the touch tolerance.
-constexpr double kMaxCoordinate = 1e6;  // m
 
 // Distance of p from the line through a and b, positive on its left; the distance from a if a and b coincide. Metres.
 double SignedDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
@@ -40,7 +38,7 @@ void DropRedundantVertices(Polygon& polygon) {
     changed = false;
     Polygon kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const std::size_t left = polygon.size() - i;  // still to be looked at, this one included
+      const std::size_t left = polygon.size() - i;  // vertices not tested yet, this one included
       const Vec2& before = kept.empty() ? polygon.back() : kept.back();
       const Vec2& after = left > 1 ? polygon[i + 1] : (kept.empty() ? polygon.front() : kept.front());
       if (kept.size() + left >= 3 && IsRedundant(before, polygon[i], after)) {
@@ -114,25 +112,25 @@ bool Contains(const Polygon& polygon, const Vec2& p) {
   return inside;
 }
 
-std::string Normalize(Polygon& polygon) {
+Result<Polygon> Normalized(Polygon polygon) {
+  const auto fault = [](std::string message) { return Error{{}, std::move(message)}; };
   for (const Vec2& vertex : polygon) {
-    if (!std::isfinite(vertex.x()) || !std::isfinite(vertex.y())) return "a coordinate is not a finite number";
-    if (vertex.cwiseAbs().maxCoeff() > kMaxCoordinate) return "a coordinate is beyond 1000 km";
+    if (!std::isfinite(vertex.x()) || !std::isfinite(vertex.y())) return fault("a coordinate is not a finite number");
+    if (vertex.cwiseAbs().maxCoeff() > kMaxMagnitude) return fault("a coordinate is beyond 1000 km");
   }
   if (polygon.size() < 3) {
-    return "found " + std::to_string(polygon.size()) + " vertices, expected at least 3";
+    return fault("found " + std::to_string(polygon.size()) + " vertices, expected at least 3");
   }
   if (polygon.size() > kMaxVertices) {
-    return "found " + std::to_string(polygon.size()) + " vertices, expected at most " + std::to_string(kMaxVertices);
+    return fault("found " + std::to_string(polygon.size()) + " vertices, expected at most " +
+                 std::to_string(kMaxVertices));
   }
-  Polygon result = polygon;
-  if (SignedArea(result) < 0.0) std::reverse(result.begin(), result.end());
-  DropRedundantVertices(result);
-  if (result.size() < 3) return "the outline has no area";
-  if (AnyEdgesCross(result)) return "edges of the outline cross each other";
-  if (!(SignedArea(result) > 0.0)) return "the outline has no area";
-  polygon = std::move(result);
-  return "";
+  if (SignedArea(polygon) < 0.0) std::reverse(polygon.begin(), polygon.end());
+  DropRedundantVertices(polygon);
+  if (polygon.size() < 3) return fault("the outline has no area");
+  if (AnyEdgesCross(polygon)) return fault("edges of the outline cross each other");
+  if (!(SignedArea(polygon) > 0.0)) return fault("the outline has no area");
+  return polygon;
 }
 
 }  // namespace troupe

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
+#include "common/base/result.h"
 #include "common/geometry/rectangle.h"
 #include "common/geometry/vec2.h"
 
@@ -20,9 +20,9 @@ Rectangle BoundingBox(std::span<const Vec2> polygon);
 // True if p lies inside or on the edge.
 bool Contains(const Polygon& polygon, const Vec2& p);
 
-// Makes a polygon usable as the outline of a block: drops repeated and collinear vertices, turns it counter-clockwise.
-// Returns "" and changes the polygon, or returns what is wrong with it (fewer than three vertices, no area, edges that
-// cross, a number that is not finite) and leaves it alone.
-std::string Normalize(Polygon& polygon);
+// The polygon as the outline of a block: counter-clockwise, without repeated and collinear vertices. An error, with a
+// message without a place, for fewer than three vertices, no area, edges that cross, or a number that is not finite or
+// beyond kMaxMagnitude.
+Result<Polygon> Normalized(Polygon polygon);
 
 }  // namespace troupe

@@ -1,7 +1,8 @@
 // Poses and twists in 2.5D: a place in the plane with a heading, at a height.
 //
-// X_AB is the pose of frame B in frame A: X_AC = X_AB * X_BC, p_A = X_AB * p_B. Frames: W world, M model, P parent model,
-// R robot (its root model), S sensor. x forward, y left, z up; metres, radians counter-clockwise (REP 103).
+// X_AB is the pose of frame B in frame A: X_AC = X_AB * X_BC, p_A = X_AB * p_B. docs/conventions.md lists the frames: W
+// world, M model, P parent model, R robot, S sensor, ... x forward, y left, z up; metres, radians counter-clockwise
+// (REP 103).
 #pragma once
 
 #include <cmath>
@@ -27,7 +28,7 @@ inline bool IsFinite(const Pose& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) && std::isfinite(pose.heading);
 }
 
-// A pose with its sine and cosine at hand, for moving many points.
+// A pose with its sine and cosine, for transforming many points.
 class Transform2 {
  public:
   Transform2() = default;

@@ -8,6 +8,8 @@ namespace troupe {
 using Vec2 = Eigen::Vector2d;
 
 // z component of the cross product: positive if b lies to the left of a.
-inline double Cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+inline double Cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 }  // namespace troupe

@@ -14,7 +14,7 @@ struct ZRange {
   double max = 0.0;  // m
 
   bool Contains(double z) const { return z >= min && z < max; }
-  // True if the intervals share a length (touching is not sharing, and what has no height shares nothing).
+  // True if the intervals share a length; touching intervals and empty ones do not.
   bool Overlaps(const ZRange& other) const {
     return std::min(max, other.max) - std::max(min, other.min) > kTouchTolerance;
   }

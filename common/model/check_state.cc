@@ -5,9 +5,14 @@
 namespace troupe {
 namespace {
 
-std::string CheckCount(const char* what, std::size_t found, std::size_t expected) {
-  if (found == expected) return "";
-  return "found a state of " + std::to_string(found) + " " + what + ", expected " + std::to_string(expected);
+Error StateError(std::string message) {
+  return {.where = {}, .message = std::move(message)};
+}
+
+Status CheckCount(const char* kind, std::size_t found, std::size_t expected) {
+  if (found == expected) return Status();
+  return StateError("found a state of " + std::to_string(found) + " " + kind + ", expected " +
+                    std::to_string(expected));
 }
 
 template <typename Id>
@@ -17,12 +22,12 @@ bool IsBelow(const std::optional<Id>& id, std::size_t count) {
 
 }  // namespace
 
-std::string CheckState(const WorldDescription& world, const WorldState& state) {
-  for (const std::string& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
-                                     CheckCount("joints", state.joints.size(), world.joints.size()),
-                                     CheckCount("grippers", state.grippers.size(), world.grippers.size()),
-                                     CheckCount("objects", state.objects.size(), world.objects.size())}) {
-    if (!problem.empty()) return problem;
+Status CheckState(const WorldDescription& world, const WorldState& state) {
+  for (const Status& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
+                                CheckCount("joints", state.joints.size(), world.joints.size()),
+                                CheckCount("grippers", state.grippers.size(), world.grippers.size()),
+                                CheckCount("objects", state.objects.size(), world.objects.size())}) {
+    if (!problem.ok()) return problem;
   }
   bool finite = true;
   bool known = true;
@@ -38,12 +43,12 @@ std::string CheckState(const WorldDescription& world, const WorldState& state) {
     finite = finite && IsFinite(object.X_WO) && std::isfinite(object.fall_speed);
     known = known && IsBelow(object.holder, world.grippers.size()) && IsBelow(object.support, world.models.size());
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
-      return "found an object that is held by nobody, or not held but by somebody";
+      return StateError("found an object that is held without a holder, or has a holder without being held");
     }
   }
-  if (!finite) return "found a number that is not finite in a state";
-  if (!known) return "found an id in a state that the world does not have";
-  return "";
+  if (!finite) return StateError("found a number that is not finite in a state");
+  if (!known) return StateError("found an id in a state that the world does not have");
+  return Status();
 }
 
 }  // namespace troupe

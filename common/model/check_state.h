@@ -1,15 +1,13 @@
-// Whether a state that came from a peer belongs to a world.
+// The check of a state that a peer sent.
 #pragma once
 
-#include <string>
-
+#include "common/base/result.h"
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 
 namespace troupe {
 
-// "" if the state has as many robots, joints, grippers and objects as the world, all finite, and names only what the
-// world has; else what is wrong with it.
-std::string CheckState(const WorldDescription& world, const WorldState& state);
+// Success if the state belongs to the world: as many robots, joints, grippers and objects, finite numbers, known ids.
+Status CheckState(const WorldDescription& world, const WorldState& state);
 
 }  // namespace troupe

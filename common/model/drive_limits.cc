@@ -39,7 +39,7 @@ Twist ClampToLimits(const DriveDescription& drive, const Twist& current, const T
   if (drive.type == DriveType::kCar) {
     const CarMotion now = ToCarMotion(current, drive.wheelbase);
     const CarMotion then = ToCarMotion(desired, drive.wheelbase);
-    // A twist does not tell how a standing car steers, so nothing bounds the rate of steering.
+    // The twist of a car at rest has no steering angle, so the rate of steering has no bound.
     return CarTwist(ClampComponent(v.x, a.x, now.speed, then.speed, seconds), v.heading.Clamp(then.steering),
                     drive.wheelbase);
   }

@@ -1,4 +1,4 @@
-// What a drive can do: the agent keeps its proposals within these limits, the world service refuses those that are not.
+// The limits of a drive: the agent keeps its proposals within them, the world service refuses proposals beyond them.
 #pragma once
 
 #include "common/geometry/pose.h"
@@ -6,13 +6,13 @@
 
 namespace troupe {
 
-// The twist nearest to `desired` that the drive reaches from `current` within `seconds`: within the velocity bounds,
-// and changing no faster than the acceleration bounds, where the bounds leave room for that (a robot faster than its
-// velocity bound brakes as hard as it can). A differential drive has no vy. For a car, `velocity.x` bounds the speed of
-// the steered wheel and `velocity.heading` the steering angle.
+// The twist, in R, nearest to `desired` that the drive reaches from `current` within `seconds`: within the velocity
+// bounds, and changing no faster than the acceleration bounds, where the bounds leave room for that (a robot faster
+// than its velocity bound brakes as hard as it can). A differential drive has no vy. For a car, `velocity.x` bounds the
+// speed of the steered wheel and `velocity.heading` the steering angle.
 Twist ClampToLimits(const DriveDescription& drive, const Twist& current, const Twist& desired, double seconds);
 
-// True if ClampToLimits would leave `proposed` alone, up to rounding (1e-9).
+// True if ClampToLimits would not change `proposed`, up to rounding (1e-9).
 bool WithinLimits(const DriveDescription& drive, const Twist& current, const Twist& proposed, double seconds);
 
 // The twist of a car whose steered wheel runs at `speed` (m/s) with steering angle `steering` (rad): vx = speed

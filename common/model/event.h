@@ -1,4 +1,4 @@
-// Event: something worth telling that happened at a tick. Steps return them in a fixed order.
+// Event: a change during a tick that observers are told. Steps return events in a fixed order.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 namespace troupe {
 
 enum class EventType : std::uint8_t {
-  kStallBegan = 0,        // the robot's motion was cut short; `other` is the model it met, none for the ground
+  kStallBegan = 0,        // the robot's motion was cut short; `other` is the obstacle, none for the ground
   kStallEnded = 1,        // it moves freely again
-  kJoined = 2,            // an agent took the robot up
+  kJoined = 2,            // an agent controls the robot from now on
   kLeft = 3,              // the robot's agent left or was lost
-  kProposalRejected = 4,  // `detail` says why
-  kBlocked = 5,   // a joint's motion was cut short; `detail` names it, `other` is what it met, none for the ground
+  kProposalRejected = 4,  // `detail` is the reason
+  kBlocked = 5,   // a joint's motion was cut short; `detail` names it, `other` is the obstacle, none for the ground
   kGripped = 6,   // the robot's gripper, named by `detail`, holds `object` from now on
-  kReleased = 7,  // it has let `object` go
+  kReleased = 7,  // it has released `object`
   kLanded = 8,    // `object` came to rest on `other`, none for the ground
-  kUnstable = 9,  // likewise, but its centre is not over what carries it
+  kUnstable = 9,  // likewise, but its centre is not above a support
 };
 
 struct Event {

@@ -21,7 +21,7 @@ std::vector<Pose> ModelPoses(const WorldDescription& world, const WorldState& st
     Pose& X = X_PM[world.joints[i].model.index()];
     X = X * JointMotion(world.joints[i], state.joints[i].position);
   }
-  // From here on they become poses in W, parents first.
+  // Now from poses in parents to poses in W, parents first.
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const std::optional<ModelId>& parent = world.models[i].parent;
     if (parent) X_PM[i] = X_PM[parent->index()] * X_PM[i];

@@ -1,4 +1,4 @@
-// Where the models of a state are: forward kinematics of robots, joints and objects.
+// The poses of the models of a state: forward kinematics of robots, joints and objects.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace troupe {
 
-// How far position `q` (m or rad) of the joint moves its model: X_PM(q) = X_PM * JointMotion(q).
+// The motion of the joint's model at position `q` (m or rad): X_PM(q) = X_PM * JointMotion(q).
 Pose JointMotion(const JointDescription& joint, double q);
 
 // Poses of all models in a state, frame W, in id order. REQUIRES: the state belongs to the world.

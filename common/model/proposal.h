@@ -1,4 +1,4 @@
-// Proposal: what a robot's agent asks for in the next tick. The step decides what of it happens.
+// Proposal: an agent's request for its robot's next tick. The step decides how much of it is executed.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@ namespace troupe {
 
 struct Proposal {
   RobotId robot;
-  Twist twist;  // in R, held through the tick
-  // By the robot's joints, in id order: m/s or rad/s, held through the tick or until the joint's limit. Empty: none
-  // moves. A finger that closes takes hold of what both pads touch; a finger that opens lets go.
+  Twist twist;  // in R, constant during the tick
+  // By the robot's joints, in id order: m/s or rad/s, constant during the tick or until the joint's limit. Empty: none
+  // moves. A finger that closes grips the object that both pads touch; a finger that opens releases it.
   std::vector<double> joint_velocities = {};
   bool operator==(const Proposal&) const = default;
 };

@@ -33,10 +33,12 @@ std::uint64_t StateHash(const WorldState& state) {
     hasher.Add(object.X_WO.y);
     hasher.Add(object.X_WO.z);
     hasher.Add(object.X_WO.heading);
-    hasher.Add(static_cast<std::uint64_t>(object.mode));
+    // At tick 0 the poses determine the supports: a state has the same hash before and after they are found.
+    const bool implied = state.tick == 0 && object.mode == ObjectMode::kResting;
+    hasher.Add(static_cast<std::uint64_t>(implied ? ObjectMode::kPlaced : object.mode));
     hasher.Add(object.fall_speed);
     add_id(object.holder);
-    add_id(object.support);
+    add_id(implied ? std::nullopt : object.support);
   }
   return hasher.value();
 }

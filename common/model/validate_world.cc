@@ -1,15 +1,15 @@
 // The invariants of a world description; see world_description.h.
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <set>
 
+#include "common/geometry/limits.h"
 #include "common/model/world_description.h"
 
 namespace troupe {
 namespace {
 
-// No coordinate, speed or size may be larger: beyond, a double has no room left for the touch tolerance.
-constexpr double kMaxMagnitude = 1e6;
 constexpr std::uint32_t kMaxSamples = 1'000'000;
 constexpr std::int64_t kMaxInterval_ns = 1'000'000'000'000;
 
@@ -44,145 +44,181 @@ bool IsUsableAcceleration(const Interval& interval) {
   return IsUsable(interval) && interval.min <= 0.0 && interval.max >= 0.0;
 }
 
-std::string CheckShape(const Shape& shape) {
+Error Problem(const std::string& message) {
+  return {.where = {}, .message = message};
+}
+
+// The problem of one part of the world, with that part's number, and its name if that kind has names.
+Status InPart(const Status& problem, const std::string& kind, std::size_t index,
+              const std::optional<std::string>& name = std::nullopt) {
+  if (problem.ok()) return problem;
+  const std::string part = kind + " " + std::to_string(index) + (name ? " '" + *name + "'" : "");
+  return Problem(part + ": " + problem.error().message);
+}
+
+Status CheckShape(const Shape& shape) {
   for (const Block& block : shape.blocks) {
-    Polygon outline = block.outline;
-    const std::string problem = Normalize(outline);
-    if (!problem.empty()) return "the outline of a block is not usable: " + problem;
-    if (outline != block.outline) return "the outline of a block is not normalized";
-    if (!IsUsable(block.z)) return "the height interval of a block is not finite or upside down";
+    const Result<Polygon> outline = Normalized(block.outline);
+    if (!outline.ok()) return Problem("the outline of a block is not usable: " + outline.error().message);
+    if (outline.value() != block.outline) return Problem("the outline of a block is not normalized");
+    if (!IsUsable(block.z)) return Problem("the height interval of a block is not finite or upside down");
   }
   for (const Rectangle& rectangle : shape.rectangles) {
-    if (!IsUsable(rectangle)) return "a rectangle is not finite or has no area";
+    if (!IsUsable(rectangle)) return Problem("a rectangle is not finite or has no area");
   }
-  if (!IsUsable(shape.rectangles_z)) return "the height interval of the rectangles is not finite or upside down";
-  return "";
+  if (!IsUsable(shape.rectangles_z))
+    return Problem("the height interval of the rectangles is not finite or upside down");
+  return Status();
 }
 
-std::string CheckModel(const WorldDescription& world, std::size_t index, std::set<std::string>& names) {
+Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
-  if (model.name.empty()) return "it has no name";
-  if (!model.removed && !names.insert(model.name).second) return "another model has the same name";
-  if (model.parent && model.parent->index() >= index) return "its parent does not come before it";
-  if (model.shape.index() >= world.shapes.size()) return "it names a shape that does not exist";
-  if (!IsUsable(model.X_PM)) return "its pose is not finite or too far away";
-  if (!AreUsable({model.size_x, model.size_y, model.size_z})) return "its size is not finite or too large";
-  if (!AreUsable({model.color.r, model.color.g, model.color.b, model.color.a})) return "its color is not finite";
-  if (!AreUsable({model.ranger_return})) return "its ranger_return is not finite or too large";
-  return "";
+  if (model.name.empty()) return Problem("it has no name");
+  if (model.parent && model.parent->index() >= index) return Problem("its parent does not come before it");
+  if (model.shape.index() >= world.shapes.size()) return Problem("it names a shape that does not exist");
+  if (!IsUsable(model.X_PM)) return Problem("its pose is not finite or too far away");
+  if (!AreUsable({model.size_x, model.size_y, model.size_z})) return Problem("its size is not finite or too large");
+  if (!AreUsable({model.color.r, model.color.g, model.color.b, model.color.a}))
+    return Problem("its color is not finite");
+  if (!AreUsable({model.ranger_return})) return Problem("its ranger_return is not finite or too large");
+  return Status();
 }
 
-std::string CheckSensor(const RaySensorDescription& sensor) {
-  if (!IsUsable(sensor.X_MS)) return "the pose of a sensor is not finite or too far away";
-  if (!IsUsable(sensor.range) || sensor.range.min < 0.0) return "the range of a sensor is not an interval from 0 up";
-  if (!AreUsable({sensor.fov}) || sensor.fov < 0.0) return "the fov of a sensor is not finite or negative";
-  if (sensor.samples < 1 || sensor.samples > kMaxSamples) return "a sensor does not have 1 to 1000000 samples";
+Status CheckRaySensor(const RaySensorDescription& sensor) {
+  if (!IsUsable(sensor.X_MS)) return Problem("the pose of a sensor is not finite or too far away");
+  if (!IsUsable(sensor.range) || sensor.range.min < 0.0)
+    return Problem("the range of a sensor is not an interval from 0 up");
+  if (!AreUsable({sensor.fov}) || sensor.fov < 0.0) return Problem("the fov of a sensor is not finite or negative");
+  if (sensor.samples < 1 || sensor.samples > kMaxSamples) return Problem("a sensor does not have 1 to 1000000 samples");
   if (!AreUsable({sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) ||
       sensor.noise_variance < 0.0) {
-    return "the noise of a sensor is not finite or its variance negative";
+    return Problem("the noise of a sensor is not finite or its variance negative");
   }
-  return "";
+  return Status();
 }
 
-std::string CheckRobot(const WorldDescription& world, std::size_t index) {
+struct ParametersCheck {
+  Status operator()(const RangerParameters& ranger) const {
+    for (const RaySensorDescription& sensor : ranger.ray_sensors) {
+      if (Status error = CheckRaySensor(sensor); !error.ok()) return error;
+    }
+    return Status();
+  }
+  Status operator()(const BreakBeamParameters&) const { return Problem("it belongs to a gripper"); }
+};
+
+Status CheckSensor(const WorldDescription& world, const RobotDescription& robot, const SensorDescription& sensor) {
+  const std::string name = std::string(TypeOf(sensor.parameters)) + " '" + sensor.name + "'";
+  if (sensor.model.index() >= world.models.size() || !IsInTree(world, sensor.model, robot.root)) {
+    return Problem("its " + name + " is not one of its models");
+  }
+  if (sensor.period_ticks < 1) return Problem("its " + name + " has a period of no ticks");
+  const Status error = std::visit(ParametersCheck(), sensor.parameters);
+  return error.ok() ? error : Problem(name + ": " + error.error().message);
+}
+
+Status CheckRobot(const WorldDescription& world, std::size_t index) {
   const RobotDescription& robot = world.robots[index];
-  if (robot.root.index() >= world.models.size()) return "its root model does not exist";
-  if (index > 0 && robot.root <= world.robots[index - 1].root) return "it is not in the order of the root models";
+  if (robot.root.index() >= world.models.size()) return Problem("its root model does not exist");
+  if (index > 0 && robot.root <= world.robots[index - 1].root)
+    return Problem("it is not in the order of the root models");
   const ModelDescription& root = world.model(robot.root);
-  if (root.parent) return "its root model has a parent";
-  if (robot.name != root.name) return "its root model has another name: '" + root.name + "'";
+  if (root.parent) return Problem("its root model has a parent");
+  if (robot.name != root.name) return Problem("its root model has another name: '" + root.name + "'");
   const DriveDescription& drive = robot.drive;
-  if (!AreUsable({drive.wheelbase}) || drive.wheelbase <= 0.0) return "its wheelbase is not a positive number";
-  if (!IsUsable(drive.velocity)) return "its velocity bounds are not intervals";
+  if (!AreUsable({drive.wheelbase}) || drive.wheelbase <= 0.0) return Problem("its wheelbase is not a positive number");
+  if (!IsUsable(drive.velocity)) return Problem("its velocity bounds are not intervals");
   for (const Interval& bound : {drive.acceleration.x, drive.acceleration.y, drive.acceleration.heading}) {
-    if (!IsUsableAcceleration(bound)) return "its acceleration bounds are not intervals around 0";
+    if (!IsUsableAcceleration(bound)) return Problem("its acceleration bounds are not intervals around 0");
   }
   const LocalizationDescription& localization = robot.localization;
-  if (!IsUsable(localization.origin)) return "its localization origin is not finite or too far away";
+  if (!IsUsable(localization.origin)) return Problem("its localization origin is not finite or too far away");
   if (!AreUsable({localization.error_x, localization.error_y, localization.error_heading})) {
-    return "its odometry errors are not finite or too large";
+    return Problem("its odometry errors are not finite or too large");
   }
-  for (const RangerDescription& ranger : robot.rangers) {
-    if (ranger.model.index() >= world.models.size() || !IsInTree(world, ranger.model, robot.root)) {
-      return "its ranger '" + ranger.name + "' is not one of its models";
-    }
-    if (ranger.period_ticks < 1) return "its ranger '" + ranger.name + "' has a period of no ticks";
-    for (const RaySensorDescription& sensor : ranger.sensors) {
-      const std::string problem = CheckSensor(sensor);
-      if (!problem.empty()) return "ranger '" + ranger.name + "': " + problem;
-    }
+  for (const SensorDescription& sensor : robot.sensors) {
+    if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
   }
-  return "";
+  return Status();
 }
 
-std::string CheckJoint(const WorldDescription& world, std::size_t index) {
+Status CheckJoint(const WorldDescription& world, std::size_t index) {
   const JointDescription& joint = world.joints[index];
-  if (joint.robot.index() >= world.robots.size()) return "it is of a robot that does not exist";
-  if (joint.model.index() >= world.models.size()) return "its model does not exist";
-  if (index > 0 && joint.model <= world.joints[index - 1].model) return "it is not in the order of the models";
+  if (joint.robot.index() >= world.robots.size()) return Problem("it is of a robot that does not exist");
+  if (joint.model.index() >= world.models.size()) return Problem("its model does not exist");
+  if (index > 0 && joint.model <= world.joints[index - 1].model) return Problem("it is not in the order of the models");
   const ModelId root = world.robot(joint.robot).root;
-  if (joint.model == root || !IsInTree(world, joint.model, root)) return "its model is not below its robot's root";
-  if (joint.name.empty()) return "it has no name";
+  if (joint.model == root || !IsInTree(world, joint.model, root))
+    return Problem("its model is not below its robot's root");
+  if (joint.name.empty()) return Problem("it has no name");
   if (!AreUsable({joint.axis_xy.x(), joint.axis_xy.y(), joint.axis_z}) ||
       std::abs(joint.axis_xy.squaredNorm() + joint.axis_z * joint.axis_z - 1.0) > 1e-9) {
-    return "its axis is not a unit vector";
+    return Problem("its axis is not a unit vector");
   }
-  if (joint.type == JointType::kRevolute && joint.axis_z != 1.0) return "it turns about an axis that is not vertical";
-  if (!IsUsable(joint.position)) return "its limits are not an interval";
+  if (joint.type == JointType::kRevolute && joint.axis_z != 1.0)
+    return Problem("it turns about an axis that is not vertical");
+  if (!IsUsable(joint.position)) return Problem("its limits are not an interval");
   if (!(joint.start >= joint.position.min && joint.start <= joint.position.max)) {
-    return "its start is not within its limits";
+    return Problem("its start is not within its limits");
   }
-  if (!AreUsable({joint.max_speed}) || joint.max_speed < 0.0) return "its speed is not finite or negative";
-  return "";
+  if (!AreUsable({joint.max_speed}) || joint.max_speed < 0.0) return Problem("its speed is not finite or negative");
+  return Status();
 }
 
 bool IsMovedBy(const WorldDescription& world, ModelId model, JointId joint) {
   return IsInTree(world, model, world.joint(joint).model);
 }
 
-std::string CheckGripper(const WorldDescription& world, std::size_t index) {
+Status CheckGripper(const WorldDescription& world, std::size_t index) {
   const GripperDescription& gripper = world.grippers[index];
-  if (gripper.robot.index() >= world.robots.size()) return "it is of a robot that does not exist";
+  if (gripper.robot.index() >= world.robots.size()) return Problem("it is of a robot that does not exist");
   for (ModelId model : {gripper.model, gripper.left_pad, gripper.right_pad}) {
     if (model.index() >= world.models.size() || !IsInTree(world, model, world.robot(gripper.robot).root)) {
-      return "one of its models is not its robot's";
+      return Problem("one of its models is not its robot's");
     }
   }
-  if (index > 0 && gripper.model <= world.grippers[index - 1].model) return "it is not in the order of the models";
+  if (index > 0 && gripper.model <= world.grippers[index - 1].model)
+    return Problem("it is not in the order of the models");
   for (JointId joint : {gripper.left, gripper.right, gripper.lift.value_or(gripper.left)}) {
     if (joint.index() >= world.joints.size() || world.joint(joint).robot != gripper.robot) {
-      return "one of its joints is not its robot's";
+      return Problem("one of its joints is not its robot's");
     }
   }
   if (gripper.left == gripper.right || gripper.lift == gripper.left || gripper.lift == gripper.right) {
-    return "one joint has two parts in it";
+    return Problem("one joint has two parts in it");
   }
   if (!IsMovedBy(world, gripper.left_pad, gripper.left) || !IsMovedBy(world, gripper.right_pad, gripper.right)) {
-    return "a finger does not move its pad";
+    return Problem("a finger does not move its pad");
   }
-  if (gripper.lift && !IsMovedBy(world, gripper.model, *gripper.lift)) return "its lift does not move it";
+  if (gripper.lift && !IsMovedBy(world, gripper.model, *gripper.lift)) return Problem("its lift does not move it");
   for (const BreakBeam& beam : gripper.beams) {
     if (!AreUsable({beam.from.x(), beam.from.y(), beam.to.x(), beam.to.y(), beam.z})) {
-      return "one of its beams is not finite or too long";
+      return Problem("one of its beams is not finite or too long");
     }
   }
-  return "";
+  return Status();
 }
 
-std::string CheckObject(const WorldDescription& world, std::size_t index) {
+Status CheckObject(const WorldDescription& world, std::size_t index) {
   const ModelId object = world.objects[index];
-  if (object.index() >= world.models.size()) return "its model does not exist";
-  if (index > 0 && object <= world.objects[index - 1]) return "it is not in order";
+  if (object.index() >= world.models.size()) return Problem("its model does not exist");
+  if (index > 0 && object <= world.objects[index - 1]) return Problem("it is not in order");
   const ModelDescription& model = world.model(object);
-  if (model.parent || !model.gripper_return) return "it has a parent or no gripper_return";
+  if (model.parent || !model.gripper_return) return Problem("it has a parent or no gripper_return");
   for (const RobotDescription& robot : world.robots) {
-    if (robot.root == object) return "it is a robot";
+    if (robot.root == object) return Problem("it is a robot");
   }
-  return "";
+  return Status();
 }
 
-Status Problem(const std::string& what) {
-  return Error{.where = {}, .message = what};
+Status CheckNames(const WorldDescription& world) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.removed || names.insert(model.name).second) continue;
+    return InPart(Problem("another model has the same name"), "model", i, model.name);
+  }
+  return Status();
 }
 
 }  // namespace
@@ -193,34 +229,26 @@ Status Validate(const WorldDescription& world) {
                    std::to_string(kMaxInterval_ns));
   }
   for (std::size_t i = 0; i < world.shapes.size(); ++i) {
-    const std::string problem = CheckShape(world.shapes[i]);
-    if (!problem.empty()) return Problem("shape " + std::to_string(i) + ": " + problem);
+    if (Status error = InPart(CheckShape(world.shapes[i]), "shape", i); !error.ok()) return error;
   }
-  std::set<std::string> names;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
-    const std::string problem = CheckModel(world, i, names);
-    if (!problem.empty()) return Problem("model " + std::to_string(i) + " '" + world.models[i].name + "': " + problem);
+    if (Status error = InPart(CheckModel(world, i), "model", i, world.models[i].name); !error.ok()) return error;
   }
+  if (Status error = CheckNames(world); !error.ok()) return error;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    const std::string problem = CheckRobot(world, i);
-    if (!problem.empty()) return Problem("robot " + std::to_string(i) + " '" + world.robots[i].name + "': " + problem);
+    if (Status error = InPart(CheckRobot(world, i), "robot", i, world.robots[i].name); !error.ok()) return error;
   }
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
-    const std::string problem = CheckJoint(world, i);
-    if (!problem.empty()) return Problem("joint " + std::to_string(i) + " '" + world.joints[i].name + "': " + problem);
+    if (Status error = InPart(CheckJoint(world, i), "joint", i, world.joints[i].name); !error.ok()) return error;
   }
   for (std::size_t i = 0; i < world.grippers.size(); ++i) {
-    const std::string problem = CheckGripper(world, i);
-    if (!problem.empty()) {
-      return Problem("gripper " + std::to_string(i) + " '" + world.grippers[i].name + "': " + problem);
-    }
+    if (Status error = InPart(CheckGripper(world, i), "gripper", i, world.grippers[i].name); !error.ok()) return error;
   }
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    const std::string problem = CheckObject(world, i);
-    if (!problem.empty()) return Problem("object " + std::to_string(i) + ": " + problem);
+    if (Status error = InPart(CheckObject(world, i), "object", i); !error.ok()) return error;
   }
   if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");
-  return std::nullopt;
+  return Status();
 }
 
 }  // namespace troupe

@@ -99,18 +99,20 @@ class DescriptionHasher {
     Add(std::uint64_t{sensor.samples});
     for (double noise : {sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) Add(noise);
   }
-  void Add(const RangerDescription& ranger) {
-    Add(ranger.name);
-    Add(std::uint64_t{ranger.model.index()});
-    Add(std::uint64_t{ranger.period_ticks});
-    AddAll(ranger.sensors);
+  void Add(const RangerParameters& ranger) { AddAll(ranger.ray_sensors); }
+  void Add(const BreakBeamParameters& beams) { AddAll(beams.beams); }
+  void Add(const SensorDescription& sensor) {
+    Add(sensor.name);
+    Add(std::uint64_t{sensor.model.index()});
+    Add(std::uint64_t{sensor.period_ticks});
+    std::visit([this](const auto& parameters) { Add(parameters); }, sensor.parameters);
   }
   void Add(const RobotDescription& robot) {
     Add(robot.name);
     Add(std::uint64_t{robot.root.index()});
     Add(robot.drive);
     Add(robot.localization);
-    AddAll(robot.rangers);
+    AddAll(robot.sensors);
     Add(robot.controller.name);
     Add(robot.controller.parameters);
   }

@@ -1,9 +1,11 @@
-// WorldDescription: everything about a world that only edits change after loading. Plain values: what a world file said,
-// in SI units, with every default filled in. Together with a WorldState (world_state.h) it is the whole simulation.
+// WorldDescription: everything about a world that only edits change after loading. Plain values: the content of a world
+// file, in SI units, with every default filled in. Together with a WorldState (world_state.h) it is the whole
+// simulation.
 //
 // Invariants (Validate checks them):
 // - a model's parent has a smaller id than the model;
-// - names are unique, but for removed models, and not empty; numbers are finite and within +-1e6; outlines are
+// - names are unique, but for removed models, and not empty; numbers are finite and within kMaxMagnitude
+// (geometry/limits.h); outlines are
 //   normalized (geometry/polygon.h);
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
 // - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
@@ -22,6 +24,8 @@
 #include "common/geometry/pose.h"
 #include "common/geometry/rectangle.h"
 #include "common/geometry/z_range.h"
+#include "common/model/interval.h"
+#include "common/model/sensor_description.h"
 
 namespace troupe {
 
@@ -61,11 +65,11 @@ struct ModelDescription {
   double size_z = 0.0;  // m
   Color color;
   bool obstacle_return = true;  // takes part in collisions
-  double ranger_return = 1.0;   // intensity of a ranger's hit; negative: rangers look through it
+  double ranger_return = 1.0;   // intensity of a ranger's hit; negative: transparent to rangers
   bool gripper_return = false;  // may be gripped, moved and dropped
   std::int32_t fiducial_return = 0;
   bool show_nose = false;  // pictures show its heading
-  bool removed = false;    // taken out during the run: it keeps its id, but has no body, and its name is free
+  bool removed = false;    // by an edit: it keeps its id, but has no body, and its name is free
   bool operator==(const ModelDescription&) const = default;
 };
 
@@ -73,13 +77,6 @@ enum class DriveType : std::uint8_t {
   kDifferential,  // vx, wz
   kOmni,          // vx, vy, wz
   kCar,           // speed and steering angle; the twist is vx, wz
-};
-
-struct Interval {
-  double min = 0.0;
-  double max = 0.0;
-  double Clamp(double value) const { return value < min ? min : (value > max ? max : value); }
-  bool operator==(const Interval&) const = default;
 };
 
 // Bounds of each component of a twist (m/s, m/s, rad/s) or of its rate of change (m/s^2, m/s^2, rad/s^2).
@@ -113,27 +110,6 @@ struct LocalizationDescription {
   bool operator==(const LocalizationDescription&) const = default;
 };
 
-// One fan of rays.
-struct RaySensorDescription {
-  Pose X_MS;                        // in the ranger model's frame; rays leave from here, at this height
-  Interval range{0.0, 5.0};         // m
-  double fov = 0.1;                 // rad; the fan spans -fov/2 .. +fov/2, both ends included
-  std::uint32_t samples = 1;        // 1: a single ray straight ahead
-  double noise_variance = 0.0;      // m^2, added to a hit's range
-  double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
-  double noise_angle = 0.0;         // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
-  bool operator==(const RaySensorDescription&) const = default;
-};
-
-// A ranger model: one or more ray sensors (a laser scanner has one, a sonar ring many).
-struct RangerDescription {
-  std::string name;                // the model's name without the robot's: "ranger:0"
-  ModelId model;                   // in the robot's tree
-  std::uint32_t period_ticks = 1;  // due at every tick that is a multiple of this
-  std::vector<RaySensorDescription> sensors;
-  bool operator==(const RangerDescription&) const = default;
-};
-
 enum class JointType : std::uint8_t {
   kPrismatic,  // shifts the model along the axis
   kRevolute,   // turns it about the vertical through its origin
@@ -154,14 +130,6 @@ struct JointDescription {
   bool operator==(const JointDescription&) const = default;
 };
 
-// A light across the gap of a gripper: broken when an object is between its ends.
-struct BreakBeam {
-  Vec2 from{0.0, 0.0};  // m, in frame G
-  Vec2 to{0.0, 0.0};
-  double z = 0.0;
-  bool operator==(const BreakBeam&) const = default;
-};
-
 // Two fingers that close on an object, and perhaps a lift that raises them. Finger joints are at their minimum when
 // open and move up towards each other. Frame G: the model that the fingers are mounted on.
 struct GripperDescription {
@@ -170,7 +138,7 @@ struct GripperDescription {
   ModelId model;  // frame G; moved by the lift
   JointId left;
   JointId right;
-  ModelId left_pad;  // what must touch an object to hold it; moved by the left finger
+  ModelId left_pad;  // the model that must touch an object to hold it; moved by the left finger
   ModelId right_pad;
   std::optional<JointId> lift = {};  // 0 percent is its minimum, 100 percent its maximum
   std::vector<BreakBeam> beams;
@@ -189,7 +157,7 @@ struct RobotDescription {
   ModelId root;
   DriveDescription drive;
   LocalizationDescription localization;
-  std::vector<RangerDescription> rangers;
+  std::vector<SensorDescription> sensors;  // in the order of the world file; break beams are their grippers'
   ControllerDescription controller;
   bool operator==(const RobotDescription&) const = default;
 };
@@ -203,8 +171,8 @@ struct WorldDescription {
   std::vector<RobotDescription> robots;
   std::vector<JointDescription> joints;
   std::vector<GripperDescription> grippers;
-  std::vector<ModelId> objects;  // what grippers may take and what may fall: each the root of a tree that moves as one
-  double gravity = 9.81;         // m/s^2; 0: what is let go stays in the air
+  std::vector<ModelId> objects;  // movable objects, which may be gripped and fall: the roots of their trees
+  double gravity = 9.81;         // m/s^2; 0: a released object stays in the air
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -215,7 +183,7 @@ struct WorldDescription {
   bool operator==(const WorldDescription&) const = default;
 };
 
-// True if the model is `root` or somewhere below it.
+// True if the model is `root` or below it.
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root);
 
 // False for a robot that was removed.

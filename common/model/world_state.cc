@@ -2,7 +2,7 @@
 
 namespace troupe {
 
-WorldState InitialState(const WorldDescription& world) {
+WorldState PlacedState(const WorldDescription& world) {
   WorldState state;
   state.robots.reserve(world.robots.size());
   for (const RobotDescription& robot : world.robots) {

@@ -1,5 +1,5 @@
-// WorldState: everything about a world that changes, at one tick. Copyable and hashable; (description, state) is all
-// that a step needs, and all that a replica or a latecomer needs.
+// WorldState: everything about a world that changes, at one tick. Copyable and hashable; a step, a replica and an agent
+// that joins late need (description, state) and nothing else.
 #pragma once
 
 #include <vector>
@@ -25,17 +25,17 @@ struct JointState {
 };
 
 struct GripperState {
-  std::optional<ModelId> left_contact = {};   // what the left pad was stopped by when it last closed
+  std::optional<ModelId> left_contact = {};   // the model that stopped the left pad when it last closed
   std::optional<ModelId> right_contact = {};  // likewise
   // The object between the pads. The gripper holds it if the object's holder is this gripper; otherwise another
-  // gripper does, and this one takes it over when that one opens.
+  // gripper holds it, and this one will when that one opens.
   std::optional<ObjectId> clamped = {};
   bool operator==(const GripperState&) const = default;
 };
 
 enum class ObjectMode : std::uint8_t {
-  kPlaced = 0,   // where the file put it, or where it was let go without gravity; it stays there, also in the air
-  kResting = 1,  // on what carries it
+  kPlaced = 0,   // at its place in the file, or released without gravity; it stays there, also in the air
+  kResting = 1,  // on a support
   kFalling = 2,
   kHeld = 3,
 };
@@ -45,8 +45,8 @@ struct ObjectState {
   ObjectMode mode = ObjectMode::kPlaced;
   double fall_speed = 0.0;               // m/s, downwards
   std::optional<GripperId> holder = {};  // in mode kHeld
-  // In mode kResting: the model under the object's centre, with which it moves; nothing on the ground, or where the
-  // centre is over nothing that carries it.
+  // In mode kResting: the model under the object's centre, with which it moves; nothing on the ground, or if the
+  // centre is above no support.
   std::optional<ModelId> support = {};
   bool operator==(const ObjectState&) const = default;
 };
@@ -60,7 +60,8 @@ struct WorldState {
   bool operator==(const WorldState&) const = default;
 };
 
-// The world as loaded: tick 0, everything at rest. Every object is kPlaced; the first step finds what it stands on.
-WorldState InitialState(const WorldDescription& world);
+// The description's poses at tick 0. Every object is kPlaced: its support is not known here, so that a run begins with
+// InitialState of world-service/core/initial_state.h instead.
+WorldState PlacedState(const WorldDescription& world);
 
 }  // namespace troupe

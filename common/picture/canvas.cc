@@ -10,7 +10,7 @@ namespace troupe {
 namespace {
 
 // Cairo keeps coordinates as fixed-point numbers with 24 bits before the point, so a zoomed picture of a large world
-// must be cut before it is handed over. The margin keeps cut edges and their strokes out of sight.
+// must be cut before Cairo draws it. The margin keeps cut edges and their strokes out of sight.
 constexpr double kClipMargin = 64.0;  // px
 
 cairo_status_t Append(void* closure, const unsigned char* data, unsigned int length) {
@@ -71,7 +71,7 @@ std::string PrintableUtf8(const std::string& text) {
 
 Polygon ClipPolygon(const Polygon& polygon, const Rectangle& box) {
   Polygon result = polygon;
-  // One pass for each side: keep what is inside, cut the edges that cross.
+  // One pass for each side: keep the vertices inside, cut the edges that cross.
   for (int side = 0; side < 4; ++side) {
     const int axis = side / 2;
     const bool upper = side % 2 == 1;
@@ -100,7 +100,7 @@ Canvas::Canvas(PictureFormat format, int width, int height)
   cairo_ = cairo_create(surface_);
   cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_EVEN_ODD);
   cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
-  // Letters keep their shape whatever the machine's font settings are.
+  // Letters have the same shape with any font settings of the machine.
   cairo_font_options_t* font = cairo_font_options_create();
   cairo_font_options_set_antialias(font, CAIRO_ANTIALIAS_GRAY);
   cairo_font_options_set_hint_style(font, CAIRO_HINT_STYLE_NONE);
@@ -224,7 +224,7 @@ std::string Canvas::Shortened(const std::string& text, double width, const TextS
     do {
       result.pop_back();
     } while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80);
-    // What is left may end in the first byte of the letter whose rest was dropped.
+    // The rest may end in the first byte of a letter whose other bytes were dropped.
     if (!result.empty() && static_cast<unsigned char>(result.back()) >= 0xC0) result.pop_back();
   }
   return result.empty() ? result : result + "...";

@@ -1,4 +1,4 @@
-// Canvas: a page to draw on, in pixels from its upper left corner, that ends as the bytes of a PNG or SVG file.
+// Canvas: a page to draw on, in pixels from its upper left corner, finished as the bytes of a PNG or SVG file.
 #pragma once
 
 #include <memory>
@@ -34,7 +34,7 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Until ClipNothing, only what lies inside `box` is drawn.
+  // Until ClipNothing, only the area inside `box` is drawn.
   void ClipTo(const Rectangle& box);
   void ClipNothing();
 
@@ -55,7 +55,7 @@ class Canvas {
   // `text`, cut to `width` pixels with "..." if it is longer.
   std::string Shortened(const std::string& text, double width, const TextStyle& style);
 
-  // The file's bytes; nothing can be drawn afterwards.
+  // The file's bytes. REQUIRES: called once, as the last call.
   Result<std::string> Finish();
 
  private:

@@ -29,7 +29,7 @@ Caption MakeCaption(const WorldDescription& world, const WorldState& state, Pict
   return caption;
 }
 
-// A side view of a part looks at a slice: nothing in front of it may hide it.
+// A side view of a part shows a slice: solids in front of it are left out.
 void KeepSlice(const PictureOptions& options, std::vector<Solid>& solids, std::vector<RobotExtent>& extents) {
   Rectangle everything = Rectangle::Nothing();
   for (const Solid& solid : solids) everything.Extend(solid.box);
@@ -43,22 +43,6 @@ void KeepSlice(const PictureOptions& options, std::vector<Solid>& solids, std::v
 
 }  // namespace
 
-Status CheckPictureOptions(const PictureOptions& options) {
-  if (options.width && (*options.width < kMinPictureWidth || *options.width > kMaxPictureWidth)) {
-    return Error{{},
-                 "found a picture width of " + std::to_string(*options.width) + ", expected " +
-                     std::to_string(kMinPictureWidth) + " to " + std::to_string(kMaxPictureWidth) + " pixels"};
-  }
-  const auto out_of_bounds = [](double value) { return !(std::abs(value) <= 1e9); };
-  if (options.center && (out_of_bounds(options.center->x()) || out_of_bounds(options.center->y()))) {
-    return Error{{}, "found a picture centre that is not a place, expected x and y within 1e9 m"};
-  }
-  if (options.meters && !(*options.meters >= 0.01 && *options.meters <= 1e9)) {
-    return Error{{}, "found a picture " + Label(*options.meters) + " m wide, expected 0.01 m to 1e9 m"};
-  }
-  return std::nullopt;
-}
-
 Color SolidColor(const Drawing& drawing, const Solid& solid) {
   const Color& color = drawing.world.model(solid.model).color;
   return solid.robot ? RobotColor(color, solid.height) : ObjectColor(color, solid.height);
@@ -66,7 +50,7 @@ Color SolidColor(const Drawing& drawing, const Solid& solid) {
 
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options) {
-  if (const Status problem = CheckPictureOptions(options)) return *problem;
+  if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();
   std::vector<Solid> solids = CollectSolids(world, state);
   std::vector<RobotExtent> extents = RobotExtents(solids, state);
   const bool top = options.view == PictureView::kTop;

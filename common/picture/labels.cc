@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-// Where a label of this size may lie around a box, best first.
+// The places of a label of this size around a box, best first.
 std::array<Rectangle, 8> Candidates(const Rectangle& box, double width, double height) {
   const double gap = 0.35 * height;
   const Vec2 c = box.center();

@@ -1,4 +1,4 @@
-// Labels: names beside things, where there is room for them.
+// Labels: names beside boxes, if there is room for them.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace troupe {
 
 struct LabelRequest {
   std::string text;
-  Rectangle box;  // px: the thing to be labelled
+  Rectangle box;  // px: to be labelled
 };
 
 struct PlacedLabel {
@@ -25,8 +25,8 @@ struct LabelPlan {
 };
 
 // Finds a place for each label beside its box, inside `page`, over no other label or requested box, and off `walls`
-// where possible. Tries the sizes in their order and takes the first at which every label finds a place; at the last
-// one, labels without a place are left out, and all of them where fewer than half have one.
+// where possible. Tries the sizes in their order and uses the first at which every label finds a place; at the last
+// one, labels without a place are left out, and all of them if fewer than half have one.
 LabelPlan PlaceLabels(const std::vector<LabelRequest>& requests, const std::vector<Rectangle>& walls,
                       const Rectangle& page, const std::vector<double>& sizes,
                       const std::function<double(const std::string&, double)>& text_width);

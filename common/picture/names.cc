@@ -5,10 +5,10 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMany = 20;   // robots: from here on what all names begin with is left out
+constexpr std::size_t kMany = 20;   // robots: from here on the common prefix of all names is left out
 constexpr std::size_t kCrowd = 40;  // robots: from here on names are small and pale
 
-// What all names begin with, without digits at its end; nothing if that would leave a name empty.
+// The common prefix of all names, without digits at its end; nothing if that would leave a name empty.
 std::string CommonStart(const std::vector<RobotDescription>& robots) {
   std::string start = robots.front().name;
   for (const RobotDescription& robot : robots) {

@@ -33,7 +33,7 @@ struct Edge {
   auto operator<=>(const Edge&) const = default;
 };
 
-// What edges on common lines leave of each other: where two lie on top of one another, neither is on the outline.
+// The parts of edges on common lines that are on the outline: where two coincide, neither is.
 std::vector<Edge> CancelPairs(const std::vector<Edge>& edges) {
   struct End {
     std::int64_t line;
@@ -68,7 +68,7 @@ struct Corner {
   auto operator<=>(const Corner&) const = default;
 };
 
-// Edges by the corners at their ends, each to be taken once.
+// Edges by the corners at their ends, each to be used once.
 class EdgesAtCorners {
  public:
   void Add(const Corner& a, const Corner& b) {
@@ -78,7 +78,7 @@ class EdgesAtCorners {
   }
   void Sort() { std::sort(ends_.begin(), ends_.end()); }
 
-  // The other end of an edge at `corner` that was not taken yet, if there is one.
+  // The other end of an unused edge at `corner`, if there is one.
   std::optional<Corner> Take(const Corner& corner) {
     auto end = std::lower_bound(ends_.begin(), ends_.end(), End{corner, {0, 0}, 0},
                                 [](const End& a, const End& b) { return a.here < b.here; });

@@ -1,5 +1,5 @@
-// The outline of a union of rectangles: what is left of their edges where they touch is no seam in a picture, and far
-// fewer edges need drawing.
+// The outline of a union of rectangles: a picture of it has no seams between rectangles that touch, and far fewer
+// edges.
 #pragma once
 
 #include <vector>

@@ -8,7 +8,7 @@ namespace {
 
 constexpr Color kShadow{0.10, 0.12, 0.16, 1.0};
 
-// Pure screen colours shout: takes a share of their saturation, and a little of their contrast, away.
+// Pure screen colours are too loud: reduces their saturation, and a little of their contrast.
 Color Soft(const Color& color, double share) {
   const double luma = 0.3 * color.r + 0.59 * color.g + 0.11 * color.b;
   return Mix(Mix(WithOpacity(color, 1.0), {luma, luma, luma, 1.0}, share), {0.5, 0.5, 0.5, 1.0}, 0.10);
@@ -28,7 +28,7 @@ Color WithOpacity(Color color, double opacity) {
 
 Color ObjectColor(const Color& color, double height) {
   const Color soft = Soft(color, 0.26);
-  // Most things are low beside the highest cupboard: the root spreads them over the shades.
+  // Most solids are low beside the highest one: the root spreads them over the shades.
   const double share = std::sqrt(std::clamp(height, 0.0, 1.0));
   return Mix(Mix(soft, kShadow, 0.42), Mix(soft, page::kPaper, 0.5), share);
 }

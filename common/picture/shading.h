@@ -1,4 +1,4 @@
-// Colours of pictures: a quiet page, and model colours softened and shaded by height.
+// Colours of pictures: a pale page, and model colours softened and shaded by height.
 #pragma once
 
 #include "common/model/world_description.h"
@@ -11,9 +11,9 @@ Color WithOpacity(Color color, double opacity);
 
 // A model's colour at a height: `height` 0 is the lowest (dark, muted), 1 the highest (light).
 Color ObjectColor(const Color& color, double height);
-// The same for a part of a robot: stronger, so that robots stand out from what stands around.
+// The same for a part of a robot: stronger, so that robots stand out from their surroundings.
 Color RobotColor(const Color& color, double height);
-// The walls of a map: dark whatever its colour, with a tinge of it.
+// The walls of a map: dark, with a tinge of its colour.
 Color WallColor(const Color& color);
 // A line around an area of this colour.
 Color OutlineColor(const Color& color);

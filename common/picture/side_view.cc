@@ -9,14 +9,14 @@ namespace troupe {
 namespace {
 
 constexpr double kObjectOpacity = 0.88;
-constexpr double kFarthestFade = 0.2;  // how much of the page's colour the farthest things take on
+constexpr double kFarthestFade = 0.2;  // share of the page's colour in that of the farthest solids
 
 // The solid's box in the plane of x and z.
 Rectangle Elevation(const Solid& solid) {
   return {solid.box.min_x, solid.z.min, solid.box.max_x, solid.z.max};
 }
 
-// The maps against the sky, as few boxes: drawn as they are, the walls around a building would hide what is inside.
+// The maps against the sky, as few boxes: drawn in full, the walls of a building would hide its inside.
 void DrawSilhouettes(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
   std::vector<Rectangle> boxes;
   for (const Solid& solid : drawing.solids) {
@@ -95,7 +95,7 @@ Rectangle SideContents(const Drawing& drawing) {
     if (extent.shown) contents.Extend(Rectangle{extent.box.min_x, extent.z.min, extent.box.max_x, extent.z.max});
   }
   if (contents.empty()) return maps;
-  // Walls may be cut off above: what stands between them is the picture.
+  // Walls may be cut off above: the solids between them are the picture.
   contents.min_x = std::min(contents.min_x, maps.min_x);
   contents.max_x = std::max(contents.max_x, maps.max_x);
   return contents;

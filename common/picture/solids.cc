@@ -33,7 +33,7 @@ Rectangle BoxAround(const Rectangle& r, const Transform2& X_WM) {
   return box;
 }
 
-// Solids are compared by height with others that a viewer would compare them with: a robot's own parts, or all objects.
+// A solid's height is relative to the solids that it is compared with by eye: its robot's parts, or all objects.
 void SetHeights(std::vector<Solid>& solids, std::size_t robots) {
   std::vector<ZRange> span(robots + 1, ZRange{0.0, 0.0});
   std::vector<bool> seen(robots, false);

@@ -12,7 +12,7 @@
 namespace troupe {
 
 enum class SolidKind : std::uint8_t {
-  kMap,     // a bitmap that stands still
+  kMap,     // a static bitmap
   kObject,  // any other model without a drive
   kRobot,   // part of a robot
 };

@@ -1,4 +1,4 @@
-// What surrounds the drawn world: grid and scales below it, frame and caption around it.
+// The surroundings of the drawn world: grid and scales below it, frame and caption around it.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ void DrawFrame(Canvas& canvas, const Viewport& viewport);
 struct Caption {
   std::string title;   // the world's name
   std::string detail;  // tick, time, robots
-  std::string alarm;   // what should be noticed: stalled robots
+  std::string alarm;   // in red: stalled robots
 };
 
 // Title and details at the lower left, a scale bar of a round length at the lower right.

@@ -8,9 +8,10 @@
 namespace troupe {
 namespace {
 
-constexpr double kOverhang = 0.1;  // m: what hangs higher over the ground lets what is below shine through
+constexpr double kOverhang =
+    0.1;  // m: a solid higher above the ground is drawn with the solids below it showing through
 constexpr double kOverhangOpacity = 0.62;
-constexpr double kCoveredOpacity = 0.28;  // of what of a robot is drawn again over the table it stands under
+constexpr double kCoveredOpacity = 0.28;  // of the parts of a robot that are drawn again over the table above it
 constexpr std::size_t kManyFans = 300;
 constexpr double kSmallestRobot = 7.0;  // units: robots that would be smaller are drawn as a pin
 
@@ -22,7 +23,7 @@ Polygon FanOutline(const ScanFan& fan) {
     outline.push_back(fan.X_WS.translation() + range * Vec2(std::cos(angle), std::sin(angle)));
   };
   if (fan.ranges.size() == 1) {
-    // A single ray becomes a slim cone, or it could hardly be seen.
+    // A single ray becomes a slim cone, because a line is hard to see.
     const double half = std::min(0.5 * fan.fov, 0.05);
     for (double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) add(fan.bearings[0] + side * half, fan.ranges[0]);
   } else {
@@ -31,13 +32,13 @@ Polygon FanOutline(const ScanFan& fan) {
   return outline;
 }
 
-// All fans together, so that where they overlap is no darker than elsewhere; their edges tell them apart.
+// All fans together, so that overlaps are no darker; their edges tell them apart.
 void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
   std::vector<Polygon> outlines;
   for (const ScanFan& fan : drawing.fans) outlines.push_back(FanOutline(fan));
   outlines = viewport.ToPage(outlines);
   canvas.FillUnion(outlines, WithOpacity(page::kScan, 0.13));
-  // The more fans, the fainter their edges; of a swarm's they would be a thicket.
+  // The more fans, the fainter their edges, which would hide a swarm.
   if (outlines.size() > kManyFans) return;
   const double opacity = std::clamp(1.4 / std::sqrt(1.0 + static_cast<double>(outlines.size())), 0.05, 0.3);
   for (const Polygon& outline : outlines) {
@@ -60,7 +61,7 @@ void DrawSolid(Canvas& canvas, const Viewport& viewport, const Drawing& drawing,
   }
 }
 
-// How far a robot's body reaches from its origin, m, frame R.
+// The largest distance of a robot's body from its origin, m, frame R.
 struct Reach {
   double front = 0.0;
   double side = 0.0;
@@ -112,7 +113,7 @@ Rectangle BoxOnPage(const Viewport& viewport, const RobotExtent& extent) {
   return missing > 0.0 ? box.Inflated(0.5 * missing) : box;
 }
 
-// What lies higher is drawn later: solids, and each robot's nose right after its highest part.
+// Higher solids are drawn later, and each robot's nose right after its highest part.
 struct Layer {
   double top;
   double bottom;
@@ -171,7 +172,7 @@ void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing
   }
 }
 
-// Walls go below everything: a robot that stands in a wall it cannot hit must still be seen. Returns where they are.
+// Walls are below everything else: a robot inside a wall that it cannot hit must still be seen. Returns their boxes.
 std::vector<Rectangle> DrawWalls(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
   std::vector<Rectangle> walls;
   for (const Solid& solid : drawing.solids) {

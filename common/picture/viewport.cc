@@ -50,7 +50,7 @@ Rectangle ChooseRegion(const Rectangle& contents, const PictureOptions& options)
     region = region.Inflated(margin);
   }
   if (!top) {
-    // The ground and a strip of what is under it.
+    // The ground and a strip below it.
     const double height = std::max({contents.empty() ? 0.0 : contents.max_y, 0.05 * region.width(), kSmallestExtent});
     const double low = contents.empty() ? 0.0 : std::min(0.0, contents.min_y);
     region.min_y = low - 0.1 * (height - low);

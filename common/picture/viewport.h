@@ -1,4 +1,4 @@
-// Viewport: which part of the world a picture shows, where on the page, and at which scale.
+// Viewport: the part of the world that a picture shows, its place on the page, and the scale.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct Viewport {
   Rectangle ToPage(const Rectangle& box) const;
 };
 
-// `contents` is what there is to see, in the plane; it may be empty.
+// `contents` is the extent of the solids in the plane; it may be empty.
 Viewport MakeViewport(const Rectangle& contents, const PictureOptions& options);
 
 // The largest of 1, 2, 5, 10, ... (and 0.5, 0.2, ...) that is not above `value` > 0.

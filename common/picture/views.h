@@ -1,4 +1,4 @@
-// The two views: what they draw inside the plot.
+// The drawing of the two views inside the plot.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace troupe {
 
-// All that a view needs to know.
+// The input of a view.
 struct Drawing {
   const WorldDescription& world;
   const WorldState& state;
@@ -18,7 +18,7 @@ struct Drawing {
   const std::vector<RobotExtent>& extents;
 };
 
-// What there is to see in the view's plane.
+// The extent of the solids in the view's plane.
 Rectangle TopContents(const Drawing& drawing);
 Rectangle SideContents(const Drawing& drawing);
 

@@ -1,5 +1,6 @@
 #include "common/protocol/faulty_transport.h"
 
+#include <atomic>
 #include <charconv>
 #include <functional>
 #include <map>
@@ -9,11 +10,15 @@
 
 #include "common/base/random.h"
 #include "common/protocol/delivery_thread.h"
+#include "common/protocol/observer_queue.h"
 
 namespace troupe {
 namespace {
 
-enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kProposal };
+// The faults of each observer are a stream of random numbers of its own, from here on; those of an agent are its id's.
+constexpr std::uint64_t kFirstObserverStream = std::uint64_t{1} << 63;
+
+enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kProposal, kStatus };
 
 // The faults on the way to one endpoint. Called from one thread at a time.
 class FaultyLine {
@@ -141,6 +146,46 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
   std::unique_ptr<AgentEndpoint> inner_;
 };
 
+class FaultyObserverEndpoint final : public ObserverEndpoint, private ObserverHandler {
+ public:
+  FaultyObserverEndpoint(std::unique_ptr<ObserverEndpoint> inner, DeliveryThread& delivery, const Faults& faults,
+                         std::uint64_t stream)
+      : line_(delivery, faults, stream), inner_(std::move(inner)) {}
+  ~FaultyObserverEndpoint() override {
+    line_.Close();                // it posts to the queue
+    if (queue_) queue_->Close();  // while the handler may still call this endpoint
+    inner_.reset();
+  }
+
+  void Start(ObserverHandler& handler) override {
+    queue_.emplace(handler);
+    inner_->Start(*this);
+  }
+  void RequestFrame() override { inner_->RequestFrame(); }
+
+ private:
+  // The thread of the faults serves all endpoints, so it only posts to the queue of this observer.
+  void OnSession(const SessionMessage& session) override {
+    line_.PassDelayed(
+        [this, shared = std::make_shared<const SessionMessage>(session)] { queue_->PostSession(shared); });
+  }
+  void OnFrame(const FrameMessage& frame) override {
+    line_.Pass(Kind::kFrame,
+               [this, shared = std::make_shared<const FrameMessage>(frame)] { queue_->PostFrame(shared); });
+  }
+  void OnStatus(const StatusMessage& status) override {
+    line_.Pass(Kind::kStatus,
+               [this, shared = std::make_shared<const StatusMessage>(status)] { queue_->PostStatus(shared); });
+  }
+  void OnServiceGone() override {
+    line_.PassIntact([this] { queue_->PostServiceGone(); });
+  }
+
+  std::optional<ObserverQueue> queue_;  // once started
+  FaultyLine line_;
+  std::unique_ptr<ObserverEndpoint> inner_;
+};
+
 class FaultyTransport final : public Transport {
  public:
   FaultyTransport(std::unique_ptr<Transport> inner, const Faults& faults) : faults_(faults), inner_(std::move(inner)) {}
@@ -151,9 +196,14 @@ class FaultyTransport final : public Transport {
   std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) override {
     return std::make_unique<FaultyAgentEndpoint>(inner_->MakeAgentEndpoint(agent), delivery_, faults_, agent);
   }
+  std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() override {
+    return std::make_unique<FaultyObserverEndpoint>(inner_->MakeObserverEndpoint(), delivery_, faults_,
+                                                    kFirstObserverStream + observers_++);
+  }
 
  private:
   const Faults faults_;
+  std::atomic<std::uint64_t> observers_ = 0;  // that were made
   std::unique_ptr<Transport> inner_;
   DeliveryThread delivery_;
 };
@@ -184,7 +234,7 @@ Status ParseFault(std::string_view item, Faults& faults) {
     const auto seed = ParseNumber<std::uint64_t>(value);
     if (!seed) return FaultError(item, "seed=N with a whole number N");
     faults.seed = *seed;
-    return std::nullopt;
+    return Status();
   }
   if (name == "delay") {
     const std::size_t colon = value.find(':');
@@ -195,7 +245,7 @@ Status ParseFault(std::string_view item, Faults& faults) {
     }
     faults.delay_probability = *probability;
     faults.delay_seconds = *seconds;
-    return std::nullopt;
+    return Status();
   }
   if (name == "latency") {
     const std::size_t colon = value.find(':');
@@ -206,7 +256,7 @@ Status ParseFault(std::string_view item, Faults& faults) {
     }
     faults.latency_seconds = *seconds;
     faults.latency_jitter = *jitter;
-    return std::nullopt;
+    return Status();
   }
   double* const probability = name == "loss"        ? &faults.loss
                               : name == "duplicate" ? &faults.duplicate
@@ -216,7 +266,7 @@ Status ParseFault(std::string_view item, Faults& faults) {
   const auto parsed = ParseProbability(value);
   if (!parsed) return FaultError(item, "a probability from 0 to 1 after the equals sign");
   *probability = *parsed;
-  return std::nullopt;
+  return Status();
 }
 
 }  // namespace
@@ -226,7 +276,7 @@ Result<Faults> ParseFaults(const std::string& text) {
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
-    if (Status error = ParseFault(rest.substr(0, comma), faults)) return *error;
+    if (Status error = ParseFault(rest.substr(0, comma), faults); !error.ok()) return error.error();
     rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
   }
   return faults;

@@ -15,16 +15,14 @@ namespace troupe {
 struct Faults {
   double loss = 0.0;
   double duplicate = 0.0;
-  double reorder = 0.0;          // delivered after the next message of its kind
+  double reorder = 0.0;  // delivered after the next message of its kind
   double delay_probability = 0.0;
   double delay_seconds = 0.0;    // a delayed message waits uniform(0, this)
   double latency_seconds = 0.0;  // every message is this late, ...
   double latency_jitter = 0.0;   // ... give or take this part of it
   std::uint64_t seed = 1;
 
-  bool any() const {
-    return loss > 0 || duplicate > 0 || reorder > 0 || delay_probability > 0 || latency_seconds > 0;
-  }
+  bool any() const { return loss > 0 || duplicate > 0 || reorder > 0 || delay_probability > 0 || latency_seconds > 0; }
 };
 
 // From "loss=0.1,duplicate=0.05,reorder=0.1,delay=0.2:0.005,latency=0.005:0.2,seed=7" (delay is probability:seconds,

@@ -2,14 +2,18 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "common/protocol/delivery_thread.h"
+#include "common/protocol/observer_queue.h"
 
 namespace troupe {
 namespace {
 
-// Who receives what. Shared by the endpoints, which live no longer than the transport.
+// Delivers each message to the endpoints of its receivers. Shared by the endpoints, which live no longer than the
+// transport.
 class Exchange {
  public:
   using Target = DeliveryThread::Target;
@@ -19,7 +23,14 @@ class Exchange {
   void RemoveService(Target service);
   void RemoveAgent(Target target, AgentId agent);
 
+  // The observer gets the sessions and the newest frame. REQUIRES: the queue lives until RemoveObserver.
+  void AddObserver(ObserverQueue& observer);
+  void RemoveObserver(ObserverQueue& observer);
+
   void PublishSession(Target service, const SessionMessage& session);
+  void PublishFrame(const FrameMessage& frame);
+  void PublishStatus(const StatusMessage& status);
+  void SendNewestFrame(ObserverQueue& observer);
 
   template <typename Message>
   void ToServices(void (ServiceHandler::*receive)(const Message&), const Message& message) {
@@ -44,7 +55,9 @@ class Exchange {
   std::mutex mutex_;
   std::map<Target, ServiceHandler*> services_;
   std::map<Target, AgentHandler*> agents_;
+  std::set<ObserverQueue*> observers_;
   std::map<Target, std::shared_ptr<const SessionMessage>> sessions_;  // by the service that published it
+  std::shared_ptr<const FrameMessage> newest_frame_;                  // null before the first
   DeliveryThread delivery_;
 };
 
@@ -76,6 +89,10 @@ void Exchange::RemoveService(Target service) {
     for (const auto& [target, handler] : agents_) {
       delivery_.Post(target, [handler = handler] { handler->OnServiceGone(); });
     }
+    if (sessions_.empty()) newest_frame_.reset();
+    for (ObserverQueue* observer : observers_) {
+      if (sessions_.empty()) observer->PostServiceGone();
+    }
   }
   delivery_.RemoveTarget(service);
 }
@@ -102,6 +119,41 @@ void Exchange::PublishSession(Target service, const SessionMessage& session) {
     if (target == service) continue;
     delivery_.Post(target, [handler = handler, shared] { handler->OnRivalService(*shared); });
   }
+  for (ObserverQueue* observer : observers_) observer->PostSession(shared);
+}
+
+void Exchange::AddObserver(ObserverQueue& observer) {
+  const std::lock_guard lock(mutex_);
+  observers_.insert(&observer);
+  for (const auto& [service, session] : sessions_) observer.PostSession(session);
+  if (newest_frame_ != nullptr) observer.PostFrame(newest_frame_);
+}
+
+void Exchange::RemoveObserver(ObserverQueue& observer) {
+  const std::lock_guard lock(mutex_);
+  observers_.erase(&observer);
+}
+
+void Exchange::PublishFrame(const FrameMessage& frame) {
+  const auto shared = std::make_shared<const FrameMessage>(frame);
+  const std::lock_guard lock(mutex_);
+  for (const auto& [target, handler] : agents_) {
+    delivery_.Post(target, [handler = handler, shared] { handler->OnFrame(*shared); });
+  }
+  for (ObserverQueue* observer : observers_) observer->PostFrame(shared);
+  newest_frame_ = shared;
+}
+
+void Exchange::PublishStatus(const StatusMessage& status) {
+  const std::lock_guard lock(mutex_);
+  if (observers_.empty()) return;
+  const auto shared = std::make_shared<const StatusMessage>(status);
+  for (ObserverQueue* observer : observers_) observer->PostStatus(shared);
+}
+
+void Exchange::SendNewestFrame(ObserverQueue& observer) {
+  const std::lock_guard lock(mutex_);
+  if (newest_frame_ != nullptr) observer.PostFrame(newest_frame_);
 }
 
 class MemoryServiceEndpoint final : public ServiceEndpoint {
@@ -118,8 +170,8 @@ class MemoryServiceEndpoint final : public ServiceEndpoint {
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override {
     for (const AdmissionMessage& admission : admissions) exchange_.ToAgents(&AgentHandler::OnAdmission, admission);
   }
-  void SendFrame(const FrameMessage& frame) override { exchange_.ToAgents(&AgentHandler::OnFrame, frame); }
-  void SendStatus(const StatusMessage&) override {}  // tools are other processes
+  void SendFrame(const FrameMessage& frame) override { exchange_.PublishFrame(frame); }
+  void SendStatus(const StatusMessage& status) override { exchange_.PublishStatus(status); }
   void Flush(double seconds) override { exchange_.Flush(seconds); }
 
  private:
@@ -145,6 +197,28 @@ class MemoryAgentEndpoint final : public AgentEndpoint {
   std::optional<Exchange::Target> target_;  // once started
 };
 
+class MemoryObserverEndpoint final : public ObserverEndpoint {
+ public:
+  explicit MemoryObserverEndpoint(Exchange& exchange) : exchange_(exchange) {}
+  ~MemoryObserverEndpoint() override {
+    if (!queue_) return;
+    exchange_.RemoveObserver(*queue_);
+    queue_->Close();  // while the handler may still call this endpoint
+  }
+  void Start(ObserverHandler& handler) override {
+    TROUPE_CHECK(!queue_.has_value());
+    exchange_.AddObserver(queue_.emplace(handler));
+  }
+  void RequestFrame() override {
+    TROUPE_CHECK(queue_.has_value());
+    exchange_.SendNewestFrame(*queue_);
+  }
+
+ private:
+  Exchange& exchange_;
+  std::optional<ObserverQueue> queue_;  // once started
+};
+
 class MemoryTransport final : public Transport {
  public:
   std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
@@ -152,6 +226,9 @@ class MemoryTransport final : public Transport {
   }
   std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) override {
     return std::make_unique<MemoryAgentEndpoint>(exchange_, agent);
+  }
+  std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() override {
+    return std::make_unique<MemoryObserverEndpoint>(exchange_);
   }
 
  private:

@@ -1,5 +1,5 @@
-// MemoryTransport: messages between endpoints of one process. One thread of its own delivers everything, in the order in
-// which it was sent, so that a whole run needs no hand-over between threads.
+// MemoryTransport: messages between endpoints of one process. One thread of its own delivers everything, in the order
+// in which it was sent, so that a whole run needs no hand-over between threads.
 #pragma once
 
 #include <memory>

@@ -77,6 +77,12 @@ struct FrameMessage {
   bool operator==(const FrameMessage&) const = default;
 };
 
+// Observer to service: send the newest frame again, whole.
+struct FrameRequest {
+  std::uint64_t observer = 0;  // random; tells observers apart
+  bool operator==(const FrameRequest&) const = default;
+};
+
 // Agent to service: exactly one for each frame, for all robots of the agent.
 struct ProposalMessage {
   RunId run = 0;
@@ -84,7 +90,7 @@ struct ProposalMessage {
   Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
   std::vector<Proposal> proposals;   // in robot-id order
   std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
-  bool held = false;                 // answers a paused frame: asks for nothing
+  bool paused = false;               // answers a paused frame: asks for nothing
   Edition edition = 0;               // of the frame that it answers
   bool operator==(const ProposalMessage&) const = default;
 };
@@ -162,10 +168,10 @@ struct ControlReply {
 struct StatusMessage {
   RunId run = 0;
   Tick tick = 0;
-  std::uint64_t target_ticks = 0;        // 0: no end
+  std::uint64_t target_ticks = 0;  // 0: no end
   double sim_seconds = 0.0;
-  double wall_seconds = 0.0;             // since the first tick
-  double real_time_factor = 0.0;         // over the last period
+  double wall_seconds = 0.0;      // since the first tick
+  double real_time_factor = 0.0;  // over the last period
   std::uint32_t robots = 0;
   std::uint32_t agents = 0;
   std::vector<std::string> waiting_for;  // robots whose proposals are missing for longer than a moment

@@ -1,10 +1,10 @@
-// Transport: how messages travel between a world service and its agents. Implementations: memory_transport.h (one
-// process), common/dds/dds_transport.h (any number of processes and machines), faulty_transport.h (wraps another one
-// and loses, delays, doubles and reorders, for tests).
+// Transport: the connection between a world service, its agents and its observers. Implementations: memory_transport.h
+// (one process), common/dds/transport/dds_transport.h (any number of processes and machines), faulty_transport.h (wraps
+// another one and loses, delays, duplicates and reorders messages, for tests).
 //
-// Messages may be lost, late, doubled or out of order in any of them: the tick protocol (docs/tick-protocol.md) copes.
-// Handlers are called one at a time for each endpoint, on a thread of the transport's choice; sending from inside a
-// handler is allowed. Handlers must not destroy their endpoint.
+// Messages may be lost, late, duplicated or out of order in any of them; the tick protocol (docs/tick-protocol.md)
+// tolerates that. The handler of an endpoint is called by one thread at a time, which the transport chooses; sending
+// from inside a handler call is allowed. A handler must not destroy its endpoint.
 #pragma once
 
 #include <memory>
@@ -19,15 +19,15 @@ class ServiceHandler {
   virtual ~ServiceHandler() = default;
   virtual void OnJoin(const JoinMessage& join) = 0;
   virtual void OnProposal(const ProposalMessage& proposal) = 0;
-  // The transport knows that the agent is gone (it left, or its lease ran out).
+  // The agent is gone (it left, or its lease ran out).
   virtual void OnAgentGone(AgentId agent) = 0;
   // Another service of the same session was seen.
   virtual void OnRivalService(const SessionMessage& rival) = 0;
-  // A tool wants something. Its answer goes out by SendControlReply, now or later.
+  // The request of a tool. SendControlReply answers it, now or later.
   virtual void OnControl(const ControlRequest& request) { (void)request; }
 };
 
-// The world service's end.
+// The world service's end. It keeps the newest frame, and answers the frame requests of observers by itself.
 class ServiceEndpoint {
  public:
   virtual ~ServiceEndpoint() = default;  // no handler call runs any more when it returns
@@ -37,9 +37,9 @@ class ServiceEndpoint {
   virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendStatus(const StatusMessage& status) = 0;
-  // Transports that no tool can reach have nobody to send it to.
+  // Without effect in transports that no tool can reach.
   virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
-  // Waits until what was sent has been received by those who are there, at most `seconds`.
+  // Waits until the agents have received all messages that were sent, at most `seconds`.
   virtual void Flush(double seconds) = 0;
 };
 
@@ -63,12 +63,40 @@ class AgentEndpoint {
   virtual void SendProposal(const ProposalMessage& proposal) = 0;
 };
 
+// A tool that follows a run without taking part in it: a viewer, a monitor.
+class ObserverHandler {
+ public:
+  virtual ~ObserverHandler() = default;
+  // The world of a run: before its first frame, and again after each edit that changed it.
+  virtual void OnSession(const SessionMessage& session) = 0;
+  // A committed tick with its whole state and its events. Frames may be missing; a frame may come twice. Its world is
+  // that of the session message with the same run and world_edition. `awaited` means nothing here.
+  virtual void OnFrame(const FrameMessage& frame) = 0;
+  virtual void OnStatus(const StatusMessage& status) = 0;
+  // The service is gone (it ended, or its lease ran out). A later run of the session begins with OnSession.
+  virtual void OnServiceGone() = 0;
+};
+
+// An observer's end. It joins a session at any time and sees its newest frame, then each following one. The handler has
+// a thread of its own: a slow handler loses frames, and neither the service nor any agent or other observer waits for
+// it.
+class ObserverEndpoint {
+ public:
+  virtual ~ObserverEndpoint() = default;  // no handler call runs any more when it returns
+  // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
+  virtual void Start(ObserverHandler& handler) = 0;
+  // Asks the service for its newest frame, which OnFrame gets again even if it is known. The endpoint asks by itself on
+  // joining and after a gap; this is for a caller to which a frame was lost. REQUIRES: started.
+  virtual void RequestFrame() = 0;
+};
+
 class Transport {
  public:
   virtual ~Transport() = default;
   // The endpoints must not outlive the transport.
   virtual std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() = 0;
   virtual std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) = 0;
+  virtual std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() = 0;
 };
 
 }  // namespace troupe

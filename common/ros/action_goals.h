@@ -1,4 +1,4 @@
-// ActionGoals<Goal>: the goals that the server of an action got, as rcl keeps them. It knows nothing of DDS.
+// ActionGoals<Goal>: the goals of an action server and their states, as rcl keeps them, without any DDS.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace troupe::ros {
 
-// With the numbers of action_msgs.
+// The numbers are those of action_msgs.
 enum class GoalStatus : std::int8_t {
   kUnknown = 0,
   kAccepted = 1,
@@ -23,19 +23,25 @@ enum class CancelAnswer : std::int8_t { kNone = 0, kRejected = 1, kUnknownGoal =
 
 using GoalId = std::array<std::uint8_t, 16>;
 
-// What a Goal derives from.
+// The base of every type of goal.
 struct ActionGoal {
   GoalId id = {};
-  std::int64_t stamp = 0;  // ns, simulated time when it was accepted
+  std::int64_t stamp = 0;  // ns, simulated time of acceptance
   GoalStatus status = GoalStatus::kAccepted;
 
   bool ended() const { return status >= GoalStatus::kSucceeded; }
 };
 
 template <typename Goal>
+struct CancelResult {
+  CancelAnswer answer = CancelAnswer::kNone;
+  std::vector<Goal> canceling;  // the goals that now end
+};
+
+template <typename Goal>
 class ActionGoals {
  public:
-  // Refuses one whose id is known, or one of too many.
+  // False, and no effect, if the id is known or kMostOpen goals are open.
   bool Add(const Goal& goal) {
     const auto open = std::count_if(goals_.begin(), goals_.end(), [](const Goal& other) { return !other.ended(); });
     if (Find(goal.id) != nullptr || static_cast<std::size_t>(open) >= kMostOpen) return false;
@@ -43,23 +49,24 @@ class ActionGoals {
     return true;
   }
 
-  // As action_msgs/CancelGoal: the goal of this id, and all that came at `stamp` (ns) or before. An id of zeros is
-  // none, and a stamp of 0 too; without both, all. `canceling`: those that will end by this.
-  CancelAnswer Cancel(const GoalId& id, std::int64_t stamp, std::vector<Goal>& canceling) {
+  // As action_msgs/CancelGoal: cancels the goal of this id and all goals accepted at `stamp` (ns) or before. An id of
+  // zeros names no goal, a stamp of 0 no time; without both, all goals are meant.
+  CancelResult<Goal> Cancel(const GoalId& id, std::int64_t stamp) {
     const bool by_id = id != GoalId{};
-    CancelAnswer answer = by_id && stamp == 0 ? CancelAnswer::kUnknownGoal : CancelAnswer::kNone;
+    CancelResult<Goal> result;
+    if (by_id && stamp == 0) result.answer = CancelAnswer::kUnknownGoal;
     for (Goal& goal : goals_) {
       const bool is_meant = (by_id && goal.id == id) || (stamp != 0 && goal.stamp <= stamp) || (!by_id && stamp == 0);
       if (!is_meant) continue;
       if (goal.status == GoalStatus::kAccepted || goal.status == GoalStatus::kExecuting) {
         goal.status = GoalStatus::kCanceling;
-        canceling.push_back(goal);
-        answer = CancelAnswer::kNone;
-      } else if (answer == CancelAnswer::kUnknownGoal) {
-        answer = CancelAnswer::kGoalHasEnded;
+        result.canceling.push_back(goal);
+        result.answer = CancelAnswer::kNone;
+      } else if (result.answer == CancelAnswer::kUnknownGoal) {
+        result.answer = CancelAnswer::kGoalHasEnded;
       }
     }
-    return answer;
+    return result;
   }
 
   // Null if there is none.
@@ -72,12 +79,12 @@ class ActionGoals {
   }
   const Goal* executing() const { return const_cast<ActionGoals*>(this)->executing(); }
 
-  // Those that have not ended and some that have, in the order in which they came.
+  // The open goals and the latest ended ones, in order of arrival.
   std::vector<Goal>& all() { return goals_; }
   const std::vector<Goal>& all() const { return goals_; }
 
-  // Keeps the latest few of those that have ended.
-  void Forget() {
+  // Removes ended goals, except for the latest kMostEnded.
+  void RemoveOldEnded() {
     auto ended = std::count_if(goals_.begin(), goals_.end(), [](const Goal& goal) { return goal.ended(); });
     std::erase_if(goals_,
                   [&](const Goal& goal) { return goal.ended() && ended-- > static_cast<std::ptrdiff_t>(kMostEnded); });

@@ -7,12 +7,12 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-constexpr std::size_t kColumns = 6;  // of a covariance: x, y, z, and turns around x, y, z
+constexpr std::size_t kColumns = 6;  // of a covariance: x, y, z, and rotations about x, y, z
 constexpr std::uint8_t kUltrasound = 0;
 constexpr std::uint8_t kFloat32 = 7;  // of a PointField
 constexpr std::uint32_t kBytesPerFloat = 4;
 
-// Row and column of the three that exist in the plane.
+// Only x, y and the heading vary in the plane.
 void SetDiagonal(double (&covariance)[36], double x, double y, double heading) {
   covariance[0] = x;
   covariance[kColumns + 1] = y;
@@ -32,7 +32,7 @@ Time ToTime(Tick tick, std::int64_t interval_ns) {
 }
 
 Pose OdomInMap(const LocalizationDescription& localization, const Pose& X_WR, const Pose& estimate) {
-  if (localization.type == LocalizationType::kGps) return {};  // without what rounding would leave
+  if (localization.type == LocalizationType::kGps) return {};  // exactly, without rounding
   return X_WR * Inverse(estimate);
 }
 
@@ -84,33 +84,31 @@ OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const 
   return odometry;
 }
 
-LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangerDescription& ranger,
-                        const RaySensorDescription& sensor, double interval_seconds, const std::vector<double>& ranges,
-                        const std::vector<double>& intensities, dds::WireArena& arena) {
-  LaserScan scan{};
-  scan.header = MakeHeader(stamp, frame, arena);
-  scan.angle_min = static_cast<float>(-0.5 * sensor.fov);
-  scan.angle_max = static_cast<float>(0.5 * sensor.fov);
-  scan.angle_increment = static_cast<float>(sensor.samples > 1 ? sensor.fov / (sensor.samples - 1) : 0.0);
-  scan.time_increment = 0.0F;  // all rays at once
-  scan.scan_time = static_cast<float>(ranger.period_ticks * interval_seconds);
-  scan.range_min = static_cast<float>(sensor.range.min);
-  scan.range_max = static_cast<float>(sensor.range.max);
-  Copy(ranges, arena.Fill(scan.ranges, ranges.size()));
-  Copy(intensities, arena.Fill(scan.intensities, intensities.size()));
-  return scan;
+LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangeScan& scan, double period_seconds,
+                        dds::WireArena& arena) {
+  LaserScan message{};
+  message.header = MakeHeader(stamp, frame, arena);
+  message.angle_min = static_cast<float>(scan.fan.angle_min());
+  message.angle_max = static_cast<float>(scan.fan.angle_max());
+  message.angle_increment = static_cast<float>(scan.fan.angle_increment());
+  message.time_increment = 0.0F;  // all rays at once
+  message.scan_time = static_cast<float>(period_seconds);
+  message.range_min = static_cast<float>(scan.limits.min);
+  message.range_max = static_cast<float>(scan.limits.max);
+  Copy(scan.ranges, arena.Fill(message.ranges, scan.ranges.size()));
+  Copy(scan.intensities, arena.Fill(message.intensities, scan.intensities.size()));
+  return message;
 }
 
-RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RaySensorDescription& sensor, double range,
-                       dds::WireArena& arena) {
+RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena) {
   RangeMessage message{};
   message.header = MakeHeader(stamp, frame, arena);
   message.radiation_type = kUltrasound;
-  message.field_of_view = static_cast<float>(sensor.fov);
-  message.min_range = static_cast<float>(sensor.range.min);
-  message.max_range = static_cast<float>(sensor.range.max);
-  message.range = static_cast<float>(range);
-  message.variance = static_cast<float>(sensor.noise_variance);
+  message.field_of_view = static_cast<float>(scan.fan.fov);
+  message.min_range = static_cast<float>(scan.limits.min);
+  message.max_range = static_cast<float>(scan.limits.max);
+  message.range = static_cast<float>(scan.ranges.front());
+  message.variance = static_cast<float>(scan.variance);
   return message;
 }
 
@@ -119,7 +117,7 @@ PointCloud2 MakePointCloud(const Time& stamp, const std::string& frame, const st
                            dds::WireArena& arena) {
   std::vector<float> coordinates;
   for (std::size_t i = 0; i < X_FS.size(); ++i) {
-    if (ranges[i] >= limits[i]) continue;  // met nothing
+    if (ranges[i] >= limits[i]) continue;  // no hit
     const Pose point = X_FS[i] * Pose{ranges[i], 0.0, 0.0, 0.0};
     for (const double coordinate : {point.x, point.y, point.z}) coordinates.push_back(static_cast<float>(coordinate));
   }

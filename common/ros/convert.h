@@ -1,23 +1,24 @@
-// Converters from the simulation to ROS messages: pure functions. Strings and sequences of what they return live in the
-// arena. Poses are flat: a heading becomes a turn around z.
+// Pure functions from values of the simulation to ROS messages. The strings and sequences of a message live in the
+// arena. A heading becomes a rotation about z.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/geometry/pose.h"
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 #include "common/ros/messages.h"
 #include "common/ros/odometry_error.h"
+#include "common/sensing/sensor_reading.h"
 
 namespace troupe::ros {
 
-// Of simulated time: tick * interval.
+// Simulated time: tick * interval.
 Time ToTime(Tick tick, std::int64_t interval_ns);
 
-// Where a robot's odometry frame is in the map, from where the robot is and believes to be when odometry starts.
+// X_WO of a robot's odometry frame O, from the robot's pose and its own estimate X_OR at the start of odometry.
 Pose OdomInMap(const LocalizationDescription& localization, const Pose& X_WR, const Pose& estimate);
 
 Header MakeHeader(const Time& stamp, const std::string& frame, dds::WireArena& arena);
@@ -31,21 +32,21 @@ TfMessage MakeTfMessage(const std::vector<TransformStamped>& transforms, dds::Wi
 OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const std::string& child, const Pose& pose,
                              const Twist& twist, const Covariance& error, dds::WireArena& arena);
 
-// One scan of one sensor; `ranges` and `intensities` from RangeScan. A ray that met nothing has the range range_max.
-LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangerDescription& ranger,
-                        const RaySensorDescription& sensor, double interval_seconds, const std::vector<double>& ranges,
-                        const std::vector<double>& intensities, dds::WireArena& arena);
+// One scan of one ray sensor, in the sensor's frame. A ray without a hit has the range range_max. `period_seconds`:
+// from one scan to the next.
+LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangeScan& scan, double period_seconds,
+                        dds::WireArena& arena);
 
-RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RaySensorDescription& sensor, double range,
-                       dds::WireArena& arena);
+// The first ray of a scan. REQUIRES: it has one.
+RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena);
 HumbleRangeMessage WithoutVariance(const RangeMessage& range);
 
-// A point for each sensor of one ray that met something, where it met it, in the frame of `X_FS`: the poses of the
-// sensors. `ranges` and `limits` (range_max) likewise by sensor.
+// The hits of sensors with one ray each, as points in the frame F of `frame`. By sensor: `X_FS`, its pose; `ranges`, m;
+// `limits`, its range_max in m. A sensor without a hit adds no point.
 PointCloud2 MakePointCloud(const Time& stamp, const std::string& frame, const std::vector<Pose>& X_FS,
                            const std::vector<double>& ranges, const std::vector<double>& limits, dds::WireArena& arena);
 
-// `joints`: the robot's, with their names in ROS.
+// A joint of a robot with its name in ROS.
 struct NamedJoint {
   std::string name;
   JointState state;

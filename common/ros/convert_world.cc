@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "common/ros/convert.h"
 #include "common/ros/names.h"
@@ -17,7 +16,7 @@ constexpr std::int8_t kFree = 0;
 
 using PointMessage = geometry_msgs_msg_dds__Point_;
 
-// The corners of the triangles that bound a prism, seen from outside counter-clockwise.
+// The corners of the triangles that bound a prism, counter-clockwise as seen from outside.
 void AddPrism(const ConvexPiece& piece, std::vector<PointMessage>& points) {
   const std::vector<Vec2>& v = piece.vertices;
   const auto at = [&](std::size_t i, double z) { return PointMessage{v[i].x(), v[i].y(), z}; };
@@ -44,7 +43,7 @@ class Markers {
  public:
   Markers(const WorldDescription& world, const char* name_space) : world_(world), name_space_(name_space) {}
 
-  // Goes before the others.
+  // Call before Add: viewers apply markers in order.
   void DeleteOthers(dds::WireArena& arena) {
     Marker marker{};
     marker.header = MakeHeader({}, kMapFrame, arena);
@@ -53,7 +52,7 @@ class Markers {
     markers_.push_back(marker);
   }
 
-  // `pose`: of what the pieces' frame is in `frame`. `follows`: the frame moves, and the marker with it.
+  // `pose`: of the pieces' own frame in `frame`. `follows`: the marker moves with the frame.
   void Add(const std::map<ModelId, std::vector<const ConvexPiece*>>& pieces_by_model, const std::string& frame,
            const Pose& pose, bool follows, dds::WireArena& arena) {
     for (const auto& [model, pieces] : pieces_by_model) {
@@ -130,14 +129,6 @@ MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::
     markers.Add(ByModel(scene.body(scene.body_of(ObjectId(i))).pieces), kMapFrame, state.objects[i].X_WO, false, arena);
   }
   return markers.Message(arena);
-}
-
-std::string EventJson(const WorldDescription& world, const Event& event) {
-  nlohmann::json json = {{"tick", event.tick}, {"event", ToString(event.type)}, {"detail", event.detail}};
-  if (event.robot) json["robot"] = world.robot(*event.robot).name;
-  if (event.other) json["other"] = world.model(*event.other).name;
-  if (event.object) json["object"] = world.model(*event.object).name;
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace troupe::ros

@@ -1,10 +1,10 @@
-// Converters from a world to ROS messages: its map, and the shapes of what is in it. Pure functions, as in convert.h.
+// Pure functions from a world to ROS messages: its map, and markers of its blocks. As in convert.h.
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "common/dds/wire.h"
-#include "common/model/event.h"
+#include "common/dds/binding/wire.h"
 #include "common/model/world_state.h"
 #include "common/ros/messages.h"
 #include "common/spatial/occupancy_grid.h"
@@ -13,18 +13,16 @@ namespace troupe::ros {
 
 OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena);
 
-// All that stands still in frame map, and the robots in their own frames: `robot_frames` by robot, and by link of its
-// body (RobotFrames::links); empty: without robots. A model of more pieces than kMaxMarkerPieces is left out: it is a
-// bitmap, and the map shows it. `replaces`: those shown before go first, because the world is another one.
+// The static bodies in frame map, and the robots in their own frames. `robot_frames`: by robot, then by link of its
+// body (RobotFrames::links); empty: no robots. A model of more than kMaxMarkerPieces pieces is left out: it is a
+// bitmap, and the map shows it. `replaces`: viewers first delete all markers of this namespace, because the world was
+// replaced.
 inline constexpr std::size_t kMaxMarkerPieces = 5000;
 MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
                              dds::WireArena& arena, bool replaces = false);
 
-// The objects that can be gripped, where they are in `state`.
+// The movable objects, at their poses in `state`.
 MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena,
                               bool replaces = false);
-
-// A JSON object: {"tick": 7, "event": "stall_began", "robot": "r0", "other": "wall", "detail": ""}.
-std::string EventJson(const WorldDescription& world, const Event& event);
 
 }  // namespace troupe::ros

@@ -1,5 +1,5 @@
-// A gripper as ROS is told of it. Its opening is how far its fingers can still close, together: 0 when both have closed
-// all the way; in m for fingers that move along an axis.
+// The state of a gripper as ROS shows it. The opening is the sum of the distances by which the two fingers can still
+// close, in m for fingers that move along an axis; 0: both are fully closed.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@ double LargestOpening(const WorldDescription& world, GripperId gripper);
 
 struct GripperMotion {
   double opening = 0.0;
-  double opening_rate = 0.0;  // per s, during the last tick; negative: they close
-  bool moves = false;         // a finger moved in the last tick
-  bool blocked = false;       // a finger was stopped by a contact in the last tick
+  double opening_rate = 0.0;  // m/s, over the last tick; negative: closing
+  bool moves = false;         // a finger moved during the last tick
+  bool blocked = false;       // a contact stopped a finger during the last tick
   bool clamped = false;       // an object is between the pads
 };
 GripperMotion MotionOf(const WorldDescription& world, GripperId gripper, const WorldState& state);
 
 // A JSON object: {"tick": 7, "fingers": "closed", "opening": 0.1, "largest_opening": 0.3, "held": "box", "clamped":
-// "box", "left_contact": "box", "right_contact": "box", "lift": 0.25, "lift_blocked": false}. What there is not is left
-// out. Fingers are "open", "closing", "closed" or "opening".
+// "box", "left_contact": "box", "right_contact": "box", "lift": 0.25, "lift_blocked": false}. Absent values are
+// left out. Fingers are "open", "closing", "closed" or "opening".
 std::string GripperJson(const WorldDescription& world, GripperId gripper, const WorldState& state);
 
 }  // namespace troupe::ros

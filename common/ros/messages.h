@@ -1,5 +1,5 @@
-// The ROS 2 messages that Troupe speaks, as C structs that idlc makes of idl/ros. Strings and sequences in them belong
-// to somebody else: a dds::WireArena when Troupe made the message, Cyclone when it came from the network.
+// The ROS 2 messages that Troupe sends and receives: the C structs that idlc makes from idl/ros. A message does not own
+// its strings and sequences: they belong to a dds::WireArena in a message to send, to Cyclone in a received one.
 #pragma once
 
 #include "idl/ros/geometry.h"

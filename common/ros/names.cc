@@ -14,20 +14,20 @@ bool IsAlphanumeric(char c) {
   return IsDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-// Gives each name once: a name that is taken gets the first number from 1 on that makes it a new one.
+// Gives each name once: a name in use gets the first number from 1 on that makes it unique.
 class UniqueNames {
  public:
-  std::string Take(const std::string& name) {
+  std::string Reserve(const std::string& name) {
     std::string unique = name;
-    for (int number = 1; !taken_.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
+    for (int number = 1; !used_.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
     return unique;
   }
 
  private:
-  std::set<std::string> taken_;
+  std::set<std::string> used_;
 };
 
-// "ranger:0", the name that a model without one gets.
+// "ranger:0": the name of a model that the world file gives none.
 bool IsAutomatic(const std::string& name) {
   const std::size_t colon = name.rfind(':');
   return colon != std::string::npos && colon + 1 < name.size() &&
@@ -38,9 +38,9 @@ bool IsLaser(const RaySensorDescription& sensor) {
   return sensor.samples > 1;
 }
 
-std::string BaseName(const RangerDescription& ranger) {
-  if (!IsAutomatic(ranger.name)) return RosName(ranger.name);
-  return std::any_of(ranger.sensors.begin(), ranger.sensors.end(), IsLaser) ? "scan" : "sonar";
+std::string BaseName(const std::string& name, const RangerParameters& ranger) {
+  if (!IsAutomatic(name)) return RosName(name);
+  return std::any_of(ranger.ray_sensors.begin(), ranger.ray_sensors.end(), IsLaser) ? "scan" : "sonar";
 }
 
 }  // namespace
@@ -64,9 +64,9 @@ std::vector<std::string> RobotNames(const WorldDescription& world) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;
-    // A robot that was removed keeps its name, so that those of others stay, until another robot has the same one.
+    // A removed robot keeps its name, so that the names of others stay, until another robot has the same one.
     const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
-    names.push_back(is_replaced ? "" : unique.Take(RosName(name)));
+    names.push_back(is_replaced ? "" : unique.Reserve(RosName(name)));
   }
   return names;
 }
@@ -80,26 +80,27 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   SensorTopics topics;
   UniqueNames names;
   UniqueNames frames;
-  for (const char* taken :
+  for (const char* reserved :
        {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states", "robot_description"}) {
-    names.Take(taken);
+    names.Reserve(reserved);
   }
-  for (const char* taken : {"odom", "base_link", "map"}) frames.Take(taken);
-  for (std::size_t r = 0; r < robot.rangers.size(); ++r) {
-    const RangerDescription& ranger = robot.rangers[r];
-    const std::string base = BaseName(ranger);
+  for (const char* reserved : {"odom", "base_link", "map"}) frames.Reserve(reserved);
+  for (std::size_t r = 0; r < robot.sensors.size(); ++r) {
+    const RangerParameters* const ranger = std::get_if<RangerParameters>(&robot.sensors[r].parameters);
+    if (ranger == nullptr) continue;
+    const std::string base = BaseName(robot.sensors[r].name, *ranger);
     SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
-    for (std::size_t s = 0; s < ranger.sensors.size(); ++s) {
-      const std::string frame = frames.Take(ranger.sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
-      if (IsLaser(ranger.sensors[s])) {
-        topics.lasers.push_back({r, s, names.Take(base), frame});
+    for (std::size_t s = 0; s < ranger->ray_sensors.size(); ++s) {
+      const std::string frame = frames.Reserve(ranger->ray_sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
+      if (IsLaser(ranger->ray_sensors[s])) {
+        topics.lasers.push_back({r, s, names.Reserve(base), frame});
       } else {
         sonar.sensors.push_back({s, frame});
       }
     }
     if (sonar.sensors.empty()) continue;
-    const bool mixed = sonar.sensors.size() < ranger.sensors.size();
-    sonar.topic = names.Take(mixed ? base + "_ranges" : base);
+    const bool mixed = sonar.sensors.size() < ranger->ray_sensors.size();
+    sonar.topic = names.Reserve(mixed ? base + "_ranges" : base);
     topics.sonars.push_back(std::move(sonar));
   }
   return topics;
@@ -108,32 +109,32 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
   UniqueNames frames;
-  for (const char* taken : {"odom", "base_link", "map"}) frames.Take(taken);
-  const auto take_sensor = [&](const std::string& frame) {
-    frames.Take(frame);
-    names.Take(frame + "_mount");
+  for (const char* reserved : {"odom", "base_link", "map"}) frames.Reserve(reserved);
+  const auto reserve_sensor = [&](const std::string& frame) {
+    frames.Reserve(frame);
+    names.Reserve(frame + "_mount");
   };
   const SensorTopics sensors = SensorTopicsOf(world.robot(robot));
-  for (const LaserTopic& laser : sensors.lasers) take_sensor(laser.frame);
+  for (const LaserTopic& laser : sensors.lasers) reserve_sensor(laser.frame);
   for (const SonarTopic& sonar : sensors.sonars) {
-    for (const SonarTopic::Sensor& sensor : sonar.sensors) take_sensor(sensor.frame);
+    for (const SonarTopic::Sensor& sensor : sonar.sensors) reserve_sensor(sensor.frame);
   }
   std::vector<JointName> joints;
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
     if (world.joints[i].robot != robot) continue;
-    const std::string name = names.Take(RosName(world.joints[i].name));
-    joints.push_back({JointId(i), name, frames.Take(name + "_link")});
+    const std::string name = names.Reserve(RosName(world.joints[i].name));
+    joints.push_back({JointId(i), name, frames.Reserve(name + "_link")});
   }
   return joints;
 }
 
 std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
-  for (const JointName& joint : JointNamesOf(world, robot)) names.Take(joint.name);
+  for (const JointName& joint : JointNamesOf(world, robot)) names.Reserve(joint.name);
   std::vector<GripperName> grippers;
   for (std::size_t i = 0; i < world.grippers.size(); ++i) {
     if (world.grippers[i].robot != robot) continue;
-    grippers.push_back({GripperId(i), names.Take(RosName(world.grippers[i].name))});
+    grippers.push_back({GripperId(i), names.Reserve(RosName(world.grippers[i].name))});
   }
   return grippers;
 }

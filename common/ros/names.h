@@ -1,4 +1,4 @@
-// Names: what robots and sensors are called in ROS. A function of the world alone, so that every process agrees.
+// The names of robots, sensors, joints and grippers in ROS: functions of the world alone, so that all processes agree.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,11 @@
 
 namespace troupe::ros {
 
-// `text` as ROS takes it for a part of a topic: letters, digits and single underscores, not beginning with a digit.
+// `text` as a valid part of a topic name: letters, digits and single underscores, the first not a digit.
 std::string RosName(const std::string& text);
 
-// By robot: its name as RosName, with a number behind where two would be the same.
+// By robot: its name as RosName, with a number appended where two would be equal; "" for a removed robot whose name
+// another robot has now.
 std::vector<std::string> RobotNames(const WorldDescription& world);
 
 // The frames of one robot, as tf calls them.
@@ -28,8 +29,8 @@ inline constexpr const char* kMapFrame = "map";
 
 // A ray sensor of many rays: a LaserScan topic of its own.
 struct LaserTopic {
-  std::size_t ranger = 0;  // in RobotDescription::rangers
-  std::size_t sensor = 0;  // in RangerDescription::sensors
+  std::size_t ranger = 0;  // in RobotDescription::sensors
+  std::size_t sensor = 0;  // in RangerParameters::ray_sensors
   std::string topic;       // below the robot's namespace
   std::string frame;       // without the robot's prefix
 };
@@ -37,7 +38,7 @@ struct LaserTopic {
 // The sensors of one ray of one ranger: they share a Range topic, and each has a frame.
 struct SonarTopic {
   struct Sensor {
-    std::size_t index = 0;  // in RangerDescription::sensors
+    std::size_t index = 0;  // in RangerParameters::ray_sensors
     std::string frame;
   };
   std::size_t ranger = 0;
@@ -50,20 +51,20 @@ struct SensorTopics {
   std::vector<SonarTopic> sonars;
 };
 
-// Topics are named after the ranger. One that has no name of its own ("ranger:0") is "scan", or "sonar" when it has
-// sensors of one ray only; further ones get a number.
+// A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if
+// all its sensors have one ray; a number distinguishes further ones.
 SensorTopics SensorTopicsOf(const RobotDescription& robot);
 
-// What a joint is called in joint_states and in the robot's URDF, and the frame of what it moves.
+// The name of a joint in joint_states and in the robot's URDF, and the frame of the link that it moves.
 struct JointName {
   JointId joint;
   std::string name;   // without the robot's prefix, like the frame
   std::string frame;  // "<name>_link"
 };
-// In id order. No name is one of a sensor's mount ("<frame>_mount"), and no frame one of a sensor.
+// In id order. The names differ from those of the sensors' mounts ("<frame>_mount"), the frames from the sensors'.
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot);
 
-// What a gripper is called in topics: "<name>/command". No joint of the robot has that name.
+// The name of a gripper in topics, as in "<name>/command". No joint of the robot has the same name.
 struct GripperName {
   GripperId gripper;
   std::string name;

@@ -1,4 +1,4 @@
-// OdometryError: how uncertain a robot's odometry is by now, from the relative errors of its description.
+// OdometryError: the uncertainty of a robot's odometry, from the relative errors of its description.
 #pragma once
 
 #include "common/geometry/pose.h"
@@ -20,16 +20,16 @@ class OdometryError {
  public:
   explicit OdometryError(const LocalizationDescription& localization) : localization_(localization) {}
 
-  // Takes in the motion of one tick. Errors are relative to motion, so they grow with the way.
-  void Moved(const Twist& twist, double seconds);
+  // Adds the motion of one tick. Errors are relative to motion, so they grow with the path length.
+  void AddMotion(const Twist& twist, double seconds);
 
-  // The square of the largest error so far; nothing for gps, which is exact.
+  // The squares of the largest possible errors; zeros for gps, which is exact.
   Covariance covariance() const;
 
  private:
   LocalizationDescription localization_;
   Twist twist_;
-  // Ways made along each component, forward and back alike: m, m, rad.
+  // Path length along each component, forward and back alike: m, m, rad.
   double along_x_ = 0.0;
   double along_y_ = 0.0;
   double turned_ = 0.0;

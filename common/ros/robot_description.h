@@ -1,5 +1,5 @@
-// The robot_description that RViz draws a robot from: URDF, made from the robot's blocks. Each block becomes a box
-// around its outline. Frames are those that Troupe publishes on tf (robot_frames.h), joints those of joint_states.
+// The robot_description from which RViz draws a robot: a URDF with a box around each of the robot's blocks. Its frames
+// are those on tf (robot_frames.h), its joints those of joint_states.
 #pragma once
 
 #include <string>

@@ -19,8 +19,9 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
     frames.moving.push_back({*link.joint, joint_names[i], frames.links[link.parent], frames.links[i], link.X_PL});
   }
   const auto add_sensor = [&](std::size_t ranger, std::size_t sensor, const std::string& frame) {
-    const RangerDescription& description = scene.world().robot(robot).rangers[ranger];
-    const Pose X_LS = scene.X_LM(description.model) * description.sensors[sensor].X_MS;
+    const SensorDescription& description = scene.world().robot(robot).sensors[ranger];
+    const auto& ray_sensors = std::get<RangerParameters>(description.parameters).ray_sensors;
+    const Pose X_LS = scene.X_LM(description.model) * ray_sensors[sensor].X_MS;
     frames.fixed.push_back({frames.links[scene.link_of(description.model)], names.prefix + frame, X_LS});
   };
   const SensorTopics sensors = SensorTopicsOf(scene.world().robot(robot));

@@ -1,4 +1,4 @@
-// The frames on a robot: what tf publishes below its base, and what its URDF has.
+// The frames on a robot, on tf below its base and in its URDF. P: a parent frame, F: a frame on it.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct MovingFrame {
   Pose X_PF;  // at joint position 0
 };
 
-// A sensor's, mounted on something.
+// The frame of a sensor, fixed on a link.
 struct FixedFrame {
   std::string parent;
   std::string frame;
@@ -27,13 +27,13 @@ struct FixedFrame {
 
 struct RobotFrames {
   std::vector<std::string> links;   // by link of the robot's body (common/spatial/scene.h): the base, then one by joint
-  std::vector<MovingFrame> moving;  // parents before what they carry
+  std::vector<MovingFrame> moving;  // parents first
   std::vector<FixedFrame> fixed;    // in the order of SensorTopicsOf
 };
 
 RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& names);
 
-// Where a frame is in its parent while its joint is at `position` (m or rad).
+// The pose of the frame in its parent with its joint at `position` (m or rad).
 Pose X_PF(const MovingFrame& frame, const WorldDescription& world, double position);
 
 }  // namespace troupe::ros

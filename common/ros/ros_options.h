@@ -1,4 +1,4 @@
-// How Troupe shows itself to ROS 2. docs/ros2.md explains each setting.
+// RosOptions: the settings of the connection to ROS 2. docs/ros2.md explains each.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace troupe::ros {
 
 enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolling };
 
-// The types that commands on cmd_vel may have.
+// The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
 
 struct RosOptions {
@@ -17,22 +17,22 @@ struct RosOptions {
   std::string network_interface = "auto";
   Distribution distribution = Distribution::kJazzy;
   CommandType command_type = CommandType::kTwist;
-  bool reliable_commands = false;  // only reliable writers can command then, and they can wait for acknowledgment
-  double command_timeout = 5.0;    // simulated s after which a command counts no more; 0: it counts for ever
-  bool namespaced_tf = false;      // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
-  double map_resolution = 0.05;    // m, side of a cell of /map
-  std::optional<double> map_height = {};  // m; what stands at that height is on /map; nothing: UsualMapHeight
-  // For one of many processes, which need not meet each other: others on this machine meet it when they announce
-  // themselves, not when it does. Without effect on the loopback interface.
+  bool reliable_commands = false;         // then only reliable writers match, and they can wait for acknowledgment
+  double command_timeout = 5.0;           // simulated s after which a command expires; 0: never
+  bool namespaced_tf = false;             // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
+  double map_resolution = 0.05;           // m, side of a cell of /map
+  std::optional<double> map_height = {};  // m, height of the section that /map shows; none: UsualMapHeight
+  // For one of many processes, which need not discover each other: its own announcements do not reach the other
+  // processes on this machine; they discover it by theirs. Without effect on the loopback interface.
   bool quiet = false;
-  bool map_to_odom = true;  // publish where each odom frame is in the map: the truth
+  bool map_to_odom = true;  // publish the true pose of each odom frame in the map
 };
 
-// What the environment says: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE; values that
-// mean nothing are passed over.
+// The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE. Values
+// that are not valid are ignored.
 RosOptions OptionsFromEnvironment();
 
-// By lower-case name.
+// `name`: in lower case.
 std::optional<Distribution> ParseDistribution(const std::string& name);
 const char* ToString(Distribution distribution);
 const char* ToString(CommandType type);

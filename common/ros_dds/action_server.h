@@ -1,9 +1,10 @@
-// ActionServer<Types>: the topics and services of an action, as rcl lays them out. What becomes of goals is its owner's
-// affair (common/ros/action_goals.h); so are the types:
+// ActionServer<Types>: the topics and services of an action, as rcl lays them out. Its owner keeps the goals
+// (common/ros/action_goals.h) and names the types:
 //   struct Types { using SendGoalRequest = ..., SendGoalResponse, GetResultRequest, GetResultResponse, FeedbackMessage
 //   };
 //
-// Requests come on threads of Cyclone's, by the functions of Handlers; all other calls must come one at a time.
+// Requests arrive on Cyclone's threads, through the functions of Handlers. REQUIRES: all other calls are made one at a
+// time.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros/action_goals.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_service.h"
@@ -73,7 +74,7 @@ class ActionServer {
               handlers_.get_result(caller, ToGoalId(request.goal_id));
             },
             Service(), Serving::kWhenStarted) {}
-  // Call once, when the handlers may be called. Handles what has come by then.
+  // Call once, as soon as the handlers may run. Handles the requests that have arrived before.
   void Start() {
     send_goal_.Start();
     cancel_.Start();
@@ -88,9 +89,10 @@ class ActionServer {
   }
 
   template <typename Goal>
-  void AnswerCancel(const RosCaller& caller, CancelAnswer answer, const std::vector<Goal>& canceling) {
+  void AnswerCancel(const RosCaller& caller, const CancelResult<Goal>& result) {
+    const std::vector<Goal>& canceling = result.canceling;
     CancelResponse response{};
-    response.return_code = static_cast<std::int8_t>(answer);
+    response.return_code = static_cast<std::int8_t>(result.answer);
     dds::WireArena arena;
     std::transform(canceling.begin(), canceling.end(), arena.Fill(response.goals_canceling, canceling.size()), InfoOf);
     cancel_.Respond(caller, response);
@@ -102,7 +104,7 @@ class ActionServer {
     feedback_.Write({ToUuid(id), feedback});
   }
 
-  // When it is not what was written last.
+  // Writes nothing if no state has changed since the last call.
   template <typename Goal>
   void WriteStatus(const std::vector<Goal>& goals) {
     std::vector<std::pair<GoalId, GoalStatus>> all;
@@ -116,12 +118,12 @@ class ActionServer {
     status_.Write(message);
   }
 
-  // The caller gets the goal's result from one of the next AnswerResults.
+  // A later AnswerResults sends the goal's result to the caller.
   void AwaitResult(const RosCaller& caller, const GoalId& id) {
     callers_.emplace_back(id, caller);
     if (callers_.size() > kMostCallers) callers_.erase(callers_.begin());
   }
-  // Answers those whose goal has ended or is not known. `describe(goal, arena)` gives the result of an ended goal.
+  // Answers the callers whose goal has ended or is not known. `describe(goal, arena)` makes the result of a goal.
   template <typename Goal, typename Describe>
   void AnswerResults(const ActionGoals<Goal>& goals, const Describe& describe) {
     std::erase_if(callers_, [&](const auto& waiting) {
@@ -145,11 +147,11 @@ class ActionServer {
   }
 
   const Handlers handlers_;
-  std::vector<std::pair<GoalId, RosCaller>> callers_;  // of get_result, who wait for the end
+  std::vector<std::pair<GoalId, RosCaller>> callers_;  // of get_result, waiting for the end of a goal
   std::vector<std::pair<GoalId, GoalStatus>> written_;
   RosWriter<FeedbackMessage> feedback_;
   RosWriter<action_msgs_msg_dds__GoalStatusArray_> status_;
-  // Last, because they call the handlers.
+  // Last, because they call handlers_.
   RosService<SendGoalRequest, SendGoalResponse> send_goal_;
   RosService<CancelRequest, CancelResponse> cancel_;
   RosService<GetResultRequest, GetResultResponse> get_result_;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/base/result.h"
 #include "common/ros_dds/ros_service.h"
 #include "idl/ros/parameters.h"
 
@@ -9,7 +10,7 @@ namespace troupe::ros {
 namespace {
 
 using Value = rcl_interfaces_msg_dds__ParameterValue_;
-using Result = rcl_interfaces_msg_dds__SetParametersResult_;
+using SetResult = rcl_interfaces_msg_dds__SetParametersResult_;
 using Descriptor = rcl_interfaces_msg_dds__ParameterDescriptor_;
 
 constexpr std::int32_t kDepth = 1000;
@@ -25,6 +26,10 @@ void Fill(Value& out, const ParameterValue& value, dds::WireArena& arena) {
   if (const std::int64_t* integer = std::get_if<std::int64_t>(&value)) out.integer_value = *integer;
   if (const double* number = std::get_if<double>(&value)) out.double_value = *number;
   if (const std::string* text = std::get_if<std::string>(&value)) out.string_value = arena.Copy(*text);
+}
+
+SetResult ToResult(const Status& status, dds::WireArena& arena) {
+  return {status.ok(), arena.Copy(status.ok() ? "" : status.error().message)};
 }
 
 bool Equal(const Value& asked, const ParameterValue& value) {
@@ -112,22 +117,22 @@ struct ParameterServices::Services {
     describe.Respond(caller, response);
   }
 
-  // Setting what is so already succeeds: launch files set use_sim_time everywhere.
+  // Fails if setting would change anything. To set a parameter to its own value succeeds, because launch files set
+  // use_sim_time everywhere.
   template <typename Parameter>
-  std::string WhyNot(const Parameter& parameter) const {
+  Status CheckSet(const Parameter& parameter) const {
     const ParameterValue* known = Find(dds::Text(parameter.name));
-    if (known == nullptr) return "no such parameter";
-    return Equal(parameter.value, *known) ? "" : "the parameter is read-only";
+    if (known == nullptr) return Error{{}, "no such parameter"};
+    return Equal(parameter.value, *known) ? Status() : Error{{}, "the parameter is read-only"};
   }
 
   void Set(const RosCaller& caller, const rcl_interfaces_srv_dds__SetParameters_Request_& request) {
     dds::WireArena arena;
     rcl_interfaces_srv_dds__SetParameters_Response_ response{};
     const auto asked = dds::Elements(request.parameters);
-    Result* result = arena.Fill(response.results, asked.size());
+    SetResult* result = arena.Fill(response.results, asked.size());
     for (const auto& parameter : asked) {
-      const std::string reason = WhyNot(parameter);
-      *result++ = {reason.empty(), arena.Copy(reason)};
+      *result++ = ToResult(CheckSet(parameter), arena);
     }
     set.Respond(caller, response);
   }
@@ -135,11 +140,11 @@ struct ParameterServices::Services {
   void SetAtomically(const RosCaller& caller, const rcl_interfaces_srv_dds__SetParametersAtomically_Request_& request) {
     dds::WireArena arena;
     rcl_interfaces_srv_dds__SetParametersAtomically_Response_ response{};
-    std::string reason;
+    Status status;
     for (const auto& parameter : dds::Elements(request.parameters)) {
-      if (reason.empty()) reason = WhyNot(parameter);
+      if (status.ok()) status = CheckSet(parameter);
     }
-    response.result = {reason.empty(), arena.Copy(reason)};
+    response.result = ToResult(status, arena);
     set_atomically.Respond(caller, response);
   }
 

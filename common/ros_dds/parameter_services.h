@@ -1,5 +1,5 @@
-// ParameterServices: the six parameter services of a node, so that `ros2 param` gets answers. Parameters cannot be
-// changed: they say how the run was started.
+// ParameterServices: the six parameter services of a node, for `ros2 param`. Parameters are read-only: they state how
+// the run was started.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ using Parameters = std::map<std::string, ParameterValue>;  // by name
 
 class ParameterServices {
  public:
-  // `node`: its name in the service names, as in /anna/robot/list_parameters.
+  // `name`: of the node in the service names, as in /anna/robot/list_parameters.
   ParameterServices(const RosNode& node, const std::string& name, Parameters parameters);
   ~ParameterServices();
 

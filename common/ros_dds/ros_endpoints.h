@@ -1,20 +1,20 @@
-// RosWriter<T> and RosReader<T>: a node's end of a topic. Neither ever throws while the simulation runs: a sample that
-// cannot be written is counted (RosParticipant::lost) and forgotten.
+// RosWriter<T> and RosReader<T>: the endpoints of a node on a topic. Their constructors throw dds::Exception; no other
+// call throws: a sample that cannot be written is counted (RosParticipant::lost) and dropped.
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <string>
 
-#include "common/dds/data_reader.h"
-#include "common/dds/data_writer.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/topic_types.h"
 #include "common/ros_dds/type_hash.h"
 
 namespace troupe::ros {
 
-// With the type's hash, which ROS 2 from Iron on looks for and warns about when there is nothing.
+// Contains the type's hash: ROS 2 from Iron on warns about an endpoint without one.
 template <typename T>
 dds::UserData TypeUserData() {
   return {"typehash=" + TypeHash(dds::TopicTraits<T>::descriptor()->m_typename) + ";"};
@@ -32,11 +32,12 @@ class RosWriter {
       wanted->store(status.current_count > 0, std::memory_order_relaxed);
     };
     writer_.set_listener(std::move(listener));
-    if (writer_.publication_matched_status().current_count > 0) *wanted_ = true;  // they came before
+    if (writer_.publication_matched_status().current_count > 0) *wanted_ = true;  // matched before the listener was set
     participant_->AddWriter(node.index, writer_.handle());
   }
 
-  // Somebody reads it: worth making a message. Costs next to nothing, because it is asked for each topic at each tick.
+  // Whether the topic has a reader, so that a message is worth making. One relaxed load, because each topic asks in
+  // each tick.
   bool wanted() const { return wanted_->load(std::memory_order_relaxed); }
 
   void Write(const T& message) noexcept {
@@ -57,32 +58,32 @@ class RosReader {
       : topic_(node.participant->participant(), "rt" + node.Resolve(name)),
         reader_(node.participant->subscriber(), topic_, dds::Qos(qos) << TypeUserData<T>()) {
     dds::DataReaderListener listener;
-    listener.on_data_available = [came = came_] { came->store(true); };
+    listener.on_data_available = [arrived = arrived_] { arrived->store(true); };
     reader_.set_listener(std::move(listener));
     node.participant->AddReader(node.index, reader_.handle());
   }
 
-  // Calls `take` with each message that came since the last call. Costs next to nothing when none has.
-  template <typename Take>
-  void Drain(const Take& take) {
-    if (!came_->load()) return;
-    came_->store(false);  // before taking: what comes now is taken, or counts for the next call
+  // Calls `consume` with each message received since the last call. Without one it is a single load.
+  template <typename Consume>
+  void Drain(const Consume& consume) {
+    if (!arrived_->load()) return;
+    arrived_->store(false);  // before take(): a message that arrives now is taken, or sets the flag again
     try {
       for (;;) {
         const dds::LoanedSamples<T> samples = reader_.take();
         if (samples.empty()) return;
         for (const auto sample : samples) {
-          if (sample.info().valid()) take(sample.data());
+          if (sample.info().valid()) consume(sample.data());
         }
       }
-    } catch (const dds::Exception&) {  // out of memory; what is left comes with the next call
-      came_->store(true);
+    } catch (const dds::Exception&) {  // out of memory; the next call reads the remaining samples
+      arrived_->store(true);
     }
   }
 
  private:
   dds::Topic<T> topic_;
-  std::shared_ptr<std::atomic<bool>> came_ = std::make_shared<std::atomic<bool>>(true);  // something, perhaps
+  std::shared_ptr<std::atomic<bool>> arrived_ = std::make_shared<std::atomic<bool>>(true);  // a sample may wait
   dds::DataReader<T> reader_;
 };
 

@@ -6,9 +6,9 @@
 #include <random>
 #include <variant>
 
-#include "common/dds/data_writer.h"
-#include "common/dds/domain_config.h"
-#include "common/dds/wire.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/binding/domain_config.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
 
@@ -22,7 +22,7 @@ dds::DomainConfig ConfigOf(const RosOptions& options) {
   dds::DomainConfig config;
   config.domain = options.domain;
   config.network_interface = options.network_interface;
-  config.data_multicast = false;  // ROS leaves it to users' settings, and not every network has it
+  config.data_multicast = false;  // as ROS by default: not every network has multicast
   config.heard_on_own_machine = !options.quiet;
   return config;
 }
@@ -33,7 +33,7 @@ dds_guid_t GuidOf(dds_entity_t entity) {
   return guid;
 }
 
-// The DDS GUID, and zeros where the distribution has room for more.
+// The GUID, followed by zeros where the field of the distribution is longer.
 template <typename Gid>
 void Set(Gid& gid, const dds_guid_t& guid) {
   std::memset(gid.data, 0, sizeof gid.data);
@@ -139,14 +139,14 @@ void RosParticipant::Announce() {
   announcer_->Write();
 }
 
-std::vector<std::string> RosParticipant::TakeUnreadable() {
+std::vector<std::string> RosParticipant::DrainMismatches() {
   const std::lock_guard lock(announcer_->mutex);
-  return watch_.TakeReports();
+  return watch_.DrainReports();
 }
 
 bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {
   dds_builtintopic_endpoint_t* const sender = dds_get_matched_publication_data(reader, publication);
-  if (sender == nullptr) return true;  // it is gone; whoever answers it does no harm
+  if (sender == nullptr) return true;  // the caller has left; an answer does no harm
   const dds_guid_t participant = sender->participant_key;
   dds_builtintopic_free_endpoint(sender);
   std::vector<dds_instance_handle_t> subscriptions(64);

@@ -1,5 +1,5 @@
-// RosParticipant: a process' presence in a ROS 2 domain, and the nodes that it shows there. Readers and writers
-// (ros_endpoints.h) belong to a node; Announce tells everybody about them.
+// RosParticipant: the DDS participant of a process in a ROS 2 domain, and its nodes. Readers and writers
+// (ros_endpoints.h) belong to a node; Announce publishes the nodes and their endpoints, as the ROS graph needs.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/domain_participant.h"
-#include "common/dds/publisher.h"
+#include "common/dds/binding/domain_participant.h"
+#include "common/dds/binding/publisher.h"
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/writer_watch.h"
 
@@ -27,15 +27,15 @@ class RosParticipant {
   const dds::Subscriber& subscriber() const { return subscriber_; }
   Distribution distribution() const { return distribution_; }
 
-  // `node_namespace` begins with a slash, `name` has none. Returns what AddReader and AddWriter want.
+  // `node_namespace` begins with a slash, `name` has none. Returns the index of the node.
   std::size_t AddNode(const std::string& node_namespace, const std::string& name);
   void AddReader(std::size_t node, dds_entity_t reader);
   void AddWriter(std::size_t node, dds_entity_t writer);
-  // Tells the nodes and what they read and write. Call when all have been made, and again when that changed.
+  // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   void Announce();
 
-  // Writers that readers of its nodes cannot read, since the last call: a line each. As WriterWatch.
-  std::vector<std::string> TakeUnreadable();
+  // A line for each writer, found since the last call, that does not match a reader of the nodes. As WriterWatch.
+  std::vector<std::string> DrainMismatches();
 
   // Samples that could not be written.
   void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
@@ -49,7 +49,7 @@ class RosParticipant {
   dds::Publisher publisher_;
   dds::Subscriber subscriber_;
   std::unique_ptr<Announcer> announcer_;
-  WriterWatch watch_;  // guarded as the nodes are
+  WriterWatch watch_;  // guarded by the mutex of the nodes
   std::atomic<std::uint64_t> lost_ = 0;
 };
 
@@ -66,10 +66,10 @@ struct RosNode {
   }
 };
 
-// Whether `writer` has met a reader of the participant whose writer `publication` sent something to `reader`.
+// Whether `writer` matches a reader of the participant that owns the writer `publication`, which `reader` matches.
 bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication);
 
-// 16 bytes in the way of ROS, "01.0f.10...", different for each service of all processes.
+// 16 random bytes as ROS writes them, "01.0f.10...".
 std::string NewServiceId();
 
 RosNode MakeNode(RosParticipant& participant, const std::string& node_namespace, const std::string& name);

@@ -10,8 +10,8 @@ using dds::Qos;
 using dds::Reliability;
 using dds::WriterDataLifecycle;
 
-// s. A write must not hold up a tick. Not 100 ms either, the default, which Cyclone leaves out of its announcements and
-// some other implementations then cannot read.
+// s. A write must not delay a tick. Nor may it be the default of 100 ms: Cyclone omits a default from its
+// announcements, and some other implementations then do not match.
 constexpr double kMaxBlockingTime = 0.001;
 
 }  // namespace

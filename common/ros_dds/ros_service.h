@@ -1,6 +1,6 @@
-// RosService<Request, Response>: a service as rmw_cyclonedds offers one: two topics, whose types begin with the
-// caller's id and the number of its call. Callers on rmw_fastrtps are not understood: they put these beside the
-// message, where Cyclone's interface gives no access.
+// RosService<Request, Response>: a service as rmw_cyclonedds lays it out: two topics, whose types begin with the id of
+// the caller and the number of its call. Callers on rmw_fastrtps get no answer: they send these two beside the message,
+// where Cyclone's interface gives no access.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/data_reader.h"
-#include "common/dds/data_writer.h"
-#include "common/dds/wire.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
@@ -20,17 +20,16 @@
 
 namespace troupe::ros {
 
-// When a service calls its handler first: as soon as it is made, or when it is told by Start, because what the handler
-// needs is not there before.
+// Whether the constructor of a service starts it, or Start, once all that its handler needs exists.
 enum class Serving : std::uint8_t { kAtOnce, kWhenStarted };
 
-// Whom an answer is for.
+// The address of a response.
 struct RosCaller {
   std::uint64_t client_guid = 0;
   std::int64_t sequence_number = 0;
 };
 
-// "serviceid=...;" with which clients find a service's two ends to belong together, and the type's hash.
+// "serviceid=...;", by which a client recognizes the two endpoints of one service, and the type's hash.
 template <typename T>
 dds::UserData ServiceUserData(const std::string& id) {
   return {"serviceid=" + id + ";typehash=" + TypeHash(dds::TopicTraits<T>::descriptor()->m_typename) + ";"};
@@ -39,7 +38,7 @@ dds::UserData ServiceUserData(const std::string& id) {
 template <typename Request, typename Response>
 class RosService {
  public:
-  // Called on a thread of Cyclone's with each request. Answers now by Respond, or later.
+  // Called on one of Cyclone's threads with each request. It calls Respond, at once or later.
   using Handler = std::function<void(const RosCaller& caller, const Request& request)>;
 
   RosService(const RosNode& node, const std::string& name, Handler handler, const dds::Qos& qos = Service(),
@@ -62,14 +61,14 @@ class RosService {
   RosService(const RosService&) = delete;
   RosService& operator=(const RosService&) = delete;
 
-  // Call once, if it was not to serve at once. Handles what has come by then.
+  // Call once, with kWhenStarted. Handles the requests that have arrived before.
   void Start() {
     dds::DataReaderListener listener;
     listener.on_data_available = [this] { Serve(); };
     reader_.set_listener(std::move(listener));
-    dds::DataWriterListener met;
-    met.on_publication_matched = [this](const dds::PublicationMatchedStatus&) { Serve(); };
-    writer_.set_listener(std::move(met));
+    dds::DataWriterListener matched;
+    matched.on_publication_matched = [this](const dds::PublicationMatchedStatus&) { Serve(); };
+    writer_.set_listener(std::move(matched));
     Serve();
   }
 
@@ -81,14 +80,14 @@ class RosService {
   }
 
  private:
-  // Requests that came together, and which of them were handled.
+  // Samples of one take, with a flag for each handled one.
   struct Batch {
     dds::LoanedSamples<Request> samples;
     std::vector<bool> handled;
   };
   static constexpr std::size_t kMostWaiting = 100;
 
-  // A request may come before its caller's reader of answers was met; then it waits for that, or the answer were lost.
+  // A request may arrive before discovery of its caller's reader; it waits for that, or its response would be lost.
   void Serve() {
     const std::lock_guard lock(mutex_);
     for (;;) {
@@ -121,10 +120,10 @@ class RosService {
   dds::Topic<Response> response_topic_;
   RosParticipant* participant_;
   Handler handler_;
-  std::mutex mutex_;  // guards what waits
+  std::mutex mutex_;  // guards waiting_
   dds::DataWriter<Response> writer_;
   dds::DataReader<Request> reader_;
-  std::list<Batch> waiting_;  // before the reader that lent the samples
+  std::list<Batch> waiting_;  // destroyed before reader_, which lent the samples
 };
 
 }  // namespace troupe::ros

@@ -1,4 +1,4 @@
-// The ROS types of the services that edit a world and of the action that steps it, made known to the DDS binding.
+// Registers the ROS types of the services that edit a world, and of the action that steps it, with the DDS binding.
 #pragma once
 
 #include "common/ros_dds/topic_types.h"

@@ -1,7 +1,7 @@
-// The ROS types of our topics, made known to the DDS binding.
+// Registers the ROS types of topics with the DDS binding.
 #pragma once
 
-#include "common/dds/topic.h"
+#include "common/dds/binding/topic.h"
 #include "common/ros/messages.h"
 #include "idl/ros/actions.h"
 #include "idl/ros/discovery.h"
@@ -56,7 +56,7 @@ TROUPE_DDS_TYPE(std_msgs_msg_dds__String_);
 TROUPE_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_);
 TROUPE_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_);
 
-// Types of Humble that have another layout under the same name on DDS.
+// Types of Humble with another layout under the same DDS name.
 #define TROUPE_HUMBLE_DDS_TYPE(type, name_on_dds)        \
   template <>                                            \
   struct troupe::dds::TopicTraits<type> {                \

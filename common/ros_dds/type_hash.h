@@ -1,4 +1,5 @@
-// Type hashes: what ROS 2 from Iron on shows, and compares for recordings, of each reader's and writer's type.
+// Type hashes: ROS 2 from Iron on announces one for the type of each endpoint, shows them and compares them in
+// recordings.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@ namespace troupe::ros {
 // A JSON object from ROS type names to hashes, of Jazzy: configs/ros-type-hashes-jazzy.json.
 extern const char* const kTypeHashesText;
 
-// "std_msgs/msg/String" for "std_msgs::msg::dds_::String_"; "" if that is not the name of a ROS type on DDS.
+// "std_msgs/msg/String" for "std_msgs::msg::dds_::String_"; "" if the name is not that of a ROS type on DDS.
 std::string RosTypeName(const std::string& dds_type_name);
 
 // "RIHS01_..." of a ROS type on DDS; "" if it is not known.

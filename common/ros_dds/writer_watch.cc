@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-#include "common/dds/exception.h"
+#include "common/dds/binding/exception.h"
 #include "common/ros_dds/type_hash.h"
 
 namespace troupe::ros {
 namespace {
 
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kMostReports = 100;  // of a hostile peer's inventions
+constexpr std::size_t kMostReports = 100;  // a hostile peer can make up any number
 
 bool IsReliable(const dds_qos_t* qos) {
   dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
@@ -17,7 +17,7 @@ bool IsReliable(const dds_qos_t* qos) {
   return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
 }
 
-// "geometry_msgs/msg/Twist", or what it is called on DDS.
+// "geometry_msgs/msg/Twist", or the name on DDS of a type that is not of ROS.
 std::string ShownType(const std::string& dds_type) {
   const std::string ros_type = RosTypeName(dds_type);
   return ros_type.empty() ? dds_type : ros_type;
@@ -49,7 +49,7 @@ void WriterWatch::Expect(dds_entity_t reader) {
   dds_delete_qos(qos);
 }
 
-std::vector<std::string> WriterWatch::TakeReports() {
+std::vector<std::string> WriterWatch::DrainReports() {
   std::vector<std::string> reports;
   std::uint32_t status = 0;
   if (dds_take_status(publications_.handle(), &status, DDS_DATA_AVAILABLE_STATUS) != DDS_RETCODE_OK || status == 0) {
@@ -62,16 +62,16 @@ std::vector<std::string> WriterWatch::TakeReports() {
     if (count <= 0) return reports;
     for (dds_return_t i = 0; i < count; ++i) {
       if (!infos[i].valid_data) continue;
-      std::string report = Judge(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
-      if (!report.empty()) reports.push_back(std::move(report));
+      auto report = Judge(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
+      if (report) reports.push_back(*std::move(report));
     }
     dds_return_loan(publications_.handle(), samples, count);
   }
 }
 
-std::string WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
+std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
   const auto found = expected_.find(writer.topic_name);
-  if (found == expected_.end()) return "";
+  if (found == expected_.end()) return std::nullopt;
   const Expected& expected = found->second;
   std::string problem;
   if (!expected.types.contains(writer.type_name)) {
@@ -81,9 +81,10 @@ std::string WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
   } else if (expected.reliable && !IsReliable(writer.qos)) {
     problem = "it is not reliable, expected a reliable one";
   }
-  if (problem.empty() || reported_.size() >= kMostReports) return "";
+  if (problem.empty() || reported_.size() >= kMostReports) return std::nullopt;
   const bool is_new = reported_.emplace(found->first, problem).second;
-  return is_new ? fmt::format("{}: cannot read somebody's publisher: {}", ShownTopic(found->first), problem) : "";
+  if (!is_new) return std::nullopt;
+  return fmt::format("{}: cannot read another program's publisher: {}", ShownTopic(found->first), problem);
 }
 
 }  // namespace troupe::ros

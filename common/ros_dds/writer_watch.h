@@ -1,15 +1,16 @@
-// WriterWatch: finds writers that mean our readers and that these cannot read: their type is another one, or they are
-// not reliable where a reader asks for that. DDS says nothing of them, and people wonder why nothing happens.
+// WriterWatch: finds writers on our readers' topics that match none of them, because the type differs or the writer is
+// not reliable. DDS itself does not report these, and a user would see only that a command has no effect.
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/dds/domain_participant.h"
-#include "common/dds/entity.h"
+#include "common/dds/binding/domain_participant.h"
+#include "common/dds/binding/entity.h"
 
 namespace troupe::ros {
 
@@ -20,19 +21,20 @@ class WriterWatch {
   // Watches the topic of a reader. Several readers of a topic may have different types.
   void Expect(dds_entity_t reader);
 
-  // What was found since the last call, a line for each kind of writer of a topic. Quick when nothing changed.
-  std::vector<std::string> TakeReports();
+  // A line for each topic and problem found since the last call. A single status read if discovery found nothing new.
+  std::vector<std::string> DrainReports();
 
  private:
   struct Expected {
     std::set<std::string> types;
     bool reliable = false;
   };
-  std::string Judge(const dds_builtintopic_endpoint_t& writer);
+  // The report on a writer; none if it matches, or if the same problem was reported.
+  std::optional<std::string> Judge(const dds_builtintopic_endpoint_t& writer);
 
-  dds::Entity publications_;                                // reader of what discovery tells
+  dds::Entity publications_;                                // a reader of discovered writers
   std::map<std::string, Expected> expected_;                // by topic
-  std::set<std::pair<std::string, std::string>> reported_;  // topic, and what is wrong
+  std::set<std::pair<std::string, std::string>> reported_;  // topic and problem
 };
 
 }  // namespace troupe::ros

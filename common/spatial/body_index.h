@@ -1,7 +1,6 @@
-// BodyIndex: where the bodies of a state are, for finding those near a box. Rebuilt or updated as they move.
+// BodyIndex: the poses of a state's bodies, with an index of the bodies near a box. Updated as bodies move.
 //
-// Not safe to share between threads, not even for reading: what is worked out of the poses is kept when first asked
-// for.
+// Not safe to share between threads, not even for reading: derived poses and pieces are computed on first use and kept.
 #pragma once
 
 #include <cstdint>
@@ -24,27 +23,27 @@ class BodyIndex {
   // The scene must outlive the index.
   explicit BodyIndex(const Scene& scene) : scene_(&scene) {}
 
-  // Takes in a state: the poses of all robots and objects, the joints, and who holds what. Cheap where nothing has
-  // moved since the last call.
+  // Updates to a state: the poses of all robots and objects, the joints, and the holder of each object. Cheap for
+  // bodies that have not moved since the last call.
   void Assign(const WorldState& state);
-  // Takes in one body's new pose, or one joint's new position. REQUIRES: Assign has been called.
+  // Updates one body's pose, or one joint's position. REQUIRES: Assign has been called.
   void Move(BodyId body, const Pose& X_WB);
   void MoveJoint(JointId joint, double position);
 
   const Pose& X_WB(BodyId body) const { return X_WB_[body.index()]; }
   const Transform2& transform(BodyId body) const;  // X_WB
-  // Pose of a model at present, wherever its joints are. REQUIRES: it belongs to a body.
+  // Pose of a model with its joints at their present positions. REQUIRES: it belongs to a body.
   Pose X_WM(ModelId model) const;
   // Poses of a body's links in its frame at present.
   const std::vector<Pose>& X_BL(BodyId body) const;
   // The body's pieces in W at present. Valid until the body is moved.
   const std::vector<ConvexPiece>& pieces_in_world(BodyId body) const;
-  // The robot that the body is, or that held it when the state was taken in; nothing for an object that nobody holds.
+  // The robot that the body is, or that held it in the state last assigned; nothing for an object without a holder.
   std::optional<RobotId> owner(BodyId body) const { return owner_[body.index()]; }
 
   // The bodies that may overlap `box`, in id order without repeats. Appends to `result`.
   void Query(const Rectangle& box, std::pmr::vector<BodyId>& result) const;
-  // Calls visit(body) for the same bodies, in an order that depends on how they came to be where they are.
+  // Calls visit(body) for the same bodies, in an order that depends on their earlier poses.
   template <typename Visit>
   void ForEachNear(const Rectangle& box, Visit visit) const;
 
@@ -54,7 +53,7 @@ class BodyIndex {
     std::vector<Pose> X_BL;
   };
 
-  // To look at all of so few is quicker than to keep the grid, and needs less memory.
+  // Testing all of so few is quicker than keeping the grid, and needs less memory.
   static constexpr std::size_t kFewBodies = 256;
 
   bool has_grid() const { return X_WB_.size() > kFewBodies; }
@@ -69,7 +68,7 @@ class BodyIndex {
   std::vector<double> positions_;  // by joint
   std::vector<std::optional<RobotId>> owner_;
   mutable std::vector<Cache> cache_;
-  // What of the cache is fresh, by body; apart from it, so that moving a body does not touch so much memory.
+  // The fresh parts of the cache, by body; apart from it, so that moving a body touches less memory.
   static constexpr std::uint8_t kPiecesFresh = 1;
   static constexpr std::uint8_t kLinksFresh = 2;
   static constexpr std::uint8_t kTransformFresh = 4;

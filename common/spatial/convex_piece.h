@@ -12,7 +12,7 @@
 namespace troupe {
 
 struct ConvexPiece {
-  std::vector<Vec2> vertices;  // counter-clockwise; frame: W for static pieces, R for a robot's
+  std::vector<Vec2> vertices;  // m, counter-clockwise; frame: W for static pieces, the link's L for a body's
   ZRange z;                    // m, in the same frame
   ModelId model;
   bool obstacle = true;

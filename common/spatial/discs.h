@@ -1,4 +1,4 @@
-// Discs in single precision, looked at four at a time: for finding the few of many that are near a box.
+// Discs in single precision, tested four at a time: for finding the few of many that are near a box.
 #pragma once
 
 #include <bit>
@@ -13,7 +13,7 @@
 
 namespace troupe {
 
-// The box that is asked about. It lies along the x axis, or along any other direction.
+// The box of a query. It lies along the x axis, or along any other direction.
 class DiscBox {
  public:
   // `box`: m, its x axis being `along`, of length 1. `max_radius`: no disc has a larger one.
@@ -70,7 +70,7 @@ class DiscList {
     groups_[i / 4].y[i % 4] = static_cast<float>(center.y());
   }
 
-  // False only if the disc and the box have nothing in common; what is not a number overlaps. Never wrong by rounding.
+  // False only if the disc and the box have nothing in common; NaN overlaps. Never wrong by rounding.
   bool Overlaps(std::size_t i, const DiscBox& box) const {
     return (Overlapping(groups_[i / 4], box) >> (i % 4) & 1) != 0;
   }

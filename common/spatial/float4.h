@@ -10,7 +10,7 @@
 namespace troupe {
 
 using Float4 [[gnu::vector_size(16)]] = float;
-using Bits4 [[gnu::vector_size(16)]] = std::int32_t;  // what a comparison gives: all bits of a lane, or none
+using Bits4 [[gnu::vector_size(16)]] = std::int32_t;  // the result of a comparison: all bits of a lane, or none
 
 // Bit i: lane i is true.
 inline std::uint32_t BitsOf(const Bits4& lanes) {

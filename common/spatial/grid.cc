@@ -8,7 +8,7 @@
 namespace troupe {
 namespace {
 
-// So that what a ray's walk rounds for each cell stays far within its tolerance (ray_walk.h).
+// Keeps the rounding of a ray's walk, which adds up cell by cell, far within its tolerance (ray_walk.h).
 constexpr double kMaxCellsAlong = 65536.0;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Grid: how a rectangle of the plane is divided into square cells, numbered row by row. What lies beyond the rectangle
-// belongs to the nearest cell at its edge, so that every point has a cell.
+// Grid: a rectangle of the plane divided into square cells, numbered row by row. Points beyond the rectangle belong to
+// the nearest cell at its edge, so that every point has a cell.
 #pragma once
 
 #include <algorithm>
@@ -49,9 +49,9 @@ class Grid {
 
   // One coordinate of the cells.
   struct Axis {
-    double low = 0.0;  // m, where the first cell begins
+    double low = 0.0;  // m, the start of the first cell
     std::int32_t count = 1;
-    std::int32_t stride = 1;  // what a step adds to a cell's number
+    std::int32_t stride = 1;  // added to a cell's number by a step
 
     // The number of the cell nearest to this distance from `low`, in cells.
     std::int32_t Clamped(double distance) const {

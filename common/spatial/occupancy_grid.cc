@@ -10,7 +10,7 @@ namespace {
 constexpr double kSliver = 1e-6;  // of a cell's side: less than this of a cell does not count as a part
 constexpr double kDefaultHeight = 0.1;
 
-// Where a convex polygon is between the lines y = low and y = high, along x; empty where it is not.
+// The extent along x of the part of a convex polygon between the lines y = low and y = high; empty without one.
 Interval Extent(const std::vector<Vec2>& polygon, double low, double high) {
   Interval extent{1.0, 0.0};
   const auto extend = [&extent](double x) {
@@ -87,10 +87,12 @@ double UsualMapHeight(const Scene& scene) {
   const WorldDescription& world = scene.world();
   for (const RobotDescription& robot : world.robots) {
     const double z_of_robot = world.model(robot.root).X_PM.z;
-    for (const RangerDescription& ranger : robot.rangers) {
-      for (const RaySensorDescription& sensor : ranger.sensors) {
+    for (const SensorDescription& mounted : robot.sensors) {
+      const RangerParameters* const ranger = std::get_if<RangerParameters>(&mounted.parameters);
+      if (ranger == nullptr) continue;
+      for (const RaySensorDescription& sensor : ranger->ray_sensors) {
         if (sensor.samples < 2) continue;
-        const double z = z_of_robot + scene.X_RM(ranger.model).z + sensor.X_MS.z;
+        const double z = z_of_robot + scene.X_RM(mounted.model).z + sensor.X_MS.z;
         if (!lowest || z < *lowest) lowest = z;
       }
     }

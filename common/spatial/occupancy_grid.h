@@ -1,4 +1,4 @@
-// OccupancyGrid: what stands in a world at one height, as cells: the map that a robot's navigation starts from.
+// OccupancyGrid: the static bodies of a world at one height, as cells: the static map of a robot's navigation.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,12 @@ struct OccupancyGrid {
 
 inline constexpr std::uint64_t kMaxGridCells = 16'000'000;
 
-// Marks every cell of which a part is covered by something that never moves, reaches through height `z` (m), and can be
-// hit or seen. Spans all that never moves; nothing if there is none. A resolution with which it had more than
-// kMaxGridCells is doubled until it has not.
+// Marks every cell that a static piece covers a part of, if the piece reaches through height `z` (m) and can be hit or
+// seen. Spans all static pieces; empty without any. A resolution that would give more than kMaxGridCells is doubled
+// until it does not.
 OccupancyGrid MakeOccupancyGrid(const Scene& scene, double resolution, double z);
 
-// The height of the world's lowest sensor with many rays, which is the height that a map is usually made for; 0.1 m
-// without any.
+// The height of the world's lowest sensor with several rays, for which maps are usually made, m; 0.1 without any.
 double UsualMapHeight(const Scene& scene);
 
 }  // namespace troupe

@@ -25,7 +25,7 @@ bool ForEachGap(std::span<const Vec2> a, std::span<const Vec2> b, Visit visit) {
   return true;
 }
 
-// How far the points are beyond the line along `along` through `start`, on the outer side, times its length: the least
+// The distances of points beyond the line along `along` through `start`, on its outer side, times its length: the least
 // and the most.
 struct Beyond {
   double least = kUnbounded;
@@ -49,12 +49,12 @@ bool IsMoreThan(double gap, double margin, const Vec2& along) {
 
 double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b) {
   double largest = -kUnbounded;
-  const auto take = [&largest](double gap) {
+  const auto keep_largest = [&largest](double gap) {
     largest = std::max(largest, gap);
     return true;
   };
-  ForEachGap(a, b, take);
-  ForEachGap(b, a, take);
+  ForEachGap(a, b, keep_largest);
+  ForEachGap(b, a, keep_largest);
   return -largest;
 }
 
@@ -76,9 +76,9 @@ bool StayApart(std::span<const Vec2> a, std::span<const Vec2> a_later, std::span
     Beyond mover;
     mover.Add(a[i], along, a);
     mover.Add(a[i], along, a_later);
-    Beyond standing;
-    standing.Add(a[i], along, b);
-    if (IsMoreThan(standing.least - mover.most, margin, along)) return true;
+    Beyond obstacle;
+    obstacle.Add(a[i], along, b);
+    if (IsMoreThan(obstacle.least - mover.most, margin, along)) return true;
   }
   return false;
 }

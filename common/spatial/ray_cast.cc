@@ -12,7 +12,7 @@
 namespace troupe {
 namespace {
 
-// Room for as many of something as a cast seldom exceeds, so that it allocates once.
+// Room reserved in lists that a cast seldom fills, so that it allocates once.
 constexpr std::size_t kUsualCount = 64;
 
 // A ray's line.
@@ -20,8 +20,8 @@ struct Line {
   Vec2 origin;
   Vec2 direction;  // of length 1
 
-  // False only if the ray does not meet the box before `distance`. Cheap, and never wrong by rounding.
-  bool MayMeet(const Rectangle& box, double distance) const {
+  // False only if the ray does not hit the box before `distance`. Cheap, and never wrong by rounding.
+  bool MayHit(const Rectangle& box, double distance) const {
     constexpr double kHair = 1e-8;  // m
     const Vec2 slant = direction.cwiseAbs();
     const Vec2 center(0.5 * (box.min_x + box.max_x) - origin.x(), 0.5 * (box.min_y + box.max_y) - origin.y());
@@ -33,9 +33,9 @@ struct Line {
   }
 };
 
-// The nearest meeting so far.
+// The nearest hit so far.
 struct Nearest {
-  double distance;  // m; the ray's length as long as nothing is met
+  double distance;  // m; the ray's length without a hit
   std::optional<ModelId> model;
 
   bool IsBeatenBy(double candidate, ModelId candidate_model) const {
@@ -47,22 +47,22 @@ struct Nearest {
   }
 };
 
-// Where the ray's line meets the edge from `before` to `here`, whose ends are on different sides of it.
+// Distance along the ray's line to the edge from `before` to `here`, whose ends are on different sides of the line.
 double Crossing(const Line& ray, const Vec2& before, double side_before, const Vec2& here, double side) {
   const double at_before = ray.direction.dot(before);
   return at_before + (ray.direction.dot(here) - at_before) * (side_before / (side_before - side));
 }
 
-// Distance at which the ray enters the convex polygon, 0 if it starts inside; negative if it does not meet it. A
-// polygon that ends where the ray starts is behind it.
+// Distance at which the ray enters the convex polygon, 0 if it starts inside; negative without a hit. A polygon that
+// ends at the ray's start is behind it.
 //
 // A vertex is left or right of the ray by the sign of one number that depends on nothing else, so that of two polygons
-// that share a vertex at least one is met: no ray slips through where the rectangles of a wall join.
+// that share a vertex at least one is hit: no ray slips through the joints between the rectangles of a wall.
 double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double enter = kInfinity;
   double leave = -kInfinity;
-  const auto meet = [&](double at) {
+  const auto add_crossing = [&](double at) {
     enter = std::min(enter, at);
     leave = std::max(leave, at);
   };
@@ -72,9 +72,9 @@ double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
     const Vec2 here = vertex - ray.origin;
     const double side = Cross(ray.direction, here);
     if (side == 0.0) {
-      meet(ray.direction.dot(here));
+      add_crossing(ray.direction.dot(here));
     } else if ((side < 0.0 && side_before > 0.0) || (side > 0.0 && side_before < 0.0)) {
-      meet(Crossing(ray, before, side_before, here, side));
+      add_crossing(Crossing(ray, before, side_before, here, side));
     }
     before = here;
     side_before = side;
@@ -82,7 +82,7 @@ double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
   return leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
 }
 
-// A ray's line, prepared for meeting many boxes along the axes.
+// A ray's line, prepared for tests against many boxes along the axes.
 class BoxLine {
  public:
   explicit BoxLine(const Line& ray)
@@ -107,7 +107,7 @@ class BoxLine {
     const double enter = at_min.min(at_max).maxCoeff();
     const double leave = at_min.max(at_max).minCoeff();
     // One jump for both conditions: which of them fails cannot be foreseen.
-    return (enter <= leave) & (leave > kTouchTolerance) ? std::max(enter, 0.0) : -1.0;
+    return ((enter <= leave) & (leave > kTouchTolerance)) ? std::max(enter, 0.0) : -1.0;
   }
   const Eigen::Array2d& inverse() const { return inverse_; }
 
@@ -118,12 +118,12 @@ class BoxLine {
   bool along_axis_;
 };
 
-void TakeIfNearer(double distance, ModelId model, Nearest& nearest) {
+void KeepNearer(double distance, ModelId model, Nearest& nearest) {
   if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
 }
 
-void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
-  // The walk's own distances round too; a hair more keeps what is met exactly where a cell begins.
+void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
+  // The walk's own distances round too; a hair more keeps hits exactly at the start of a cell.
   constexpr double kHair = 1e-8;  // m
   const BoxLine box_line(ray);
   index.WalkRay(ray.origin, ray.direction, box_line.inverse(), nearest.distance,
@@ -132,21 +132,21 @@ void MeetStandingPieces(const StaticIndex& index, const Line& ray, double z, Nea
                   for (std::uint32_t i : pieces) {
                     const StaticIndex::RayPiece& piece = index.ray_piece(i);
                     if (piece.is_box) {
-                      if (piece.z.Contains(z)) TakeIfNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
+                      if (piece.z.Contains(z)) KeepNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
                       continue;
                     }
-                    if (!ray.MayMeet(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
-                    TakeIfNearer(DistanceTo(index.vertices(piece), ray), piece.model, nearest);
+                    if (!ray.MayHit(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
+                    KeepNearer(DistanceTo(index.vertices(piece), ray), piece.model, nearest);
                   }
                   return true;
                 });
 }
 
-// The bodies that some rays may meet, as seen from a place near them.
+// The bodies that some rays may hit, with positions relative to a place near the rays.
 class NearBodies {
  public:
-  // `reference`: near the rays, so that differences are exact enough wherever in the world they are. `seen`: a box
-  // around all that the rays pass.
+  // `reference`: near the rays, so that differences are exact enough wherever in the world they are; frame W. `seen`: a
+  // box around the rays.
   NearBodies(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
              std::optional<RobotId> caster)
       : max_radius_(scene.max_body_radius()) {
@@ -173,15 +173,15 @@ class NearBodies {
   std::vector<BodyId> ids_;
 };
 
-// Up to kLanes rays whose distances to a body are worked out at once, with vector instructions in single precision and
-// a margin that makes up for it.
+// Up to kLanes rays whose distances to a body are computed at once, with vector instructions in single precision and a
+// margin that makes up for it.
 class RayBlock {
  public:
   static constexpr std::size_t kLanes = 16;
 
   // `reference`: as that of the bodies.
   RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference)
-      : taken_((1u << rays.size()) - 1), forward_(rays[rays.size() / 2].direction) {
+      : used_lanes_((1u << rays.size()) - 1), forward_(rays[rays.size() / 2].direction) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
       const Ray& ray = rays[i];
@@ -201,11 +201,11 @@ class RayBlock {
     }
   }
 
-  // A box around all that the rays pass, relative to the reference. It lies along one of them, so that it is narrow if
+  // A box around the rays, relative to the reference. It lies along one of them, so that it is narrow if
   // they are a part of a fan. `max_radius`: no body has a larger one.
   DiscBox seen(double max_radius) const { return {seen_F_, max_radius, forward_}; }
 
-  // Calls visit(ray, distance) for those that come to the disc before they end; `distance`: they do not before.
+  // Calls visit(ray, distance) for the rays that reach the disc before they end; `distance`: a lower bound.
   template <typename Visit>
   void ForEachNear(const DiscList::Disc& disc, Visit visit) const {
     constexpr float kRounding = 1e-6f;  // several times that of a float
@@ -217,12 +217,12 @@ class RayBlock {
     for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
       along[k] = dx_[k] * x + dy_[k] * y - start_[k];
       const Float4 aside = dx_[k] * y - dy_[k] * x - across_[k];
-      // What is not a number is near.
+      // NaN is near.
       const Bits4 apart =
           (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
       bits |= BitsOf(~apart) << (kWidth * k);
     }
-    for (std::uint32_t near = bits & taken_; near != 0; near &= near - 1) {
+    for (std::uint32_t near = bits & used_lanes_; near != 0; near &= near - 1) {
       const auto ray = static_cast<std::size_t>(std::countr_zero(near));
       visit(ray, along[ray / kWidth][ray % kWidth] - radius);
     }
@@ -234,23 +234,24 @@ class RayBlock {
   Lanes dx_{};  // directions
   Lanes dy_{};
   Lanes across_{};  // m, of the lines, left of the reference
-  Lanes start_{};   // m, along the rays, where they start
+  Lanes start_{};   // m, the rays' starts along their directions
   Lanes length_{};  // m
   double spread_ = 0.0;
-  std::uint32_t taken_;  // a bit for each lane with a ray
-  Vec2 forward_;         // the x axis of a frame F at the reference
+  std::uint32_t used_lanes_;  // a bit for each lane with a ray
+  Vec2 forward_;              // the x axis of a frame F at the reference
   Rectangle seen_F_ = Rectangle::Nothing();
 };
 
-// Meets rays with bodies.
-class BodyMeeting {
+// Finds the hits of rays on bodies.
+class BodyHits {
  public:
-  BodyMeeting(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {
+  BodyHits(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {
     vertices_.reserve(kUsualCount);
     slice_.reserve(kUsualCount);
   }
 
-  void Meet(const Ray& ray, BodyId id, Nearest& nearest) {
+  // Updates the ray's nearest hit by its hit on one body.
+  void Update(const Ray& ray, BodyId id, Nearest& nearest) {
     const RayShape& shape = scene_.ray_shape(id);
     const Pose& X_WB = bodies_.X_WB(id);
     if (!(shape.z + X_WB.z).Contains(ray.z)) return;
@@ -269,11 +270,11 @@ class BodyMeeting {
         z = X_WL.z;
       }
       if (piece.link != 0 && !(piece.z + z).Contains(ray.z)) continue;
-      if (!line_L.MayMeet(piece.box, nearest.distance)) continue;
+      if (!line_L.MayHit(piece.box, nearest.distance)) continue;
       const double distance = DistanceToPiece(shape, piece, transform, {ray.origin, ray.direction}, line_L);
       // The model is looked up only when it may count.
       if (distance < 0.0 || distance > nearest.distance) continue;
-      TakeIfNearer(distance, scene_.body(id).pieces[piece.number].model, nearest);
+      KeepNearer(distance, scene_.body(id).pieces[piece.number].model, nearest);
     }
   }
 
@@ -282,11 +283,11 @@ class BodyMeeting {
     return {X_WL.InverseTransform(ray.origin), X_WL.InverseRotate(ray.direction)};
   }
 
-  // As DistanceTo of the piece's vertices in W, with the same bits. Which edges the ray crosses is found in the frame
-  // of the link, so that only the ends of the one by which it enters have to be placed in W.
+  // As DistanceTo of the piece's vertices in W, with the same bits. The edges that the ray crosses are found in the
+  // frame of the link, so that only the ends of the one by which it enters have to be placed in W.
   double DistanceToPiece(const RayShape& shape, const RayShape::Piece& piece, const Transform2& X_WL, const Line& ray,
                          const Line& line_L) {
-    constexpr std::uint32_t kFewVertices = 4;  // are placed sooner than looked at
+    constexpr std::uint32_t kFewVertices = 4;  // placed in W without a test
     if (piece.vertex_count > kFewVertices) {
       using Kind = RayShape::Passage::Kind;
       const RayShape::Passage passage = shape.Pass(piece, line_L.direction, Cross(line_L.direction, line_L.origin));
@@ -308,8 +309,8 @@ class BodyMeeting {
     return DistanceTo(vertices_, ray);
   }
 
-  // Fills slice_: the pieces that a ray at height `z` may meet, of a body at height `z_body`. Bodies that are alike
-  // follow each other more often than not.
+  // Fills slice_: the pieces that a ray at height `z` may hit, of a body at height `z_body`. Neighbouring bodies are
+  // usually alike, so the last slice is kept.
   void SliceAt(const RayShape& shape, double z_body, double z) {
     if (sliced_ == &shape && sliced_z_body_ == z_body && sliced_z_ == z) return;
     sliced_ = &shape;
@@ -331,13 +332,14 @@ class BodyMeeting {
   std::vector<std::uint32_t> slice_;  // in RayShape::pieces
 };
 
-// Of the rays of a block and the bodies near them, who meets whom. For each ray the body that begins first comes first:
-// then most others are farther than what it has met.
-class BlockMeeting {
+// Finds the hits of a block of rays on the bodies near them. Each ray is tested first against the body that begins
+// first: then most others are beyond its hit.
+class BlockHits {
  public:
-  BlockMeeting() { pairs_.reserve(kUsualCount); }
-  void Meet(std::span<const Ray> rays, const Vec2& reference, const NearBodies& near, BodyMeeting& meeting,
-            std::span<Nearest> nearest) {
+  BlockHits() { pairs_.reserve(kUsualCount); }
+  // Updates each ray's nearest hit.
+  void Update(std::span<const Ray> rays, const Vec2& reference, const NearBodies& near, BodyHits& body_hits,
+              std::span<Nearest> nearest) {
     const RayBlock block(rays, nearest, reference);
     std::array<std::uint32_t, RayBlock::kLanes> first;
     first.fill(kNone);
@@ -351,19 +353,19 @@ class BlockMeeting {
       });
     });
     for (std::size_t ray = 0; ray < rays.size(); ++ray) {
-      if (first[ray] != kNone) meeting.Meet(rays[ray], pairs_[first[ray]].body, nearest[ray]);
+      if (first[ray] != kNone) body_hits.Update(rays[ray], pairs_[first[ray]].body, nearest[ray]);
     }
     for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
       const Pair& pair = pairs_[i];
       if (i == first[pair.ray] || pair.distance > nearest[pair.ray].distance) continue;
-      meeting.Meet(rays[pair.ray], pair.body, nearest[pair.ray]);
+      body_hits.Update(rays[pair.ray], pair.body, nearest[pair.ray]);
     }
   }
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   struct Pair {
-    float distance;  // m, the ray does not meet the body before
+    float distance;  // m, the ray does not hit the body before
     std::uint32_t ray;
     BodyId body;
   };
@@ -387,19 +389,19 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   nearest.reserve(rays.size());
   Rectangle seen = Rectangle::Nothing();
   for (const Ray& ray : rays) {
-    Nearest& meeting = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
-    MeetStandingPieces(scene.static_index(), {ray.origin, ray.direction}, ray.z, meeting);
+    Nearest& hit = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
+    HitStaticPieces(scene.static_index(), {ray.origin, ray.direction}, ray.z, hit);
     seen.Extend(ray.origin);
-    seen.Extend(ray.origin + meeting.distance * ray.direction);
+    seen.Extend(ray.origin + hit.distance * ray.direction);
   }
 
   const Vec2 reference = rays.front().origin;
   const NearBodies near(scene, bodies, reference, seen, caster);
-  BodyMeeting meeting(scene, bodies);
-  BlockMeeting block;
+  BodyHits body_hits(scene, bodies);
+  BlockHits block_hits;
   for (std::size_t first = 0; first < rays.size(); first += RayBlock::kLanes) {
     const std::size_t count = std::min(RayBlock::kLanes, rays.size() - first);
-    block.Meet(rays.subspan(first, count), reference, near, meeting, std::span(nearest).subspan(first, count));
+    block_hits.Update(rays.subspan(first, count), reference, near, body_hits, std::span(nearest).subspan(first, count));
   }
 
   hits.reserve(rays.size());

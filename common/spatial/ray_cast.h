@@ -1,8 +1,8 @@
-// Ray casting: exact distances to the first piece that a ray meets in a horizontal plane.
+// Ray casting: exact distances to the first piece that a ray hits in a horizontal plane.
 //
 // A ray at height z sees the pieces whose z range contains z and whose ranger_return is not negative, except those of
-// the robot that casts it and of what that robot holds. A ray that starts inside such a piece meets it at distance 0.
-// Of pieces at the same distance the one with the lowest model id counts.
+// the robot that casts it and of the objects that it holds. A ray that starts inside such a piece hits it at distance
+// 0. Of pieces at the same distance the one with the lowest model id counts.
 #pragma once
 
 #include <optional>
@@ -25,15 +25,16 @@ struct Ray {
 
 struct RayHit {
   double distance = 0.0;  // m, 0 <= distance <= max_distance
-  ModelId model;          // what was met
+  ModelId model;          // the hit model
 };
 
-// `caster`: whose own pieces are not seen.
+// The nearest hit within ray.max_distance. `caster`: the robot whose own pieces are not seen. REQUIRES: |direction| = 1
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Ray& ray,
                               std::optional<RobotId> caster);
 
 // The same for each of several rays that start near each other, as those of a sonar ring or a scanner, found together:
-// quickest if neighbours in `rays` are neighbours in space. `hits` gets one entry for each ray.
+// quickest if neighbours in `rays` are neighbours in space. `hits` is replaced by one entry for each ray; its memory is
+// reused.
 void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> rays, std::optional<RobotId> caster,
               std::vector<std::optional<RayHit>>& hits);
 

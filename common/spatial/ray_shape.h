@@ -1,5 +1,5 @@
 // RayShape: the pieces of a body that rays see, kept once for all bodies of the same shape and close together in
-// memory. A swarm has few shapes, and a process that looks at its neighbours now and then finds them in no cache.
+// memory. A swarm has few shapes, and a process that reads them only now and then finds few of them in a cache.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct RayShape {
     Float4 x;  // m
     Float4 y;
   };
-  // Where a line passes a piece; edge i leads from vertex i to the next.
+  // The edges by which a line passes a piece; edge i leads from vertex i to the next.
   struct Passage {
     enum class Kind { kApart, kThrough, kUnclear } kind;  // kUnclear: too near to a vertex to tell
     std::uint32_t enter = 0;                              // edges, if kThrough
@@ -40,15 +40,15 @@ struct RayShape {
 
   std::vector<Piece> pieces;
   std::vector<Vec2> vertices;    // of each piece, counter-clockwise, then its first once more
-  std::vector<Corners> corners;  // of each piece, and what fills the last four
+  std::vector<Corners> corners;  // of each piece, the last four filled up
   double radius = 0.0;           // m, a hair more than the body's, because moving it rounds
   ZRange z;                      // m, the body's
 
   std::span<const Vec2> vertices_of(const Piece& piece) const {
     return {vertices.data() + piece.first_vertex, piece.vertex_count};
   }
-  // `direction`: of length 1, in the frame of the piece's link; `across`: m, how far the line is left of that frame's
-  // origin, which is Cross(direction, a point of the line). Never wrong by rounding.
+  // `direction`: of length 1, in the frame of the piece's link; `across`: m, the distance of the line to the left of
+  // that frame's origin, which is Cross(direction, a point of the line). Never wrong by rounding.
   Passage Pass(const Piece& piece, const Vec2& direction, double across) const;
 };
 

@@ -1,9 +1,9 @@
 // WalkRay: the cells of a grid that a ray passes.
 //
 // A ray gains at most one row in each column that it crosses if it is flat, and the other way round if it is steep. So
-// it is followed column by column, and where it leaves a column is one addition of whole numbers away from where it
-// left the one before. Nothing depends on which side of a cell it leaves by, which no processor can foresee (as in
-// Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987).
+// it is followed column by column, and the row in which it leaves a column is one addition of whole numbers away from
+// that of the column before. No branch depends on the side by which it leaves a cell, which no processor can predict
+// (as in Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987).
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,10 @@
 
 namespace troupe {
 
-// How far, in cells, a walk may be wrong about where the ray is.
+// The error of a walk, in cells: the ray is at most so far from the cells visited for it.
 inline constexpr double kWalkTolerance = 1e-6;
 
-// From where to where, in m along it, a ray is within a rectangle; nowhere if `enter` is not at most `leave`.
+// The part of a ray, in m along it, within a rectangle; none if `enter` is not at most `leave`.
 struct RayPart {
   double enter;
   double leave;
@@ -51,7 +51,7 @@ template <typename Filled, typename Visit>
 void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
              double max_distance, Filled filled, Visit visit) {
   RayPart part{0.0, max_distance};
-  // A walk that starts inside ends at the edge by itself.
+  // A walk that starts inside ends at the edge without a cut.
   if (!grid.bounds().Contains(origin)) part = PartWithin(grid.bounds(), origin, direction, inverse, max_distance);
   const auto [enter, leave] = part;
   if (!(enter <= leave)) return;
@@ -78,19 +78,20 @@ void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const 
   const std::int64_t end = static_cast<std::int64_t>(rows.count) << kBits;
   const double first_row_left = from_row + first_left * rows_per_metre;
   auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
-  // Where a ray enters at a corner, rounding may put the place where it leaves the first column on the wrong side of
-  // the edge; and where it passes from corner to corner, the rows in which it enters and leaves two apart.
+  // If a ray enters at a corner, rounding may put its exit from the first column on the wrong side of the edge; and if
+  // it passes from corner to corner, it may put the rows in which it enters and leaves two apart.
   if (rows_per_metre >= 0.0) row_left = std::max<std::int64_t>(row_left, 0);
   if (rows_per_metre <= 0.0) row_left = std::min(row_left, end - 1);
   const auto first_left_row = static_cast<std::int32_t>(row_left >> kBits);
   const std::int32_t first_row =
       std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
   const auto rise = static_cast<std::int64_t>(rows_per_metre * metres_per_column * kCell);
-  std::ptrdiff_t row = first_row * rows.stride;
+  const std::int32_t first_offset = first_row * rows.stride;  // the offset of each cell fits into 32 bits
+  std::ptrdiff_t row = first_offset;
   for (std::int32_t column = first;; column += up, row_left += rise) {
     const bool stays = static_cast<std::uint64_t>(row_left) < static_cast<std::uint64_t>(end);
     const std::ptrdiff_t next_row = stays ? (row_left >> kBits) * rows.stride : row;
-    const std::ptrdiff_t column_offset = column * columns.stride;
+    const std::int32_t column_offset = column * columns.stride;
     const auto cell = static_cast<std::size_t>(column_offset + row);
     const auto next = static_cast<std::size_t>(column_offset + next_row);
     if (filled(cell) | filled(next)) {

@@ -10,9 +10,9 @@ namespace troupe {
 
 Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   FindBodies();
-  std::vector<ConvexPiece> standing;
-  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), standing);
-  static_index_ = StaticIndex(std::move(standing));
+  std::vector<ConvexPiece> static_pieces;
+  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces);
+  static_index_ = StaticIndex(std::move(static_pieces));
   for (Body& body : bodies_) {
     MeasureBody(body);
     max_body_radius_ = std::max(max_body_radius_, body.radius);
@@ -45,7 +45,7 @@ void Scene::FindBodies() {
   }
 }
 
-void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& standing) {
+void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces) {
   const std::size_t i = id.index();
   const ModelDescription& model = world_.models[i];
   if (model.parent) {
@@ -58,7 +58,7 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& standing) {
   }
   if (!body_of_[i]) {
     std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
-    std::move(pieces.begin(), pieces.end(), std::back_inserter(standing));
+    std::move(pieces.begin(), pieces.end(), std::back_inserter(static_pieces));
     return;
   }
   Body& body = bodies_[body_of_[i]->index()];
@@ -74,7 +74,7 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& standing) {
 }
 
 void Scene::MeasureBody(Body& body) const {
-  // How far each link's origin may be from the body's, and at what heights.
+  // The largest distance of each link's origin from the body's, and its range of heights.
   std::vector<double> reach(body.links.size(), 0.0);
   std::vector<ZRange> heights(body.links.size());
   for (std::size_t k = 1; k < body.links.size(); ++k) {

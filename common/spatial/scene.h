@@ -1,4 +1,5 @@
-// Scene: a world description prepared for fast questions. Immutable; made once by the service and once by each agent.
+// Scene: a world description prepared for fast queries. Immutable, so any thread may read it; made once by the service
+// and once by each agent.
 #pragma once
 
 #include <memory>
@@ -14,14 +15,14 @@
 
 namespace troupe {
 
-// A rigid part of a body. Link 0 is what no joint moves; its frame is the body's.
+// A rigid part of a body. Link 0 is the part that no joint moves; its frame is the body's.
 struct Link {
   std::optional<JointId> joint;  // that moves it; nothing: link 0
   std::uint32_t parent = 0;      // link; smaller than its own number
   Pose X_PL;                     // in the parent link's frame, at joint position 0
 };
 
-// Whatever moves as a whole: a robot or an object, with everything below its root model.
+// A moving body: a robot or a movable object, with everything below its root model.
 struct Body {
   std::vector<Link> links;
   std::vector<ConvexPiece> pieces;         // each in the frame of its link
@@ -46,7 +47,7 @@ class Scene {
   const RayShape& ray_shape(BodyId id) const { return ray_shapes_[ray_shape_of_[id.index()]]; }
   BodyId body_of(RobotId robot) const { return BodyId(robot.index()); }
   BodyId body_of(ObjectId object) const { return BodyId(world_.robots.size() + object.index()); }
-  // The body that the model belongs to; nothing for a model that stands still.
+  // The body that the model belongs to; nothing for a static model.
   std::optional<BodyId> body_of(ModelId model) const { return body_of_[model.index()]; }
   std::optional<RobotId> robot_of(ModelId model) const;
   std::optional<ObjectId> object_of(ModelId model) const;
@@ -73,13 +74,13 @@ class Scene {
 
  private:
   void FindBodies();
-  void AddModel(ModelId id, std::vector<ConvexPiece>& standing);
+  void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces);
   void MeasureBody(Body& body) const;
 
   WorldDescription world_;
   std::vector<std::optional<BodyId>> body_of_;  // by model, like the next four
   std::vector<std::uint32_t> link_of_;
-  std::vector<Pose> X_LM_;  // in W for models that stand still
+  std::vector<Pose> X_LM_;  // in W for static models
   std::vector<std::optional<JointId>> joint_of_;
   std::vector<double> ranger_returns_;
   std::vector<Body> bodies_;

@@ -53,12 +53,12 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pi
 }
 
 void StaticIndex::FillCells() {
-  const auto for_each_entry = [this](auto&& take) {
+  const auto for_each_entry = [this](auto&& visit) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const CellRange range = CellsOf(pieces_[i]);
       for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
         for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-          take(grid_.CellAt(column, row), static_cast<std::uint32_t>(i));
+          visit(grid_.CellAt(column, row), static_cast<std::uint32_t>(i));
         }
       }
     }
@@ -79,18 +79,18 @@ CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
 
 void StaticIndex::Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const {
   if (pieces_.empty() || !bounds_.Overlaps(box)) return;
-  const auto take = [&](std::uint32_t piece) {
+  const auto append_if_near = [&](std::uint32_t piece) {
     if (ray_pieces_[piece].box.Overlaps(box)) result.push_back(piece);
   };
   const CellRange range = grid_.CellsOf(box);
   if (range.count() >= pieces_.size()) {
-    for (std::size_t i = 0; i < pieces_.size(); ++i) take(static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < pieces_.size(); ++i) append_if_near(static_cast<std::uint32_t>(i));
     return;
   }
   const auto first = static_cast<std::ptrdiff_t>(result.size());
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-      for (std::uint32_t piece : PiecesInCell(grid_.CellAt(column, row))) take(piece);
+      for (std::uint32_t piece : PiecesInCell(grid_.CellAt(column, row))) append_if_near(piece);
     }
   }
   std::sort(result.begin() + first, result.end());

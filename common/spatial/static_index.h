@@ -25,7 +25,7 @@ class StaticIndex {
   // `result`.
   void Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const;
 
-  // A piece as rays see it, small and close to its neighbours in memory: one line of a cache.
+  // The data of a piece that rays need, small and close to its neighbours in memory: one line of a cache.
   struct alignas(64) RayPiece {
     Rectangle box;  // m, around the piece
     ZRange z;       // m; empty if rays look through the piece
@@ -41,8 +41,8 @@ class StaticIndex {
 
   // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes and that hold any, in
   // order, with a distance before which it does not enter each part, until `visit` returns false. Every piece that the
-  // ray meets within `max_distance` is among those visited at a distance not beyond the meeting; pieces may come
-  // several times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
+  // ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may come several
+  // times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
                Visit visit) const {
@@ -56,7 +56,7 @@ class StaticIndex {
   std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
     return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
   }
-  // The cells whose neighbourhood the piece touches, for a ray that passes between cells may be taken to be in either.
+  // The cells whose neighbourhood the piece touches, because the walk of a ray along an edge may be in either cell.
   CellRange CellsOf(const ConvexPiece& piece) const;
 
   void FillCells();
@@ -68,7 +68,7 @@ class StaticIndex {
   Grid grid_;
   // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
   std::vector<std::uint32_t> cell_start_;
-  // 1 for each cell that holds any: rays pass empty cells most of the time, and then look at nothing else.
+  // 1 for each cell that holds any: rays mostly pass empty cells, and then read nothing else.
   std::vector<std::uint8_t> filled_;
   std::vector<std::uint32_t> cell_pieces_;
 };

@@ -15,8 +15,8 @@
 namespace troupe {
 namespace {
 
-// An event at which the depth is further than this from what is allowed does not mark the contact; then it is searched
-// for.
+// An event at which the depth differs from the allowed one by more than this does not mark the contact, which is then
+// searched for.
 constexpr double kEventAccuracy = 1e-7;  // m
 
 // No point within `radius` of F's origin is faster in the plane; m/s.
@@ -31,7 +31,7 @@ double RadiusOf(std::span<const Vec2> vertices) {
   return std::sqrt(square);
 }
 
-// A prism of the moving body, a standing one, and how deep they may overlap on the way.
+// A prism of the moving body, a static one, and the depth to which they overlap at the start.
 struct Pair {
   std::span<const Vec2> a_in_F;
   std::span<const Vec2> b_in_W;
@@ -66,7 +66,7 @@ class PairSweep {
     return !OverlapBy(a_in_W_, pair.b_in_W, pair.allowed_depth());
   }
 
-  // How far the first prism is in the second one: in the plane, and when heights change, whichever way out is shorter.
+  // The depth of the first prism in the second one: in the plane, or, if heights change, along the shorter way out.
   double DepthAfter(const Pair& pair, double seconds) {
     Place(pair, seconds);
     const double depth = PenetrationDepth(a_in_W_, pair.b_in_W);
@@ -80,7 +80,7 @@ class PairSweep {
     a_in_W_.clear();
     for (const Vec2& vertex : pair.a_in_F) a_in_W_.push_back(transform * vertex);
   }
-  // How much of their heights the prisms share, in m.
+  // The height that the prisms share, in m.
   double HeightsAfter(const Pair& pair, double seconds) const {
     const ZRange a_z = pair.a_z + motion_.climb * seconds;
     return std::min(a_z.max, pair.b_z.max) - std::max(a_z.min, pair.b_z.min);
@@ -92,7 +92,7 @@ class PairSweep {
     if (rate * end > 2.0 * kPi) end = 2.0 * kPi / rate;  // from then on the motion repeats itself
     times_ = {0.0, end};
     if (pair.initial_depth > kTouchTolerance) {
-      // Getting deeper than at the start is not an event, so look more often.
+      // A depth that passes the initial one is not an event, so more times are tested.
       for (int i = 1; i < 16; ++i) times_.push_back(end * i / 16.0);
     }
     if (motion_.climb != 0.0) {
@@ -135,7 +135,8 @@ class PairSweep {
   std::pmr::vector<Vec2> b_in_F_;
 };
 
-// `time`, or as little before it as makes is_free(time) true; 0 at the earliest. max_speed in m/s.
+// `time`, or the nearest time before it, by doubling steps, at which is_free is true; 0 at the earliest. max_speed:
+// m/s.
 template <typename IsFree>
 double SteppedBack(double time, double max_speed, IsFree is_free) {
   double hair = std::max(1e-12 / max_speed, time * 0x1p-50);
@@ -146,7 +147,7 @@ double SteppedBack(double time, double max_speed, IsFree is_free) {
   return time;
 }
 
-// Where a motion begins and ends, and how far it strays from the straight line between.
+// The start and the end of a motion, and its distance from the straight line between them.
 class Passage {
  public:
   explicit Passage(const Motion& motion)
@@ -167,7 +168,7 @@ class Passage {
     const double length = MaxSpeed(motion_, radius) * motion_.duration;
     return length * ((angle_ < kPi ? angle_ / 8.0 : 2.0 / angle_) + kRounding) + kTouchTolerance;
   }
-  // Around all that such points pass.
+  // A box around the ways of all such points.
   Rectangle BoxAround(double radius) const {
     Rectangle box = Rectangle::Nothing();
     box.Extend(motion_.X_WF.translation());
@@ -188,14 +189,14 @@ struct Obstacle {
   Rectangle box;
 };
 
-// Heights that a mover passes.
+// The heights that a mover passes.
 ZRange SweptHeights(const ZRange& z_in_F, const Motion& motion) {
   const ZRange z = z_in_F + motion.X_WF.z;
   const double dz = motion.climb * motion.duration;
   return {z.min + std::min(dz, 0.0), z.max + std::max(dz, 0.0)};
 }
 
-// What of all that stands around the mover may meet on its way.
+// Selects the pieces that a mover may touch on its way.
 class ObstacleFilter {
  public:
   ObstacleFilter(const Mover& mover, const Passage& passage)
@@ -203,7 +204,8 @@ class ObstacleFilter {
 
   const Rectangle& box() const { return box_; }
 
-  void Consider(const ConvexPiece& piece, std::pmr::vector<Obstacle>& obstacles) const {
+  // Appends the piece if it may be touched.
+  void Filter(const ConvexPiece& piece, std::pmr::vector<Obstacle>& obstacles) const {
     if (!piece.obstacle || !piece.z.Overlaps(z_)) return;
     const Rectangle piece_box = BoundingBox(piece.vertices);
     if (box_.Overlaps(piece_box)) obstacles.push_back({&piece, piece_box});
@@ -218,15 +220,15 @@ std::pmr::vector<Obstacle> FindObstacles(const Scene& scene, const BodyIndex& bo
                                          const Passage& passage, std::pmr::memory_resource& memory) {
   const ObstacleFilter filter(mover, passage);
   std::pmr::vector<Obstacle> obstacles(&memory);
-  std::pmr::vector<std::uint32_t> standing(&memory);
-  scene.static_index().Query(filter.box(), standing);
-  for (std::uint32_t index : standing) filter.Consider(scene.static_index().pieces()[index], obstacles);
+  std::pmr::vector<std::uint32_t> static_pieces(&memory);
+  scene.static_index().Query(filter.box(), static_pieces);
+  for (std::uint32_t index : static_pieces) filter.Filter(scene.static_index().pieces()[index], obstacles);
 
   std::pmr::vector<BodyId> near(&memory);
   bodies.Query(filter.box(), near);
   for (BodyId other : near) {
     if (std::binary_search(mover.bodies.begin(), mover.bodies.end(), other)) continue;
-    for (const ConvexPiece& piece : bodies.pieces_in_world(other)) filter.Consider(piece, obstacles);
+    for (const ConvexPiece& piece : bodies.pieces_in_world(other)) filter.Filter(piece, obstacles);
   }
   return obstacles;
 }
@@ -255,7 +257,7 @@ std::optional<Contact> GroundContact(const Mover& mover, const Motion& motion) {
 // A piece of the mover on its way.
 class MovingPiece {
  public:
-  // `margin`: how far, in m, its vertices may be from the line between their starts and ends.
+  // `margin`: the largest distance, in m, of its vertices from the line between their starts and ends.
   MovingPiece(const ConvexPiece& piece, const Passage& passage, double margin, std::pmr::memory_resource& memory)
       : z_(SweptHeights(piece.z, passage.motion())), margin_(margin), start_(&memory), end_(&memory) {
     start_.reserve(piece.vertices.size());
@@ -268,33 +270,34 @@ class MovingPiece {
   }
 
   std::span<const Vec2> start() const { return start_; }  // vertices in W
-  bool MayMeet(const Obstacle& other) const {
+  bool MayTouch(const Obstacle& other) const {
     return box_.Overlaps(other.box) && z_.Overlaps(other.piece->z) &&
            !StayApart(start_, end_, other.piece->vertices, margin_);
   }
 
  private:
-  ZRange z_;  // that it passes
+  ZRange z_;  // swept heights
   double margin_;
   std::pmr::vector<Vec2> start_;
   std::pmr::vector<Vec2> end_;
-  Rectangle box_;  // around all that it may cover
+  Rectangle box_;  // around its way
 };
 
 // The first contact of the mover with any of the obstacles.
-std::optional<Contact> MeetObstacles(const Mover& mover, const Passage& passage,
-                                     const std::pmr::vector<Obstacle>& obstacles, std::pmr::memory_resource& memory) {
+std::optional<Contact> ContactWithObstacles(const Mover& mover, const Passage& passage,
+                                            const std::pmr::vector<Obstacle>& obstacles,
+                                            std::pmr::memory_resource& memory) {
   const Motion& motion = passage.motion();
   const double max_speed = MaxSpeed(motion, mover.radius);
   const double margin = passage.MarginAt(mover.radius);
   std::optional<Contact> first;
-  std::pmr::vector<Pair> pairs(&memory);  // all that come near each other
+  std::pmr::vector<Pair> pairs(&memory);  // the pairs that come near each other
   PairSweep sweep(motion, passage.start(), memory);
   for (const ConvexPiece& piece : mover.pieces) {
     if (!piece.obstacle) continue;
     const MovingPiece mine(piece, passage, margin, memory);
     for (const Obstacle& other : obstacles) {
-      if (!mine.MayMeet(other)) continue;
+      if (!mine.MayTouch(other)) continue;
       Pair pair{piece.vertices, other.piece->vertices, piece.z + motion.X_WF.z, other.piece->z,
                 PenetrationDepth(mine.start(), other.piece->vertices)};
       const double gap = -pair.initial_depth - kTouchTolerance;
@@ -347,18 +350,18 @@ std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies,
   StackMemory memory;
   const std::pmr::vector<Obstacle> obstacles = FindObstacles(scene, bodies, mover, passage, memory);
   if (obstacles.empty()) return ground;
-  return FirstOf(MeetObstacles(mover, passage, obstacles, memory), ground);
+  return FirstOf(ContactWithObstacles(mover, passage, obstacles, memory), ground);
 }
 
-std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> standing, const Mover& mover,
+std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> obstacles, const Mover& mover,
                                         const Motion& motion) {
   if (motion.IsRest()) return std::nullopt;
   const Passage passage(motion);
   const ObstacleFilter filter(mover, passage);
   StackMemory memory;
-  std::pmr::vector<Obstacle> obstacles(&memory);
-  for (const ConvexPiece& piece : standing) filter.Consider(piece, obstacles);
-  return MeetObstacles(mover, passage, obstacles, memory);
+  std::pmr::vector<Obstacle> near(&memory);
+  for (const ConvexPiece& piece : obstacles) filter.Filter(piece, near);
+  return ContactWithObstacles(mover, passage, near, memory);
 }
 
 }  // namespace troupe

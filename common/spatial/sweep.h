@@ -1,11 +1,11 @@
-// Sweep: how far a body gets along the arc of a constant twist before it first overlaps something.
+// Sweep: the first contact of a body that moves along the arc of a constant twist.
 //
 // A body that also climbs or sinks overlaps another only while their heights do too; those times are closed as well.
 //
 // Exact: while body A moves with a constant twist, each of its vertices moves on a circle (a line without turning)
-// about the instant centre of rotation, and, seen from A, each vertex of a standing body B moves on a circle too.
-// Whether the two overlap can change only when a vertex of one meets an edge of the other; those times have closed
-// forms. Between two neighbouring times nothing changes, so one look at each interval finds the first one with overlap.
+// about the instant centre of rotation, and, seen from A, each vertex of a static body B moves on a circle too. The two
+// can begin or end to overlap only at the times at which a vertex of one touches an edge of the other; those times have
+// closed forms. Between two neighbouring times nothing changes, so one test in each interval finds the first overlap.
 // No speed is too fast and no wall too thin.
 #pragma once
 
@@ -26,8 +26,9 @@ namespace troupe {
 std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_WR, const Twist& twist, double duration,
                                     std::span<const Vec2> b_in_W);
 
-// A motion of frame F: along the arc of a constant twist, and up or down at a constant rate. REQUIRES, where contacts
-// are looked for: it climbs, or turns more than once round, but not both.
+// A motion of frame F: along the arc of a constant twist, and up or down at a constant rate.
+// REQUIRES, for FirstContact and FirstContactWith: a motion with climb != 0 turns by at most a full turn,
+// |twist.wz| * duration <= 2 pi, since heights do not repeat as the arc does.
 struct Motion {
   Pose X_WF;              // at the start
   Twist twist;            // in F
@@ -39,33 +40,33 @@ struct Motion {
   Pose After(double seconds) const;
 };
 
-// What moves as one.
+// The pieces that move as one: a body, or a part of one with its payload.
 struct Mover {
   std::span<const ConvexPiece> pieces;  // in F; those with `obstacle` take part
   double radius = 0.0;                  // m: no vertex is farther from F's origin
   ZRange z;                             // m, spans the pieces, in F
-  std::span<const BodyId> bodies;       // whose pieces are no obstacles to it, in order
+  std::span<const BodyId> bodies;       // its own: their pieces are no obstacles to it; ascending
 };
 
-// A whole body without joints, moving by itself. Good while `body` lives.
+// A whole body without joints, moving by itself. `body` must outlive the mover.
 inline Mover MoverOf(const Scene& scene, const BodyId& body) {
   return {scene.body(body).pieces, scene.body(body).radius, scene.body(body).z, std::span(&body, 1)};
 }
 
 struct Contact {
   double time = 0.0;             // s after the start of the motion
-  ModelId mine;                  // the mover's model that met something
-  std::optional<ModelId> other;  // what was met; nothing: the ground
+  ModelId mine;                  // the mover's model in contact
+  std::optional<ModelId> other;  // the obstacle; nothing: the ground
 };
 
-// The first contact of the mover with the standing models and with the bodies where `bodies` says they are. Models with
+// The first contact of the mover with the static models and with the bodies at their poses in `bodies`. Models with
 // obstacle_return take part. A mover with an obstacle below z = 0 is in contact with the ground unless it climbs. Of
 // contacts at the same time the lowest model id counts.
 std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
                                     const Motion& motion);
 
-// The same with nothing but `standing`, pieces in W, and without the ground.
-std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> standing, const Mover& mover,
+// The same with `obstacles` alone, static pieces in W, and without the ground.
+std::optional<Contact> FirstContactWith(std::span<const ConvexPiece> obstacles, const Mover& mover,
                                         const Motion& motion);
 
 }  // namespace troupe

@@ -8,14 +8,14 @@
 namespace troupe {
 namespace {
 
-// Edges are taken to be longer by this at both ends: one event too many costs a look, one too few a wall.
+// Edges are taken to be longer by this at both ends: one event too many costs a test, one too few a wall.
 constexpr double kEdgeMargin = 1e-6;  // m
 
 Vec2 QuarterTurn(const Vec2& v) {
   return {-v.y(), v.x()};
 }
 
-// Vertices that move with a constant twist, against edges that stand.
+// Vertices that move with a constant twist, against fixed edges.
 class EventFinder {
  public:
   EventFinder(const Twist& twist, double duration, std::pmr::vector<double>& times)
@@ -35,7 +35,7 @@ class EventFinder {
            kEdgeMargin;
   }
 
-  // Adds the times at which the vertex that starts at p, and moves no more than `reach`, meets the edge.
+  // Adds the times at which the vertex that starts at p, and moves no more than `reach`, touches the edge.
   //
   // With c = cos(wt), s = sin(wt), J a quarter turn to the left and v the velocity, p moves to
   //   c p + s Jp + (s/w) v + ((1-c)/w) Jv.
@@ -59,7 +59,7 @@ class EventFinder {
   void AddRoot(double r, const Vec2& p, const Vec2& start, const Vec2& along) {
     if (largest_root_ && !(r >= 0.0 && r <= *largest_root_)) return;  // too early or too late
     const double half_tangent = 0.5 * rate_ * r;                      // tan(wt/2)
-    if (!std::isfinite(half_tangent)) return;                         // half a turn, which is always looked at
+    if (!std::isfinite(half_tangent)) return;                         // half a turn, which is always tested
     // On the line; but between the edge's ends? With u = tan(wt/2): c = (1-u^2)/(1+u^2), s = 2u/(1+u^2).
     const double scale = 1.0 / (1.0 + half_tangent * half_tangent);
     const double cosine = 2.0 * scale - 1.0;
@@ -83,13 +83,13 @@ class EventFinder {
   std::pmr::vector<double>& times_;
 };
 
-void AppendMeetings(std::span<const Vec2> moving, std::span<const Vec2> standing, const Twist& twist, double duration,
+void AppendContacts(std::span<const Vec2> moving, std::span<const Vec2> fixed, const Twist& twist, double duration,
                     std::pmr::vector<double>& times) {
   EventFinder finder(twist, duration, times);
   for (const Vec2& vertex : moving) {
     const double reach = finder.ReachOf(vertex);
-    for (std::size_t i = 0; i < standing.size(); ++i) {
-      finder.Add(vertex, reach, standing[i], standing[i + 1 < standing.size() ? i + 1 : 0]);
+    for (std::size_t i = 0; i < fixed.size(); ++i) {
+      finder.Add(vertex, reach, fixed[i], fixed[i + 1 < fixed.size() ? i + 1 : 0]);
     }
   }
 }
@@ -98,9 +98,9 @@ void AppendMeetings(std::span<const Vec2> moving, std::span<const Vec2> standing
 
 void AppendEvents(std::span<const Vec2> a, std::span<const Vec2> b, const Twist& twist, double duration,
                   std::pmr::vector<double>& times) {
-  AppendMeetings(a, b, twist, duration, times);
-  // Seen from the moving body, what stands moves with the opposite twist.
-  AppendMeetings(b, a, {-twist.vx, -twist.vy, -twist.wz}, duration, times);
+  AppendContacts(a, b, twist, duration, times);
+  // Seen from the moving body, the static one moves with the opposite twist.
+  AppendContacts(b, a, {-twist.vx, -twist.vy, -twist.wz}, duration, times);
   if (std::abs(twist.wz) * duration > kPi) times.push_back(kPi / std::abs(twist.wz));  // where tan(wt/2) is infinite
 }
 

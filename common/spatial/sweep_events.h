@@ -1,4 +1,4 @@
-// The moments of a motion with a constant twist at which a vertex meets an edge: only there can two polygons begin or
+// The times of a motion with a constant twist at which a vertex touches an edge: only then can two polygons begin or
 // end to overlap.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace troupe {
 
-// Appends to `times` the times in [0, duration] (s) at which a vertex of `a` meets an edge of `b` or a vertex of `b` an
-// edge of `a`, in no particular order; times may repeat, and some may belong to near misses. Both polygons are given in
-// the frame R in which the motion starts; `a` moves, `b` stands. A vertex that glides along an edge does not count.
+// Appends to `times` the times in [0, duration] (s) at which a vertex of `a` touches an edge of `b` or a vertex of `b`
+// an edge of `a`, in no particular order; times may repeat, and some may belong to near misses. Both polygons are in
+// the frame F at the start of the motion; `a` moves, `b` is static. A vertex that glides along an edge does not count.
 // REQUIRES: |wz| * duration <= 2 pi
 void AppendEvents(std::span<const Vec2> a, std::span<const Vec2> b, const Twist& twist, double duration,
                   std::pmr::vector<double>& times);

@@ -1,7 +1,8 @@
-// TickTrace: what a program did when, tick by tick, for the trace viewers of browsers (Chrome, Perfetto).
+// TickTrace: the phases of a program with their times, tick by tick, for the trace viewers of browsers (Chrome,
+// Perfetto).
 //
-// Each thread that works on ticks has a lane, and on it one phase follows another. A phase counts for the tick that is
-// being made: what an agent does with state n, and what the service does to come to state n + 1, is all tick n + 1.
+// Each thread that works on ticks has a lane, and on it one phase follows another. A phase belongs to the tick in
+// progress: the agent's work on state n and the service's step from state n to n + 1 both belong to tick n + 1.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +19,14 @@
 namespace troupe {
 
 enum class TickPhase : std::uint8_t {
-  kWait,     // for the proposals; for the frame, with receiving and decoding it
+  kWait,     // service: for the proposals; agent: for the frame, with receiving and decoding it
   kStep,     // service: the next state and its hash
-  kPublish,  // service: the frame goes out
-  kRecord,   // service: output files, and what ROS is shown
-  kApply,    // agent: the frame goes into the replica
-  kSense,    // agent: what a robot measures
+  kPublish,  // service: sending the frame
+  kRecord,   // service: output files and ROS messages
+  kApply,    // agent: applying the frame to the replica
+  kSense,    // agent: a robot's measurements
   kDecide,   // agent: its controller, gripper and drive
-  kSend,     // agent: the proposal goes out
+  kSend,     // agent: sending the proposal
 };
 const char* ToString(TickPhase phase);
 
@@ -38,12 +39,12 @@ struct TraceOptions {
 // "FIRST:LAST", as on command lines; either may be left out.
 Result<TraceOptions> ParseTraceTicks(const std::string& text);
 
-// One thread's phases. Costs nothing but a look at a pointer when there is no trace: `Enter` below.
+// One thread's phases. Without a trace it costs no more than testing a pointer: `Enter` below.
 class TraceLane {
  public:
   explicit TraceLane(const TraceOptions& options) : first_(options.first), last_(options.last) {}
 
-  // Ends the phase before and begins this one. `robot`: whose; nothing: all of the process.
+  // Ends the phase before and begins this one. `robot`: the phase's robot; nothing: all of the process.
   void Enter(TickPhase phase, Tick tick, std::optional<RobotId> robot = std::nullopt);
   // Ends the phase before.
   void Leave();
@@ -70,7 +71,7 @@ inline void Enter(TraceLane* lane, TickPhase phase, Tick tick, std::optional<Rob
 
 class TickTrace {
  public:
-  // `process`: how viewers name it.
+  // `process`: its name in viewers.
   static Result<std::unique_ptr<TickTrace>> Create(const TraceOptions& options, const std::string& process);
   ~TickTrace();  // writes all
   TickTrace(const TickTrace&) = delete;
@@ -81,9 +82,9 @@ class TickTrace {
   // Valid as long as the trace.
   TraceLane* AddLane();
 
-  // Writes when much has come together. Not while a lane is in use.
+  // Writes if many phases are waiting. REQUIRES: no lane is in use.
   void WriteSome();
-  // Ends all phases and writes everything. The error is the first that any write had (a full disk).
+  // Ends all phases and writes everything. The error is that of the first write that failed (a full disk).
   Status Close();
 
  private:

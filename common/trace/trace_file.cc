@@ -17,7 +17,7 @@
 namespace troupe {
 namespace {
 
-// An event begins with its time, so that it is easily found. Chrome counts in microseconds.
+// An event begins with its time, so that it is easily parsed. Chrome counts in microseconds.
 constexpr char kLineStart[] = "{\"ts\":";
 constexpr std::size_t kStartLength = sizeof kLineStart - 1;
 
@@ -35,7 +35,7 @@ std::string Microseconds(std::int64_t nanoseconds) {
   return fmt::format("{}.{:03}", nanoseconds / 1000, nanoseconds % 1000);
 }
 
-// What Microseconds made, at the beginning of `text`; and what comes after it.
+// Parses the result of Microseconds at the beginning of `text`, with the text after it.
 struct EventTime {
   std::int64_t nanoseconds;
   const char* rest;
@@ -59,17 +59,17 @@ Status ForEachLine(const std::vector<std::string>& parts, Visit visit) {
     const std::string& path = parts[part - 1];
     if (!std::filesystem::exists(path)) continue;
     std::ifstream file(path);
-    if (!file) return Error{{}, "cannot read " + path + ": " + std::strerror(errno)};
+    if (!file) return Failure("cannot read " + path + ": " + std::strerror(errno));
     for (std::string line; std::getline(file, line);) {
       if (line.size() < 2 || line.front() != '{' || !line.ends_with("},")) continue;
       line.pop_back();
       visit(part, line);
     }
   }
-  return std::nullopt;
+  return Status();
 }
 
-// With another process number: two machines may have given one number to two processes.
+// With another process number: two hosts may use the same number.
 std::string Renumbered(const std::string& text, std::size_t process) {
   constexpr std::string_view kField = "\"pid\":";
   const std::size_t at = text.find(kField);
@@ -92,9 +92,10 @@ std::int64_t TraceFile::Now() {
 
 Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& process) {
   std::FILE* const file = std::fopen(path.c_str(), "we");
-  if (file == nullptr) return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno)};
+  if (file == nullptr)
+    return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kFailure};
   TraceFile trace(path, file);
-  // Viewers take a list without its end, as it is while a program runs, or after it was killed.
+  // Viewers accept a list without its end, as of a program that is running or was killed.
   fmt::print(file, "[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":{},\"args\":{{\"name\":\"{} ({})\"}}}},\n",
              getpid(), Escaped(process), getpid());
   return trace;
@@ -111,11 +112,11 @@ void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, st
 }
 
 Status TraceFile::Close() {
-  if (!file_) return std::nullopt;
+  if (!file_) return Status();
   failed_ = std::fflush(file_.get()) != 0 || failed_;
   file_.reset();
-  if (!failed_) return std::nullopt;
-  return Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno)};
+  if (!failed_) return Status();
+  return Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno), ErrorCode::kFailure};
 }
 
 Status MergeTraces(const std::vector<std::string>& parts, const std::string& output) {
@@ -123,7 +124,7 @@ Status MergeTraces(const std::vector<std::string>& parts, const std::string& out
   Status unread = ForEachLine(parts, [&start](std::size_t, const std::string& line) {
     if (const std::optional<EventTime> time = TimeOf(line)) start = std::min(start, time->nanoseconds);
   });
-  if (unread) return unread;
+  if (!unread.ok()) return unread;
   std::ofstream file(output);
   const char* separator = "[\n";
   unread = ForEachLine(parts, [&](std::size_t part, const std::string& line) {
@@ -135,11 +136,11 @@ Status MergeTraces(const std::vector<std::string>& parts, const std::string& out
       file << Renumbered(line, part);
     }
   });
-  if (unread) return unread;
+  if (!unread.ok()) return unread;
   file << (separator[0] == '[' ? "[]\n" : "\n]\n");
   file.close();
-  if (!file) return Error{{}, "cannot write " + output + ": " + std::strerror(errno)};
-  return std::nullopt;
+  if (!file) return Failure("cannot write " + output + ": " + std::strerror(errno));
+  return Status();
 }
 
 }  // namespace troupe

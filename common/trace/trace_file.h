@@ -1,4 +1,4 @@
-// TraceFile: a file in Chrome's trace format, an object on each line; and several of them put together.
+// TraceFile: a file in Chrome's trace format, an object on each line; and the merging of several.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@ namespace troupe {
 
 class TraceFile {
  public:
-  // `process`: how viewers name it.
+  // `process`: its name in viewers.
   static Result<TraceFile> Create(const std::string& path, const std::string& process);
 
-  // ns since 1970, so that the files of several machines fit together as well as their clocks do. Never goes back.
+  // ns since 1970, so that the files of several hosts agree as well as their clocks. Never goes back.
   static std::int64_t Now();
 
-  // What was done from `begin` to `end`, ns as of Now. `robot` may be empty.
+  // A phase from `begin` to `end`, ns as of Now. `robot` may be empty.
   void Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
              const std::string& robot);
 
-  // Writes everything. The first error that any write had (a full disk).
+  // Writes everything. The error is that of the first write that failed (a full disk).
   Status Close();
 
  private:
@@ -39,7 +39,7 @@ class TraceFile {
 };
 
 // One file of several, with times from the first event on. Parts that do not exist, and last lines that were cut off,
-// as killed processes leave them, are left out.
+// as by killed processes, are left out.
 Status MergeTraces(const std::vector<std::string>& parts, const std::string& output);
 
 }  // namespace troupe

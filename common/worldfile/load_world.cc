@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
-#include "common/worldfile/build_world.h"
-#include "common/worldfile/map_yaml.h"
-#include "common/worldfile/quote.h"
-#include "common/worldfile/scenario.h"
-#include "common/worldfile/stage_parser.h"
-#include "common/worldfile/start_overlap.h"
+#include "common/worldfile/build/build_world.h"
+#include "common/worldfile/build/start_overlap.h"
+#include "common/worldfile/map/map_yaml.h"
+#include "common/worldfile/scenario/scenario.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/quote.h"
 
 namespace troupe {
 namespace {
@@ -22,7 +22,7 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
-  if (ending == ".yaml" || ending == ".yml") return LoadMapYaml(path, overrides);
+  if (ending == ".yaml" || ending == ".yml") return BuildWorld(MapYamlTree(path), overrides);
   return Error{
       {path},
       "found a file ending in " + Quoted(ending) + ", expected .world (Stage), .json (scenario) or .yaml (ROS map)"};

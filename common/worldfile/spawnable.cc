@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/worldfile/build_world.h"
-#include "common/worldfile/entity_names.h"
-#include "common/worldfile/property_catalogue.h"
-#include "common/worldfile/quote.h"
-#include "common/worldfile/scenario.h"
-#include "common/worldfile/stage_parser.h"
+#include "common/worldfile/build/build_world.h"
+#include "common/worldfile/build/types/model_types.h"
+#include "common/worldfile/scenario/scenario.h"
+#include "common/worldfile/stage/node_names.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/quote.h"
 
 namespace troupe {
 namespace {
@@ -23,7 +23,7 @@ bool IsFile(const std::string& source) {
   return ending == ".world" || ending == ".inc" || ending == ".json";
 }
 
-// Where models are defined, and what robots do that say nothing.
+// The defines of models, and the controller of robots without one.
 Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrides& overrides) {
   if (EndingOf(path) == ".json") return ReadScenarioWorld(path, overrides);
   Result<WorldTree> tree = EndingOf(path) == ".inc" ? ParseStageWorld(path) : ReadWorldTree(path);
@@ -35,12 +35,12 @@ Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrid
 }
 
 // As Instantiate, but for models only.
-Result<Entity> MakeModel(const WorldTree& tree, const std::string& name) {
-  Result<Entity> made = Instantiate(tree, name, {});
+Result<WorldNode> MakeModel(const WorldTree& tree, const std::string& name) {
+  Result<WorldNode> made = Instantiate(tree, name, {});
   if (!made.ok()) return made;
   const std::string& type = made.value().type;
   if (!IsModelType(type)) return Error{{}, "found " + Quoted(name) + ", expected a model"};
-  if (FindType(type) == nullptr) return Error{{}, "found " + Quoted(name) + ": " + UnknownTypeMessage(type)};
+  if (FindModelType(type) == nullptr) return Error{{}, "found " + Quoted(name) + ": " + UnknownTypeMessage(type)};
   return made;
 }
 
@@ -48,7 +48,7 @@ Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, c
   Result<ScenarioWorld> definitions = ReadDefinitions(path, overrides);
   if (!definitions.ok()) return definitions.error();
   WorldTree& tree = definitions.value().tree;
-  Result<Entity> model = MakeModel(tree, name);
+  Result<WorldNode> model = MakeModel(tree, name);
   if (!model.ok()) return model.error();
   const bool controlled = model.value().Find("ctrl") != nullptr;
   tree.world.children = {std::move(model).value()};
@@ -75,7 +75,7 @@ Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file) {
   const WorldTree& tree = definitions.value().tree;
   std::vector<Spawnable> found;
   for (const auto& [name, define] : tree.defines) {
-    const Result<Entity> model = MakeModel(tree, name);
+    const Result<WorldNode> model = MakeModel(tree, name);
     if (!model.ok()) continue;
     const std::string& type = model.value().type;
     if (type == "model" || type == "position") found.push_back({name, type});  // others are parts of these

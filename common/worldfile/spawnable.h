@@ -1,4 +1,4 @@
-// What can be put into a world that runs: models of its world file, and files with one model.
+// Models that can be added to a running world: those of its world file, and files with one model.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ namespace troupe {
 // A type or define that gives a model.
 struct Spawnable {
   std::string name;
-  std::string type;  // what the define is made from; the name itself for a type
+  std::string type;  // the base type of the define; the name itself for a type
 };
 
-// The robots and plain models that `world_file`, and what it includes, defines, by name; and these two types.
+// The robots and plain models that `world_file` and its includes define, by name; and the types of these two.
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file);
 
 // A world that holds only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
-// model with its parts, or "FILE#NAME": a model that this file defines. Robots get the controller that they would have
-// got in the world file.
+// model with its parts, or "FILE#NAME": a model that this file defines. Robots have the controller that they would have
+// in the world file.
 Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
                                   const LoadOverrides& overrides = {});
 

@@ -17,54 +17,49 @@ class FollowWall final : public troupe::Controller {
     speed_ = parameters.value("speed", 0.3);
     distance_ = parameters.value("distance", 0.8);
     if (!(speed_ > 0.0) || !(distance_ > 0.0)) {
-      throw std::invalid_argument("speed and distance have to be above 0");  // whoever started the robot reads this
+      throw std::invalid_argument("speed and distance have to be above 0");  // the error of the run
     }
-    if (info.robot->rangers.empty()) throw std::invalid_argument("the robot has no ranger");
-
-    // Sort the rays of the first ranger, once, into those ahead and those to the left.
-    const troupe::RangerDescription& ranger = info.robot->rangers[0];
-    for (std::size_t s = 0; s < ranger.sensors.size(); ++s) {
-      const troupe::RaySensorDescription& sensor = ranger.sensors[s];
-      for (std::uint32_t i = 0; i < sensor.samples; ++i) {
-        const double in_fan = sensor.samples > 1 ? sensor.fov * (i / (sensor.samples - 1.0) - 0.5) : 0.0;
-        const double bearing = troupe::WrapAngle(info.X_RM[0].heading + sensor.X_MS.heading + in_fan);
-        if (std::abs(bearing) < 0.4) ahead_.push_back({s, i});
-        if (bearing > 0.8 && bearing < 1.8) left_.push_back({s, i});
-      }
-    }
+    while (ranger_ < info.sensors.size() && !IsRanger(*info.sensors[ranger_].description)) ++ranger_;
+    if (ranger_ == info.sensors.size()) throw std::invalid_argument("the robot has no ranger");
   }
 
-  std::vector<std::size_t> Subscriptions() const override { return {0}; }
+  std::vector<std::size_t> Subscriptions() const override { return {ranger_}; }
 
   troupe::Command Update(const troupe::Observation& observation) override {
-    const troupe::RangerReading& reading = observation.rangers[0];
     troupe::Command command;
-    if (reading.scans.empty()) return command;  // nothing measured yet
-    if (Nearest(reading, ahead_) < distance_) {
+    const troupe::RangerReading* reading = observation.sensors[ranger_].ranger();
+    if (reading == nullptr) return command;  // not measured yet
+    if (Nearest(*reading, -0.4, 0.4) < distance_) {
       command.twist.wz = -0.8;  // a corner: turn to the right
     } else {
       command.twist.vx = speed_;
-      command.twist.wz = std::clamp(Nearest(reading, left_) - distance_, -0.5, 0.5);
+      command.twist.wz = std::clamp(Nearest(*reading, 0.8, 1.8) - distance_, -0.5, 0.5);
     }
     return command;
   }
 
- private:
-  struct Ray {
-    std::size_t sensor;
-    std::size_t sample;
-  };
+  std::unique_ptr<troupe::Controller> Clone() const override { return std::make_unique<FollowWall>(*this); }
 
-  static double Nearest(const troupe::RangerReading& reading, const std::vector<Ray>& rays) {
+ private:
+  static bool IsRanger(const troupe::SensorDescription& sensor) {
+    return std::holds_alternative<troupe::RangerParameters>(sensor.parameters);
+  }
+
+  // The shortest range (m) between two bearings (rad, from the robot's heading), at most 10 m.
+  static double Nearest(const troupe::RangerReading& reading, double first, double last) {
     double nearest = 10.0;
-    for (const Ray& ray : rays) nearest = std::min(nearest, reading.scans[ray.sensor].ranges[ray.sample]);
+    for (const troupe::RangeScan& scan : reading.scans) {
+      for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+        const double bearing = troupe::WrapAngle(scan.X_RS.heading + scan.fan.Bearing(i));
+        if (bearing > first && bearing < last) nearest = std::min(nearest, scan.ranges[i]);
+      }
+    }
     return nearest;
   }
 
   double speed_;
   double distance_;
-  std::vector<Ray> ahead_;
-  std::vector<Ray> left_;
+  std::size_t ranger_ = 0;  // in RobotInfo::sensors: the first ranger
 };
 
 }  // namespace

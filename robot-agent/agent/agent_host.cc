@@ -12,6 +12,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/host_name.h"
 #include "common/base/version.h"
 #include "robot-agent/agent/replica.h"
 
@@ -20,22 +21,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How soon a join is repeated when it is not answered, and how often `stop` is looked at.
+// From a join without an answer to the next one at first, and between checks of `stop`.
 constexpr auto kPeriod = std::chrono::milliseconds(100);
-// A join is repeated more and more seldom, down to this.
+// The period of joins doubles up to this.
 constexpr auto kLongestPeriod = std::chrono::milliseconds(3200);
 
-// Where an agent is in its life. Messages that belong to another stage change nothing.
+// Stages of an agent. Messages of another stage change nothing.
 enum class Stage : std::uint8_t {
   kWaiting,    // for a session
   kPreparing,  // building the replica of run_
   kJoining,    // joins are sent
   kRunning,    // admitted: frames are answered
-  kRunOver,    // the service said so
-  kFailed,     // failure_ says why
+  kRunOver,    // the service ended the run, or all robots were removed
+  kFailed,     // by failure_
 };
 
-// Frames in their order: a tick that is paused comes paused first, and then to be gone on from.
+// The order of frames: a tick that pauses has a paused frame first, then one to be answered with proposals.
 using FramePlace = std::tuple<Edition, Tick, bool>;
 FramePlace PlaceOf(const FrameMessage& frame) {
   return {frame.edition, frame.state.tick, !frame.paused};
@@ -44,10 +45,10 @@ bool IsOneTick(const FramePlace& a, const FramePlace& b) {
   return std::get<Edition>(a) == std::get<Edition>(b) && std::get<Tick>(a) == std::get<Tick>(b);
 }
 
-std::string HostName() {
-  char name[256] = "";
-  gethostname(name, sizeof(name) - 1);
-  return name;
+// With the code of a failure: the caller cannot correct it.
+Error AsFailure(Error error) {
+  error.code = ErrorCode::kFailure;
+  return error;
 }
 
 std::string TraceName(const std::vector<std::string>& robots) {
@@ -56,14 +57,13 @@ std::string TraceName(const std::vector<std::string>& robots) {
 }
 
 // Run() works on the caller's thread until the agent is admitted, and then only waits: frames are answered on the
-// transport's thread that brings them, without a hand-over.
+// transport's delivery thread, without a hand-over.
 class AgentHost final : public AgentHandler {
  public:
   AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const std::atomic<bool>& stop)
       : endpoint_(endpoint), options_(options), stop_(stop) {}
 
-  Result<bool> Run();
-  bool bad_request() const { return bad_request_; }
+  Result<AgentEnd> Run();
 
   void OnSession(const SessionMessage& session) override;
   void OnAdmission(const AdmissionMessage& admission) override;
@@ -72,17 +72,25 @@ class AgentHost final : public AgentHandler {
 
  private:
   Status OpenOutputs();
-  // Waits for a session and makes the replica for it; an error, or nothing (also when told to stop).
+  // Waits for a session and prepares for it. Succeeds also on `stop`.
   Status Prepare();
-  // Sends joins until something else happens.
+  // Null on `stop`. Begins the stage kPreparing.
+  Result<std::unique_ptr<SessionMessage>> WaitForSession();
+  // Makes the replica for the session. Begins the stage kJoining.
+  Status MakeReplica(std::unique_ptr<SessionMessage> session);
+  // Sends joins until the stage changes.
   void Join();
   void WaitUntilOver();
+  Status CloseOutputs();
   bool stopping() const { return stop_.load(std::memory_order_relaxed); }
 
   // With mutex_ held:
   void Answer(const FrameMessage& frame);
-  // Brings the replica to the world of a new frame, and its robots; false if the frame cannot be answered (yet).
+  // Computes answer_ for a new frame; false if the frame cannot be answered (yet).
+  bool ComputeAnswer(const FrameMessage& frame);
+  // Brings the replica and its robots to the world of a new frame; false if the frame cannot be answered (yet).
   bool Follow(const FrameMessage& frame);
+  Status ApplyEdits(const FrameMessage& frame, bool fresh);
   void Fail(Error error);
 
   AgentEndpoint& endpoint_;
@@ -91,29 +99,25 @@ class AgentHost final : public AgentHandler {
   std::unique_ptr<ScanLog> scan_log_;
   std::unique_ptr<TickTrace> trace_;  // null: none
   std::mutex mutex_;                  // guards everything below
-  std::condition_variable changed_;   // the stage changed, or a session came
+  std::condition_variable changed_;   // the stage changed, or a session arrived
   Stage stage_ = Stage::kWaiting;
-  std::unique_ptr<SessionMessage> session_;  // came, and was not yet taken up
+  std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used
   RunId run_ = 0;                            // from preparing on
   JoinMessage join_;                         // from joining on
   std::unique_ptr<Replica> replica_;         // from joining on
   Edition world_edition_ = 0;                // of the replica
-  std::optional<Edition> fresh_edition_;     // since which its robots are; nothing: since they joined
-  std::optional<FrameMessage> early_frame_;  // the newest one that came before the admission, or before its world
+  std::optional<Edition> fresh_edition_;     // the edition that its robots started at; nothing: they joined
+  std::optional<FrameMessage> early_frame_;  // the newest one that arrived before the admission, or before its world
   std::optional<FramePlace> answered_;       // of the frame that answer_ answers
   ProposalMessage answer_;
   Error failure_;
-  bool bad_request_ = false;  // as in RunAgent
 };
 
-Result<bool> AgentHost::Run() {
-  if (Status status = OpenOutputs()) {
-    bad_request_ = true;
-    return *status;
-  }
+Result<AgentEnd> AgentHost::Run() {
+  if (Status status = OpenOutputs(); !status.ok()) return status.error();
   endpoint_.Start(*this);
   while (!stopping()) {
-    if (Status status = Prepare()) return *status;
+    if (Status status = Prepare(); !status.ok()) return status.error();
     Join();
     WaitUntilOver();
     const std::lock_guard lock(mutex_);
@@ -121,13 +125,8 @@ Result<bool> AgentHost::Run() {
     if (stage_ == Stage::kRunOver) break;
   }
   const std::lock_guard lock(mutex_);
-  if (scan_log_) {
-    if (Status status = scan_log_->Flush()) return *status;
-  }
-  if (trace_) {
-    if (Status status = trace_->Close()) return *status;
-  }
-  return stage_ == Stage::kRunOver;
+  if (Status status = CloseOutputs(); !status.ok()) return AsFailure(status.error());
+  return stage_ == Stage::kRunOver ? AgentEnd::kRunOver : AgentEnd::kStopped;
 }
 
 Status AgentHost::OpenOutputs() {
@@ -144,31 +143,45 @@ Status AgentHost::OpenOutputs() {
   return {};
 }
 
+Status AgentHost::CloseOutputs() {
+  if (scan_log_) {
+    if (Status status = scan_log_->Flush(); !status.ok()) return status;
+  }
+  return trace_ ? trace_->Close() : Status();
+}
+
 Status AgentHost::Prepare() {
-  std::unique_ptr<SessionMessage> session;
-  {
-    const auto deadline = Clock::now() + std::chrono::duration<double>(options_.session_timeout_seconds);
-    std::unique_lock lock(mutex_);
-    while (!session_) {
-      if (stopping()) return {};
-      if (options_.session_timeout_seconds > 0.0 && Clock::now() >= deadline) {
-        return Error{{}, fmt::format("no world service appeared within {} s", options_.session_timeout_seconds)};
-      }
-      changed_.wait_for(lock, kPeriod);
+  Result<std::unique_ptr<SessionMessage>> session = WaitForSession();
+  if (!session.ok()) return session.error();
+  if (session.value() == nullptr) return {};
+  const SessionMessage& found = *session.value();
+  if (found.protocol_version != kProtocolVersion) {
+    return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", found.host,
+                               found.protocol_version, kProtocolVersion));
+  }
+  if (const Status status = Validate(found.world); !status.ok()) {
+    return Failure(fmt::format("the world service on {} sent a bad world: {}", found.host, status.error().message));
+  }
+  return MakeReplica(std::move(session).value());
+}
+
+Result<std::unique_ptr<SessionMessage>> AgentHost::WaitForSession() {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(options_.session_timeout_seconds);
+  std::unique_lock lock(mutex_);
+  while (!session_) {
+    if (stopping()) return std::unique_ptr<SessionMessage>();
+    if (options_.session_timeout_seconds > 0.0 && Clock::now() >= deadline) {
+      return Failure(fmt::format("no world service appeared within {} s", options_.session_timeout_seconds));
     }
-    session = std::move(session_);
-    run_ = session->run;
-    world_edition_ = session->world_edition;
-    stage_ = Stage::kPreparing;
+    changed_.wait_for(lock, kPeriod);
   }
-  if (session->protocol_version != kProtocolVersion) {
-    return Error{{},
-                 fmt::format("the world service on {} speaks protocol version {}, expected {}", session->host,
-                             session->protocol_version, kProtocolVersion)};
-  }
-  if (Status status = Validate(session->world)) {
-    return Error{{}, fmt::format("the world service on {} sent a bad world: {}", session->host, status->message)};
-  }
+  run_ = session_->run;
+  world_edition_ = session_->world_edition;
+  stage_ = Stage::kPreparing;
+  return std::move(session_);
+}
+
+Status AgentHost::MakeReplica(std::unique_ptr<SessionMessage> session) {
   JoinMessage join{.run = session->run,
                    .agent = options_.agent,
                    .protocol_version = kProtocolVersion,
@@ -180,11 +193,8 @@ Status AgentHost::Prepare() {
   Result<std::unique_ptr<Replica>> replica =
       Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
                       options_.make_gateway, trace_.get());
+  if (!replica.ok()) return replica.error();
   const std::lock_guard lock(mutex_);
-  if (!replica.ok()) {
-    bad_request_ = true;
-    return replica.error();
-  }
   if (stage_ != Stage::kPreparing) return {};  // the run ended meanwhile
   join.robots = replica.value()->RobotNames();
   replica_ = std::move(replica).value();
@@ -202,10 +212,10 @@ void AgentHost::Join() {
   while (stage_ == Stage::kJoining && !stopping()) {
     if (Clock::now() >= due) {
       const JoinMessage join = join_;
-      lock.unlock();  // sending may wait for a delivery that waits for the lock
+      lock.unlock();  // a send may wait for a delivery, and that for the lock
       endpoint_.SendJoin(join);
       lock.lock();
-      // Where hundreds wait for the run to begin, asking again soon would hold the service up.
+      // Frequent joins of hundreds of agents before the run begins would delay the service.
       due = Clock::now() + period;
       period = std::min<Clock::duration>(2 * period, kLongestPeriod);
     }
@@ -229,8 +239,8 @@ void AgentHost::OnSession(const SessionMessage& session) {
     return;
   }
   if (chosen ? session.run == run_ && !edited : stage_ != Stage::kWaiting) return;
-  // Once one was chosen, this is its world after an edit, or the next run in the place of one that ended before it
-  // answered.
+  // After the choice of a session, this is its world after an edit, or the next run in place of one that ended before
+  // it answered.
   session_ = std::make_unique<SessionMessage>(session);
   stage_ = Stage::kWaiting;
   if (!edited) early_frame_.reset();
@@ -241,10 +251,7 @@ void AgentHost::OnAdmission(const AdmissionMessage& admission) {
   const std::lock_guard lock(mutex_);
   const bool joined = stage_ == Stage::kJoining || stage_ == Stage::kRunning;
   if (!joined || admission.run != run_ || admission.agent != options_.agent) return;
-  if (!admission.admitted) {
-    bad_request_ = true;
-    return Fail({{}, "the world service refused: " + admission.reason});
-  }
+  if (!admission.admitted) return Fail({{}, "the world service refused: " + admission.reason});
   if (stage_ == Stage::kRunning) return;
   stage_ = Stage::kRunning;
   changed_.notify_all();
@@ -268,9 +275,9 @@ void AgentHost::OnFrame(const FrameMessage& frame) {
 void AgentHost::OnServiceGone() {
   const std::lock_guard lock(mutex_);
   if (stage_ == Stage::kRunning) {
-    Fail({{}, "the world service is gone"});
+    Fail(Failure("the world service is gone"));
   } else if (stage_ == Stage::kWaiting || stage_ == Stage::kPreparing || stage_ == Stage::kJoining) {
-    // A service that left before it answered may be replaced by another one.
+    // Another service may replace one that left before it answered.
     session_.reset();
     early_frame_.reset();
     stage_ = Stage::kWaiting;
@@ -288,26 +295,9 @@ void AgentHost::Answer(const FrameMessage& frame) {
   }
   const Tick next = frame.state.tick + 1;
   const bool is_shown = answered_ && IsOneTick(*answered_, place);
-  if (is_new) {
-    if (!Follow(frame)) return;
-    Enter(replica_->lane(), TickPhase::kApply, next);
-    if (const std::string problem = replica_->CheckState(frame.state); !problem.empty()) {
-      return Fail({{}, "the world service sent a bad frame: " + problem});
-    }
-    const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
-    if (was_edited) replica_->Carry(frame.state);
-    answer_.run = run_;
-    answer_.agent = options_.agent;
-    answer_.edition = frame.edition;
-    if (frame.paused) {
-      replica_->Hold(frame.state, answer_);
-      replica_->Publish(frame.state);  // first: who has paused or stepped is told when all has been shown
-    } else {
-      replica_->Answer(frame.state, answer_);
-    }
-    answered_ = place;
-    if (scan_log_ && scan_log_->status()) return Fail(*scan_log_->status());
-  }
+  if (is_new && !ComputeAnswer(frame)) return;
+  // A paused tick is published first: the answers of all agents mean that every gateway shows the tick.
+  if (is_new && frame.paused) replica_->Publish(frame.state);
   Enter(replica_->lane(), TickPhase::kSend, next);
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
@@ -316,36 +306,56 @@ void AgentHost::Answer(const FrameMessage& frame) {
   Enter(replica_->lane(), TickPhase::kWait, next + 1);
 }
 
-bool AgentHost::Follow(const FrameMessage& frame) {
-  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
-  const bool edited = frame.world_edition != world_edition_;
-  if (edited && (!session_ || session_->world_edition != frame.world_edition)) {
-    early_frame_ = frame;  // its world is on the way
+bool AgentHost::ComputeAnswer(const FrameMessage& frame) {
+  if (!Follow(frame)) return false;
+  Enter(replica_->lane(), TickPhase::kApply, frame.state.tick + 1);
+  if (const Status status = replica_->CheckState(frame.state); !status.ok()) {
+    Fail(Failure("the world service sent a bad frame: " + status.error().message));
     return false;
   }
-  Status problem;
-  try {
-    if (edited) {
-      const std::unique_ptr<SessionMessage> session = std::move(session_);
-      problem = Validate(session->world);
-      if (!problem) problem = replica_->ChangeWorld(std::move(session->world), fresh, frame.fresh_edition);
-      world_edition_ = frame.world_edition;
-    } else if (fresh) {
-      problem = replica_->Renew(frame.fresh_edition);
-    }
-  } catch (const std::exception& exception) {
-    problem = Error{{}, exception.what()};
+  const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
+  if (was_edited) replica_->Relocate(frame.state);
+  answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state);
+  answer_.run = run_;
+  answer_.agent = options_.agent;
+  answer_.edition = frame.edition;
+  answered_ = PlaceOf(frame);
+  if (scan_log_ && !scan_log_->status().ok()) {
+    Fail(AsFailure(scan_log_->status().error()));
+    return false;
   }
+  return true;
+}
+
+bool AgentHost::Follow(const FrameMessage& frame) {
+  if (frame.world_edition != world_edition_ && (!session_ || session_->world_edition != frame.world_edition)) {
+    early_frame_ = frame;  // its world has not arrived yet
+    return false;
+  }
+  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
+  const Status status = ApplyEdits(frame, fresh);
   if (!fresh_edition_ && frame.fresh_edition > 0 && scan_log_) scan_log_->Restart(frame.fresh_edition);
   fresh_edition_ = frame.fresh_edition;
-  if (problem) {
-    Fail({{}, "the world was edited, and this agent cannot go on: " + problem->message});
+  if (!status.ok()) {
+    Fail(Failure("the world was edited, and this agent cannot continue: " + status.error().message));
     return false;
   }
   if (replica_->has_robots()) return true;
   stage_ = Stage::kRunOver;  // all its robots are gone
   changed_.notify_all();
   return false;
+}
+
+Status AgentHost::ApplyEdits(const FrameMessage& frame, bool fresh) {
+  try {
+    if (frame.world_edition == world_edition_) return fresh ? replica_->Renew(frame.fresh_edition) : Status();
+    const std::unique_ptr<SessionMessage> session = std::move(session_);
+    world_edition_ = frame.world_edition;
+    if (Status status = Validate(session->world); !status.ok()) return status;
+    return replica_->ChangeWorld(std::move(session->world), fresh, frame.fresh_edition);
+  } catch (const std::exception& exception) {
+    return Failure(exception.what());
+  }
 }
 
 void AgentHost::Fail(Error error) {
@@ -356,13 +366,12 @@ void AgentHost::Fail(Error error) {
 
 }  // namespace
 
-Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
-                      const std::atomic<bool>& stop, bool* bad_request) {
+Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
+                          const std::atomic<bool>& stop) {
   AgentHost host(*endpoint, options, stop);
-  Result<bool> result = host.Run();
-  endpoint.reset();  // while the host that it delivers to is there
-  if (bad_request != nullptr) *bad_request = host.bad_request();
-  return result;
+  Result<AgentEnd> end = host.Run();
+  endpoint.reset();  // its deliveries end before the host does
+  return end;
 }
 
 }  // namespace troupe

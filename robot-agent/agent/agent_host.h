@@ -1,8 +1,9 @@
-// AgentHost: one or more robots in one agent process, around one replica of the world. It joins, answers each frame
-// with one proposal message, and leaves when the run is over.
+// AgentHost: one or more robots in one agent process, around one replica of the world. It joins a run, answers each
+// frame with one proposal message, and leaves at the end of the run.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,19 +18,24 @@ namespace troupe {
 struct AgentOptions {
   AgentId agent = 0;
   std::vector<std::string> robots;  // names; empty: every robot of the world
-  std::string scan_log;             // file for all scans; empty: none
-  bool keep_scan_log = false;       // add to what the file holds
+  std::string scan_log;             // file for the readings of all sensors; empty: none
+  bool keep_scan_log = false;       // append to the file
   TraceOptions trace = {};
-  std::size_t threads = 1;  // that share the robots; with a scan log always one, so that scans come in order
-  double session_timeout_seconds = 60;  // for a session to appear; 0: wait for ever
+  std::size_t threads = 1;              // that divide the robots; one with a scan log, for the order of its lines
+  double session_timeout_seconds = 60;  // to wait for a session; 0: without limit
   MakeGateway make_gateway = {};        // empty: none
 };
 
-// Runs until the service ends the run (true), `stop` (false), or a failure: no session, refused (the service's reason),
-// another protocol version, a controller that cannot be made, the service gone, a scan log that cannot be written.
-// Takes the endpoint because its deliveries must end before this returns. `bad_request`, if given, is set when the
-// failure is for whoever started the agent to mend: a robot that is unknown or taken, a controller that cannot be made.
-Result<bool> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
-                      const std::atomic<bool>& stop, bool* bad_request = nullptr);
+enum class AgentEnd : std::uint8_t {
+  kRunOver,  // the service ended the run, or an edit removed all robots of the agent
+  kStopped,  // by `stop`
+};
+
+// Runs until the service ends the run, `stop` becomes true, or a failure: no session, a refusal by the service, another
+// protocol version, a lost service, a scan log that cannot be written. The code of the error is kBadInput if the caller
+// can correct it: a robot that is unknown or has an agent already, a controller that cannot be made, an output file
+// that cannot be opened. Owns the endpoint, because its deliveries must end before this returns.
+Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
+                          const std::atomic<bool>& stop);
 
 }  // namespace troupe

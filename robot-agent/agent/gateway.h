@@ -1,5 +1,5 @@
-// Gateway: connects an agent's robots to another system, as ROS 2 does (robot-agent/ros): what they measure goes out,
-// and commands come in. It never changes a result unless it gives a command.
+// Gateway: connects the robots of an agent to another system, for instance ROS 2 (robot-agent/ros): it publishes states
+// and readings, and receives commands. It changes a result only by a command.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 #include "common/model/world_state.h"
 #include "common/spatial/scene.h"
-#include "robot-agent/agent/outside_command.h"
+#include "robot-agent/robot/external_command.h"
 
 namespace troupe {
 
@@ -22,30 +22,30 @@ class RobotView {
   virtual const RobotState& state() const = 0;
   virtual const WorldState& world_state() const = 0;
   virtual const Pose& pose_estimate() const = 0;  // by the robot's localization, as in Observation
-  // What a ranger measures now; measured at this call unless the robot's controller has looked already. Valid until the
-  // next call.
-  virtual const RangerReading& Measure(std::size_t ranger) const = 0;
+  // The reading of a sensor, by its index in RobotInfo::sensors, at this tick; measured by this call unless the robot's
+  // controller has read it. Valid until the next call.
+  virtual const SensorReading& Measure(std::size_t sensor) const = 0;
 };
 
 class Gateway {
  public:
   virtual ~Gateway() = default;
 
-  // What comes from outside for the tick after `tick`. Called once for each robot and tick, before the agent's answer
-  // goes out, so it must be quick.
-  virtual OutsideCommand CommandFor(RobotId robot, Tick tick) = 0;
+  // The external command for the tick after `tick`. Called once for each robot and tick, before the agent's answer is
+  // sent: the call delays the tick.
+  virtual ExternalCommand CommandFor(RobotId robot, Tick tick) = 0;
 
-  // Publishes a tick; called after the agent's answer to it went out. Must not wait for anybody.
+  // Publishes a tick; called after the agent's answer to it was sent. Must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
-  // The robots begin anew, perhaps at an earlier tick: what was commanded before does not count.
+  // The robots start anew, perhaps at an earlier tick: pending commands are discarded.
   virtual void Restart() {}
 
-  // What there is to tell people since the last call.
-  virtual std::vector<std::string> TakeReports() = 0;
+  // Drains the messages for the log of the run.
+  virtual std::vector<std::string> DrainReports() = 0;
 };
 
-// Makes the gateway of an agent that takes up `robots`; throws std::exception if it cannot.
+// Makes the gateway of an agent with `robots`; throws std::exception on failure.
 using MakeGateway = std::function<std::unique_ptr<Gateway>(const Scene& scene, const std::vector<RobotId>& robots)>;
 
 }  // namespace troupe

@@ -10,9 +10,9 @@
 namespace troupe {
 namespace {
 
-// Robots for which a thread of their own is worth its hand-offs.
+// With fewer robots a thread costs more in hand-overs than it saves.
 constexpr std::size_t kRobotsPerThread = 16;
-// Robots that a thread takes at a time.
+// Robots that a thread claims at a time.
 constexpr std::size_t kShare = 4;
 
 Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
@@ -55,8 +55,8 @@ class View final : public RobotView {
   const RobotState& state() const override { return state_.robots[robot_.id().index()]; }
   const WorldState& world_state() const override { return state_; }
   const Pose& pose_estimate() const override { return robot_.pose_estimate(); }
-  const RangerReading& Measure(std::size_t ranger) const override {
-    return robot_.Measure(ranger, state_.tick, bodies_);
+  const SensorReading& Measure(std::size_t sensor) const override {
+    return robot_.Measure(sensor, state_.tick, bodies_);
   }
 
  private:
@@ -76,11 +76,11 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
   const Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world), scan_log, make_gateway));
-  if (Status problem = replica->MakeRobots(ids.value())) return *problem;
+  if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
   if (scan_log != nullptr) threads = 1;
   threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
   replica->ResetIndices(threads);
-  if (threads > 1) replica->crew_.emplace(threads);
+  if (threads > 1) replica->threads_.emplace(threads);
   for (std::size_t i = 0; i < threads; ++i) replica->lanes_.push_back(trace != nullptr ? trace->AddLane() : nullptr);
   replica->trace_ = trace;
   replica->NameRobotsInTrace();
@@ -108,7 +108,7 @@ void Replica::NameRobotsInTrace() {
 }
 
 void Replica::MakeNewGateway() {
-  gateway_.reset();  // first, because the next one may have the same names
+  gateway_.reset();  // first, because the next one may use the same names
   gateway_scene_ = scene_;
   if (make_gateway_ && !robots_.empty()) gateway_ = make_gateway_(*scene_, Ids());
 }
@@ -129,13 +129,13 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   NameRobotsInTrace();
   if (fresh) {
     if (scan_log_ != nullptr) scan_log_->Restart(edition);
-    if (Status problem = MakeRobots(ids)) return problem;
+    if (Status status = MakeRobots(ids); !status.ok()) return status;
   } else {
     std::erase_if(robots_, [&](const auto& robot) { return !IsThere(scene_->world(), robot->id()); });
     for (const auto& robot : robots_) robot->ChangeWorld(*scene_);
   }
   if (gateway_ == nullptr) return {};
-  if (ids != before || !GatewayMayStay(fresh)) {
+  if (ids != before || !GatewayFits(fresh)) {
     MakeNewGateway();
   } else if (fresh) {
     gateway_->Restart();
@@ -145,9 +145,9 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
 
 Status Replica::Renew(Edition edition) {
   if (scan_log_ != nullptr) scan_log_->Restart(edition);
-  if (Status problem = MakeRobots(Ids())) return problem;
+  if (Status status = MakeRobots(Ids()); !status.ok()) return status;
   if (gateway_ == nullptr) return {};
-  if (GatewayMayStay(true)) {
+  if (GatewayFits(true)) {
     gateway_->Restart();
   } else {
     MakeNewGateway();
@@ -155,12 +155,12 @@ Status Replica::Renew(Edition edition) {
   return {};
 }
 
-bool Replica::GatewayMayStay(bool fresh) const {
+bool Replica::GatewayFits(bool fresh) const {
   const WorldDescription& now = scene_->world();
   const WorldDescription& then = gateway_scene_->world();
   const bool grips = std::any_of(robots_.begin(), robots_.end(),
                                  [&](const auto& robot) { return !scene_->grippers_of(robot->id()).empty(); });
-  // What grippers do takes time, and names all objects that there are.
+  // A gripper's action takes many ticks, and its topics name all objects.
   if (grips && (fresh || now.objects != then.objects || now.models.size() != then.models.size())) return false;
   if (!fresh) return true;
   return now.name == then.name && now.interval_ns == then.interval_ns && now.robots == then.robots &&
@@ -180,56 +180,62 @@ std::vector<std::string> Replica::RobotNames() const {
   return names;
 }
 
-std::string Replica::CheckState(const WorldState& state) const {
-  return troupe::CheckState(scene_->world(), state);
+Status Replica::CheckState(const WorldState& state) const {
+  const Status status = troupe::CheckState(scene_->world(), state);
+  return status.ok() ? status : Failure(status.error().message);
 }
 
-void Replica::Carry(const WorldState& state) {
-  for (const auto& robot : robots_) robot->Carry(state);
+void Replica::Relocate(const WorldState& state) {
+  for (const auto& robot : robots_) robot->Relocate(state);
 }
 
-void Replica::Answer(const WorldState& state, ProposalMessage& answer) {
+ProposalMessage Replica::Decide(const WorldState& state) {
   const std::size_t count = robots_.size();
+  ProposalMessage answer;
   answer.tick = state.tick + 1;
   answer.proposals.resize(count);
-  answer.reports.clear();
-  answer.held = false;
-  // Before the robots are shared among threads: a gateway need not know of them.
-  std::vector<OutsideCommand> outside(count);
-  for (std::size_t i = 0; i < count && gateway_; ++i) outside[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
+  // Before the threads: a gateway need not be safe for several.
+  std::vector<ExternalCommand> external(count);
+  for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
-  std::atomic<std::size_t> next = 0;  // of the robots, which whoever is free takes: a thread may wake up late
-  const auto decide = [&](std::size_t thread) {
-    BodyIndex& bodies = indices_[thread];
-    Enter(lanes_[thread], TickPhase::kApply, answer.tick);
-    bodies.Assign(state);
-    for (std::size_t first = next.fetch_add(kShare); first < count; first = next.fetch_add(kShare)) {
-      for (std::size_t i = first; i < std::min(first + kShare, count); ++i) {
-        answer.proposals[i] = robots_[i]->Decide(state, bodies, outside[i], lanes_[thread]);
-      }
-    }
-    if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
-  };
-  if (crew_) {
-    crew_->Run(decide);
+  std::atomic<std::size_t> next = 0;
+  const auto decide = [&](std::size_t thread) { DecideShare(state, external, thread, next, answer.proposals); };
+  if (threads_) {
+    threads_->Run(decide);
   } else {
     decide(0);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
   }
-  if (!gateway_) return;
-  for (std::string& report : gateway_->TakeReports()) answer.reports.push_back(std::move(report));
+  if (!gateway_) return answer;
+  for (std::string& report : gateway_->DrainReports()) answer.reports.push_back(std::move(report));
+  return answer;
 }
 
-void Replica::Hold(const WorldState& state, ProposalMessage& answer) {
+// `next`: the first robot that no thread has claimed; threads claim robots as they become free, because one may wake up
+// late.
+void Replica::DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
+                          std::atomic<std::size_t>& next, std::span<Proposal> proposals) {
+  BodyIndex& bodies = indices_[thread];
+  Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
+  bodies.Assign(state);
+  for (std::size_t first = next.fetch_add(kShare); first < robots_.size(); first = next.fetch_add(kShare)) {
+    for (std::size_t i = first; i < std::min(first + kShare, robots_.size()); ++i) {
+      proposals[i] = robots_[i]->Decide(state, bodies, external[i], lanes_[thread]);
+    }
+  }
+  if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
+}
+
+ProposalMessage Replica::Pause(const WorldState& state) {
   indices_.front().Assign(state);
-  for (const auto& robot : robots_) robot->Observe(state);
+  for (const auto& robot : robots_) robot->UpdateOdometry(state);
+  ProposalMessage answer;
   answer.tick = state.tick + 1;
-  answer.proposals.clear();
-  answer.reports.clear();
-  answer.held = true;
+  answer.paused = true;
+  return answer;
 }
 
 void Replica::Publish(const WorldState& state) {

@@ -1,8 +1,12 @@
-// Replica: an agent's copy of the world, with the robots that it runs in it.
+// Replica: an agent's copy of the world, with the robots that the agent simulates.
+//
+// Threads: one at a time; Decide divides the robots among threads of its own.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,54 +15,52 @@
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
-#include "robot-agent/agent/crew.h"
 #include "robot-agent/agent/gateway.h"
-#include "robot-agent/agent/robot.h"
-#include "robot-agent/agent/scan_log.h"
+#include "robot-agent/agent/thread_pool.h"
+#include "robot-agent/robot/robot.h"
+#include "robot-agent/robot/scan_log.h"
 
 namespace troupe {
 
 class Replica {
  public:
-  // REQUIRES: Validate(world) found nothing. `robots`: names; empty: every robot. `scan_log` may be null, and
-  // `make_gateway` empty. `threads` share the robots, at most one for each 16; with a scan log, one. `trace` may be
-  // null. The error is a robot that is unknown or named twice, or a controller that cannot be made. Throws what
-  // `make_gateway` throws.
+  // `robots`: names; empty: every robot. `scan_log` and `trace` may be null, and `make_gateway` empty. `threads`: at
+  // most this many divide the robots, one for each 16; with a scan log, one. The error is a robot that is unknown or
+  // named twice, or a controller that cannot be made. Throws the exceptions of `make_gateway`. REQUIRES:
+  // Validate(world) succeeded.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  ScanLog* scan_log, std::size_t threads = 1,
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
-  // An edit has changed the world, or made the robots begin anew, or both. In a world of the same ids the robots go on,
-  // but for those that were removed; if `fresh`, those whose names are in the world are made anew. `edition`: the
-  // newest that is fresh, for the scan log. The error is a controller that cannot be made. Throws what `make_gateway`
-  // throws.
+  // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
+  // are those of the old world, and all robots but removed ones continue. `edition`: of the newest fresh start, for the
+  // scan log. The error is a controller that cannot be made. Throws the exceptions of `make_gateway`.
   Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
-  // The same in the world that it has.
+  // Starts the robots anew in the present world.
   Status Renew(Edition edition);
 
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
 
-  // "" if the state belongs to the world (common/model/check_state.h); else what is wrong with it.
-  std::string CheckState(const WorldState& state) const;
+  // The error is that of troupe::CheckState: the state does not belong to the world.
+  Status CheckState(const WorldState& state) const;
 
-  // Takes in where an edit has put the robots. REQUIRES: CheckState(state) is "".
-  void Carry(const WorldState& state);
+  // Applies the poses that an edit has given to the robots. REQUIRES: CheckState(state).ok()
+  void Relocate(const WorldState& state);
 
-  // What the agent's robots ask for after `state`: proposals in robot-id order, and controllers that failed just now.
-  // REQUIRES: CheckState(state) is "".
-  void Answer(const WorldState& state, ProposalMessage& answer);
+  // Measures and decides for tick `state.tick` + 1: the proposals in robot-id order, and a report for each controller
+  // that failed in this call. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
+  ProposalMessage Decide(const WorldState& state);
 
-  // Answers a paused `state`: nothing is decided. The same state may come to Answer later.
-  // REQUIRES: CheckState(state) is "".
-  void Hold(const WorldState& state, ProposalMessage& answer);
+  // The answer to a paused `state`: no decisions. Decide may follow for the same state.
+  // REQUIRES: CheckState(state).ok()
+  ProposalMessage Pause(const WorldState& state);
 
-  // Of the thread that calls Answer; null without a trace.
+  // Of the thread that calls Decide; null without a trace.
   TraceLane* lane() const { return lanes_.front(); }
 
-  // Shows the gateway the state of the last Answer or Hold.
-  // REQUIRES: `state` is that state.
+  // Publishes the state of the last Decide or Pause through the gateway. REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
 
  private:
@@ -66,12 +68,14 @@ class Replica {
   Status MakeRobots(const std::vector<RobotId>& ids);
   std::vector<RobotId> Ids() const;
   void MakeNewGateway();
-  // The gateway may go on in the world that there is now, with robots that begin anew if `fresh`.
-  bool GatewayMayStay(bool fresh) const;
+  // True if the gateway fits the present world, with robots that start anew if `fresh`.
+  bool GatewayFits(bool fresh) const;
   void ResetIndices(std::size_t threads);
   void NameRobotsInTrace();
+  void DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
+                   std::atomic<std::size_t>& next, std::span<Proposal> proposals);
 
-  // Robots and the gateway keep the scenes that they were made for.
+  // Robots and the gateway hold pointers into the scenes that they were made for.
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Scene> robots_scene_;
   std::shared_ptr<const Scene> gateway_scene_;
@@ -80,7 +84,7 @@ class Replica {
   MakeGateway make_gateway_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
-  std::optional<Crew> crew_;                    // of several threads
+  std::optional<ThreadPool> threads_;           // of several threads
   std::vector<TraceLane*> lanes_;               // one for each thread; null: no trace
   std::unique_ptr<Gateway> gateway_;            // may be null
 };

@@ -1,4 +1,4 @@
-// The built-in controllers; docs/controllers.md says what each does and what its parameters mean.
+// The built-in controllers; docs/controllers.md describes their behaviour and parameters.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@ namespace troupe {
 
 struct BuiltInController {
   const char* name;
-  // "" or what is wrong with the parameters.
-  std::string (*check)(const std::string& parameters);
-  // The error is for people, and names the controller.
+  // Checks the parameters. The error names the controller.
+  Status (*check)(const std::string& parameters);
+  // The error names the controller.
   Result<std::unique_ptr<Controller>> (*create)(const RobotInfo& info);
 };
 

@@ -19,9 +19,10 @@ bool IsLibrary(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(".so");
 }
 
-std::string UnknownName(const std::string& name) {
-  return fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so)", name,
-                     fmt::join(BuiltInControllers(), ", "));
+Error UnknownName(const std::string& name) {
+  return {{},
+          fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so)", name,
+                      fmt::join(BuiltInControllers(), ", "))};
 }
 
 }  // namespace
@@ -38,14 +39,13 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info) {
   for (const BuiltInController& built_in : BuiltIns()) {
     if (name == built_in.name) return built_in.create(info);
   }
-  return Error{{}, UnknownName(name)};
+  return UnknownName(name);
 }
 
-std::string CheckController(const std::string& name, const std::string& parameters) {
+Status CheckController(const std::string& name, const std::string& parameters) {
   if (IsLibrary(name)) {
-    // What keys it knows is the library's own business.
-    Parameters reader(fmt::format("controller library {}", name), parameters);
-    return reader.error();
+    // The library alone knows its keys.
+    return Parameters(fmt::format("controller library {}", name), parameters).status();
   }
   for (const BuiltInController& built_in : BuiltIns()) {
     if (name == built_in.name) return built_in.check(parameters);

@@ -1,5 +1,5 @@
-// Controllers by name: "idle", "wander", "expand", "script", or the path of a shared library (it contains a slash or
-// ends in ".so").
+// Controllers by name: a built-in one ("wander"), or the path of a shared library (it contains a slash or ends in
+// ".so").
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@ namespace troupe {
 // Names of the built-in controllers, sorted.
 std::vector<std::string> BuiltInControllers();
 
-// The error names the controller and what is wrong with its name, its parameters or its library.
+// The error names the controller: its name is unknown, its parameters are wrong, or its library cannot be used.
 Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info);
 
-// Checks name and parameters without making one; a library is not opened. "" if they are good. For loaders.
-std::string CheckController(const std::string& name, const std::string& parameters);
+// Checks name and parameters without making a controller; a library is not opened.
+Status CheckController(const std::string& name, const std::string& parameters);
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// expand: turns to where the room is and drives there, so that many robots spread out.
+// expand: turns to the side with the most free space and drives there, so that many robots spread out.
 #include <cmath>
 
 #include "common/base/deterministic_math.h"
@@ -9,29 +9,31 @@
 namespace troupe {
 namespace {
 
-constexpr double kEscapeTime = 0.5;  // s that it tries one way out after a stall
+constexpr double kEscapeTime = 0.5;  // s, of one attempt to escape after a stall
 
 struct ExpandParameters {
   double speed = 0.4;           // m/s, when the front is clear
-  double turn_gain = 1.0;       // 1/s: turn rate for each radian between the heading and the room
-  double clear_distance = 0.6;  // m: the front is clear when nothing there is nearer
-  double clear_angle = 0.5;     // rad: the front is what lies within this of the heading
+  double turn_gain = 1.0;       // 1/s: turn rate for each radian between the heading and the free space
+  double clear_distance = 0.6;  // m: the front is clear without a nearer hit
+  double clear_angle = 0.5;     // rad: bearings within this are the front
 };
 
-std::string Parse(const std::string& text, ExpandParameters& p) {
+Result<ExpandParameters> ParseExpand(const std::string& text) {
+  ExpandParameters p;
   Parameters reader("expand", text);
-  reader.ReadNumber("speed", {0.0, 100.0}, p.speed);
-  reader.ReadNumber("turn_gain", {0.0, 100.0}, p.turn_gain);
-  reader.ReadNumber("clear_distance", {0.0, 1000.0}, p.clear_distance);
-  reader.ReadNumber("clear_angle", {0.0, kPi}, p.clear_angle);
-  return reader.Finish();
+  p.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.speed);
+  p.turn_gain = reader.ReadNumber("turn_gain", {0.0, 100.0}).value_or(p.turn_gain);
+  p.clear_distance = reader.ReadNumber("clear_distance", {0.0, 1000.0}).value_or(p.clear_distance);
+  p.clear_angle = reader.ReadNumber("clear_angle", {0.0, kPi}).value_or(p.clear_angle);
+  if (Status status = reader.Finish(); !status.ok()) return status.error();
+  return p;
 }
 
 class ExpandController final : public Controller {
  public:
   ExpandController(const RobotInfo& info, const ExpandParameters& parameters, std::size_t ranger)
       : parameters_(parameters), drive_(info.robot->drive), ranger_(ranger) {
-    for (const Ray& ray : RaysOf(info, ranger)) {
+    for (const RangerRay& ray : RaysOf(info, ranger)) {
       const SinCosResult direction = SinCos(ray.bearing);
       rays_.push_back({ray, {direction.cos, direction.sin}});
     }
@@ -40,16 +42,16 @@ class ExpandController final : public Controller {
   std::vector<std::size_t> Subscriptions() const override { return {ranger_}; }
 
   Command Update(const Observation& observation) override {
-    const RangerReading& reading = observation.rangers[ranger_];
-    if (reading.scans.empty()) return {};
-    Vec2 room = Vec2::Zero();
+    const SensorReading& reading = observation.sensors[ranger_];
+    if (reading.empty()) return {};
+    Vec2 free_space = Vec2::Zero();
     bool clear = true;
     for (const auto& [ray, direction] : rays_) {
       const double range = RangeOf(reading, ray);
-      room += range * direction;
+      free_space += range * direction;
       if (std::abs(ray.bearing) < parameters_.clear_angle && range < parameters_.clear_distance) clear = false;
     }
-    const double bearing = Atan2(room.y(), room.x());
+    const double bearing = Atan2(free_space.y(), free_space.x());
     if (observation.stalled) {
       escape_ = PickEscape(observation);
       escape_until_ = observation.time + kEscapeTime;
@@ -58,13 +60,15 @@ class ExpandController final : public Controller {
     return Drive(clear ? parameters_.speed : 0.0, parameters_.turn_gain * bearing);
   }
 
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<ExpandController>(*this); }
+
  private:
   struct Escape {
     double speed = 0.0;      // m/s
     double turn_rate = 0.0;  // rad/s
   };
 
-  // In a crowd any single way out may be blocked, for ever by a robot that tries the same, so it tries them by chance.
+  // In a crowd a robot with the same rule may block any single way out for ever, so the choice is random.
   Escape PickEscape(const Observation& observation) const {
     const double side = observation.Random(1) < 0.5 ? 1.0 : -1.0;
     const double chance = observation.Random(0);
@@ -74,7 +78,7 @@ class ExpandController final : public Controller {
   }
 
   struct DirectedRay {
-    Ray ray;
+    RangerRay ray;
     Vec2 direction;
   };
 
@@ -99,19 +103,20 @@ class ExpandController final : public Controller {
   double escape_until_ = 0.0;  // s, simulated
 };
 
-std::string CheckExpand(const std::string& parameters) {
-  ExpandParameters ignored;
-  return Parse(parameters, ignored);
+Status CheckExpand(const std::string& parameters) {
+  const Result<ExpandParameters> parsed = ParseExpand(parameters);
+  return parsed.ok() ? Status() : parsed.error();
 }
 
 Result<std::unique_ptr<Controller>> CreateExpand(const RobotInfo& info) {
-  ExpandParameters parameters;
-  if (const std::string error = Parse(info.parameters, parameters); !error.empty()) return Error{{}, error};
-  std::optional<std::size_t> ranger = FindSonar(*info.robot);
-  if (!ranger) ranger = FindScanner(*info.robot);
-  if (!ranger)
+  const Result<ExpandParameters> parameters = ParseExpand(info.parameters);
+  if (!parameters.ok()) return parameters.error();
+  std::optional<std::size_t> ranger = FindSonar(info);
+  if (!ranger) ranger = FindScanner(info);
+  if (!ranger) {
     return Error{{}, "expand: the robot has no ranger with several rays, expected a sonar ring or a scanner"};
-  return std::unique_ptr<Controller>(std::make_unique<ExpandController>(info, parameters, *ranger));
+  }
+  return std::unique_ptr<Controller>(std::make_unique<ExpandController>(info, parameters.value(), *ranger));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// fetch: takes things from places and puts them down at others, step by step.
+// fetch: picks objects up at some places and puts them down at others, step by step.
 #include <algorithm>
 #include <cmath>
 
@@ -14,14 +14,14 @@ constexpr double kAngleReached = 1e-9;     // rad
 constexpr double kSteeringDistance = 0.1;  // m: nearer to its point, it drives straight on
 constexpr double kSteeringGain = 2.0;      // 1/s
 
-// As fast as allowed, but able to stop after `way` at `deceleration`; with the right speed to end there exactly.
+// The fastest speed (m/s or rad/s) that allows a stop after `way` at `deceleration`; the last one ends there exactly.
 double Approach(double way, double speed, double deceleration, double interval) {
   const double size = std::abs(way);
   const double allowed = std::min({speed, std::sqrt(2.0 * deceleration * size), size / interval});
   return way < 0.0 ? -allowed : allowed;
 }
 
-// Half of what the drive can do: it never falls short.
+// Half of the strongest deceleration of the drive, as a reserve.
 double Deceleration(const Interval& bounds) {
   return 0.5 * std::min(-bounds.min, bounds.max);
 }
@@ -46,8 +46,10 @@ class FetchController final : public Controller {
     return command;
   }
 
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<FetchController>(*this); }
+
  private:
-  // Does the next part of a step; true if nothing is left of it.
+  // Commands the next part of a step; true if the step is complete.
   bool IsDone(const FetchStep& step, const Observation& observation, Command& command) {
     const bool begins = !began_;
     began_ = true;
@@ -110,7 +112,7 @@ class FetchController final : public Controller {
                          start_.y + distance * direction.sin - observation.pose_estimate.y, observation, command);
   }
 
-  // Along the robot's heading, as far as the point (dx, dy) away.
+  // Along the robot's heading, to the foot of the point (dx, dy) away.
   bool DriveStraight(double dx, double dy, const Observation& observation, Command& command) const {
     const SinCosResult direction = SinCos(observation.pose_estimate.heading);
     const double way = dx * direction.cos + dy * direction.sin;
@@ -127,19 +129,20 @@ class FetchController final : public Controller {
   double turn_deceleration_ = 0.0;  // rad/s^2
   std::size_t next_ = 0;
   bool began_ = false;   // the next step
-  bool facing_ = false;  // the point that it goes to
+  bool facing_ = false;  // towards its target point
   Pose start_;           // of a straight drive
   double until_ = 0.0;   // s, simulated
 };
 
-std::string CheckFetch(const std::string& parameters) {
-  FetchPlan ignored;
-  return ParseFetchPlan(parameters, ignored);
+Status CheckFetch(const std::string& parameters) {
+  const Result<FetchPlan> plan = ParseFetchPlan(parameters);
+  return plan.ok() ? Status() : plan.error();
 }
 
 Result<std::unique_ptr<Controller>> CreateFetch(const RobotInfo& info) {
-  FetchPlan plan;
-  if (const std::string error = ParseFetchPlan(info.parameters, plan); !error.empty()) return Error{{}, error};
+  Result<FetchPlan> parsed = ParseFetchPlan(info.parameters);
+  if (!parsed.ok()) return parsed.error();
+  FetchPlan plan = std::move(parsed).value();
   if (info.robot->drive.type == DriveType::kCar) {
     return Error{{}, "fetch: the robot is a car, expected one that turns on the spot"};
   }

@@ -1,17 +1,20 @@
-// What a `fetch` controller is told to do: its parameters, broken down into actions. Private to this folder.
+// The plan of a `fetch` controller: its parameters as a sequence of actions. Private to this folder.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
+
+#include "common/base/result.h"
 
 namespace troupe {
 
 enum class FetchAction : std::uint8_t {
-  kGoTo,       // turn to the point, then drive there
-  kTurnTo,     // heading
-  kDrive,      // straight on, or back
-  kPush,       // the same, until something stops it
-  kOpen,       // the fingers
+  kGoTo,    // turn to the point, then drive there
+  kTurnTo,  // heading
+  kDrive,   // straight on, or back
+  kPush,    // the same, but a contact ends it
+  kOpen,    // the fingers
   kClose,
   kLift,       // to a percentage
   kWait,       // seconds
@@ -27,13 +30,13 @@ struct FetchStep {
 
 struct FetchPlan {
   std::vector<FetchStep> steps;
-  double speed = 0.4;        // m/s
-  double turn_rate = 1.0;    // rad/s
+  double speed = 0.4;      // m/s
+  double turn_rate = 1.0;  // rad/s
   bool needs_gripper = false;
   bool needs_lift = false;
 };
 
-// "" or what is wrong with the parameters, a JSON object.
-std::string ParseFetchPlan(const std::string& parameters, FetchPlan& plan);
+// `parameters`: a JSON object. The error names the controller.
+Result<FetchPlan> ParseFetchPlan(const std::string& parameters);
 
 }  // namespace troupe

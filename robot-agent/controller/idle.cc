@@ -8,14 +8,15 @@ namespace {
 class IdleController final : public Controller {
  public:
   Command Update(const Observation&) override { return {}; }
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<IdleController>(*this); }
 };
 
-std::string CheckIdle(const std::string& parameters) {
+Status CheckIdle(const std::string& parameters) {
   return Parameters("idle", parameters).Finish();
 }
 
 Result<std::unique_ptr<Controller>> CreateIdle(const RobotInfo& info) {
-  if (const std::string error = CheckIdle(info.parameters); !error.empty()) return Error{{}, error};
+  if (Status status = CheckIdle(info.parameters); !status.ok()) return status.error();
   return std::unique_ptr<Controller>(std::make_unique<IdleController>());
 }
 

@@ -17,7 +17,7 @@ Error LibraryError(const std::string& path, const std::string& message) {
 }  // namespace
 
 Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info) {
-  // dlopen would look for a bare name in the system's library folders.
+  // dlopen would search the system's library folders for a bare name.
   std::error_code ignored;
   const std::string absolute = std::filesystem::absolute(path, ignored).string();
   if (!std::filesystem::exists(absolute, ignored)) return LibraryError(path, "no such file: " + absolute);

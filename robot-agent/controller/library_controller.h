@@ -9,8 +9,8 @@
 
 namespace troupe {
 
-// Opens the library (a relative path counts from the working directory) and lets it make its controller. The library
-// stays open until the program ends, because exceptions and objects of its types may live as long.
+// Opens the library (a relative path starts at the working directory) and calls its factory of a controller. The
+// library stays open until the program ends, because exceptions and objects of its types may live as long.
 Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info);
 
 }  // namespace troupe

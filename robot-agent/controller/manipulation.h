@@ -1,6 +1,6 @@
-// What a controller sees of its robot's joints and grippers, and what it asks of them. Part of controller.h.
+// The joints and grippers of a robot in a controller's observations and commands. Part of controller.h.
 //
-// Joints are counted by RobotInfo::joints, grippers by RobotInfo::grippers.
+// Joints have their indices in RobotInfo::joints, grippers in RobotInfo::grippers.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace troupe {
 
-// A model of the world, as a sensor tells it. The name lives as long as the controller.
+// A model of the world that a sensor or gripper recognizes. The name lives as long as the controller.
 struct SeenModel {
   ModelId id;
   std::string_view name = {};
@@ -23,52 +23,53 @@ struct SeenModel {
 struct JointReading {
   double position = 0.0;  // m or rad
   double velocity = 0.0;  // m/s or rad/s, executed during the last tick
-  bool blocked = false;   // the last tick's motion was cut short by a contact
-  bool moving = false;    // on its way to what was asked for; false when it is there, or blocked
+  bool blocked = false;   // a contact ended the last tick's motion
+  bool moving = false;    // on its way to its target; false at the target, or blocked
 };
 
 enum class FingerState : std::uint8_t {
   kOpen,  // all the way
   kClosing,
-  kClosed,  // they can close no more: on an object, on something else, or on each other; or they were left half open
+  kClosed,  // they cannot close further: on an object, on another contact, or on each other; or they stay half open
   kOpening,
 };
 
 enum class FingerCommand : std::uint8_t {
   kOpen,
   kClose,
-  kStay,  // where they are, with what they hold
+  kStay,  // at their positions, with the object that they hold
 };
 
 struct GripperReading {
   FingerState fingers = FingerState::kOpen;
-  bool lift_moving = false;                    // on its way to the height asked for; false when it is there, or blocked
+  bool lift_moving = false;                    // on its way to its target height; false at the target, or blocked
   double lift_position = 0.0;                  // m
   double lift_percent = 0.0;                   // of the way from its minimum to its maximum
-  std::optional<SeenModel> left_contact = {};  // what the pad was stopped by when it last closed
+  std::optional<SeenModel> left_contact = {};  // the model that stopped the pad when it last closed
   std::optional<SeenModel> right_contact = {};
   std::optional<SeenModel> held = {};     // the object that it holds
-  std::optional<SeenModel> clamped = {};  // the object between its pads, also when another gripper still holds that
-  // By beam: the object that breaks it. Only where subscribed, or with autosnatch.
+  std::optional<SeenModel> clamped = {};  // the object between its pads, also while another gripper still holds it
+  // By break beam: the object that breaks it. Only where the controller subscribes to GripperInfo::beams, or with
+  // autosnatch.
   std::vector<std::optional<SeenModel>> beams = {};
 };
 
-// What is left out stays as it was last commanded.
+// A part without a value keeps its last command.
 struct GripperCommand {
   std::size_t gripper = 0;
   std::optional<FingerCommand> fingers = {};
   std::optional<double> lift = {};  // percent, 0 to 100
-  // In place of `fingers`: how far they are to be open, percent, 0 (kClose) to 100 (kOpen). Fingers that meet an object
-  // on the way hold it.
+  // In place of `fingers`: the opening, percent, 0 (kClose) to 100 (kOpen). Fingers that touch an object on the way
+  // hold it.
   std::optional<double> opening = {};
 };
 
-// One of the two; it holds until the next command to the same joint. Fingers are moved by GripperCommand only; a lift
-// by either, whichever came last.
+// One of the two; valid until the next command to the same joint. Only a GripperCommand moves fingers; for a lift the
+// last command of either kind is valid.
 struct JointCommand {
   std::size_t joint = 0;
-  std::optional<double> position = {};  // m or rad, within the joint's limits: goes there and stays
-  std::optional<double> velocity = {};  // m/s or rad/s: goes on until the limit. Bounded by the joint's speed.
+  std::optional<double> position = {};  // m or rad, within the joint's limits: moves there and stays
+  std::optional<double> velocity = {};  // m/s or rad/s, up to the joint's limit. Bounded by the joint's speed.
 };
 
 // A gripper of the robot. The description lives as long as the controller; its ids are of the world.
@@ -77,6 +78,7 @@ struct GripperInfo {
   std::size_t left = 0;                             // in RobotInfo::joints
   std::size_t right = 0;
   std::optional<std::size_t> lift = {};
+  std::optional<std::size_t> beams = {};  // its break beams, in RobotInfo::sensors
 };
 
 }  // namespace troupe

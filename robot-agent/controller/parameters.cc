@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-// A value as it may stand in a message: on one line, and not too long.
+// A value for a message: one line of at most 40 characters.
 std::string Shown(const json& value) {
   if (value.is_structured()) return value.is_object() ? "an object" : "a list";
   std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
@@ -51,49 +51,32 @@ Parameters::Parameters(std::string place, const json& object)
 
 Parameters::~Parameters() = default;
 
-bool Parameters::ReadNumber(const char* key, const Interval& allowed, double& value) {
-  const json* found = Find(key);
-  if (found == nullptr) return false;
-  const double number = found->is_number() ? found->get<double>() : std::nan("");
-  if (std::isfinite(number) && number >= allowed.min && number <= allowed.max) {
-    value = number;
-  } else {
-    Fail(fmt::format("'{}' is {}, expected {}", key, Shown(*found), Expected(allowed)));
-  }
-  return true;
+std::optional<double> Parameters::ReadNumber(const char* key, const Interval& allowed) {
+  return ReadNumberOrName(key, allowed, {});
 }
 
-bool Parameters::ReadNumberOrName(const char* key, const Interval& allowed, const std::vector<NamedNumber>& names,
-                                  double& value) {
+std::optional<double> Parameters::ReadNumberOrName(const char* key, const Interval& allowed,
+                                                   const std::vector<NamedNumber>& names) {
   const json* found = Find(key);
-  if (found == nullptr) return false;
+  if (found == nullptr) return std::nullopt;
   std::vector<std::string> expected;
   if (allowed.min <= allowed.max) expected.push_back(Expected(allowed));
   for (const NamedNumber& named : names) {
-    if (found->is_string() && *found == named.name) {
-      value = named.value;
-      return true;
-    }
+    if (found->is_string() && *found == named.name) return named.value;
     expected.push_back(fmt::format("\"{}\"", named.name));
   }
   const double number = found->is_number() ? found->get<double>() : std::nan("");
-  if (std::isfinite(number) && number >= allowed.min && number <= allowed.max) {
-    value = number;
-  } else {
-    Fail(fmt::format("'{}' is {}, expected {}", key, Shown(*found), fmt::join(expected, " or ")));
-  }
-  return true;
+  if (std::isfinite(number) && number >= allowed.min && number <= allowed.max) return number;
+  Fail(fmt::format("'{}' is {}, expected {}", key, Shown(*found), fmt::join(expected, " or ")));
+  return std::nullopt;
 }
 
-bool Parameters::ReadBool(const char* key, bool& value) {
+std::optional<bool> Parameters::ReadBool(const char* key) {
   const json* found = Find(key);
-  if (found == nullptr) return false;
-  if (found->is_boolean()) {
-    value = found->get<bool>();
-  } else {
-    Fail(fmt::format("'{}' is {}, expected true or false", key, Shown(*found)));
-  }
-  return true;
+  if (found == nullptr) return std::nullopt;
+  if (found->is_boolean()) return found->get<bool>();
+  Fail(fmt::format("'{}' is {}, expected true or false", key, Shown(*found)));
+  return std::nullopt;
 }
 
 std::vector<json> Parameters::ReadArray(const char* key) {
@@ -117,17 +100,17 @@ std::vector<std::pair<std::string, json>> Parameters::ReadObject(const char* key
 }
 
 void Parameters::Fail(const std::string& message) {
-  if (error_.empty()) error_ = place_ + ": " + message;
+  if (!error_) error_ = place_ + ": " + message;
 }
 
-std::string Parameters::Finish() {
+Status Parameters::Finish() {
   for (const auto& [key, value] : object_->items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     std::sort(known_.begin(), known_.end());
     Fail(fmt::format("unknown parameter {}, expected {}", Shown(json(key)),
                      known_.empty() ? "none" : fmt::format("one of: {}", fmt::join(known_, ", "))));
   }
-  return error_;
+  return status();
 }
 
 const json* Parameters::Find(const char* key) {

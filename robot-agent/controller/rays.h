@@ -1,4 +1,4 @@
-// Rays of a ranger as seen from the robot, whatever the number and places of its sensors.
+// Rays of a ranger in the frame of the robot, whatever the number and poses of its ray sensors.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,26 @@
 
 namespace troupe {
 
-struct Ray {
+struct RangerRay {
   double bearing;      // rad, from the robot's heading, in (-pi, pi]
   double max_range;    // m
-  std::size_t sensor;  // in the ranger
-  std::size_t sample;  // in the sensor
+  std::size_t sensor;  // in RangerParameters::ray_sensors
+  std::size_t sample;  // in the ray sensor
 };
 
-// All rays of one of the robot's rangers, sensor by sensor.
-std::vector<Ray> RaysOf(const RobotInfo& info, std::size_t ranger);
+// All rays of a ranger of the robot, ray sensor by ray sensor. REQUIRES: sensor `ranger` is a ranger.
+std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger);
 
-// The range that `reading` has for the ray (m); the ray's maximum where the reading is empty, as before the first one.
-double RangeOf(const RangerReading& reading, const Ray& ray);
+// The range that `reading` has for the ray (m); the ray's maximum in an empty reading, as before the first measurement.
+double RangeOf(const SensorReading& reading, const RangerRay& ray);
 
-// The scanner-like ranger: the one with a sensor of the most samples, if any sensor has more than one.
-std::optional<std::size_t> FindScanner(const RobotDescription& robot);
+// The scanner-like ranger: the one with the ray sensor of the most rays, if any ray sensor has more than one.
+std::optional<std::size_t> FindScanner(const RobotInfo& info);
 
-// The sonar-like ranger: the first one with several sensors.
-std::optional<std::size_t> FindSonar(const RobotDescription& robot);
+// The sonar-like ranger: the first one with several ray sensors.
+std::optional<std::size_t> FindSonar(const RobotInfo& info);
+
+// The first ranger.
+std::optional<std::size_t> FindRanger(const RobotInfo& info);
 
 }  // namespace troupe

@@ -29,7 +29,7 @@ class ScriptController final : public Controller {
     std::uint64_t round = 0;
     if (period_ > 0.0) {
       const double in_round = std::fmod(time, period_);
-      round = static_cast<std::uint64_t>((time - in_round) / period_ + 0.5);
+      round = static_cast<std::uint64_t>(std::llround((time - in_round) / period_));
       time = in_round;
     }
     std::size_t due = 0;
@@ -40,43 +40,53 @@ class ScriptController final : public Controller {
     return command;
   }
 
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<ScriptController>(*this); }
+
  private:
-  // What grippers and joints were told stays, so they are told once: everything since the last time, in order. After a
-  // late start, that is what would have been told by now.
+  // Commands to grippers and joints stay valid, so each is given once: those due since the last call, in order. After a
+  // late start, those of one whole round at most.
   void Manipulate(std::uint64_t due, Command& command) {
     command.grippers.clear();
     command.joints.clear();
     const std::uint64_t count = commands_.size();
-    for (std::uint64_t i = std::max(told_, due > count ? due - count : 0); i < due; ++i) {
-      const Command& told = commands_[i % count].command;
-      command.grippers.insert(command.grippers.end(), told.grippers.begin(), told.grippers.end());
-      command.joints.insert(command.joints.end(), told.joints.begin(), told.joints.end());
+    for (std::uint64_t i = std::max(given_, due > count ? due - count : 0); i < due; ++i) {
+      const Command& given = commands_[i % count].command;
+      command.grippers.insert(command.grippers.end(), given.grippers.begin(), given.grippers.end());
+      command.joints.insert(command.joints.end(), given.joints.begin(), given.joints.end());
     }
-    told_ = due;
+    given_ = due;
   }
 
   std::vector<ResolvedCommand> commands_;
   double period_;
-  std::uint64_t told_ = 0;  // commands, in all rounds
+  std::uint64_t given_ = 0;  // commands, in all rounds
 };
 
-std::string CheckScript(const std::string& parameters) {
-  ScriptParameters ignored;
-  return ParseScript(parameters, ignored);
+Status CheckScript(const std::string& parameters) {
+  const Result<ScriptParameters> parsed = ParseScript(parameters);
+  return parsed.ok() ? Status() : parsed.error();
 }
 
-// What a command asks for that the drive does not have; "" if nothing.
-std::string Misfit(DriveType drive, const ScriptCommand& command) {
+Error ScriptError(std::string message) {
+  return {{}, std::move(message)};
+}
+
+// The error is a motion that the drive cannot execute.
+Status CheckMotion(DriveType drive, const ScriptCommand& command) {
   switch (drive) {
     case DriveType::kCar:
-      return command.for_others ? "a car is driven by 'speed' and 'steering', not by 'vx', 'vy' and 'wz'" : "";
+      if (command.for_others)
+        return ScriptError("a car is driven by 'speed' and 'steering', not by 'vx', 'vy' and 'wz'");
+      return {};
     case DriveType::kDifferential:
-      if (command.motion.twist.vy != 0.0) return "a differential drive has no 'vy'";
+      if (command.motion.twist.vy != 0.0) return ScriptError("a differential drive has no 'vy'");
       [[fallthrough]];
     case DriveType::kOmni:
-      return command.for_car ? "only a car is driven by 'speed' and 'steering', expected 'vx', 'vy' and 'wz'" : "";
+      if (command.for_car)
+        return ScriptError("only a car is driven by 'speed' and 'steering', expected 'vx', 'vy' and 'wz'");
+      return {};
   }
-  return "";
+  return {};
 }
 
 // "none" or "one of: a, b"
@@ -87,33 +97,33 @@ std::string Names(const Things& things, NameOf name_of) {
   return names.empty() ? "none" : names;
 }
 
-std::string ResolveGripper(const RobotInfo& info, const ScriptGripper& gripper, Command& command) {
+Result<GripperCommand> ResolveGripper(const RobotInfo& info, const ScriptGripper& gripper) {
   const auto name_of = [](const GripperInfo& g) { return g.description->name; };
   std::size_t number = 0;
   if (gripper.name.empty()) {
-    if (info.grippers.empty()) return "the robot has no gripper";
+    if (info.grippers.empty()) return ScriptError("the robot has no gripper");
     if (info.grippers.size() > 1) {
-      return fmt::format("the robot has {} grippers, expected 'grippers' with {}", info.grippers.size(),
-                         Names(info.grippers, name_of));
+      return ScriptError(fmt::format("the robot has {} grippers, expected 'grippers' with {}", info.grippers.size(),
+                                     Names(info.grippers, name_of)));
     }
   } else {
     while (number < info.grippers.size() && name_of(info.grippers[number]) != gripper.name) ++number;
     if (number == info.grippers.size()) {
-      return fmt::format("unknown gripper '{}', expected {}", gripper.name, Names(info.grippers, name_of));
+      return ScriptError(fmt::format("unknown gripper '{}', expected {}", gripper.name, Names(info.grippers, name_of)));
     }
   }
   if (gripper.lift && !info.grippers[number].lift) {
-    return fmt::format("gripper '{}' has no lift", name_of(info.grippers[number]));
+    return ScriptError(fmt::format("gripper '{}' has no lift", name_of(info.grippers[number])));
   }
-  command.grippers.push_back({number, gripper.fingers, gripper.lift});
-  return "";
+  return GripperCommand{number, gripper.fingers, gripper.lift};
 }
 
-std::string ResolveJoint(const RobotInfo& info, const ScriptJoint& wanted, Command& command) {
+Result<JointCommand> ResolveJoint(const RobotInfo& info, const ScriptJoint& wanted) {
   for (const GripperInfo& gripper : info.grippers) {
     for (std::size_t finger : {gripper.left, gripper.right}) {
       if (info.joints[finger]->name == wanted.name) {
-        return fmt::format("joint '{}' is a finger, expected 'gripper': \"open\" or \"close\"", wanted.name);
+        return ScriptError(
+            fmt::format("joint '{}' is a finger, expected 'gripper': \"open\" or \"close\"", wanted.name));
       }
     }
   }
@@ -121,38 +131,44 @@ std::string ResolveJoint(const RobotInfo& info, const ScriptJoint& wanted, Comma
     const JointDescription& joint = *info.joints[i];
     if (joint.name != wanted.name) continue;
     if (wanted.position < joint.position.min || wanted.position > joint.position.max) {
-      return fmt::format("joint '{}' is to go to {}, expected {} to {}", joint.name, wanted.position,
-                         joint.position.min, joint.position.max);
+      return ScriptError(fmt::format("joint '{}' is to go to {}, expected {} to {}", joint.name, wanted.position,
+                                     joint.position.min, joint.position.max));
     }
-    command.joints.push_back({.joint = i, .position = wanted.position});
-    return "";
+    return JointCommand{.joint = i, .position = wanted.position};
   }
-  return fmt::format("unknown joint '{}', expected {}", wanted.name,
-                     Names(info.joints, [](const JointDescription* joint) { return joint->name; }));
+  return ScriptError(fmt::format("unknown joint '{}', expected {}", wanted.name,
+                                 Names(info.joints, [](const JointDescription* joint) { return joint->name; })));
 }
 
-// Fills `resolved`, or says what the robot does not have.
-std::string Resolve(const RobotInfo& info, const ScriptCommand& command, ResolvedCommand& resolved) {
-  resolved = {command.at, command.motion};
-  std::string problem = Misfit(info.robot->drive.type, command);
+// The error is something that the robot does not have.
+Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& command) {
+  ResolvedCommand resolved{command.at, command.motion};
+  if (Status status = CheckMotion(info.robot->drive.type, command); !status.ok()) return status.error();
   for (const ScriptGripper& gripper : command.grippers) {
-    if (problem.empty()) problem = ResolveGripper(info, gripper, resolved.command);
+    const Result<GripperCommand> found = ResolveGripper(info, gripper);
+    if (!found.ok()) return found.error();
+    resolved.command.grippers.push_back(found.value());
   }
   for (const ScriptJoint& joint : command.joints) {
-    if (problem.empty()) problem = ResolveJoint(info, joint, resolved.command);
+    const Result<JointCommand> found = ResolveJoint(info, joint);
+    if (!found.ok()) return found.error();
+    resolved.command.joints.push_back(found.value());
   }
-  return problem;
+  return resolved;
 }
 
 Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
-  ScriptParameters parameters;
-  if (const std::string error = ParseScript(info.parameters, parameters); !error.empty()) return Error{{}, error};
-  std::vector<ResolvedCommand> commands(parameters.commands.size());
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    const std::string problem = Resolve(info, parameters.commands[i], commands[i]);
-    if (!problem.empty()) return Error{{}, fmt::format("script: command {}: {}", i + 1, problem)};
+  const Result<ScriptParameters> script = ParseScript(info.parameters);
+  if (!script.ok()) return script.error();
+  std::vector<ResolvedCommand> commands;
+  for (const ScriptCommand& command : script.value().commands) {
+    Result<ResolvedCommand> resolved = Resolve(info, command);
+    if (!resolved.ok()) {
+      return ScriptError(fmt::format("script: command {}: {}", commands.size() + 1, resolved.error().message));
+    }
+    commands.push_back(std::move(resolved).value());
   }
-  return std::unique_ptr<Controller>(std::make_unique<ScriptController>(std::move(commands), parameters.period));
+  return std::unique_ptr<Controller>(std::make_unique<ScriptController>(std::move(commands), script.value().period));
 }
 
 }  // namespace

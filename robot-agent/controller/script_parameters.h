@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "common/base/result.h"
 #include "robot-agent/controller/controller.h"
 
 namespace troupe {
 
-// What a command says to one gripper. Without a name: to the robot's only one.
+// The part of a command for one gripper. Without a name: for the robot's only one.
 struct ScriptGripper {
   std::string name;
   std::optional<FingerCommand> fingers = {};
@@ -31,11 +32,11 @@ struct ScriptCommand {
 };
 
 struct ScriptParameters {
-  std::vector<ScriptCommand> commands;  // never empty; their times rise
+  std::vector<ScriptCommand> commands;  // never empty, in order of their times
   double period = 0.0;                  // s; 0: no repetition
 };
 
-// "" or what is wrong.
-std::string ParseScript(const std::string& text, ScriptParameters& parameters);
+// The error names the controller.
+Result<ScriptParameters> ParseScript(const std::string& text);
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// wander: drives ahead, turns away from what it sees, backs off from what it ran into.
+// wander: drives ahead, turns away from obstacles, backs off after a stall.
 #include <algorithm>
 #include <cmath>
 
@@ -12,31 +12,33 @@ namespace {
 
 struct WanderParameters {
   double speed = 0.4;           // m/s, ahead
-  double turn_rate = 0.8;       // rad/s, when something is ahead
-  double min_distance = 1.0;    // m: what is ahead and nearer makes it turn
-  double front_angle = 0.5;     // rad: ahead is what lies within this of the heading
+  double turn_rate = 0.8;       // rad/s, with an obstacle ahead
+  double min_distance = 1.0;    // m: it turns away from a nearer obstacle ahead
+  double front_angle = 0.5;     // rad: bearings within this are ahead
   double back_off_time = 1.0;   // s of driving backwards after a stall
   double steering_angle = 0.5;  // rad, car drives: steering in a turn
 };
 
-std::string Parse(const std::string& text, WanderParameters& p) {
+Result<WanderParameters> ParseWander(const std::string& text) {
+  WanderParameters p;
   Parameters reader("wander", text);
-  reader.ReadNumber("speed", {0.0, 100.0}, p.speed);
-  reader.ReadNumber("turn_rate", {0.0, 100.0}, p.turn_rate);
-  reader.ReadNumber("min_distance", {0.0, 1000.0}, p.min_distance);
-  reader.ReadNumber("front_angle", {0.0, kPi}, p.front_angle);
-  reader.ReadNumber("back_off_time", {0.0, 3600.0}, p.back_off_time);
-  reader.ReadNumber("steering_angle", {0.0, 0.5 * kPi}, p.steering_angle);
-  return reader.Finish();
+  p.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.speed);
+  p.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.turn_rate);
+  p.min_distance = reader.ReadNumber("min_distance", {0.0, 1000.0}).value_or(p.min_distance);
+  p.front_angle = reader.ReadNumber("front_angle", {0.0, kPi}).value_or(p.front_angle);
+  p.back_off_time = reader.ReadNumber("back_off_time", {0.0, 3600.0}).value_or(p.back_off_time);
+  p.steering_angle = reader.ReadNumber("steering_angle", {0.0, 0.5 * kPi}).value_or(p.steering_angle);
+  if (Status status = reader.Finish(); !status.ok()) return status.error();
+  return p;
 }
 
 class WanderController final : public Controller {
  public:
   WanderController(const RobotInfo& info, const WanderParameters& parameters)
       : parameters_(parameters), car_(info.robot->drive.type == DriveType::kCar) {
-    ranger_ = FindScanner(*info.robot);
-    if (!ranger_) ranger_ = FindSonar(*info.robot);
-    if (!ranger_ && !info.robot->rangers.empty()) ranger_ = 0;
+    ranger_ = FindScanner(info);
+    if (!ranger_) ranger_ = FindSonar(info);
+    if (!ranger_) ranger_ = FindRanger(info);
     if (ranger_) rays_ = RaysOf(info, *ranger_);
   }
 
@@ -49,7 +51,7 @@ class WanderController final : public Controller {
     const double now = observation.time;
     if (observation.stalled && now >= turn_until_) {
       back_off_until_ = now + parameters_.back_off_time;
-      // Turning by a different angle each time keeps it from running into the same corner for ever.
+      // A random angle, against an endless sequence of stalls in one corner.
       turn_until_ = back_off_until_ + TurningTime(0.25 * kPi + 0.5 * kPi * observation.Random(0));
       turn_ = view.left_is_free ? 1.0 : -1.0;
     }
@@ -59,10 +61,12 @@ class WanderController final : public Controller {
       turn_ = 0.0;
       return Drive(parameters_.speed, 0.0);
     }
-    // It keeps to the side it once chose until the way is clear: choosing anew could turn it to and fro in a corner.
+    // The side stays until the way is clear: a new choice in each tick could turn it to and fro in a corner.
     if (turn_ == 0.0) turn_ = view.left_is_free ? 1.0 : -1.0;
     return Turn();
   }
+
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<WanderController>(*this); }
 
  private:
   struct View {
@@ -76,11 +80,11 @@ class WanderController final : public Controller {
       view.left_is_free = observation.Random(1) < 0.5;
       return view;
     }
-    const RangerReading& reading = observation.rangers[*ranger_];
+    const SensorReading& reading = observation.sensors[*ranger_];
     double balance = 0.0;
-    for (const Ray& ray : rays_) {
+    for (const RangerRay& ray : rays_) {
       const double range = RangeOf(reading, ray);
-      // A ray that sees no further than min_distance is clear when it sees nothing.
+      // A ray without a hit is clear, even if its maximum is below min_distance.
       const bool clear = range >= ray.max_range;
       if (std::abs(ray.bearing) <= parameters_.front_angle && !clear) view.front = std::min(view.front, range);
       if (std::abs(ray.bearing) <= 0.5 * kPi && ray.bearing != 0.0) balance += ray.bearing > 0.0 ? range : -range;
@@ -91,7 +95,7 @@ class WanderController final : public Controller {
 
   double TurningTime(double angle) const { return parameters_.turn_rate > 0.0 ? angle / parameters_.turn_rate : 0.0; }
 
-  // A car cannot turn on the spot: it turns backwards, away from what is ahead.
+  // A car cannot turn on the spot: it turns backwards, away from the obstacle ahead.
   Command Turn() const {
     return car_ ? Drive(-0.5 * parameters_.speed, -turn_ * parameters_.steering_angle)
                 : Drive(0.0, turn_ * parameters_.turn_rate);
@@ -112,21 +116,21 @@ class WanderController final : public Controller {
   WanderParameters parameters_;
   bool car_;
   std::optional<std::size_t> ranger_;
-  std::vector<Ray> rays_;
+  std::vector<RangerRay> rays_;
   double turn_ = 0.0;            // 1: to the left, -1: to the right, 0: not turning
   double back_off_until_ = 0.0;  // s, simulated
   double turn_until_ = 0.0;      // s, simulated
 };
 
-std::string CheckWander(const std::string& parameters) {
-  WanderParameters ignored;
-  return Parse(parameters, ignored);
+Status CheckWander(const std::string& parameters) {
+  const Result<WanderParameters> parsed = ParseWander(parameters);
+  return parsed.ok() ? Status() : parsed.error();
 }
 
 Result<std::unique_ptr<Controller>> CreateWander(const RobotInfo& info) {
-  WanderParameters parameters;
-  if (const std::string error = Parse(info.parameters, parameters); !error.empty()) return Error{{}, error};
-  return std::unique_ptr<Controller>(std::make_unique<WanderController>(info, parameters));
+  const Result<WanderParameters> parameters = ParseWander(info.parameters);
+  if (!parameters.ok()) return parameters.error();
+  return std::unique_ptr<Controller>(std::make_unique<WanderController>(info, parameters.value()));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Twist DesiredTwist(const DriveDescription& drive, const Command& command) {
     case DriveType::kOmni:
       return {FiniteOrZero(command.twist.vx), FiniteOrZero(command.twist.vy), FiniteOrZero(command.twist.wz)};
     case DriveType::kCar:
-      // Bounded here, before the two become a twist: a steering angle beyond its bound must not change the speed.
+      // Bounded before the conversion to a twist: a steering angle beyond its bound must not change the speed.
       return CarTwist(drive.velocity.x.Clamp(FiniteOrZero(command.speed)),
                       drive.velocity.heading.Clamp(FiniteOrZero(command.steering)), drive.wheelbase);
   }

@@ -1,4 +1,4 @@
-// Drive: from a controller's command to the twist to propose.
+// Drive: computes the proposed twist from a controller's command.
 #pragma once
 
 #include "common/model/world_description.h"
@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-// The twist that the drive reaches next towards `command`, from the twist `current` that it has; within its limits. A
-// component of the command that is not finite counts as zero.
+// The twist (in R) that the drive reaches from its present twist `current` within `seconds` on the way to `command`,
+// within its limits. A component of the command that is not finite counts as zero.
 Twist DriveTowards(const DriveDescription& drive, const Twist& current, const Command& command, double seconds);
 
 }  // namespace troupe

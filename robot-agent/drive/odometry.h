@@ -1,4 +1,4 @@
-// Odometry: a robot's own idea of where it is.
+// Odometry: the pose estimate of a robot.
 #pragma once
 
 #include "common/geometry/pose.h"
@@ -10,11 +10,11 @@ class Odometry {
  public:
   explicit Odometry(const LocalizationDescription& localization) : localization_(&localization) {}
 
-  // Takes in the robot's true pose after each tick; the first one fixes where odometry starts.
+  // Applies the robot's true pose after a tick; odometry starts at the first one.
   void Update(const Pose& X_WR);
 
-  // Somebody has put the robot elsewhere, which is no motion that it could read.
-  void Carry(const Pose& X_WR) { last_X_WR_ = X_WR; }
+  // Applies a true pose that an edit has set: not a motion, so the estimate stays.
+  void Relocate(const Pose& X_WR) { last_X_WR_ = X_WR; }
 
   // gps: the true pose in the world. odometry: the sum of the robot's motions, each read with its error, from
   // localization.origin on (frame: odom).

@@ -5,23 +5,24 @@
 namespace troupe {
 namespace {
 
-// m, of what a gripper is open by.
+// m, of an opening.
 constexpr double kOpeningRounding = 1e-9;
 
 bool IsOpen(const JointMotor& finger, const JointState& state) {
   return JointMotor::IsAt(state, finger.joint().position.min);
 }
 
-// How far the fingers are open, together.
+// The opening, m: the sum of both fingers.
 double OpeningOf(const Fingers& f) {
   return f.left.joint().position.max - f.left_state.position + f.right.joint().position.max - f.right_state.position;
 }
 
-double Opened(const Interval& range, double fraction) {
+// The position of a finger that is open by `fraction`, m.
+double PositionAt(const Interval& range, double fraction) {
   return range.Clamp(range.max - fraction * (range.max - range.min));
 }
 
-// What is left to open, m; negative: to close.
+// From the present opening to that of `fraction`, m; negative: the fingers close.
 double WayToOpening(const Fingers& f, double fraction) {
   const Interval& left = f.left.joint().position;
   const Interval& right = f.right.joint().position;
@@ -30,21 +31,21 @@ double WayToOpening(const Fingers& f, double fraction) {
 
 }  // namespace
 
-void GripperMachine::Take(FingerCommand command) {
+void GripperMachine::SetCommand(FingerCommand command) {
   command_ = command;
   opening_.reset();
   commanded_ = true;
 }
 
-void GripperMachine::TakeOpening(double fraction) {
+void GripperMachine::SetOpening(double fraction) {
   command_.reset();
   opening_ = fraction;
   commanded_ = true;
 }
 
-void GripperMachine::Sense(bool beam_is_broken, const GripperState& gripper) {
+void GripperMachine::UpdateBeams(bool is_broken, const GripperState& gripper) {
   if (!autosnatch_) return;
-  const FingerCommand own = beam_is_broken ? FingerCommand::kClose : FingerCommand::kOpen;
+  const FingerCommand own = is_broken ? FingerCommand::kClose : FingerCommand::kOpen;
   if (commanded_ && command_ != own) return;
   commanded_ = false;
   if (own == FingerCommand::kOpen && gripper.clamped) return;
@@ -72,7 +73,7 @@ GripperMachine::Velocities GripperMachine::Propose(const Fingers& f, double tick
     f.left.MoveTo(f.left.joint().position.min);
     f.right.MoveTo(f.right.joint().position.min);
   } else {
-    // Also while something holds them up: when it goes away, they go on.
+    // Also while a contact blocks them: they continue when it ends.
     f.left.MoveTo(f.left.joint().position.max);
     f.right.MoveTo(f.right.joint().position.max);
   }
@@ -86,10 +87,10 @@ GripperMachine::Velocities GripperMachine::ProposeOpening(const Fingers& f, doub
     f.left.MoveAt(0.0);
     f.right.MoveAt(0.0);
   } else {
-    // Both to the same place, but none against the other's direction: where an object held them up off the middle, none
-    // would push it while the other lets go.
+    // Both to the same opening, but neither against the direction of the other: with an object off the middle, one
+    // finger would push it while the other releases it.
     const auto target = [&](const JointMotor& finger, const JointState& state) {
-      const double place = Opened(finger.joint().position, fraction);
+      const double place = PositionAt(finger.joint().position, fraction);
       return way > 0.0 ? std::min(place, state.position) : std::max(place, state.position);
     };
     f.left.MoveTo(target(f.left, f.left_state));

@@ -1,6 +1,6 @@
-// GripperMachine: what the two fingers of a gripper do. Its states are open, closing, closed, opening; it derives them
-// from the state of the world and the last command, so that an agent that was started again goes on where it was, and
-// drops nothing.
+// GripperMachine: the state machine of the two fingers of a gripper. Its states are open, closing, closed, opening;
+// they follow from the state of the world and the last command, so that a restarted agent continues and drops no
+// object.
 #pragma once
 
 #include <optional>
@@ -21,18 +21,18 @@ struct Fingers {
 
 class GripperMachine {
  public:
-  // With autosnatch the fingers close when a beam is broken, and open when none is and nothing is between the pads.
+  // With autosnatch the fingers close when a beam is broken, and open when none is and no object is between the pads.
   explicit GripperMachine(bool autosnatch) : autosnatch_(autosnatch) {}
 
   bool autosnatch() const { return autosnatch_; }
 
-  // Holds until the next one. With autosnatch, it holds until the beams ask for the same: fingers that were told to
-  // open stay open until the object is out of the beams.
-  void Take(FingerCommand command);
-  // Likewise: open by `fraction` of how far they can be, over 0 and under 1.
-  void TakeOpening(double fraction);
-  // With autosnatch, call it before the others in each tick.
-  void Sense(bool beam_is_broken, const GripperState& gripper);
+  // A command is valid until the next one. With autosnatch, it is valid until the beams demand the same: fingers with
+  // the command to open stay open until the object has left the beams.
+  void SetCommand(FingerCommand command);
+  // Commands an opening, as a fraction of the widest one. REQUIRES: 0 < fraction < 1
+  void SetOpening(double fraction);
+  // Applies the state of the break beams. With autosnatch, call it before the others in each tick.
+  void UpdateBeams(bool is_broken, const GripperState& gripper);
 
   FingerState Report(const Fingers& fingers) const;
 
@@ -43,12 +43,12 @@ class GripperMachine {
   Velocities Propose(const Fingers& fingers, double tick_seconds) const;
 
  private:
-  bool autosnatch_;
   Velocities ProposeOpening(const Fingers& fingers, double fraction, double tick_seconds) const;
 
-  std::optional<FingerCommand> command_;  // nothing, and no opening_: the fingers stay where they are
-  std::optional<double> opening_;         // as in TakeOpening; then there is no command_
-  bool commanded_ = false;                // both are a controller's, and the beams have not yet come round to them
+  bool autosnatch_;
+  std::optional<FingerCommand> command_;  // nothing, and no opening_: the fingers stay
+  std::optional<double> opening_;         // as in SetOpening; excludes command_
+  bool commanded_ = false;                // by a controller, and the beams have not demanded the same since
 };
 
 }  // namespace troupe

@@ -24,25 +24,25 @@ void JointMotor::MoveAt(double velocity) {
 
 double JointMotor::Velocity(const JointState& state, double tick_seconds) {
   const bool to_limit = target_ == joint_->position.min || target_ == joint_->position.max;
-  // Limits stop a joint by themselves, to the last bit.
-  const double way = to_limit ? *target_ - state.position : WayLeft(state);
+  // The limits stop a joint exactly.
+  const double way = to_limit ? *target_ - state.position : RemainingWay(state);
   if (way == 0.0) {
-    asked_ = 0.0;
+    proposed_ = 0.0;
   } else if (to_limit || std::abs(way) >= speed_ * tick_seconds) {
-    asked_ = way > 0.0 ? speed_ : -speed_;
+    proposed_ = way > 0.0 ? speed_ : -speed_;
   } else {
-    asked_ = way / tick_seconds;
+    proposed_ = way / tick_seconds;
   }
-  return asked_;
+  return proposed_;
 }
 
 bool JointMotor::moving(const JointState& state) const {
-  const double way = WayLeft(state);
-  const bool held_up = state.blocked && asked_ * way > 0.0;
-  return way != 0.0 && speed_ > 0.0 && !held_up;
+  const double way = RemainingWay(state);
+  const bool is_blocked = state.blocked && proposed_ * way > 0.0;
+  return way != 0.0 && speed_ > 0.0 && !is_blocked;
 }
 
-double JointMotor::WayLeft(const JointState& state) const {
+double JointMotor::RemainingWay(const JointState& state) const {
   return !target_ || IsAt(state, *target_) ? 0.0 : *target_ - state.position;
 }
 

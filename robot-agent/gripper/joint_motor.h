@@ -1,4 +1,4 @@
-// JointMotor: brings one joint to where it was told to go, tick by tick.
+// JointMotor: moves one joint to its commanded position, tick by tick.
 #pragma once
 
 #include <optional>
@@ -10,33 +10,33 @@ namespace troupe {
 
 class JointMotor {
  public:
-  // The description must outlive the motor. It stands still until it is told otherwise.
+  // The description must outlive the motor. Without a command it stands still.
   explicit JointMotor(const JointDescription& joint) : joint_(&joint) {}
 
   const JointDescription& joint() const { return *joint_; }
 
-  // REQUIRES: `position` is within the joint's limits.
+  // Commands a position, m or rad. REQUIRES: it is within the joint's limits.
   void MoveTo(double position);
-  // To the joint's limit, at most as fast as the joint can.
+  // Commands a velocity, m/s or rad/s, up to the joint's limit; bounded by the speed of the joint.
   void MoveAt(double velocity);
 
-  // What to propose for the next tick. The time it takes to get somewhere does not depend on the length of ticks, and
-  // what is reached is reached exactly.
+  // The velocity (m/s or rad/s) to propose for the next tick. The time of a motion does not depend on the length of
+  // ticks, and the joint reaches its target exactly.
   double Velocity(const JointState& state, double tick_seconds);
 
-  // Where the joint is, up to rounding.
+  // True if the joint is at `position` (m or rad) up to rounding.
   static bool IsAt(const JointState& state, double position);
-  // On its way, and not held up by anything.
+  // True if the joint has not reached its target and no contact blocks it.
   bool moving(const JointState& state) const;
 
  private:
-  // From where the joint is; 0 when it is there up to rounding.
-  double WayLeft(const JointState& state) const;
+  // From the joint's position to its target, m or rad; 0 at the target up to rounding.
+  double RemainingWay(const JointState& state) const;
 
   const JointDescription* joint_;
   std::optional<double> target_;  // m or rad
   double speed_ = 0.0;            // m/s or rad/s
-  double asked_ = 0.0;            // what was proposed last
+  double proposed_ = 0.0;         // the last proposal, m/s or rad/s
 };
 
 }  // namespace troupe

@@ -10,17 +10,26 @@ namespace {
 
 constexpr double kPercent = 100.0;
 
-bool AnyBroken(const std::vector<std::optional<ObjectId>>& beams) {
-  return std::any_of(beams.begin(), beams.end(), [](const auto& beam) { return beam.has_value(); });
+using Beams = std::vector<BreakBeamReading::Beam>;
+
+// The beams of a gripper; none before they were measured.
+const Beams& BeamsOf(const GripperInfo& gripper, std::span<const SensorReading> sensors) {
+  static const Beams kNone;
+  const BreakBeamReading* const reading = gripper.beams ? sensors[*gripper.beams].break_beams() : nullptr;
+  return reading == nullptr ? kNone : reading->beams;
 }
 
-void TakeOpening(GripperMachine& machine, double percent) {
+bool AnyBroken(const Beams& beams) {
+  return std::any_of(beams.begin(), beams.end(), [](const auto& beam) { return beam.broken_by.has_value(); });
+}
+
+void SetOpening(GripperMachine& machine, double percent) {
   if (percent == 0.0) {
-    machine.Take(FingerCommand::kClose);
+    machine.SetCommand(FingerCommand::kClose);
   } else if (percent == kPercent) {
-    machine.Take(FingerCommand::kOpen);
+    machine.SetCommand(FingerCommand::kOpen);
   } else {
-    machine.TakeOpening(percent / kPercent);
+    machine.SetOpening(percent / kPercent);
   }
 }
 
@@ -37,10 +46,12 @@ Manipulator::Manipulator(const WorldDescription& world, RobotId robot) : world_(
   const auto number_of = [this](JointId id) {
     return static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
   };
+  std::size_t next_sensor = world.robot(robot).sensors.size();
   for (std::size_t i = 0; i < world.grippers.size(); ++i) {
     const GripperDescription& gripper = world.grippers[i];
     if (gripper.robot != robot) continue;
-    GripperInfo info{&gripper, number_of(gripper.left), number_of(gripper.right), {}};
+    GripperInfo info{&gripper, number_of(gripper.left), number_of(gripper.right), {}, {}};
+    if (!gripper.beams.empty()) info.beams = next_sensor++;  // as in MountedSensors
     if (gripper.lift) info.lift = number_of(*gripper.lift);
     finger_of_[info.left] = finger_of_[info.right] = grippers_.size();
     gripper_ids_.emplace_back(i);
@@ -51,11 +62,12 @@ Manipulator::Manipulator(const WorldDescription& world, RobotId robot) : world_(
   gripper_readings_.resize(grippers_.size());
 }
 
-void Manipulator::Sense(const WorldState& state, const std::vector<std::vector<std::optional<ObjectId>>>& beams) {
+void Manipulator::Update(const WorldState& state, std::span<const SensorReading> sensors) {
   for (std::size_t i = 0; i < grippers_.size(); ++i) {
-    machines_[i].Sense(AnyBroken(beams[i]), state.grippers[gripper_ids_[i].index()]);
+    const Beams& beams = BeamsOf(grippers_[i], sensors);
+    machines_[i].UpdateBeams(AnyBroken(beams), state.grippers[gripper_ids_[i].index()]);
     gripper_readings_[i] = Read(i, state);
-    for (const std::optional<ObjectId>& object : beams[i]) {
+    for (const auto& [beam, object] : beams) {
       gripper_readings_[i].beams.push_back(object ? std::optional(Seen(*object)) : std::nullopt);
     }
   }
@@ -92,67 +104,75 @@ Fingers Manipulator::FingersOf(std::size_t gripper, const WorldState& state) {
           state.grippers[gripper_ids_[gripper].index()]};
 }
 
-std::string Manipulator::Take(const Command& command) {
+Status Manipulator::Apply(const Command& command) {
   for (const GripperCommand& gripper : command.grippers) {
-    if (std::string problem = TakeGripper(gripper); !problem.empty()) return problem;
+    if (Status status = Apply(gripper); !status.ok()) return status;
   }
   for (const JointCommand& joint : command.joints) {
-    if (std::string problem = TakeJoint(joint); !problem.empty()) return problem;
+    if (Status status = Apply(joint); !status.ok()) return status;
   }
-  return "";
+  return {};
 }
 
-std::string Manipulator::TakeGripper(const GripperCommand& command) {
+Status Manipulator::Apply(const GripperCommand& command) {
   if (command.gripper >= grippers_.size()) {
-    return fmt::format("commands gripper {}, but the robot has {}", command.gripper, grippers_.size());
+    return Error{{}, fmt::format("commands gripper {}, but the robot has {}", command.gripper, grippers_.size())};
   }
   const GripperInfo& info = grippers_[command.gripper];
   if (command.fingers && command.opening) {
-    return fmt::format("commands gripper '{}' both an opening and what else its fingers are to do, expected one",
-                       info.description->name);
+    return Error{{},
+                 fmt::format("commands gripper '{}' both to an opening and with another finger command, expected one",
+                             info.description->name)};
   }
-  if (command.fingers) machines_[command.gripper].Take(*command.fingers);
+  if (command.fingers) machines_[command.gripper].SetCommand(*command.fingers);
   if (command.opening && !(*command.opening >= 0.0 && *command.opening <= kPercent)) {
-    return fmt::format("commands gripper '{}' to an opening of {} percent, expected 0 to 100", info.description->name,
-                       *command.opening);
+    return Error{{},
+                 fmt::format("commands gripper '{}' to an opening of {} percent, expected 0 to 100",
+                             info.description->name, *command.opening)};
   }
-  if (command.opening) TakeOpening(machines_[command.gripper], *command.opening);
-  if (!command.lift) return "";
-  if (!info.lift) return fmt::format("commands the lift of gripper '{}', which has none", info.description->name);
+  if (command.opening) SetOpening(machines_[command.gripper], *command.opening);
+  if (!command.lift) return {};
+  if (!info.lift)
+    return Error{{}, fmt::format("commands the lift of gripper '{}', which has none", info.description->name)};
   if (!(*command.lift >= 0.0 && *command.lift <= kPercent)) {
-    return fmt::format("commands gripper '{}' to a height of {} percent, expected 0 to 100", info.description->name,
-                       *command.lift);
+    return Error{{},
+                 fmt::format("commands gripper '{}' to a height of {} percent, expected 0 to 100",
+                             info.description->name, *command.lift)};
   }
   const Interval& range = joints_[*info.lift]->position;
   motors_[*info.lift].MoveTo(range.Clamp(*command.lift / kPercent * (range.max - range.min) + range.min));
-  return "";
+  return {};
 }
 
-std::string Manipulator::TakeJoint(const JointCommand& command) {
+Status Manipulator::Apply(const JointCommand& command) {
   if (command.joint >= joints_.size()) {
-    return fmt::format("commands joint {}, but the robot has {}", command.joint, joints_.size());
+    return Error{{}, fmt::format("commands joint {}, but the robot has {}", command.joint, joints_.size())};
   }
   const JointDescription& joint = *joints_[command.joint];
   if (const std::optional<std::size_t>& gripper = finger_of_[command.joint]) {
-    return fmt::format("commands joint '{}', a finger of gripper '{}', expected a command to the gripper", joint.name,
-                       grippers_[*gripper].description->name);
+    return Error{{},
+                 fmt::format("commands joint '{}', a finger of gripper '{}', expected a command to the gripper",
+                             joint.name, grippers_[*gripper].description->name)};
   }
   if (command.position.has_value() == command.velocity.has_value()) {
-    return fmt::format("commands joint '{}' to both or neither of a position and a velocity, expected one", joint.name);
+    return Error{
+        {},
+        fmt::format("commands joint '{}' to both or neither of a position and a velocity, expected one", joint.name)};
   }
   if (command.velocity) {
     if (!std::isfinite(*command.velocity)) {
-      return fmt::format("commands joint '{}' to a velocity of {}", joint.name, *command.velocity);
+      return Error{{}, fmt::format("commands joint '{}' to a velocity of {}", joint.name, *command.velocity)};
     }
     motors_[command.joint].MoveAt(*command.velocity);
-    return "";
+    return {};
   }
   if (!(*command.position >= joint.position.min && *command.position <= joint.position.max)) {
-    return fmt::format("commands joint '{}' to {}, expected {} to {}", joint.name, *command.position,
-                       joint.position.min, joint.position.max);
+    return Error{{},
+                 fmt::format("commands joint '{}' to {}, expected {} to {}", joint.name, *command.position,
+                             joint.position.min, joint.position.max)};
   }
   motors_[command.joint].MoveTo(*command.position);
-  return "";
+  return {};
 }
 
 std::vector<double> Manipulator::Propose(const WorldState& state) {

@@ -1,9 +1,11 @@
 // Manipulator: all joints and grippers of one robot, between its controller and its proposals.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "common/base/result.h"
 #include "robot-agent/controller/controller.h"
 #include "robot-agent/gripper/gripper_machine.h"
 #include "robot-agent/gripper/joint_motor.h"
@@ -15,27 +17,29 @@ class Manipulator {
   // The world must outlive the manipulator.
   Manipulator(const WorldDescription& world, RobotId robot);
 
-  // An edit has changed the world, and left the robot as it was. The first one must still be there.
+  // Continues in an edited world with the same ids and descriptions of the robot. REQUIRES: the first world still
+  // exists.
   void ChangeWorld(const WorldDescription& world) { world_ = &world; }
 
   const std::vector<const JointDescription*>& joints() const { return joints_; }
   const std::vector<GripperInfo>& grippers() const { return grippers_; }
 
-  // Takes in the state that the controller decides on, with what breaks each gripper's beams: by gripper and beam.
-  void Sense(const WorldState& state, const std::vector<std::vector<std::optional<ObjectId>>>& beams);
-  // What it looks like to the controller, until the next Sense.
+  // Applies the state that the controller decides on, with the readings of the robot's sensors, by sensor.
+  void Update(const WorldState& state, std::span<const SensorReading> sensors);
+  // As the controller sees them, until the next Update.
   const std::vector<JointReading>& joint_readings() const { return joint_readings_; }
   const std::vector<GripperReading>& gripper_readings() const { return gripper_readings_; }
 
-  // Takes over what a controller asks of joints and grippers; "" or what is wrong with it.
-  std::string Take(const Command& command);
+  // Applies the commands to grippers and joints, in order, up to the first one that is not valid for the robot: the
+  // error describes it as in "commands gripper 3, but the robot has 1".
+  Status Apply(const Command& command);
 
-  // What to propose after the sensed `state`, as in Proposal.
+  // The joint velocities to propose after `state`, as in Proposal. REQUIRES: `state` is that of the last Update.
   std::vector<double> Propose(const WorldState& state);
 
  private:
-  std::string TakeGripper(const GripperCommand& command);
-  std::string TakeJoint(const JointCommand& command);
+  Status Apply(const GripperCommand& command);
+  Status Apply(const JointCommand& command);
   Fingers FingersOf(std::size_t gripper, const WorldState& state);
   const JointState& StateOf(std::size_t joint, const WorldState& state) const {
     return state.joints[ids_[joint].index()];

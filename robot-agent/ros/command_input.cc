@@ -24,12 +24,12 @@ CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& opti
   }
 }
 
-std::optional<Command> CommandInput::At(Tick tick) {
+std::optional<Command> CommandInput::CommandAt(Tick tick) {
   if (twists_) {
-    twists_->Drain([&](const ros::TwistMessage& twist) { Take(twist, tick); });
+    twists_->Drain([&](const ros::TwistMessage& twist) { Apply(twist, tick); });
   }
   if (stamped_twists_) {
-    stamped_twists_->Drain([&](const ros::TwistStamped& stamped) { Take(stamped.twist, tick); });
+    stamped_twists_->Drain([&](const ros::TwistStamped& stamped) { Apply(stamped.twist, tick); });
   }
   const bool expired = timeout_ticks_ > 0.0 && static_cast<double>(tick - received_) >= timeout_ticks_;
   if (expired) command_.reset();
@@ -43,7 +43,7 @@ void CommandInput::Restart() {
   received_ = 0;
 }
 
-void CommandInput::Take(const ros::TwistMessage& twist, Tick tick) {
+void CommandInput::Apply(const ros::TwistMessage& twist, Tick tick) {
   const std::optional<Command> command = CommandFromTwist(twist, robot_->drive);
   if (!command) {
     refusals_.Count();
@@ -53,9 +53,9 @@ void CommandInput::Take(const ros::TwistMessage& twist, Tick tick) {
   received_ = tick;
 }
 
-std::string CommandInput::TakeReport() {
-  const std::uint64_t refused = refusals_.TakeDue();
-  if (refused == 0) return "";
+std::optional<std::string> CommandInput::DrainReport() {
+  const std::uint64_t refused = refusals_.CountToReport();
+  if (refused == 0) return std::nullopt;
   return fmt::format("robot {}: cmd_vel: ignored a command that is not finite ({} so far)", robot_->name, refused);
 }
 

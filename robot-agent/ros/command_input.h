@@ -1,4 +1,4 @@
-// CommandInput: the commands of one robot from ROS, and how long each counts.
+// CommandInput: the motion commands of one robot from ROS, each valid for a timeout.
 #pragma once
 
 #include <memory>
@@ -15,25 +15,25 @@ namespace troupe {
 
 class CommandInput {
  public:
-  // The robot's description must outlive it.
+  // REQUIRES: the robot's description outlives the input.
   CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
                double interval_seconds);
 
-  // The newest command, if one came within the command timeout. Simulated time alone decides, so that a run at any
-  // speed behaves the same.
-  std::optional<Command> At(Tick tick);
+  // The newest command, unless its timeout has passed. The timeout counts simulated time, so that a run behaves the
+  // same at any speed.
+  std::optional<Command> CommandAt(Tick tick);
 
-  // Time begins anew: no command that came before counts.
+  // Time restarts: drops all commands received before.
   void Restart();
 
-  // What went wrong since the last call, in one line; usually "".
-  std::string TakeReport();
+  // One line about commands refused since the last call; usually none.
+  std::optional<std::string> DrainReport();
 
  private:
-  void Take(const ros::TwistMessage& twist, Tick tick);
+  void Apply(const ros::TwistMessage& twist, Tick tick);
 
   const RobotDescription* robot_;
-  double timeout_ticks_;                                               // 0: none
+  double timeout_ticks_;                                               // 0: commands never expire
   std::unique_ptr<ros::RosReader<ros::TwistMessage>> twists_;          // may be null
   std::unique_ptr<ros::RosReader<ros::TwistStamped>> stamped_twists_;  // may be null
   std::optional<Command> command_;

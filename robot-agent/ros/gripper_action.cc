@@ -21,7 +21,7 @@ struct GripperCommandTypes {
   using FeedbackMessage = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
 };
 
-// Of a result or of feedback, which are alike. Forces are not simulated.
+// A result or feedback, which have the same fields. The effort is 0: forces are not simulated.
 template <typename Message>
 Message Describe(const GripperGoal& goal) {
   return {goal.position, 0.0, goal.stalled, goal.reached};
@@ -36,7 +36,7 @@ class GripperAction::Server {
         gripper_(gripper),
         name_(node.Resolve(name)),
         largest_(ros::LargestOpening(world, gripper)),
-        goals_(largest_, ros::MotionOf(world, gripper, InitialState(world)).opening, world.interval_ns),
+        goals_(largest_, ros::MotionOf(world, gripper, PlacedState(world)).opening, world.interval_ns),
         server_(node, name,
                 {.send_goal = [this](const RosCaller& caller, const auto& request) { SendGoal(caller, request); },
                  .cancel = [this](const RosCaller& caller, const GoalId& id,
@@ -50,9 +50,9 @@ class GripperAction::Server {
     return goals_.Begin(tick);
   }
 
-  void GiveWay() {
+  void AbortAll() {
     const std::lock_guard lock(mutex_);
-    goals_.GiveWay();
+    goals_.AbortAll();
   }
 
   void Publish(const WorldState& state) {
@@ -69,10 +69,10 @@ class GripperAction::Server {
     AnswerCallers();
   }
 
-  std::string TakeReport() {
+  std::optional<std::string> DrainReport() {
     const std::lock_guard lock(mutex_);
-    const std::uint64_t refused = refusals_.TakeDue();
-    if (refused == 0) return "";
+    const std::uint64_t refused = refusals_.CountToReport();
+    if (refused == 0) return std::nullopt;
     return fmt::format("{}: refused a goal of {} m, expected 0 to {:.6g} ({} so far)", name_, refused_, largest_,
                        refused);
   }
@@ -93,10 +93,9 @@ class GripperAction::Server {
 
   void Cancel(const RosCaller& caller, const GoalId& id, std::int64_t stamp) {
     const std::lock_guard lock(mutex_);
-    std::vector<GripperGoal> canceling;
-    const CancelAnswer answer = goals_.Cancel(id, stamp, canceling);
+    const ros::CancelResult<GripperGoal> cancelled = goals_.Cancel(id, stamp);
     WriteStatus();
-    server_.AnswerCancel(caller, answer, canceling);
+    server_.AnswerCancel(caller, cancelled);
   }
 
   void GetResult(const RosCaller& caller, const GoalId& id) {
@@ -117,11 +116,11 @@ class GripperAction::Server {
   GripperId gripper_;
   std::string name_;
   double largest_;
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards the members below
   GripperGoals goals_;
   Refusals refusals_;
-  double refused_ = 0.0;                           // m, the last one
-  ros::ActionServer<GripperCommandTypes> server_;  // last, because it calls into the rest
+  double refused_ = 0.0;                           // m, of the last refused goal
+  ros::ActionServer<GripperCommandTypes> server_;  // last, because it calls members above
 };
 
 GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world,
@@ -134,16 +133,16 @@ std::optional<GripperGoals::Order> GripperAction::Begin(Tick tick) {
   return server_->Begin(tick);
 }
 
-void GripperAction::GiveWay() {
-  server_->GiveWay();
+void GripperAction::AbortAll() {
+  server_->AbortAll();
 }
 
 void GripperAction::Publish(const WorldState& state) {
   server_->Publish(state);
 }
 
-std::string GripperAction::TakeReport() {
-  return server_->TakeReport();
+std::optional<std::string> GripperAction::DrainReport() {
+  return server_->DrainReport();
 }
 
 }  // namespace troupe

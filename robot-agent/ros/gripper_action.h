@@ -1,6 +1,6 @@
 // GripperAction: a server of the action control_msgs/GripperCommand for one gripper, as rcl lays out actions on topics
-// and services. Goals are accepted or refused at once; they begin at the next tick, and what came of them is told at
-// ticks.
+// and services. A goal is accepted or refused on arrival and starts at the next tick; feedback and results are sent
+// once per tick.
 #pragma once
 
 #include <memory>
@@ -14,19 +14,19 @@ namespace troupe {
 
 class GripperAction {
  public:
-  // The world must outlive it. `name`: of the action.
+  // `name`: of the action. REQUIRES: the world outlives the action.
   GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world, GripperId gripper);
   ~GripperAction();
 
   // As in GripperGoals.
   std::optional<GripperGoals::Order> Begin(Tick tick);
-  void GiveWay();
+  void AbortAll();
 
-  // Tells feedback, status and results.
+  // Sends feedback, status and results.
   void Publish(const WorldState& state);
 
-  // What went wrong since the last call, in one line; usually "".
-  std::string TakeReport();
+  // One line about goals refused since the last call; usually none.
+  std::optional<std::string> DrainReport();
 
  private:
   class Server;

@@ -7,7 +7,7 @@ namespace troupe {
 namespace {
 
 constexpr double kTolerance = 1e-9;  // m
-// Fingers that do not move for so long, though nothing is in their way, were told something else.
+// Fingers that stand still for so long without a contact follow another command.
 constexpr std::int64_t kPatienceNs = 1'000'000'000;
 
 }  // namespace
@@ -40,37 +40,37 @@ std::optional<GripperGoals::Order> GripperGoals::Begin(Tick tick) {
     newest->status = GoalStatus::kExecuting;
     newest->position = opening_;
     begun_ = tick;
-    told_to_stay_ = false;
+    stay_ordered_ = false;
     still_ns_ = 0;
     return Order{newest->opening};
   }
-  if (newest->status == GoalStatus::kExecuting || told_to_stay_) return std::nullopt;
-  told_to_stay_ = true;
+  if (newest->status == GoalStatus::kExecuting || stay_ordered_) return std::nullopt;
+  stay_ordered_ = true;
   begun_ = tick;
   return Order{};
 }
 
-void GripperGoals::GiveWay() {
+void GripperGoals::AbortAll() {
   for (GripperGoal& goal : goals_.all()) {
     if (!goal.ended()) {
       End(goal, goal.status == GoalStatus::kCanceling ? GoalStatus::kCanceled : GoalStatus::kAborted, false);
     }
   }
-  told_to_stay_ = false;
-  goals_.Forget();
+  stay_ordered_ = false;
+  goals_.RemoveOldEnded();
 }
 
 void GripperGoals::Observe(Tick tick, const ros::GripperMotion& motion) {
   opening_ = motion.opening;
   now_ns_ = static_cast<std::int64_t>(tick) * interval_ns_;
-  goals_.Forget();
+  goals_.RemoveOldEnded();
   std::vector<GripperGoal>& all = goals_.all();
   const auto active = std::find_if(all.rbegin(), all.rend(), [](const GripperGoal& goal) { return !goal.ended(); });
-  // What was begun at this tick shows at the next.
+  // The effect of an order shows one tick later.
   if (active == all.rend() || !begun_ || *begun_ == tick) return;
   GripperGoal& goal = *active;
-  if (goal.status == GoalStatus::kCanceling && told_to_stay_) {
-    told_to_stay_ = false;
+  if (goal.status == GoalStatus::kCanceling && stay_ordered_) {
+    stay_ordered_ = false;
     return End(goal, GoalStatus::kCanceled, false);
   }
   if (goal.status != GoalStatus::kExecuting) return;

@@ -1,5 +1,5 @@
-// GripperGoals: the goals that the action of one gripper got, and what became of them. It knows nothing of DDS. Goals
-// come and are cancelled at any time; what follows from that happens at ticks.
+// GripperGoals: the goals of the action of one gripper and their states, without any DDS. Goals arrive and are
+// cancelled at any time; their effects happen at ticks.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ using ros::CancelAnswer;
 using ros::GoalId;
 using ros::GoalStatus;
 
-// It has succeeded when the opening is reached, or the fingers have closed on an object; it is aborted when something
-// else stopped the fingers, or another command came.
+// A goal succeeds when the fingers reach the opening or close on an object. It is aborted when something else stops the
+// fingers or another command replaces it.
 struct GripperGoal : ros::ActionGoal {
   double opening = 0.0;  // m, as in common/ros/gripper_state.h
-  // Now, or when it ended:
+  // Now, or at its end:
   double position = 0.0;  // m
   bool stalled = false;
   bool reached = false;
@@ -31,28 +31,27 @@ class GripperGoals {
   // `opening`: at the start.
   GripperGoals(double largest_opening, double opening, std::int64_t interval_ns);
 
-  // Accepts a goal, or refuses it: not finite, not within 0 and the largest opening, of an id that is known, or one of
-  // too many.
+  // False, and no effect, on a number that is not finite, an opening (m) outside [0, largest opening], an id in use, or
+  // too many open goals.
   bool Accept(const GoalId& id, double opening, double max_effort);
 
   // As ActionGoals.
-  CancelAnswer Cancel(const GoalId& id, std::int64_t stamp, std::vector<GripperGoal>& canceling) {
-    return goals_.Cancel(id, stamp, canceling);
-  }
+  ros::CancelResult<GripperGoal> Cancel(const GoalId& id, std::int64_t stamp) { return goals_.Cancel(id, stamp); }
 
-  // What to tell the gripper for the tick after `tick`, when there is something to tell.
+  // A command to the gripper.
   struct Order {
-    std::optional<double> opening;  // m; nothing: stay
+    std::optional<double> opening;  // m; none: stay
   };
+  // The command for the tick after `tick`, if a goal starts or a cancelled one stops.
   std::optional<Order> Begin(Tick tick);
 
-  // Another command came: all goals end.
-  void GiveWay();
+  // Ends all goals, because another command replaces them.
+  void AbortAll();
 
-  // What the gripper did.
+  // Updates the goals from the gripper's motion in the tick that led to `tick`.
   void Observe(Tick tick, const ros::GripperMotion& motion);
 
-  // The goal that moves the gripper, if one does.
+  // The goal that moves the gripper; null if none does.
   const GripperGoal* executing() const { return goals_.executing(); }
   const GripperGoal* Find(const GoalId& id) const { return goals_.Find(id); }
   const ros::ActionGoals<GripperGoal>& goals() const { return goals_; }
@@ -62,12 +61,12 @@ class GripperGoals {
 
   double largest_opening_;
   std::int64_t interval_ns_;
-  double opening_;           // as observed last
-  std::int64_t now_ns_ = 0;  // likewise
+  double opening_;           // as last observed
+  std::int64_t now_ns_ = 0;  // simulated time of the last observation
   ros::ActionGoals<GripperGoal> goals_;
-  std::optional<Tick> begun_;  // when the gripper was told of the goal that is executed or cancelled
-  bool told_to_stay_ = false;
-  std::int64_t still_ns_ = 0;  // for how long the fingers have not moved
+  std::optional<Tick> begun_;  // the tick of the last order
+  bool stay_ordered_ = false;
+  std::int64_t still_ns_ = 0;  // time since the fingers last moved
 };
 
 }  // namespace troupe

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros/gripper_state.h"
 #include "common/ros/names.h"
 #include "common/ros_dds/ros_qos.h"
@@ -14,7 +14,7 @@ namespace {
 constexpr std::int32_t kStateDepth = 10;
 constexpr double kPercent = 100.0;
 
-// As controllers count them.
+// The index of a joint among those of its robot, as in a Command.
 std::size_t NumberOf(std::span<const JointId> joints, JointId joint) {
   return static_cast<std::size_t>(std::find(joints.begin(), joints.end(), joint) - joints.begin());
 }
@@ -51,21 +51,21 @@ ManipulatorPort::ManipulatorPort(const ros::RosNode& node, const Scene& scene, R
   }
 }
 
-void ManipulatorPort::Take(Tick tick, Command& command) {
-  for (Gripper& gripper : grippers_) TakeGripper(tick, gripper, command);
+void ManipulatorPort::AppendCommands(Tick tick, Command& command) {
+  for (Gripper& gripper : grippers_) AppendGripperCommands(tick, gripper, command);
   for (Joint& joint : joints_) {
-    if (const std::optional<double> position = joint.position->Take()) {
+    if (const std::optional<double> position = joint.position->Latest()) {
       command.joints.push_back({.joint = joint.number, .position = position});
     }
   }
 }
 
-void ManipulatorPort::TakeGripper(Tick tick, Gripper& gripper, Command& command) {
+void ManipulatorPort::AppendGripperCommands(Tick tick, Gripper& gripper, Command& command) {
   const auto open = [&](double opening) {
     command.grippers.push_back({.gripper = gripper.number, .opening = ToPercent(opening, gripper.largest_opening)});
   };
-  if (const std::optional<double> opening = gripper.opening->Take()) {
-    gripper.action->GiveWay();
+  if (const std::optional<double> opening = gripper.opening->Latest()) {
+    gripper.action->AbortAll();
     open(*opening);
   } else if (const std::optional<GripperGoals::Order> order = gripper.action->Begin(tick)) {
     if (order->opening) {
@@ -75,7 +75,7 @@ void ManipulatorPort::TakeGripper(Tick tick, Gripper& gripper, Command& command)
     }
   }
   if (!gripper.height) return;
-  if (const std::optional<double> height = gripper.height->Take()) {
+  if (const std::optional<double> height = gripper.height->Latest()) {
     command.joints.push_back({.joint = *gripper.lift, .position = height});
   }
 }
@@ -89,16 +89,18 @@ void ManipulatorPort::Publish(const WorldState& state) {
   }
 }
 
-void ManipulatorPort::TakeReports(std::vector<std::string>& reports) {
-  const auto add = [&](std::string report) {
-    if (!report.empty()) reports.push_back(std::move(report));
+std::vector<std::string> ManipulatorPort::DrainReports() {
+  std::vector<std::string> reports;
+  const auto add = [&](std::optional<std::string> report) {
+    if (report) reports.push_back(*std::move(report));
   };
   for (Gripper& gripper : grippers_) {
-    add(gripper.opening->TakeReport());
-    if (gripper.height) add(gripper.height->TakeReport());
-    add(gripper.action->TakeReport());
+    add(gripper.opening->DrainReport());
+    if (gripper.height) add(gripper.height->DrainReport());
+    add(gripper.action->DrainReport());
   }
-  for (Joint& joint : joints_) add(joint.position->TakeReport());
+  for (Joint& joint : joints_) add(joint.position->DrainReport());
+  return reports;
 }
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// ManipulatorPort: the grippers and joints of one robot in ROS: what they are commanded, and what becomes of it.
+// ManipulatorPort: the commands and states of the grippers and joints of one robot in ROS.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,22 @@ namespace troupe {
 
 class ManipulatorPort {
  public:
-  // The scene must outlive it.
+  // REQUIRES: the scene outlives the port.
   ManipulatorPort(const ros::RosNode& node, const Scene& scene, RobotId robot);
 
-  // Adds to `command` what came for the tick after `tick`.
-  void Take(Tick tick, Command& command);
+  // Adds the commands for the tick after `tick` to `command`.
+  void AppendCommands(Tick tick, Command& command);
 
   void Publish(const WorldState& state);
 
-  // What went wrong since the last call.
-  void TakeReports(std::vector<std::string>& reports);
+  // A line for each input that refused commands since the last call.
+  std::vector<std::string> DrainReports();
 
  private:
   struct Gripper {
     GripperId id;
-    std::size_t number;               // among the robot's
-    std::optional<std::size_t> lift;  // joint of the robot
+    std::size_t number;               // index among those of the robot
+    std::optional<std::size_t> lift;  // index among the joints of the robot
     double largest_opening;           // m
     std::unique_ptr<PositionInput> opening;
     std::unique_ptr<PositionInput> height;  // may be null
@@ -39,15 +39,15 @@ class ManipulatorPort {
     std::unique_ptr<ros::RosWriter<ros::String>> state;
   };
   struct Joint {
-    std::size_t number;  // among the robot's
+    std::size_t number;  // index among those of the robot
     std::unique_ptr<PositionInput> position;
   };
 
-  void TakeGripper(Tick tick, Gripper& gripper, Command& command);
+  void AppendGripperCommands(Tick tick, Gripper& gripper, Command& command);
 
   const WorldDescription* world_;
   std::vector<Gripper> grippers_;
-  std::vector<Joint> joints_;  // those of no gripper
+  std::vector<Joint> joints_;  // all that belong to no gripper
 };
 
 }  // namespace troupe

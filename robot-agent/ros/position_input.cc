@@ -11,7 +11,7 @@ namespace troupe {
 PositionInput::PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range)
     : topic_(node.Resolve(topic)), range_(range), reader_(node, topic, ros::Commands(true)) {}
 
-std::optional<double> PositionInput::Take() {
+std::optional<double> PositionInput::Latest() {
   std::optional<double> position;
   reader_.Drain([&](const ros::Float64& command) {
     if (std::isfinite(command.data)) {
@@ -23,9 +23,9 @@ std::optional<double> PositionInput::Take() {
   return position;
 }
 
-std::string PositionInput::TakeReport() {
-  const std::uint64_t refused = refusals_.TakeDue();
-  if (refused == 0) return "";
+std::optional<std::string> PositionInput::DrainReport() {
+  const std::uint64_t refused = refusals_.CountToReport();
+  if (refused == 0) return std::nullopt;
   return fmt::format("{}: ignored a command that is not finite ({} so far)", topic_, refused);
 }
 

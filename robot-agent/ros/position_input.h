@@ -1,4 +1,4 @@
-// PositionInput: positions that somebody commands on a topic, std_msgs/Float64.
+// PositionInput: commanded positions on a topic of std_msgs/Float64.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,14 @@ namespace troupe {
 
 class PositionInput {
  public:
-  // Reads reliably, because such a command is often sent only once.
+  // The reader is reliable, because such a command is often sent only once.
   PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range);
 
-  // The newest one since the last call, bounded to the range.
-  std::optional<double> Take();
+  // The newest position received since the last call, clamped to the range.
+  std::optional<double> Latest();
 
-  // What went wrong since the last call, in one line; usually "".
-  std::string TakeReport();
+  // One line about commands refused since the last call; usually none.
+  std::optional<std::string> DrainReport();
 
  private:
   std::string topic_;

@@ -1,5 +1,5 @@
-// Refusals: counts what one input refused, and tells of it at 1, 10, 100, ...: one who sends a thousand a second would
-// fill the log.
+// Refusals: counts the refused commands of one input, and reports the count at 1, 10, 100, ..., so that a peer that
+// sends a thousand a second does not fill the log.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@ class Refusals {
  public:
   void Count() { ++count_; }
 
-  // How many there were so far, when it is time to tell; else 0.
-  std::uint64_t TakeDue() {
-    if (count_ == 0 || (told_ > 0 && count_ < 10 * told_)) return 0;
-    told_ = count_;
+  // The count so far if a report is due, else 0.
+  std::uint64_t CountToReport() {
+    if (count_ == 0 || (reported_ > 0 && count_ < 10 * reported_)) return 0;
+    reported_ = count_;
     return count_;
   }
 
  private:
   std::uint64_t count_ = 0;
-  std::uint64_t told_ = 0;
+  std::uint64_t reported_ = 0;
 };
 
 }  // namespace troupe

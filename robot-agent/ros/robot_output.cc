@@ -9,15 +9,9 @@ namespace {
 
 constexpr std::int32_t kOutputDepth = 10;
 
-// Where a model is on its robot, with joints as they are.
-Pose PoseOnRobot(const Scene& scene, ModelId model, const RobotView& robot) {
-  const std::uint32_t link = scene.link_of(model);
-  if (link == 0) return scene.X_LM(model);
-  std::vector<double> positions;
-  for (const JointState& joint : robot.world_state().joints) positions.push_back(joint.position);
-  std::vector<Pose> X_RL;
-  scene.ComputeLinkPoses(scene.body_of(robot.id()), positions, X_RL);
-  return X_RL[link] * scene.X_LM(model);
+// REQUIRES: sensor `ranger` is a ranger.
+const std::vector<RangeScan>& ScansOf(const RobotView& robot, std::size_t ranger) {
+  return std::get<RangerReading>(robot.Measure(ranger).content).scans;
 }
 
 }  // namespace
@@ -43,7 +37,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
         {topic, std::make_unique<ros::RosWriter<ros::LaserScan>>(node, topic.topic, ros::Stream(kOutputDepth))});
   }
   for (const ros::SonarTopic& topic : topics.sonars) {
-    // All sensors of a ring share the topic.
+    // All sensors of a ranger share the topic.
     const dds::Qos qos = ros::Stream(kOutputDepth * static_cast<std::int32_t>(topic.sensors.size()));
     Sonar sonar{topic, nullptr, nullptr, nullptr};
     sonar.points =
@@ -61,13 +55,13 @@ ros::Time RobotOutput::Stamp(Tick tick) const {
   return ros::ToTime(tick, scene_->world().interval_ns);
 }
 
-bool RobotOutput::Due(Tick tick, std::size_t ranger) const {
-  return tick % description().rangers[ranger].period_ticks == 0;
+bool RobotOutput::Due(Tick tick, std::size_t sensor) const {
+  return tick % description().sensors[sensor].period_ticks == 0;
 }
 
 void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   const RobotState& state = robot.state();
-  odometry_error_.Moved(state.twist, scene_->world().interval_seconds());
+  odometry_error_.AddMotion(state.twist, scene_->world().interval_seconds());
   if (odom_.wanted()) {
     dds::WireArena arena;
     odom_.Write(ros::MakeOdometry(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), state.twist,
@@ -90,16 +84,15 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
   if (!sonar.points->wanted() || !Due(tick, ranger)) return;
-  const RangerReading& reading = robot.Measure(ranger);
-  const RangerDescription& mounted = description().rangers[ranger];
-  const Pose X_RM = PoseOnRobot(*scene_, mounted.model, robot);
+  const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
   std::vector<Pose> poses;
   std::vector<double> ranges;
   std::vector<double> limits;
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
-    poses.push_back(X_RM * mounted.sensors[sensor.index].X_MS);
-    ranges.push_back(reading.scans[sensor.index].ranges.front());
-    limits.push_back(mounted.sensors[sensor.index].range.max);
+    const RangeScan& scan = scans[sensor.index];
+    poses.push_back(scan.X_RS);
+    ranges.push_back(scan.ranges.front());
+    limits.push_back(scan.limits.max);
   }
   dds::WireArena arena;
   sonar.points->Write(ros::MakePointCloud(Stamp(tick), frames_.base, poses, ranges, limits, arena));
@@ -117,24 +110,21 @@ void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {
   const auto& [ranger, sensor, topic, frame] = laser.topic;
   if (!laser.writer->wanted() || !Due(tick, ranger)) return;
-  const RangerDescription& description_of_ranger = description().rangers[ranger];
-  const RangeScan& scan = robot.Measure(ranger).scans[sensor];
+  const double period = description().sensors[ranger].period_ticks * scene_->world().interval_seconds();
   dds::WireArena arena;
-  laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, description_of_ranger,
-                                         description_of_ranger.sensors[sensor], scene_->world().interval_seconds(),
-                                         scan.ranges, scan.intensities, arena));
+  laser.writer->Write(
+      ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ScansOf(robot, ranger)[sensor], period, arena));
 }
 
 void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
   const bool wanted = sonar.writer ? sonar.writer->wanted() : sonar.humble_writer->wanted();
   if (!wanted || !Due(tick, ranger)) return;
-  const RangerReading& reading = robot.Measure(ranger);
+  const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
     dds::WireArena arena;
     const ros::RangeMessage message =
-        ros::MakeRange(Stamp(tick), frames_.prefix + sensor.frame, description().rangers[ranger].sensors[sensor.index],
-                       reading.scans[sensor.index].ranges.front(), arena);
+        ros::MakeRange(Stamp(tick), frames_.prefix + sensor.frame, scans[sensor.index], arena);
     if (sonar.writer) {
       sonar.writer->Write(message);
     } else {

@@ -1,11 +1,11 @@
-// RobotOutput: the topics that one robot publishes. Nothing is made for a topic that nobody reads.
+// RobotOutput: the topics that one robot publishes. A message is made only if its topic has a reader.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros/names.h"
 #include "common/ros/odometry_error.h"
 #include "common/ros/robot_frames.h"
@@ -17,17 +17,17 @@ namespace troupe {
 
 class RobotOutput {
  public:
-  // The scene must outlive it. `name`: the robot's in ROS.
+  // `name`: of the robot in ROS. REQUIRES: the scene outlives the output.
   RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
               const std::string& name);
 
-  // All but the transforms.
+  // Publishes all topics except for the transforms.
   void Publish(Tick tick, const RobotView& robot);
 
-  // From the odometry frame to the robot, and of what its joints move, now.
+  // Of the robot in its odometry frame, and of the links that its joints move.
   std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
-  // Of the sensors on what they are mounted on, and of the odometry frame in the map if the options say so. `robot`: at
-  // the first tick.
+  // Of the sensors on their links and, if the options ask for it, of the odometry frame in the map. `robot`: at the
+  // first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
 
  private:
@@ -37,14 +37,14 @@ class RobotOutput {
   };
   struct Sonar {
     ros::SonarTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::RangeMessage>> writer;               // one of these two
-    std::unique_ptr<ros::RosWriter<ros::HumbleRangeMessage>> humble_writer;  // is not null
+    std::unique_ptr<ros::RosWriter<ros::RangeMessage>> writer;               // one of these two is
+    std::unique_ptr<ros::RosWriter<ros::HumbleRangeMessage>> humble_writer;  // null, by distribution
     std::unique_ptr<ros::RosWriter<ros::PointCloud2>> points;
   };
 
   ros::Time Stamp(Tick tick) const;
   const RobotDescription& description() const { return scene_->world().robot(id_); }
-  bool Due(Tick tick, std::size_t ranger) const;
+  bool Due(Tick tick, std::size_t sensor) const;
   void PublishLaser(Tick tick, const RobotView& robot, Laser& laser);
   void PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar);

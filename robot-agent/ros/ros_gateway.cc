@@ -14,11 +14,10 @@ namespace troupe {
 namespace {
 
 constexpr std::int32_t kTransformDepth = 100;
-// With more robots in the world, their nodes have no parameter services: twelve endpoints each.
+// In a world with more robots, their nodes have no parameter services, which are twelve endpoints each.
 constexpr std::size_t kMostRobotsWithParameters = 10;
-// With more processes of robots, they do not meet each other: their discovery would grow with the square of their
-// number.
-constexpr std::size_t kMostLoudProcesses = 10;
+// More processes than these do not discover each other, because discovery would grow with the square of their number.
+constexpr std::size_t kMostMutualProcesses = 10;
 constexpr const char* kNodeName = "robot";
 
 struct RosRobot;
@@ -66,7 +65,7 @@ struct RosRobot {
 
 void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, const RosRobots& by_id) {
   if (!fixed_written_) {
-    // One message for all, because only the last one is kept for latecomers.
+    // One message for all robots, because only the last one is kept for late readers.
     fixed_written_ = true;
     dds::WireArena arena;
     std::vector<ros::TransformStamped> fixed;
@@ -86,9 +85,9 @@ void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, cons
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
 
-// `robots`: of this process, as of all others.
+// `robots`: of this process. All processes are taken to have as many.
 ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, const std::vector<RobotId>& robots) {
-  options.quiet = scene.world().robots.size() > kMostLoudProcesses * robots.size();
+  options.quiet = scene.world().robots.size() > kMostMutualProcesses * robots.size();
   return options;
 }
 
@@ -109,12 +108,12 @@ class RosGateway final : public Gateway {
     participant_.Announce();
   }
 
-  OutsideCommand CommandFor(RobotId id, Tick tick) override {
+  ExternalCommand CommandFor(RobotId id, Tick tick) override {
     RosRobot& robot = *by_id_[id.index()];
-    OutsideCommand outside;
-    if (const std::optional<Command> motion = robot.input.At(tick)) outside = {*motion, true};
-    robot.manipulator.Take(tick, outside.command);
-    return outside;
+    ExternalCommand external;
+    if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
+    robot.manipulator.AppendCommands(tick, external.command);
+    return external;
   }
 
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
@@ -133,11 +132,11 @@ class RosGateway final : public Gateway {
     for (const auto& robot : robots_) robot->input.Restart();
   }
 
-  std::vector<std::string> TakeReports() override {
-    std::vector<std::string> reports = participant_.TakeUnreadable();
+  std::vector<std::string> DrainReports() override {
+    std::vector<std::string> reports = participant_.DrainMismatches();
     for (const auto& robot : robots_) {
-      if (std::string report = robot->input.TakeReport(); !report.empty()) reports.push_back(std::move(report));
-      robot->manipulator.TakeReports(reports);
+      if (std::optional<std::string> report = robot->input.DrainReport()) reports.push_back(*std::move(report));
+      for (std::string& report : robot->manipulator.DrainReports()) reports.push_back(std::move(report));
     }
     return reports;
   }

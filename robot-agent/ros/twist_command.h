@@ -1,4 +1,4 @@
-// From a ROS Twist to what a drive is asked for. Pure functions.
+// From a ROS Twist to a command of a drive.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace troupe {
 
-// Nothing if a number that counts (linear x and y, angular z) is not finite. The drive bounds the rest. A car turns its
-// wheels so that it takes the curve of the twist, and cannot turn without driving.
+// None if linear x or y or angular z is not finite. The drive applies its own bounds. A car steers onto the arc of the
+// twist; it cannot turn on the spot.
 std::optional<Command> CommandFromTwist(const ros::TwistMessage& twist, const DriveDescription& drive);
 
 }  // namespace troupe

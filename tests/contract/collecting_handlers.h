@@ -72,4 +72,21 @@ class CollectingAgent final : public AgentHandler {
   Inbox<bool> service_gone;
 };
 
+class CollectingObserver final : public ObserverHandler {
+ public:
+  void OnSession(const SessionMessage& session) override { sessions.Put(session); }
+  void OnFrame(const FrameMessage& frame) override {
+    frames.Put(frame);
+    if (on_frame) on_frame(frame);
+  }
+  void OnStatus(const StatusMessage& status) override { statuses.Put(status); }
+  void OnServiceGone() override { service_gone.Put(true); }
+
+  std::function<void(const FrameMessage&)> on_frame;  // set before the start
+  Inbox<SessionMessage> sessions;
+  Inbox<FrameMessage> frames;
+  Inbox<StatusMessage> statuses;
+  Inbox<bool> service_gone;
+};
+
 }  // namespace troupe::test

@@ -1,8 +1,10 @@
 // The contract of transports over real DDS: a participant for each service and each agent, on the loopback interface.
+#include <mutex>
 #include <random>
 
-#include "common/dds/dds_transport.h"
+#include "common/dds/transport/dds_transport.h"
 #include "common/protocol/faulty_transport.h"
+#include "tests/contract/observer_contract.h"
 #include "tests/contract/transport_contract.h"
 #include "tests/support/dds_domain.h"
 
@@ -15,24 +17,38 @@ class DdsRig final : public TransportRig {
     options_.domain = TestDomain();
     options_.session = TestSession(session);
   }
-  Transport& ForService() override { return Keep(MakeDdsServiceTransport(options_, nullptr)); }
+  Transport& ForService() override { return Keep(MakeDdsServiceTransport(options_).transport); }
   Transport& ForAgent() override { return Keep(MakeDdsAgentTransport(options_)); }
+  Transport& ForObserver() override {
+    if (observers_.size() < kMostObserverParticipants) {
+      observers_.push_back(&Keep(MakeDdsObserverTransport(options_)));
+      return *observers_.back();
+    }
+    return *observers_[next_observer_++ % observers_.size()];
+  }
 
  private:
+  // Of one test process; further observers share them.
+  static constexpr std::size_t kMostObserverParticipants = 10;
+
   Transport& Keep(std::unique_ptr<Transport> transport) {
     if (!faults_.empty()) transport = MakeFaultyTransport(std::move(transport), ParseFaults(faults_).value());
+    const std::lock_guard lock(mutex_);
     return *transports_.emplace_back(std::move(transport));
   }
 
   DdsOptions options_;
   std::string faults_;
+  std::mutex mutex_;  // a run has its service on a thread of its own
   std::vector<std::unique_ptr<Transport>> transports_;
+  std::vector<Transport*> observers_;
+  std::size_t next_observer_ = 0;
 };
 
 TransportCase Dds(const std::string& name, const std::string& faults, std::uint64_t ticks) {
   return {name,
           [name, faults] { return std::make_unique<DdsRig>(name + std::to_string(std::random_device()()), faults); },
-          ticks};
+          !faults.empty(), ticks};
 }
 
 std::vector<TransportCase> Cases() {
@@ -45,5 +61,6 @@ std::vector<TransportCase> Cases() {
 }  // namespace
 
 INSTANTIATE_TEST_SUITE_P(OverDds, TransportContract, testing::ValuesIn(Cases()), NameOfCase);
+INSTANTIATE_TEST_SUITE_P(OverDds, ObserverContract, testing::ValuesIn(Cases()), NameOfCase);
 
 }  // namespace troupe::test

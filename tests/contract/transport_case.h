@@ -20,11 +20,14 @@ class TransportRig {
   virtual Transport& ForService() = 0;
   // Each call is for one more agent process.
   virtual Transport& ForAgent() = 0;
+  // Each call is for one more observer process.
+  virtual Transport& ForObserver() = 0;
 };
 
 struct TransportCase {
   std::string name;
   std::function<std::unique_ptr<TransportRig>()> make;  // a session that nobody else uses
+  bool loses = false;                                   // frames, so that observers must ask again
   std::uint64_t ticks = 40;                             // length of the whole runs
 };
 

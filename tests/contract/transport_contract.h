@@ -344,6 +344,7 @@ TEST_P(TransportContract, RunsGiveTheSameHashesWhateverThePackingAndTheStartOrde
    public:
     Transport& ForService() override { return *transport_; }
     Transport& ForAgent() override { return *transport_; }
+    Transport& ForObserver() override { return *transport_; }
 
    private:
     std::unique_ptr<Transport> transport_ = MakeMemoryTransport();

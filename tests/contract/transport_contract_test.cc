@@ -1,6 +1,7 @@
 #include "tests/contract/transport_contract.h"
 
 #include "common/protocol/faulty_transport.h"
+#include "tests/contract/observer_contract.h"
 
 namespace troupe::test {
 namespace {
@@ -10,6 +11,7 @@ class OneTransportRig final : public TransportRig {
   explicit OneTransportRig(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
   Transport& ForService() override { return *transport_; }
   Transport& ForAgent() override { return *transport_; }
+  Transport& ForObserver() override { return *transport_; }
 
  private:
   std::unique_ptr<Transport> transport_;
@@ -21,12 +23,12 @@ TransportCase Faulty(const std::string& name, const std::string& faults) {
             return std::make_unique<OneTransportRig>(
                 MakeFaultyTransport(MakeMemoryTransport(), ParseFaults(faults).value()));
           },
-          20};
+          true, 20};
 }
 
 std::vector<TransportCase> Cases() {
   return {
-      {"Memory", [] { return std::make_unique<OneTransportRig>(MakeMemoryTransport()); }, 200},
+      {"Memory", [] { return std::make_unique<OneTransportRig>(MakeMemoryTransport()); }, false, 200},
       Faulty("Loss", "loss=0.15,seed=1"),
       Faulty("Duplicates", "duplicate=0.5,seed=2"),
       Faulty("Order", "reorder=0.2,seed=3"),
@@ -38,5 +40,6 @@ std::vector<TransportCase> Cases() {
 }  // namespace
 
 INSTANTIATE_TEST_SUITE_P(InMemory, TransportContract, testing::ValuesIn(Cases()), NameOfCase);
+INSTANTIATE_TEST_SUITE_P(InMemory, ObserverContract, testing::ValuesIn(Cases()), NameOfCase);
 
 }  // namespace troupe::test

@@ -11,17 +11,12 @@
 #include <thread>
 
 #include "robot-agent/agent/agent_host.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
+#include "world-service/observers/recorder/recorder.h"
 
 namespace troupe::test {
 namespace {
-
-class SilentObserver final : public RunObserver {
- public:
-  void OnStarted(double) override {}
-  void OnStatus(const StatusMessage&) override {}
-  void OnEvent(const Event&, const std::string&) override {}
-};
 
 class TemporaryFile {
  public:
@@ -42,13 +37,15 @@ class TemporaryFile {
   std::string path_ = testing::TempDir() + "troupe-hash-log-XXXXXX";
 };
 
-Result<RunSummary> Serve(TransportRig& rig, const Scene& scene, std::uint64_t ticks, const std::string& hash_log) {
+Result<RunSummary> Serve(TransportRig& rig, const std::shared_ptr<const Scene>& scene, std::uint64_t ticks,
+                         const std::string& hash_log) {
   ServiceOptions options;
   options.settings.ticks = ticks;
-  options.outputs.hash_log = hash_log;
-  SilentObserver observer;
+  const Result<std::unique_ptr<Recorder>> recorder =
+      Recorder::Create(scene->world(), {.hash_log = hash_log, .poses = "", .record = ""});
+  if (!recorder.ok()) return recorder.error();
   const std::atomic<bool> stop = false;
-  return RunService(scene, options, rig.ForService().MakeServiceEndpoint(), observer, stop);
+  return RunService(scene, options, rig.ForService().MakeServiceEndpoint(), {recorder.value().get()}, stop);
 }
 
 }  // namespace
@@ -72,11 +69,11 @@ WorldDescription BusyWorld() {
     eye.shape = ShapeId(test.world.shapes.size());
     test.world.shapes.emplace_back();
     test.world.models.push_back(eye);
-    RangerDescription ranger;
+    SensorDescription ranger;
     ranger.name = "ranger:0";
     ranger.model = ModelId(test.world.models.size() - 1);
-    ranger.sensors.push_back({.X_MS = {0.0, 0.0, 0.25, 0.0}, .range = {0.0, 4.0}, .fov = 3.0, .samples = 30});
-    description.rangers.push_back(ranger);
+    RaySensors(ranger).push_back({.X_MS = {0.0, 0.0, 0.25, 0.0}, .range = {0.0, 4.0}, .fov = 3.0, .samples = 30});
+    description.sensors.push_back(ranger);
     description.controller = {"wander", R"({"speed": 1.5})"};
   }
   test.world.name = "busy";
@@ -84,12 +81,12 @@ WorldDescription BusyWorld() {
 }
 
 WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
-  const Scene scene(BusyWorld());
+  const auto scene = std::make_shared<const Scene>(BusyWorld());
   const TemporaryFile hash_log;
   const auto serve = [&] { return Serve(rig, scene, run.ticks, hash_log.path()); };
 
   std::atomic<bool> stop = false;
-  std::vector<std::future<Result<bool>>> agents;
+  std::vector<std::future<Result<AgentEnd>>> agents;
   std::future<Result<RunSummary>> service;
   if (run.service_first) service = std::async(std::launch::async, serve);
   AgentId next_agent = 100;
@@ -107,13 +104,13 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
 
   const Result<RunSummary> summary = service.get();
   // All agents end by the last frame, or because the service is gone. Neither is a matter of the flag.
-  for (std::future<Result<bool>>& agent : agents) {
+  for (std::future<Result<AgentEnd>>& agent : agents) {
     if (agent.wait_for(std::chrono::seconds(30)) == std::future_status::ready) continue;
     ADD_FAILURE() << "an agent did not notice that the run is over";
     stop = true;
   }
-  for (std::future<Result<bool>>& agent : agents) {
-    const Result<bool> ended = agent.get();
+  for (std::future<Result<AgentEnd>>& agent : agents) {
+    const Result<AgentEnd> ended = agent.get();
     EXPECT_TRUE(ended.ok()) << ended.error().ToString();
   }
   EXPECT_TRUE(summary.ok()) << summary.error().ToString();

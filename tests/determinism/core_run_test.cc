@@ -7,6 +7,7 @@
 #include "common/model/state_hash.h"
 #include "common/spatial/ray_cast.h"
 #include "tests/support/random_world.h"
+#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {
@@ -43,7 +44,7 @@ struct Outcome {
 
 Outcome RunCrowd() {
   const Scene scene(Crowd());
-  WorldState state = InitialState(scene.world());
+  WorldState state = InitialState(scene);
   BodyIndex robots(scene);
   Hasher hashes;
   Hasher events;

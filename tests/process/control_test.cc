@@ -1,10 +1,10 @@
-// Pausing and stepping real runs, by the client that `troupe ctl` is made of and by the program itself.
+// Pausing and stepping real runs, with the ControlClient and with `troupe ctl`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "common/dds/control_client.h"
+#include "common/dds/tools/control_client.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -32,7 +32,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
   const std::string session = TestSession("step");
   Program run = RunPen({"--paused", "--session", session, "--speed", "1"});
   ControlClient client(TestDomain(), session, "lo");
-  ASSERT_FALSE(client.WaitForService(kSeconds));
+  ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   for (Tick tick = 0; tick < 120;) {
     const std::uint64_t ticks = tick < 100 ? 1 : 10;
     const Result<ControlReply> reply = client.Call(ControlCommand::kStep, ticks, kSeconds);
@@ -47,7 +47,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
   EXPECT_EQ(run.Wait(), 130) << run.output();
 }
 
-TEST(Control, OfTheCommandLinePausesStepsAndPlays) {
+TEST(Control, TheCommandLinePausesStepsAndResumes) {
   const std::string session = TestSession("ctl");
   Program run = RunPen({"--session", session, "--speed", "10"});
   run.WaitForLine("ready");

@@ -1,8 +1,8 @@
-// Editing the worlds of real runs: by the client that `troupe ctl` is made of, and by the program itself.
+// Editing the worlds of real runs, with the ControlClient and with `troupe ctl`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/dds/control_client.h"
+#include "common/dds/tools/control_client.h"
 #include "common/worldfile/load_world.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
@@ -75,8 +75,8 @@ std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) 
   const std::string session = TestSession("edits" + robots_per_process);
   Program run = RunPen({"--paused", "--session", session, "--robots-per-process", robots_per_process});
   ControlClient client(TestDomain(), session, "lo");
-  if (Status missing = client.WaitForService(kSeconds)) {
-    ADD_FAILURE() << missing->message << run.output();
+  if (Status missing = client.WaitForService(kSeconds); !missing.ok()) {
+    ADD_FAILURE() << missing.error().message << run.output();
     return {};
   }
   run.WaitForLine("ready");
@@ -147,7 +147,7 @@ TEST_F(CtlTest, EditsTheWorld) {
   EXPECT_THAT(scans, HasSubstr(R"({"tick":2,"robot":"rover0")"));
 }
 
-TEST_F(CtlTest, SaysWhyNot) {
+TEST_F(CtlTest, PrintsTheReasonOfARefusal) {
   run_.WaitForLine("ready");
   EXPECT_THAT(Problem({"set-pose", "nobody", "--pose=0,0,0,0"}), HasSubstr("the world has no entity 'nobody'"));
   EXPECT_THAT(Problem({"get", "nobody"}), HasSubstr("the world has no entity 'nobody'"));
@@ -160,7 +160,7 @@ TEST_F(CtlTest, SaysWhyNot) {
   EXPECT_THAT(Problem({"spawn", WorldPath("pen.world")}), HasSubstr("found 10 models, expected one"));
   EXPECT_NE(Ctl({"set-pose", "r0", "--pose=0,0,0"}).exit_status, 0);
   EXPECT_NE(Ctl({"set-pose", "r0", "--pose=nan,0,0,0"}).exit_status, 0);
-  EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "and goes on";
+  EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "the run continues";
   run_.Signal(SIGINT);
   EXPECT_EQ(run_.Wait(), 130) << run_.output();
 }

@@ -1,5 +1,5 @@
-// A client on Fast DDS, which shares no code with Troupe's side, uses the services and actions of runs that go step by
-// step: what it does is the same twice.
+// A client on Fast DDS, which shares no code with Troupe's side, uses the services and actions of stepped runs: two
+// runs give the same results.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/dds/control_client.h"
+#include "common/dds/tools/control_client.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -21,13 +21,13 @@ namespace {
 using nlohmann::json;
 using testing::ElementsAre;
 
-constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+constexpr double kSeconds = 60.0;  // timeout of a response, for the slowest machine
 
 std::string RosDomain() {
   return std::to_string(TestRosOptions().domain);
 }
 
-// A run in the ROS domain of this test, with these arguments more.
+// A run in the ROS domain of this test, with additional arguments.
 Program RunWithRos(const std::string& world, std::vector<std::string> more) {
   std::vector<std::string> arguments = {"run",
                                         WorldPath(world),
@@ -72,7 +72,7 @@ class FastDdsClientTest : public testing::Test {
 class Stepper {
  public:
   explicit Stepper(const std::string& session) : client_(TestDomain(), session, "lo") {
-    EXPECT_FALSE(client_.WaitForService(kSeconds));
+    EXPECT_TRUE(client_.WaitForService(kSeconds).ok());
   }
   void Pause() { Do(ControlCommand::kPause, 0); }
   Tick Step(std::uint64_t ticks) { return Do(ControlCommand::kStep, ticks); }
@@ -87,7 +87,7 @@ class Stepper {
   ControlClient client_;
 };
 
-// Equal, but for numbers that differ by rounding.
+// Equal up to the rounding of numbers.
 void ExpectNear(const json& found, const json& expected) {
   const json flat = expected.flatten();
   const json found_flat = found.flatten();
@@ -103,12 +103,11 @@ void ExpectNear(const json& found, const json& expected) {
 }
 
 struct GripperRun {
-  std::vector<json> said;  // by the client
+  std::vector<json> output;  // of the client
   std::string hashes;
 };
 
-// Anna's gripper is sent to an opening on the way, to ones that are not possible, to her box, and away from it; the
-// last is cancelled.
+// Anna's gripper gets goals: an intermediate opening, impossible ones, her box, and open again; the last is cancelled.
 GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   const std::string session = TestSession(hashes);
   Program run = RunWithRos("hands.json", {"--paused", "--session", session, "--hash-log", folder.Path(hashes)});
@@ -116,12 +115,12 @@ GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
       {ProgramPath("fastdds_client"), RosDomain(), "gripper", "/anna/gripper", "0.30", "nan", "9", "0", "0.31!0.205"});
   Stepper stepper(session);
   client.WaitForLine(R"({"accepted":true,"goal":1,)");
-  // As many steps as each goal takes: the client goes on as soon as it has a result.
+  // The number of steps of each goal: the client sends the next goal as soon as it has a result.
   stepper.Step(10);  // 1 cm each at 1 cm/s
   client.WaitForLine(R"({"accepted":true,"goal":4,)");
-  stepper.Step(51);  // to the box, and against it
+  stepper.Step(51);  // to the box, and pressing on it
   client.WaitForLine(R"({"accepted":true,"goal":5,)");
-  stepper.Step(3);  // after which it has passed 0.205 m, and not before
+  stepper.Step(3);  // the last one passes 0.205 m
   client.WaitForLine("canceled");
   stepper.Step(10);
   EXPECT_EQ(client.Wait(), 0) << client.output();
@@ -131,14 +130,14 @@ GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   return {Lines(client), folder.Read(hashes)};
 }
 
-TEST_F(FastDdsClientTest, DrivesAGripperByItsActionTwiceWithTheSameHashes) {
+TEST_F(FastDdsClientTest, EqualGripperGoalsGiveEqualHashes) {
   const GripperRun first = DriveGripper("first", folder_);
   std::vector<json> sent;
   std::vector<json> results;
   std::vector<json> canceled;
   std::map<int, std::vector<double>> feedback;
   json statuses;
-  for (const json& line : first.said) {
+  for (const json& line : first.output) {
     if (line["topic"] == "sent") sent.push_back(line["accepted"]);
     if (line["topic"] == "result") results.push_back(line);
     if (line["topic"] == "canceled") canceled.push_back(line);
@@ -179,14 +178,14 @@ std::string StepAThousandTimes(const std::string& hashes, OutputFolder& folder) 
   return folder.Read(hashes);
 }
 
-TEST_F(FastDdsClientTest, StepsAThousandTimesTwiceWithTheSameHashes) {
+TEST_F(FastDdsClientTest, AThousandEqualStepsGiveEqualHashes) {
   const std::string first = StepAThousandTimes("first", folder_);
   EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 1001);
   EXPECT_TRUE(StepAThousandTimes("second", folder_) == first);
 }
 
-// Spawns a rover, moves it, steps and deletes it. Each field of each answer.
-TEST_F(FastDdsClientTest, AsksAndEditsTheWorldByItsServices) {
+// Spawns a rover, moves it, steps and deletes it, and compares every field of every response.
+TEST_F(FastDdsClientTest, QueriesAndEditsTheWorldByItsServices) {
   Program run = RunWithRos("pen.world", {"--paused"});
   run.WaitForLine("ready");
   Program client({ProgramPath("fastdds_world"), RosDomain()});
@@ -222,8 +221,8 @@ TEST_F(FastDdsClientTest, AsksAndEditsTheWorldByItsServices) {
   EXPECT_EQ(lines[9]["topic"], "done");
 }
 
-// A reader that asks for reliable delivery of everything, and stands still.
-TEST_F(FastDdsClientTest, AStoppedReaderStopsNoTick) {
+// A reader that requires reliable delivery of every sample, and hangs.
+TEST_F(FastDdsClientTest, AStoppedReaderDelaysNoTick) {
   const std::string session = TestSession("stopped");
   Program run = RunWithRos("pen.world", {"--session", session});
   Program reader(

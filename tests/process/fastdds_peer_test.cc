@@ -1,5 +1,5 @@
-// A program on Fast DDS, which shares no code with Troupe's side, drives two robots and reads their topics: what it
-// reads is what the run writes to its files.
+// A program on Fast DDS, which shares no code with Troupe's side, drives two robots and reads their topics: its
+// messages agree with the files that the run writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,6 +28,9 @@ Tick TickOf(const json& message) {
   return message["stamp"].get<std::uint64_t>() / kIntervalNs;
 }
 
+// Transforms by the name of their frame; each names its parent.
+using Frames = std::map<std::string, json>;
+
 class FastDdsPeerTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +39,7 @@ class FastDdsPeerTest : public testing::Test {
     }
   }
 
-  // Runs a world, with a peer that drives two of its robots.
+  // Runs a world with a peer that drives two of its robots.
   void Run(const std::string& world = "pen.world",
            const std::vector<std::string>& drives = {"r0=0.25,0.5", "r1=-0.4,0"}) {
     const std::string domain = std::to_string(TestRosOptions().domain);
@@ -45,7 +48,7 @@ class FastDdsPeerTest : public testing::Test {
     Program run = Troupe({"run", WorldPath(world), "--domain", std::to_string(TestDomain()), "--headless", "--ros",
                           "--ros-interface", "lo", "--ros-domain", domain, "--ros-distro", "jazzy", "--speed", "4",
                           "--poses", folder_.Path("poses"), "--scans", folder_.Path("scans")});
-    // Until it has seen enough, however long they took to meet.
+    // Until it has enough scans, however long discovery took.
     peer.WaitForLine("\"enough\"");
     run.Signal(SIGINT);
     ASSERT_EQ(run.Wait(), kExitInterrupted) << run.output();
@@ -63,6 +66,7 @@ class FastDdsPeerTest : public testing::Test {
   void CheckOdometry(const std::string& robot);
   void CheckScans(const std::string& robot);
   void CheckRanges(const std::string& robot);
+  void CheckPosesOfBen(Tick tick, const Frames& frames) const;
 
   OutputFolder folder_;
   std::map<std::string, std::vector<json>> messages_;
@@ -132,7 +136,7 @@ void FastDdsPeerTest::CheckRanges(const std::string& robot) {
   }
 }
 
-TEST_F(FastDdsPeerTest, DrivesTwoRobotsAndReadsWhatTheRunWritesToItsFiles) {
+TEST_F(FastDdsPeerTest, ReadsTheValuesThatTheRunWritesToItsFiles) {
   Run();
   for (const char* robot : {"r0", "r1"}) {
     SCOPED_TRACE(robot);
@@ -198,60 +202,81 @@ Pose PoseOf(const json& transform) {
   return {shift[0], shift[1], shift[2], 2.0 * std::atan2(turn[2].get<double>(), turn[3].get<double>())};
 }
 
-// Two robots with grippers at once. The frames lead from the map to every link and sensor, none of them twice, and say
-// of ben, who has gps, where he and what his joints move are in --poses.
-TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
-  Run("hands.json", {"anna=0.02,0.05", "ben=-0.05,0.1"});
-  std::map<std::string, json> fixed;  // by frame
-  for (const json& message : messages_["/tf_static"]) {
+// The pose of a frame in the map.
+Pose PoseInMap(const Frames& frames, std::string frame) {
+  Pose pose;
+  for (int steps = 0; frame != "map"; frame = frames.at(frame)["frame"]) {
+    pose = PoseOf(frames.at(frame)) * pose;
+    EXPECT_LT(++steps, 10) << frame;
+  }
+  return pose;
+}
+
+Frames FixedFrames(const std::vector<json>& messages) {
+  Frames fixed;
+  for (const json& message : messages) {
     for (const json& transform : message["transforms"]) {
       EXPECT_TRUE(fixed.emplace(transform["child"], transform).second) << transform;
     }
   }
-  std::map<Tick, std::map<std::string, json>> moving;  // by tick and frame
-  for (const json& message : messages_["/tf"]) {
+  return fixed;
+}
+
+std::map<Tick, Frames> MovingFrames(const std::vector<json>& messages) {
+  std::map<Tick, Frames> moving;
+  for (const json& message : messages) {
     for (const json& transform : message["transforms"]) {
       EXPECT_TRUE(moving[TickOf(transform)].emplace(transform["child"], transform).second) << transform;
     }
   }
-  std::map<Tick, double> lifts;  // of ben, by tick
-  for (const json& message : messages_["/ben/joint_states"]) {
+  return moving;
+}
+
+// By tick.
+std::map<Tick, double> LiftHeights(const std::vector<json>& messages) {
+  std::map<Tick, double> lifts;
+  for (const json& message : messages) {
     EXPECT_EQ(message["name"], json({"gripper_lift", "gripper_lift_left", "gripper_lift_right"}));
     EXPECT_EQ(message["effort"], json::array());
     lifts[TickOf(message)] = message["position"][0];
   }
+  return lifts;
+}
+
+void FastDdsPeerTest::CheckPosesOfBen(Tick tick, const Frames& frames) const {
+  const std::pair<const char*, const char*> frames_and_names[] = {
+      {"ben/base_link", "ben"},
+      {"ben/gripper_lift_link", "ben.gripper.lift"},
+      {"ben/gripper_lift_left_link", "ben.gripper.lift.left"},
+      {"ben/gripper_lift_right_link", "ben.gripper.lift.right"}};
+  for (const auto& [frame, name] : frames_and_names) {
+    const Pose& logged = poses_.at({tick, name}).X_WR;
+    const Pose seen = PoseInMap(frames, frame);
+    ASSERT_NEAR(seen.x, logged.x, 1e-12) << frame;
+    ASSERT_NEAR(seen.y, logged.y, 1e-12) << frame;
+    ASSERT_NEAR(seen.z, logged.z, 1e-12) << frame;
+    ASSERT_NEAR(seen.heading, logged.heading, 1e-12) << frame;
+  }
+}
+
+// Two robots with grippers at once. The frames connect the map with every link and sensor, each of them once. Those of
+// ben, which has gps, agree with the poses of ben and its joints in --poses.
+TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
+  Run("hands.json", {"anna=0.02,0.05", "ben=-0.05,0.1"});
+  const Frames fixed = FixedFrames(messages_["/tf_static"]);
+  const std::map<Tick, double> lifts = LiftHeights(messages_["/ben/joint_states"]);
   std::set<double> heights;
   std::size_t complete = 0;
-  for (const auto& [tick, frames] : moving) {
-    std::map<std::string, json> all = fixed;
+  for (const auto& [tick, frames] : MovingFrames(messages_["/tf"])) {
+    Frames all = fixed;
     for (const auto& [child, transform] : frames) ASSERT_TRUE(all.emplace(child, transform).second) << child;
-    if (all.size() != 12) continue;  // while a peer has not yet met both robots
+    if (all.size() != 12) continue;  // before the peer has discovered both robots
     ++complete;
-    const auto in_map = [&](std::string frame) {
-      Pose pose;
-      for (int steps = 0; frame != "map"; frame = all.at(frame)["frame"]) {
-        pose = PoseOf(all.at(frame)) * pose;
-        EXPECT_LT(++steps, 10) << frame;
-      }
-      return pose;
-    };
-    for (const auto& [child, transform] : all) in_map(child);
-    const std::pair<const char*, const char*> frames_and_names[] = {
-        {"ben/base_link", "ben"},
-        {"ben/gripper_lift_link", "ben.gripper.lift"},
-        {"ben/gripper_lift_left_link", "ben.gripper.lift.left"},
-        {"ben/gripper_lift_right_link", "ben.gripper.lift.right"}};
-    for (const auto& [frame, name] : frames_and_names) {
-      const Pose& logged = poses_.at({tick, name}).X_WR;
-      const Pose seen = in_map(frame);
-      ASSERT_NEAR(seen.x, logged.x, 1e-12) << frame;
-      ASSERT_NEAR(seen.y, logged.y, 1e-12) << frame;
-      ASSERT_NEAR(seen.z, logged.z, 1e-12) << frame;
-      ASSERT_NEAR(seen.heading, logged.heading, 1e-12) << frame;
-    }
+    for (const auto& [child, transform] : all) PoseInMap(all, child);
+    ASSERT_NO_FATAL_FAILURE(CheckPosesOfBen(tick, all));
     if (!lifts.contains(tick)) continue;
-    heights.insert(lifts[tick]);
-    ASSERT_NEAR(in_map("ben/gripper_lift_link").z, 0.04 + lifts[tick], 1e-12);
+    heights.insert(lifts.at(tick));
+    ASSERT_NEAR(PoseInMap(all, "ben/gripper_lift_link").z, 0.04 + lifts.at(tick), 1e-12);
   }
   EXPECT_GT(complete, 50u);
   EXPECT_GT(heights.size(), 10u) << "the lift moved";

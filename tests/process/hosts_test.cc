@@ -1,4 +1,4 @@
-// Runs over several hosts. All of them are this machine, reached in a roundabout way.
+// Runs over several hosts. Each of them is this computer, reached through a `start` command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "launcher/process.h"
+#include "launcher/process/process.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -51,31 +51,31 @@ class Hosts : public testing::Test {
   OutputFolder folder_;
 };
 
-TEST_F(Hosts, GiveTheSameFilesAsOneMachine) {
-  for (bool far_service : {false, true}) {
-    SCOPED_TRACE(far_service ? "service on a host" : "service here");
+TEST_F(Hosts, GiveTheSameFilesAsOneHost) {
+  for (bool remote_service : {false, true}) {
+    SCOPED_TRACE(remote_service ? "service on a host" : "service here");
     json first = HostHere("first");
-    first["service"] = far_service;
+    first["service"] = remote_service;
     json second = HostHere("second");
     second["robots"] = {"r1", "r3"};
     std::vector<std::string> kinds = {"hash-log", "poses", "record", "scans"};
-    std::vector<std::string> far = {"--ticks", "50"};
+    std::vector<std::string> remote = {"--ticks", "50"};
     std::vector<std::string> near = {"run",          WorldPath("pen.world"), "--ticks",      "50",
                                      "--in-process", "--headless",           "--controller", "wander"};
     for (const std::string& kind : kinds) {
-      far.insert(far.end(), {"--" + kind, folder_.Path("far-" + kind)});
-      near.insert(near.end(), {"--" + kind, folder_.Path("near-" + kind)});
+      remote.insert(remote.end(), {"--" + kind, folder_.Path("remote-" + kind)});
+      near.insert(near.end(), {"--" + kind, folder_.Path("local-" + kind)});
     }
-    far.insert(far.end(), {"--summary", folder_.Path("summary")});
-    Finished run = Finish(Run({first, second}, far));
+    remote.insert(remote.end(), {"--summary", folder_.Path("summary")});
+    Finished run = Finish(Run({first, second}, remote));
     ASSERT_EQ(run.exit_status, 0) << run.output;
     EXPECT_THAT(run.output, HasSubstr("4 robots in 4 agent processes on 2 hosts"));
     ASSERT_EQ(Finish(Troupe(near)).exit_status, 0);
     for (const std::string& kind : std::vector<std::string>{"hash-log", "poses", "scans"}) {
-      EXPECT_FALSE(folder_.Read("far-" + kind).empty()) << kind;
-      EXPECT_EQ(folder_.Read("far-" + kind), folder_.Read("near-" + kind)) << kind;
+      EXPECT_FALSE(folder_.Read("remote-" + kind).empty()) << kind;
+      EXPECT_EQ(folder_.Read("remote-" + kind), folder_.Read("local-" + kind)) << kind;
     }
-    EXPECT_FALSE(folder_.Read("far-record").empty());
+    EXPECT_FALSE(folder_.Read("remote-record").empty());
     const json summary = json::parse(folder_.Read("summary"));
     EXPECT_EQ(summary["processes"], 5);
     for (const json& slow : summary["slowest_robots"]) {
@@ -85,8 +85,8 @@ TEST_F(Hosts, GiveTheSameFilesAsOneMachine) {
   }
 }
 
-TEST_F(Hosts, AreReachedBySshUnlessTheScenarioSaysOtherwise) {
-  // As ssh does: what comes after the host is a command for a shell there.
+TEST_F(Hosts, AreReachedBySshByDefault) {
+  // Like ssh: the arguments after the host are a command for a shell there.
   const std::string ssh = folder_.Path("ssh");
   std::ofstream(ssh) << "#!/bin/sh\necho \"$@\" >> " << folder_.Path("calls")
                      << "\nfor word; do command=$word; done\nexec /bin/sh -c \"$command\"\n";
@@ -113,7 +113,7 @@ TEST_F(Hosts, StopInOrderOnASignal) {
   for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
 }
 
-TEST_F(Hosts, EndWithALauncherThatIsKilled) {
+TEST_F(Hosts, TerminateAllProcessesWhenTheLauncherIsKilled) {
   json service = HostHere("s");
   service["service"] = true;
   Program run = Run({service, HostHere("a")}, {"--speed", "5"});
@@ -124,7 +124,7 @@ TEST_F(Hosts, EndWithALauncherThatIsKilled) {
   for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
 }
 
-TEST_F(Hosts, ThatAreLostLoseTheirRobotsOnly) {
+TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   json lost = HostHere("lost");
   lost["robots"] = {"r2"};
   Program run = Run({HostHere("kept"), lost}, {"--speed", "5", "--ticks", "200", "--lease", "0.5"});

@@ -1,4 +1,6 @@
-// The scenarios with grippers give the same hash at each tick, over DDS with a process for each robot and in one process.
+// The scenarios with grippers give the same hash at each tick, over DDS with a process for each robot and in one
+// process, and end with a hash that was seen before: a run begins with a state of its own, which the library's hashes
+// do not check.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -11,11 +13,16 @@ namespace {
 
 std::string HashesOf(const std::string& scenario, const std::string& ticks, std::vector<std::string> more) {
   OutputFolder folder;
-  std::vector<std::string> arguments{"run", WorldPath("../../../worlds/scenarios/" + scenario + ".json"),
-                                     "--domain", std::to_string(TestDomain()),
-                                     "--ticks", ticks,
-                                     "--speed", "max",
-                                     "--headless", "--hash-log",
+  std::vector<std::string> arguments{"run",
+                                     WorldPath("../../../worlds/scenarios/" + scenario + ".json"),
+                                     "--domain",
+                                     std::to_string(TestDomain()),
+                                     "--ticks",
+                                     ticks,
+                                     "--speed",
+                                     "max",
+                                     "--headless",
+                                     "--hash-log",
                                      folder.Path("hashes")};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const Finished run = Finish(Troupe(std::move(arguments)));
@@ -23,28 +30,29 @@ std::string HashesOf(const std::string& scenario, const std::string& ticks, std:
   return folder.Read("hashes");
 }
 
-void ExpectSameHashes(const std::string& scenario, const std::string& ticks) {
+// `last`: the hash at tick `ticks`.
+void ExpectSameHashes(const std::string& scenario, const std::string& ticks, const std::string& last) {
   const std::string in_process = HashesOf(scenario, ticks, {"--in-process"});
-  EXPECT_FALSE(in_process.empty());
+  EXPECT_TRUE(in_process.ends_with("\n" + ticks + " " + last + "\n")) << in_process.substr(in_process.size() / 2);
   EXPECT_TRUE(HashesOf(scenario, ticks, {}) == in_process);
 }
 
 TEST(ManipulationOverDds, StackingIsTheSame) {
-  ExpectSameHashes("stacking", "1000");
+  ExpectSameHashes("stacking", "1000", "114874baa4473720");
 }
 TEST(ManipulationOverDds, MarinaIsTheSame) {
-  ExpectSameHashes("marina", "700");
+  ExpectSameHashes("marina", "700", "b5da5412597f448d");
 }
 TEST(ManipulationOverDds, LabIsTheSame) {
-  ExpectSameHashes("lab", "450");
+  ExpectSameHashes("lab", "450", "8d1da5bfc7d57d2b");
 }
-// Ten robots, as far as the beam has been handed over and laid down.
+// Ten robots, until the beam has been handed over and laid down.
 TEST(ManipulationOverDds, RelayIsTheSame) {
-  ExpectSameHashes("relay", "600");
+  ExpectSameHashes("relay", "600", "69906419cd8f68ef");
 }
 
-// What the world holds is all that the new agent knows, and it is enough.
-TEST(ManipulationOverDds, AnAgentKilledWithALoadAndStartedAgainComesToTheSameEnd) {
+// The new agent knows only the state of the world, which is sufficient.
+TEST(ManipulationOverDds, AnAgentKilledWithAPayloadAndRestartedReachesTheSameState) {
   OutputFolder folder;
   Program run = Troupe({"run", WorldPath("../../../worlds/scenarios/stage_stacking.json"), "--domain",
                         std::to_string(TestDomain()), "--speed", "10", "--lease", "0.5", "--on-agent-loss", "pause",

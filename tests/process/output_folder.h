@@ -1,4 +1,4 @@
-// A folder for the output of one test, gone with it.
+// A folder for the output of one test, deleted at its end.
 #pragma once
 
 #include <unistd.h>
@@ -26,7 +26,7 @@ class OutputFolder {
     text << std::ifstream(Path(name)).rdbuf();
     return text.str();
   }
-  // How many files and folders are in it.
+  // The number of files and folders in it.
   std::size_t size() const {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
   }

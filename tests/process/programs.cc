@@ -38,7 +38,7 @@ Process StartOrFail(const std::vector<std::string>& command, const LinePipe& out
   return std::move(process).value();
 }
 
-// Ended, or ended and not yet waited for by its parent.
+// True also for a process that has ended and that its parent has not waited for.
 bool IsGone(pid_t process) {
   std::string stat = ReadFile("/proc/" + std::to_string(process) + "/stat");
   std::size_t name_end = stat.rfind(") ");

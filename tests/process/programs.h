@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "launcher/line_pipe.h"
-#include "launcher/process.h"
+#include "launcher/process/line_pipe.h"
+#include "launcher/process/process.h"
 
 namespace troupe::test {
 
@@ -17,11 +17,11 @@ std::string ProgramPath(const std::string& name);
 // The path of a world beside these tests.
 std::string WorldPath(const std::string& name);
 
-// Processes that the process started and that still run.
+// The running children of the process.
 std::vector<pid_t> ChildrenOf(pid_t process);
 // The arguments that a process was started with, joined by spaces.
 std::string CommandLineOf(pid_t process);
-// True when the process has ended, within a time that is long for the slowest machine.
+// True if the process ends within a time that is long for the slowest computer.
 bool IsGoneSoon(pid_t process);
 
 class Program {
@@ -30,13 +30,14 @@ class Program {
 
   pid_t pid() const { return process_.pid(); }
   void Signal(int signal) const { process_.Signal(signal); }
-  // The first line with `part` in it that was or will be said; a failed test and "" if it does not come.
+  // Waits for the first printed line that contains `part`; without one within the deadline the test fails, and the
+  // result is "".
   std::string WaitForLine(const std::string& part);
   // The line after it.
   std::string WaitForLineAfter(const std::string& part);
-  // Waits for the end; a failed test if it does not come. Returns the exit status.
+  // Waits for the end, and returns the exit status; without an end within the deadline the test fails.
   int Wait();
-  // All that was said so far.
+  // All output so far.
   std::string output();
 
  private:
@@ -50,7 +51,7 @@ class Program {
 
 // `troupe` with these arguments.
 Program Troupe(std::vector<std::string> arguments);
-// `troupe run` of pen.world in a domain of this test, with these arguments more.
+// `troupe run` of pen.world in a domain of this test, with additional arguments.
 Program RunPen(std::vector<std::string> arguments);
 
 struct Finished {

@@ -1,5 +1,5 @@
-// The services of simulation_interfaces in the layout of 2.x, which a run with --ros-distro rolling has, called by a
-// client that has those layouts from elsewhere.
+// The services of simulation_interfaces in the layout of 2.x, as in a run with --ros-distro rolling, called by a
+// client with layouts of its own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/simulation_types.h"
 #include "tests/process/programs.h"
 #include "tests/process/rolling_requests.h"
@@ -43,7 +43,12 @@ rolling_client_dds__Pose_ PoseAt(double x, double y) {
 
 class RosRollingTest : public testing::Test {
  protected:
-  // Result and what the entity is called.
+  void CheckSpawnables();
+  void CheckSpawnAndPose();
+  void CheckOnlyPosesAreSet();
+  void CheckLoad();
+
+  // The result, and the name of the entity.
   std::pair<int, std::string> Spawn(const char* name, const char* uri, const char* resource_string, double x,
                                     double y) {
     rolling_client_dds__SpawnEntity_Request_ request{};
@@ -88,12 +93,7 @@ class RosRollingTest : public testing::Test {
                                                                                                 "/world/load_world"};
 };
 
-TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
-  const ros::RosOptions options = TestRosOptions();
-  Program run = RunPen({"--paused", "--ros", "--ros-distro", "rolling", "--ros-interface", "lo", "--ros-domain",
-                        std::to_string(options.domain)});
-  run.WaitForLine("ready");
-
+void RosRollingTest::CheckSpawnables() {
   std::map<std::string, std::string> types;
   spawnables_.Call({}, [&](const auto& response) {
     EXPECT_EQ(response.result.result, kOk);
@@ -106,41 +106,47 @@ TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
     }
   });
   EXPECT_THAT(types, testing::IsSupersetOf({Pair("rover", "position"), Pair("wall", "model")}));
+}
 
+void RosRollingTest::CheckSpawnAndPose() {
   EXPECT_THAT(Spawn("late", "rover", "", 0.5, -2.0), Pair(kOk, "late"));
-  EXPECT_THAT(Spawn("other", "", "a robot", 0.5, 2.0), Pair(103, "")) << "a format that is not known";
+  EXPECT_THAT(Spawn("other", "", "a robot", 0.5, 2.0), Pair(103, "")) << "an unknown format";
   EXPECT_THAT(Spawn("other", "", "", 0.5, 2.0), Pair(104, "")) << "no resource";
   const ros::PoseMessage spawned = PoseOf("late");
   EXPECT_EQ(spawned.position.x, 0.5);
   EXPECT_EQ(spawned.position.y, -2.0);
   EXPECT_NEAR(spawned.orientation.z, 0.6, 1e-12);
   EXPECT_NEAR(spawned.orientation.w, 0.8, 1e-12);
+}
 
+void RosRollingTest::CheckOnlyPosesAreSet() {
   rolling_client_dds__SetEntityState_Request_ request{};
   request.entity = Text("late");
   request.state.header.frame_id = Text("map");
   request.state.pose = PoseAt(1.0, -2.0);
   EXPECT_EQ(Set(request), kOk);
-  EXPECT_EQ(PoseOf("late").position.x, 0.5) << "the pose was not to be set";
+  EXPECT_EQ(PoseOf("late").position.x, 0.5) << "set_pose is false";
   request.state.twist.linear.x = 1.0;
   request.set_pose = true;
-  EXPECT_EQ(Set(request), kOk) << "the twist is not to be set";
+  EXPECT_EQ(Set(request), kOk) << "set_twist is false";
   EXPECT_EQ(PoseOf("late").position.x, 1.0);
   request.set_twist = true;
   EXPECT_EQ(Set(request), kUnsupported);
   request.state.twist.linear.x = 0.0;
-  EXPECT_EQ(Set(request), kOk) << "it stands";
+  EXPECT_EQ(Set(request), kOk) << "a twist of zero";
   request.set_acceleration = true;
   EXPECT_EQ(Set(request), kUnsupported);
   request.set_acceleration = false;
-  request.entity = Text("nobody");
+  request.entity = Text("missing");
   EXPECT_EQ(Set(request), kNotFound);
+}
 
+void RosRollingTest::CheckLoad() {
   const std::string pen = WorldPath("pen.world");
   rolling_client_dds__LoadWorld_Request_ load{};
   load_.Call(load, [](const auto& response) { EXPECT_EQ(response.result.result, 102) << "no resource"; });
   load.world_resource.resource_string = Text("a world");
-  load_.Call(load, [](const auto& response) { EXPECT_EQ(response.result.result, 101) << "not known"; });
+  load_.Call(load, [](const auto& response) { EXPECT_EQ(response.result.result, 101) << "an unknown format"; });
   load.world_resource.uri = Text(pen.c_str());
   load_.Call(load, [&](const auto& response) {
     EXPECT_EQ(response.result.result, kOk) << dds::Text(response.result.error_message);
@@ -150,6 +156,18 @@ TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
     EXPECT_EQ(dds::Text(response.world.description), "");
     EXPECT_EQ(response.world.tags._length, 0u);
   });
+}
+
+TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
+  const ros::RosOptions options = TestRosOptions();
+  Program run = RunPen({"--paused", "--ros", "--ros-distro", "rolling", "--ros-interface", "lo", "--ros-domain",
+                        std::to_string(options.domain)});
+  run.WaitForLine("ready");
+
+  CheckSpawnables();
+  CheckSpawnAndPose();
+  CheckOnlyPosesAreSet();
+  CheckLoad();
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130) << run.output();
 }

@@ -1,5 +1,5 @@
-// Whole runs, seen from a ROS domain: what is published is what the run writes to its files, and looking changes
-// nothing.
+// Whole runs, seen from a ROS domain: the messages agree with the files that the run writes, and observation does not
+// change the run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros/convert.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
@@ -36,7 +36,7 @@ std::vector<std::string> RosArguments(std::vector<std::string> more) {
   return arguments;
 }
 
-// Reads r0's and r1's topics while a program runs, keeping by tick what came.
+// Reads the topics of r0 and r1 while a program runs, and stores the messages by tick.
 class Reader {
  public:
   void Drain() {
@@ -83,7 +83,7 @@ class Reader {
   std::vector<Tick> clocks_;
 };
 
-TEST(RosRun, PublishesWhatTheRunWritesToItsFilesAndChangesNothing) {
+TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
   OutputFolder folder;
   Reader reader;
   Program run = RunPen(RosArguments({"--ticks", "300", "--speed", "10", "--poses", folder.Path("poses"), "--scans",
@@ -133,7 +133,7 @@ std::vector<std::string> StepByService(int steps) {
     request.steps = 2;
     step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
     if (!seen.empty()) {
-      // Written before the step returned, so it must only travel.
+      // Written before the step returned, but perhaps still on the network.
       EXPECT_TRUE(Eventually([&] {
         scans.Drain([&](const ros::LaserScan& scan) { seen.insert(TickOf(scan.header.stamp)); });
         return seen.contains(static_cast<Tick>(2 * i));
@@ -165,7 +165,7 @@ TEST(RosRun, StepsByServiceWithTheSameHashesTwiceAndTheSensorDataOfEachStep) {
   EXPECT_EQ(StepByService(50), first);
 }
 
-// The services that edit a world, called as a tool does.
+// The services that edit a world, called as by a tool.
 class WorldServices {
  public:
   std::uint8_t Spawn(const char* name, const char* uri, double x, double y, std::string* called = nullptr) {
@@ -195,7 +195,7 @@ class WorldServices {
     set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
     return result;
   }
-  // Names and x of what the filter lets pass.
+  // Names and x of the entities that pass the filter.
   std::map<std::string, double> States(const char* filter, std::vector<std::uint8_t> categories = {}) {
     simulation_interfaces_srv_dds__GetEntitiesStates_Request_ request{};
     request.filters.filter = const_cast<char*>(filter);
@@ -296,8 +296,8 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.Spawn("late", "rover", 0.0, 2.0), 101) << "the name is not unique";
   EXPECT_EQ(world.Spawn("other", "", 0.0, 2.0), 104) << "no resource";
   EXPECT_EQ(world.Spawn("other", "truck", 0.0, 2.0), kFailed);
-  EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), kFailed) << "there is one";
-  EXPECT_EQ(world.Spawn("other", "rover", std::nan(""), 0.0), 109) << "no pose";
+  EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), kFailed) << "the place is occupied";
+  EXPECT_EQ(world.Spawn("other", "rover", std::nan(""), 0.0), 109) << "a pose that is not finite";
 
   EXPECT_EQ(world.SetPose("late", ros::ToMessage(Pose{1.0, -2.0, 0.0, 1.0})), kOk);
   EXPECT_EQ(world.SetPose("nobody", ros::ToMessage(Pose{})), kNotFound);
@@ -307,22 +307,22 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.SetPose("late", tilted), 101);
   EXPECT_EQ(world.SetPose("late", ros::ToMessage(Pose{3.1, 0.0, 0.0, 0.0})), 101) << "in a wall";
   EXPECT_THAT(world.States("^late$"), testing::ElementsAre(testing::Pair("late", 1.0)));
-  EXPECT_THAT(world.States("", {5}), testing::SizeIs(6)) << "what stands still";
+  EXPECT_THAT(world.States("", {5}), testing::SizeIs(6)) << "static models";
   EXPECT_TRUE(Eventually([&] {
     double x = 0.0;
-    world.Step();  // what was shown before the reader and its writer met has passed
+    world.Step();  // samples written before discovery was complete are lost
     truth.Drain([&](const ros::OdometryMessage& message) { x = message.pose.pose.position.x; });
     return x == 1.0;
-  })) << "its agent shows it there";
+  })) << "its agent publishes the new pose";
 
   EXPECT_EQ(world.Delete("r1"), kOk);
   EXPECT_EQ(world.Delete("r1"), kNotFound);
   EXPECT_EQ(world.States("").size(), 4u);
   EXPECT_EQ(world.Reset(8), kFailed) << "no such scope";
   EXPECT_EQ(world.Reset(4), kOk);
-  EXPECT_EQ(world.States("").size(), 3u) << "what was spawned is gone";
+  EXPECT_EQ(world.States("").size(), 3u) << "spawned entities are gone";
   EXPECT_EQ(world.Reset(0), kOk);
-  EXPECT_EQ(world.States("").size(), 4u) << "what was deleted is back";
+  EXPECT_EQ(world.States("").size(), 4u) << "deleted entities are back";
   EXPECT_EQ(world.Load(WorldPath("pen.world")), kOk);
   EXPECT_EQ(world.Load("/nowhere.world"), kFailed);
   world.PlainReset();

@@ -1,4 +1,4 @@
-// The action simulation_interfaces/SimulateSteps of whole runs, used as a ROS program does.
+// The action simulation_interfaces/SimulateSteps of whole runs, used as by a ROS program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros/action_goals.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
@@ -57,7 +57,7 @@ class RosStepsTest : public testing::Test {
   Ended AwaitResult() {
     Ended ended;
     EXPECT_TRUE(Eventually([&] {
-      return result_.Take([&](const auto& response) {
+      return result_.Receive([&](const auto& response) {
         ended = {GoalStatus(response.status), response.result.result.result,
                  dds::Text(response.result.result.error_message)};
       });
@@ -99,14 +99,15 @@ class RosStepsTest : public testing::Test {
     entity_.Call(request, [&](const auto& response) { tick = TickOf(response.state.header.stamp); });
     return tick;
   }
-  // Completed and remaining steps of goal `id`, as far as they have come.
+  // Completed and remaining steps of goal `id`, from the feedback so far.
   const std::vector<std::pair<std::uint64_t, std::uint64_t>>& Feedback(std::uint8_t id) {
     feedback_.Drain([&](const auto& message) {
-      told_[message.goal_id.uuid[0]].emplace_back(message.feedback.completed_steps, message.feedback.remaining_steps);
+      feedback_of_goals_[message.goal_id.uuid[0]].emplace_back(message.feedback.completed_steps,
+                                                               message.feedback.remaining_steps);
     });
-    return told_[id];
+    return feedback_of_goals_[id];
   }
-  // Of the goals that are known, by their ids.
+  // By id of the goal.
   std::map<int, GoalStatus> Statuses() {
     status_.Drain([&](const auto& message) {
       statuses_.clear();
@@ -154,13 +155,13 @@ class RosStepsTest : public testing::Test {
   Service<simulation_interfaces_srv_dds__GetEntityState_Request_,
           simulation_interfaces_srv_dds__GetEntityState_Response_>
       entity_{participant_, "/world/get_entity_state"};
-  std::map<int, std::vector<std::pair<std::uint64_t, std::uint64_t>>> told_;  // by goal
+  std::map<int, std::vector<std::pair<std::uint64_t, std::uint64_t>>> feedback_of_goals_;  // by goal
   std::map<int, GoalStatus> statuses_;
 };
 
 TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
   Program run = RunPenPaused();
-  // Until everybody has met everybody.
+  // Until discovery is complete.
   std::int64_t newest = 0;
   const auto see = [&] {
     scans_.Drain([&](const ros::LaserScan& scan) { newest = TickOf(scan.header.stamp); });
@@ -182,7 +183,7 @@ TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
   for (std::uint64_t step = 1; step <= 20; ++step) {
     EXPECT_EQ(Feedback(1)[step - 1], std::make_pair(step, 20 - step));
   }
-  // Written before the result, so it must only travel.
+  // Written before the result, but perhaps still on the network.
   EXPECT_TRUE(Eventually([&] { return see() == before + 20; }));
   EXPECT_EQ(State(), kPaused);
   EXPECT_EQ(Now(), before + 20);
@@ -194,12 +195,12 @@ TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
   EXPECT_EQ(run.Wait(), 130) << run.output();
 }
 
-TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndTakesOneGoalAtATime) {
+TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndAcceptsOneGoalAtATime) {
   Program run = RunPenPaused();
   ASSERT_TRUE(Send(1, 1'000'000));
   AskForResult(1);
   EXPECT_TRUE(Eventually([&] { return !Feedback(1).empty(); }));
-  EXPECT_FALSE(Send(2, 1)) << "while another is under way";
+  EXPECT_FALSE(Send(2, 1)) << "during another goal";
   EXPECT_EQ(Cancel(1), CancelAnswer::kNone);
   const Ended canceled = AwaitResult();
   EXPECT_EQ(canceled.status, GoalStatus::kCanceled);

@@ -1,4 +1,4 @@
-// What a run wrote to --poses and --scans, to look up by tick.
+// The content of the files of --poses and --scans, by tick.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ struct LoggedPose {
   bool stalled = false;
 };
 
-// By tick and robot; by object and joint too, where a world has some.
+// By tick and the name of a robot, an object or a joint.
 inline std::map<std::pair<Tick, std::string>, LoggedPose> ReadPoses(const std::string& csv) {
   std::map<std::pair<Tick, std::string>, LoggedPose> poses;
   std::istringstream lines(csv);
@@ -41,6 +41,7 @@ inline std::map<std::tuple<Tick, std::string, std::string>, std::vector<double>>
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const nlohmann::json scan = nlohmann::json::parse(line);
+    if (!scan.contains("ranges")) continue;  // of a sensor without rays
     scans[{scan["tick"], scan["robot"], scan["sensor"]}] = scan["ranges"].get<std::vector<double>>();
   }
   return scans;

@@ -1,4 +1,4 @@
-// One world gives the same files, byte for byte, however it is run.
+// One world gives the same files, byte for byte, in every kind of run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ TEST(SameResult, WithTwoRobotsInAProcess) {
 TEST(SameResult, WithThreeRobotsInAProcess) {
   ExpectSame({"--robots-per-process", "3"});
 }
-TEST(SameResult, WithAgentsStartedInAnotherOrderAndLate) {
+TEST(SameResult, WithAgentsStartedLateInAnotherOrder) {
   ExpectSame({"--shuffle-start", "7"});
 }
 TEST(SameResult, OnALossyNetwork) {
@@ -98,7 +98,7 @@ TEST(OutputFiles, HaveTheFormatsOfTheManual) {
                 scan["ranges"].is_array() && !scan["ranges"].empty())
         << line;
   }
-  // Three sonars and a scanner for each robot. Nothing is measured for the last state, which nobody answers.
+  // Three sonars and a scanner for each robot. The last state has no readings, because no agent answers it.
   EXPECT_EQ(count, kTicks * kRobots * 4);
 
   std::istringstream record(files.record);
@@ -108,7 +108,7 @@ TEST(OutputFiles, HaveTheFormatsOfTheManual) {
   }
   EXPECT_EQ(count, 1 + kTicks + 1);
   EXPECT_EQ(files.summary["processes"], 1 + kRobots);
-  EXPECT_GT(files.summary["stalls"], 0) << "the world is too easy to tell much";
+  EXPECT_GT(files.summary["stalls"], 0) << "the world has too few contacts for a test";
   EXPECT_GT(files.summary["agent_peak_memory_mib"], 0.0);
 }
 

@@ -1,4 +1,4 @@
-// Runs beside each other on one network.
+// Several runs on one network.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(Sessions, ASecondServiceInASessionIsRefusedAndTheFirstGoesOn) {
+TEST(Sessions, ASecondServiceInASessionIsRefusedAndTheFirstContinues) {
   std::string session = TestSession("taken");
   Program first = RunPen({"--session", session, "--speed", "10"});
   first.WaitForLine("4 robots in 4 agent processes, ready");
@@ -38,7 +38,7 @@ TEST(Sessions, TwoRunsAtOnceInADomainDoNotMix) {
   EXPECT_NE(folder.Read("a"), folder.Read("c"));
 }
 
-TEST(Sessions, TopListsWhatRuns) {
+TEST(Sessions, TopListsTheRunningSessions) {
   std::string session = TestSession("listed");
   Program run = RunPen({"--session", session, "--speed", "10"});
   run.WaitForLine("4 robots in 4 agent processes, ready");

@@ -1,4 +1,4 @@
-// Worlds that come with Stage, as they are: a process for each robot, and the same result in every other way.
+// The unmodified worlds of Stage: a process for each robot, and the same result in every other kind of run.
 #include "tests/support/stage_worlds.h"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ class StageWorld : public testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(StageWorld, GivesTheSameHashesInEveryWayOfRunningIt) {
+TEST_P(StageWorld, GivesTheSameHashesInEveryKindOfRun) {
   Files reference = RunWith({});
   EXPECT_EQ(reference.summary["ticks"], 600);
   EXPECT_EQ(reference.summary["processes"], reference.summary["robots"].get<int>() + 1);

@@ -1,4 +1,4 @@
-// Who dies, who goes on, and that nobody is left.
+// Supervision of processes: stops, kills and losses, and no process left behind.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A run that lasts until it is stopped, once it has begun.
+// A run without end, after its first tick.
 class LongRun {
  public:
   explicit LongRun(std::vector<std::string> arguments = {}) : program_(RunPen(WithSpeed(std::move(arguments)))) {
@@ -59,7 +59,7 @@ TEST_P(StopSignal, EndsARunInOrderWithStatus130AndItsFiles) {
   nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["interrupted"], true);
   EXPECT_EQ(summary["lost"], nlohmann::json::array());
-  // The last line is whole.
+  // The last line is complete.
   std::string last =
       std::to_string(summary["ticks"].get<int>()) + " " + summary["state_hash"].get<std::string>() + "\n";
   EXPECT_THAT(folder.Read("hashes"), testing::EndsWith(last));
@@ -75,7 +75,7 @@ TEST(Supervision, CtrlCStopsARunInProcessToo) {
   EXPECT_THAT(program.output(), HasSubstr("stopped before its end"));
 }
 
-TEST(Supervision, CtrlCWhileRobotsAreAwaitedStopsToo) {
+TEST(Supervision, CtrlCBeforeAllRobotsHaveJoinedStopsToo) {
   Program program = RunPen({"--faults", "loss=1,seed=1"});
   ASSERT_TRUE(Eventually([&] { return ChildrenOf(program.pid()).size() == 5; }));
   std::vector<pid_t> children = ChildrenOf(program.pid());
@@ -84,7 +84,7 @@ TEST(Supervision, CtrlCWhileRobotsAreAwaitedStopsToo) {
   for (pid_t child : children) EXPECT_TRUE(IsGoneSoon(child));
 }
 
-TEST(Supervision, AKilledLauncherLeavesNobody) {
+TEST(Supervision, AKilledLauncherLeavesNoProcess) {
   LongRun run;
   run.program().Signal(SIGKILL);
   EXPECT_EQ(run.program().Wait(), 128 + SIGKILL);
@@ -100,7 +100,7 @@ TEST(Supervision, AKilledLauncherLeavesNoFilesButItsOutputs) {
   EXPECT_EQ(folder.size(), 1u);
 }
 
-TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNobody) {
+TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNoProcess) {
   LongRun run;
   run.program().Signal(SIGSTOP);
   run.program().Signal(SIGKILL);
@@ -116,7 +116,7 @@ TEST(Supervision, AKilledWorldServiceFailsTheRun) {
   run.ExpectNobodyLeft();
 }
 
-TEST(Supervision, AHangingAgentDoesNotKeepTheRunFromEnding) {
+TEST(Supervision, AHangingAgentDoesNotPreventTheEndOfTheRun) {
   LongRun run;
   kill(run.Child("--robot=r2"), SIGSTOP);
   run.program().WaitForLine("r2 has lost its agent");
@@ -125,7 +125,7 @@ TEST(Supervision, AHangingAgentDoesNotKeepTheRunFromEnding) {
   run.ExpectNobodyLeft();
 }
 
-TEST(AgentLoss, TheOthersGoOnToTheEnd) {
+TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
   OutputFolder folder;
   LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses")});
   kill(run.Child("--robot=r1"), SIGKILL);
@@ -139,7 +139,7 @@ TEST(AgentLoss, TheOthersGoOnToTheEnd) {
   run.ExpectNobodyLeft();
 }
 
-TEST(AgentLoss, ARobotStartedAgainByHandIsTakenUpAgain) {
+TEST(AgentLoss, ARobotRestartedByHandRejoins) {
   LongRun run;
   kill(run.Child("--robot=r1"), SIGKILL);
   std::string command = run.program().WaitForLineAfter("to start it again:");
@@ -152,7 +152,7 @@ TEST(AgentLoss, ARobotStartedAgainByHandIsTakenUpAgain) {
   run.ExpectNobodyLeft();
 }
 
-TEST(AgentLoss, ScansOfARobotStartedAgainAreInTheFile) {
+TEST(AgentLoss, ScansOfARestartedRobotAreInTheFile) {
   OutputFolder folder;
   LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--on-agent-loss", "pause"});
   kill(run.Child("--robot=r1"), SIGKILL);
@@ -168,7 +168,7 @@ TEST(AgentLoss, ScansOfARobotStartedAgainAreInTheFile) {
   EXPECT_EQ(last_tick, (std::map<std::string, int>{{"r0", 99}, {"r1", 99}, {"r2", 99}, {"r3", 99}}));
 }
 
-TEST(AgentLoss, ARobotThatIsBackBeforeItWasMissedIsTakenUpAgain) {
+TEST(AgentLoss, ARobotThatRejoinsWithinItsLeaseContinues) {
   LongRun run({"--on-agent-loss", "pause"});
   kill(run.Child("--robot=r3"), SIGKILL);
   Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
@@ -178,7 +178,7 @@ TEST(AgentLoss, ARobotThatIsBackBeforeItWasMissedIsTakenUpAgain) {
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
 }
 
-TEST(AgentLoss, AbortsTheRunIfThatIsAskedFor) {
+TEST(AgentLoss, EndsTheRunUnderThePolicyAbort) {
   LongRun run({"--on-agent-loss", "abort"});
   kill(run.Child("--robot=r0"), SIGKILL);
   EXPECT_EQ(run.program().Wait(), 3);

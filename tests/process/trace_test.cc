@@ -1,4 +1,4 @@
-// The trace of a run: what every process did in every tick, in one file.
+// The trace of a run: the phases of all processes in all ticks, in one file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,14 +50,14 @@ TEST(TraceOfARun, HasAllPhasesOfAllProcesses) {
   }
 }
 
-TEST(TraceOfARun, IsThereInOneProcessToo) {
+TEST(TraceOfARun, ExistsForARunInOneProcess) {
   const auto phases = TraceOf({"--in-process"});
   ASSERT_THAT(phases, UnorderedElementsAre(testing::Key("world-service"), testing::Key("robot-agent")));
   EXPECT_THAT(phases.at("world-service"), IsSupersetOf(kServicePhases));
   EXPECT_THAT(phases.at("robot-agent"), IsSupersetOf(kAgentPhases));
 }
 
-TEST(TraceOfARun, CoversTheTicksThatAreAskedFor) {
+TEST(TraceOfARun, CoversTheRequestedTicks) {
   OutputFolder folder;
   const Finished run =
       Finish(RunPen({"--ticks", "30", "--trace", folder.Path("trace.json"), "--trace-ticks", "10:12"}));
@@ -69,7 +69,7 @@ TEST(TraceOfARun, CoversTheTicksThatAreAskedFor) {
   EXPECT_THAT(ticks, UnorderedElementsAre(10, 11, 12));
 }
 
-TEST(TraceOfARun, NeedsAWindowOfTicksThatMakesSense) {
+TEST(TraceOfARun, NeedsAValidWindowOfTicks) {
   const Finished run = Finish(RunPen({"--trace", "/dev/null", "--trace-ticks", "12:10"}));
   EXPECT_EQ(run.exit_status, 2);
   EXPECT_THAT(run.output, testing::HasSubstr("expected the first and the last tick"));

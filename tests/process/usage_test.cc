@@ -1,4 +1,4 @@
-// What users get wrong: one line that says what was found and what was expected, and the exit status of the manual.
+// Errors of users: one line with the text found and the text expected, and the exit status of the manual.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
   }
 }
 
-TEST(Usage, AControllerThatDoesNotExistIsToldOnceForAllRobots) {
+TEST(Usage, AnUnknownControllerIsReportedOnceForAllRobots) {
   OutputFolder folder;
   std::ofstream(folder.Path("two.world")) << "position ( name \"a\" )\nposition ( name \"b\" pose [3 0 0 0] )\n";
   const std::vector<BadUsage> cases = {{{"--controller", "dance"}, "dance"},

@@ -46,7 +46,7 @@ TEST(BodyIndexProperty, QueryMissesNoRobotWhileTheyMove) {
       test.AddRobot(test::RandomStar(random, Vec2::Zero(), 0.1, 0.4), {0.0, 1.0}, RandomPose(random, half_width));
     }
     const Scene scene(test.world);
-    WorldState state = InitialState(scene.world());
+    WorldState state = PlacedState(scene.world());
     BodyIndex index(scene);
     for (int round = 0; round < 12; ++round) {
       index.Assign(state);
@@ -90,7 +90,7 @@ TEST(BodyIndexProperty, PiecesInWorldFollowTheRobot) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     RandomStream random(seed + 6'000'000);
     const Scene scene(test::RandomWorld(seed, 10.0, 0, 5));
-    WorldState state = InitialState(scene.world());
+    WorldState state = PlacedState(scene.world());
     BodyIndex index(scene);
     index.Assign(state);
     for (int round = 0; round < 20; ++round) {

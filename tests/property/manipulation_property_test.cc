@@ -1,4 +1,4 @@
-// Invariants of grips and gravity on random scenes with robots that grip, lift, carry and drop whatever comes.
+// Invariants of grips and gravity on random scenes with robots that grip, lift, carry and drop any object.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -125,7 +125,7 @@ void ExpectNear(const Pose& a, const Pose& b) {
   EXPECT_NEAR(std::remainder(a.heading - b.heading, 2.0 * kPi), 0.0, 1e-9);
 }
 
-// True if something is under the object, or it stands on the ground.
+// True if the object has a support or is on the ground.
 bool IsCarried(const GripperRun& run, ObjectId id) {
   BodyIndex bodies(run.scene);
   bodies.Assign(run.state);

@@ -16,7 +16,7 @@ using test::BruteForceRays;
 using test::RandomStream;
 
 WorldState Shuffled(const WorldDescription& world, RandomStream& random, double half_width) {
-  WorldState state = InitialState(world);
+  WorldState state = PlacedState(world);
   for (RobotState& robot : state.robots) robot.X_WR = RandomPose(random, half_width);
   return state;
 }
@@ -151,7 +151,7 @@ TEST(RayCastProperty, NoRaySlipsBetweenTheRectanglesOfAWall) {
     shape.rectangles.push_back({1.1, 1.1, 1.2, 1.2});
     const Scene scene(test.world);
     BodyIndex robots(scene);
-    robots.Assign(InitialState(scene.world()));
+    robots.Assign(PlacedState(scene.world()));
     const Vec2 origin = Transform2(X_WM) * Vec2(random.Uniform(-0.8, 0.8), random.Uniform(-0.8, 0.8));
     for (const ConvexPiece& piece : scene.static_index().pieces()) {
       for (const Vec2& vertex : piece.vertices) {  // exactly at the seams

@@ -7,6 +7,7 @@
 #include "common/spatial/overlap.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"
+#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {
@@ -59,7 +60,7 @@ TEST(StepProperty, NeverMakesTreesOverlap) {
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     RandomStream random(seed + 7'000'000);
     const Scene scene(test::RandomWorld(seed, random.Uniform(3.0, 6.0), random.Index(8), 1 + random.Index(8)));
-    WorldState state = InitialState(scene.world());
+    WorldState state = InitialState(scene);
     robots += static_cast<int>(state.robots.size());
     ASSERT_LE(DeepestOverlap(scene, state), 0.0) << "seed " << seed;
     for (int tick = 0; tick < 30; ++tick) {
@@ -79,7 +80,7 @@ TEST(StepProperty, GivesTheSameStateAndEventsTwice) {
     const WorldDescription world = test::RandomWorld(seed, 4.0, 4, 8);
     const Scene scene(world);
     const Scene again(world);
-    WorldState state = InitialState(scene.world());
+    WorldState state = InitialState(scene);
     for (int tick = 0; tick < 20; ++tick) {
       const std::vector<Proposal> proposals = RandomProposals(random, state.robots.size(), 5.0);
       const StepResult first = Step(scene, state, proposals);
@@ -95,7 +96,7 @@ TEST(StepProperty, GivesTheSameStateAndEventsTwice) {
 TEST(StepProperty, LeavesEveryBitOfAnIdleWorldAlone) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Scene scene(test::RandomWorld(seed, 5.0, 5, 8));
-    const WorldState start = InitialState(scene.world());
+    const WorldState start = InitialState(scene);
     WorldState state = start;
     std::vector<Proposal> standing;
     for (std::size_t i = 0; i < start.robots.size(); ++i) standing.push_back({RobotId(i), {}});
@@ -106,7 +107,7 @@ TEST(StepProperty, LeavesEveryBitOfAnIdleWorldAlone) {
   }
 }
 
-// A single robot among standing models, against moving it by small steps.
+// A single robot among static models, compared with motion in small steps.
 TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
   constexpr int kSteps = 300;
   int stalls = 0;
@@ -115,7 +116,7 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     RandomStream random(seed + 9'000'000);
     const Scene scene(test::RandomWorld(seed, 7.0, 24, 1));
     if (scene.world().robots.empty()) continue;
-    const WorldState start = InitialState(scene.world());
+    const WorldState start = InitialState(scene);
     const Twist twist{random.Uniform(0.0, 80.0), random.Uniform(-5.0, 5.0), random.Uniform(-30.0, 30.0)};
     const WorldState end = Step(scene, start, std::vector<Proposal>{{RobotId(0), twist}}).state;
     WorldState probe = start;
@@ -136,7 +137,8 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     BodyIndex index(scene);
     const BodyId own(0);
     index.Assign(start);
-    const std::optional<Contact> contact = FirstContact(scene, index, MoverOf(scene, own), {start.robots[0].X_WR, twist, 0.0, 0.1});
+    const std::optional<Contact> contact =
+        FirstContact(scene, index, MoverOf(scene, own), {start.robots[0].X_WR, twist, 0.0, 0.1});
     ASSERT_TRUE(contact.has_value());
     ASSERT_LE(contact->time, met_at) << "seed " << seed;
     // A millimetre further there is overlap.
@@ -180,7 +182,7 @@ TEST(StepProperty, NeverMakesTreesOverlapOnALattice) {
                     {x, y, 0.0, 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi});
     }
     const Scene scene(test.world);
-    WorldState state = InitialState(scene.world());
+    WorldState state = InitialState(scene);
     for (int tick = 0; tick < 40; ++tick) {
       std::vector<Proposal> proposals;
       for (std::size_t i = 0; i < state.robots.size(); ++i) {

@@ -86,8 +86,8 @@ TEST(SweepProperty, AgreesWithFineTimeSteps) {
   EXPECT_GT(contacts, 300);
 }
 
-// What is left out because it cannot be met is never what would be met: the same to the last bit as without.
-TEST(SweepProperty, LeavesOutOnlyWhatIsNotMet) {
+// Obstacles that the filter leaves out would not be in contact: the result is the same to the last bit without it.
+TEST(SweepProperty, FiltersOutOnlyObstaclesWithoutContact) {
   int contacts = 0;
   int passed_by = 0;
   for (std::uint64_t seed = 1; seed <= 40000; ++seed) {
@@ -111,7 +111,7 @@ TEST(SweepProperty, LeavesOutOnlyWhatIsNotMet) {
   EXPECT_GT(passed_by, 5000);
 }
 
-TEST(SweepProperty, MeetsTheSameInWhateverOrderThingsAre) {
+TEST(SweepProperty, FindsTheSameContactInAnyOrderOfObstacles) {
   int contacts = 0;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     const Case c = RandomCase(seed);

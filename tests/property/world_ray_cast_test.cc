@@ -7,6 +7,7 @@
 #include "common/worldfile/load_world.h"
 #include "tests/support/brute_force_rays.h"
 #include "tests/support/random_world.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/support/stage_worlds.h"
 
 namespace troupe {
@@ -29,7 +30,7 @@ struct Ray {
 class WorldRays {
  public:
   WorldRays(const WorldDescription& world, std::uint64_t seed)
-      : scene_(world), state_(InitialState(scene_.world())), bodies_(scene_), random_(seed) {
+      : scene_(world), state_(PlacedState(scene_.world())), bodies_(scene_), random_(seed) {
     Extend(scene_.static_index().pieces());
     bodies_.Assign(state_);
     for (std::size_t i = 0; i < scene_.body_count(); ++i) Extend(bodies_.pieces_in_world(BodyId(i)));
@@ -87,8 +88,8 @@ class WorldRays {
     std::vector<Ray> rays;
     const WorldDescription& world = scene_.world();
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
-      for (const RangerDescription& ranger : world.robots[i].rangers) {
-        for (const RaySensorDescription& sensor : ranger.sensors) {
+      for (const SensorDescription& ranger : world.robots[i].sensors) {
+        for (const RaySensorDescription& sensor : RaySensors(ranger)) {
           const Pose X_WS = bodies_.X_WM(ranger.model) * sensor.X_MS;
           rays.push_back({X_WS.translation(), Vec2::Zero(), X_WS.z, sensor.range.max, RobotId(i)});
         }

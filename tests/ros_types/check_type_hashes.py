@@ -15,9 +15,9 @@ TYPE_IDS = {"int8": 2, "uint8": 3, "octet": 3, "short": 4, "unsigned short": 5, 
             "long long": 8, "unsigned long long": 9, "float": 10, "double": 11, "boolean": 15, "string": 17}
 NESTED, BYTE, BOUNDED_STRING = 1, 16, 21
 ARRAY, BOUNDED_SEQUENCE, SEQUENCE = 48, 96, 144
-# ROS has a type of its own for bytes that are no numbers.
+# ROS has a type of its own for bytes.
 BYTE_FIELDS = {("rcl_interfaces/msg/ParameterValue", "byte_array_value")}
-# What is before the ROS message on the wire, and no part of it.
+# The fields that precede the ROS message on the wire.
 SERVICE_HEADER = ["client_guid", "sequence_number"]
 
 

@@ -1,5 +1,5 @@
-// BruteForceRays: a ray caster that knows nothing of pieces and grids. It goes through the raw outlines of all models,
-// with more digits than the one that it checks.
+// BruteForceRays: a ray caster without convex pieces and grids. It visits the raw outlines of all models, with more
+// digits than the ray caster under test.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct BruteForceHit {
 
 class BruteForceRays {
  public:
-  // The world must outlive this.
+  // REQUIRES: the world outlives it.
   BruteForceRays(const WorldDescription& world, const WorldState& state) : world_(world) {
     for (std::size_t m = 0; m < world.models.size(); ++m) {
       if (world.models[m].ranger_return >= 0.0) AddModel(ModelId(m), state);
@@ -111,7 +111,7 @@ class BruteForceRays {
     for (const Rectangle& r : shape.rectangles) add(Box(r.min_x, r.min_y, r.max_x, r.max_y), shape.rectangles_z);
   }
 
-  // 0 inside; negative for a miss.
+  // Distance to the hit; 0 from inside, negative for a miss.
   static long double Distance(const std::vector<Point>& outline, const Point& origin, const Point& direction) {
     bool inside = false;
     long double nearest = -1.0L;

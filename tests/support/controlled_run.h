@@ -20,6 +20,7 @@
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
+#include "world-service/observers/recorder/recorder.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe::test {
@@ -35,27 +36,27 @@ class ControlledRun final : private RunObserver {
     std::string world_file = {};
   };
 
-  ControlledRun(WorldDescription world, const Setup& setup) : setup_(setup), scene_(std::move(world)) {
+  ControlledRun(WorldDescription world, const Setup& setup)
+      : setup_(setup), scene_(std::make_shared<const Scene>(std::move(world))) {
     transport_ = MakeMemoryTransport();
     if (setup.faults.any()) transport_ = MakeFaultyTransport(std::move(transport_), setup.faults);
     std::vector<std::string> names;
-    for (const RobotDescription& robot : scene_.world().robots) names.push_back(robot.name);
+    for (const RobotDescription& robot : scene_->world().robots) names.push_back(robot.name);
     StartAgents(names);
     ServiceOptions options;
     options.start_paused = true;
     options.start_timeout_seconds = setup.start_timeout_seconds;
-    options.outputs = setup.outputs;
     options.world_file = setup.world_file;
     options.settings.agent_deadline_seconds = 0.0;
-    options.make_gateway = [this](const Scene&) { return std::make_unique<Tap>(*this); };
+    recorder_ = Recorder::Create(scene_->world(), setup.outputs).value();
     service_ = std::thread([this, options] {
-      summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), *this, stop_);
-      agents_stop_ = true;  // those that have not come to the end
+      summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), {recorder_.get(), this}, stop_);
+      agents_stop_ = true;  // agents that have not ended
     });
   }
   ~ControlledRun() override { static_cast<void>(Finish()); }
 
-  // Asks and waits for the answer.
+  // Sends a request and waits for its reply.
   ControlReply Ask(ControlRequest request) {
     WorldControl* const control = Control();
     auto answered = std::make_shared<std::promise<ControlReply>>();
@@ -80,12 +81,12 @@ class ControlledRun final : private RunObserver {
     EXPECT_TRUE(reply.done) << reply.problem;
   }
 
-  // The frames so far, without repeats.
+  // The frames so far, without resent ones.
   std::vector<FrameMessage> frames() {
     const std::lock_guard lock(mutex_);
     return frames_;
   }
-  // The state hashes of frame `begin` and those after it.
+  // The state hashes from frame `begin` on.
   std::vector<std::uint64_t> Hashes(std::size_t begin = 0) {
     std::vector<std::uint64_t> hashes;
     for (const FrameMessage& frame : frames()) hashes.push_back(frame.state_hash);
@@ -98,7 +99,7 @@ class ControlledRun final : private RunObserver {
     return notices_;
   }
 
-  // Ends the run, and says how it went.
+  // Ends the run and returns its result.
   Result<RunSummary> Finish() {
     stop_ = true;
     if (service_.joinable()) service_.join();
@@ -110,31 +111,14 @@ class ControlledRun final : private RunObserver {
     for (std::thread& agent : agents) agent.join();
     return summary_;
   }
-  // How the agent of a robot has ended; it has to.
-  Result<bool> AwaitAgentOf(const std::string& robot) {
+  // The end of the agent of a robot. REQUIRES: the agent ends.
+  Result<AgentEnd> AwaitAgentOf(const std::string& robot) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [&] { return ended_.contains(robot); }));
-    return ended_.contains(robot) ? ended_.at(robot) : Result<bool>(Error{{}, "did not end"});
+    return ended_.contains(robot) ? ended_.at(robot) : Result<AgentEnd>(Error{{}, "did not end"});
   }
 
  private:
-  class Tap final : public WorldGateway {
-   public:
-    explicit Tap(ControlledRun& run) : run_(run) {}
-    void Publish(const FrameMessage& frame) override {
-      const std::lock_guard lock(run_.mutex_);
-      run_.frames_.push_back(frame);
-    }
-    void Connect(WorldControl* control) override {
-      const std::lock_guard lock(run_.mutex_);
-      run_.control_ = control;
-      run_.changed_.notify_all();
-    }
-
-   private:
-    ControlledRun& run_;
-  };
-
   WorldControl* Control() {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [this] { return control_ != nullptr && started_; }));
@@ -149,7 +133,7 @@ class ControlledRun final : private RunObserver {
       const auto begin = robots.begin() + static_cast<std::ptrdiff_t>(i);
       options.robots.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min(setup_.packing, robots.size() - i)));
       agents_.emplace_back([this, options] {
-        Result<bool> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agents_stop_);
+        Result<AgentEnd> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agents_stop_);
         const std::lock_guard agent_lock(mutex_);
         for (const std::string& robot : options.robots) ended_.insert_or_assign(robot, end);
         changed_.notify_all();
@@ -157,13 +141,27 @@ class ControlledRun final : private RunObserver {
     }
   }
 
+  Status OnBegin(const RunStart& start) override {
+    const std::lock_guard lock(mutex_);
+    control_ = &start.control;
+    changed_.notify_all();
+    return Status();
+  }
+  Status OnEnd() override {
+    const std::lock_guard lock(mutex_);
+    control_ = nullptr;
+    return Status();
+  }
+  Status OnTick(const CommittedTick& tick) override {
+    const std::lock_guard lock(mutex_);
+    frames_.push_back(tick.frame);
+    return Status();
+  }
   void OnStarted(double) override {
     const std::lock_guard lock(mutex_);
     started_ = true;
     changed_.notify_all();
   }
-  void OnStatus(const StatusMessage&) override {}
-  void OnEvent(const Event&, const std::string&) override {}
   void OnNotice(const std::string& text) override {
     const std::lock_guard lock(mutex_);
     notices_.push_back(text);
@@ -173,8 +171,9 @@ class ControlledRun final : private RunObserver {
   }
 
   const Setup setup_;
-  const Scene scene_;
+  const std::shared_ptr<const Scene> scene_;
   std::unique_ptr<Transport> transport_;
+  std::unique_ptr<Recorder> recorder_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> agents_stop_ = false;
   Result<RunSummary> summary_ = Error{{}, "the run did not end"};
@@ -186,7 +185,7 @@ class ControlledRun final : private RunObserver {
   std::vector<std::string> notices_;
   AgentId last_agent_ = 0;
   std::vector<std::thread> agents_;
-  std::map<std::string, Result<bool>> ended_;  // by robot
+  std::map<std::string, Result<AgentEnd>> ended_;  // by robot
   std::thread service_;
 };
 

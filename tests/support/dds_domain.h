@@ -1,4 +1,4 @@
-// A DDS domain and sessions of this test process' own, and waiting for what DDS does in its own time.
+// A DDS domain and sessions that only this test process uses, and a wait for the asynchronous effects of DDS.
 #pragma once
 
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "common/dds/domain_config.h"
+#include "common/dds/binding/domain_config.h"
 #include "tests/support/reserved_domain.h"
 
 namespace troupe::test {
@@ -22,14 +22,14 @@ inline std::string TestSession(const std::string& name) {
   return name + "-" + std::to_string(getpid());
 }
 
-// Participants that find each other by multicast on the loopback interface.
+// Participants discover each other by multicast on the loopback interface.
 inline dds::DomainConfig TestConfig() {
   dds::DomainConfig config;
   config.domain = TestDomain();
   return config;
 }
 
-// True as soon as `condition` is; false if it is not within a time that is long for the slowest machine.
+// True as soon as `condition` is true; false after a timeout that suits the slowest machine.
 template <typename Condition>
 bool Eventually(Condition condition, double seconds = 20.0) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);

@@ -1,4 +1,4 @@
-// FakeServiceEndpoint: remembers what a world service sends, and delivers nothing.
+// FakeServiceEndpoint: records the messages that a world service sends, and delivers none.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // Packets to the discovery ports of a domain on the loopback interface: well-formed down to the submessage of an
-// announcement, and random from there on.
+// announcement, then random.
 #pragma once
 
 #include <arpa/inet.h>
@@ -20,7 +20,7 @@ namespace troupe::test {
 
 class GarbageSender {
  public:
-  // `peer`: a participant in whose name every second packet comes.
+  // `peer`: the participant that every second packet names as its sender.
   GarbageSender(std::uint32_t domain, dds_entity_t peer) : base_port_(7400 + 250 * domain) {
     dds_guid_t guid{};
     dds_get_guid(peer, &guid);
@@ -30,7 +30,7 @@ class GarbageSender {
   }
   ~GarbageSender() { close(socket_); }
 
-  // The i-th packet, to everybody and to the first participants of this host.
+  // Sends the i-th packet, by multicast and to the first participants of this host.
   void Send(std::uint64_t i) const {
     const std::vector<std::uint8_t> packet = Packet(i);
     SendTo(packet, "239.255.0.1", base_port_);
@@ -48,7 +48,7 @@ class GarbageSender {
     std::vector<std::uint8_t> packet = {'R', 'T', 'P', 'S', 2, 1, 1, 16};  // version 2.1, vendor Eclipse Cyclone
     for (std::size_t k = 0; k < peer_.size(); ++k) packet.push_back(i % 2 == 0 ? peer_[k] : Byte(i, k));
     std::vector<std::uint8_t> body = {0, 0, 16, 0, 0, 0, 0, 0};  // flags, offset to the payload, any reader
-    // Who announces participants, writers, readers.
+    // The built-in writers that announce participants, writers, readers.
     constexpr std::uint8_t kWriters[3][4] = {{0, 1, 0, 0xc2}, {0, 0, 3, 0xc2}, {0, 0, 4, 0xc2}};
     body.insert(body.end(), std::begin(kWriters[i % 3]), std::end(kWriters[i % 3]));
     body.insert(body.end(), {0, 0, 0, 0, static_cast<std::uint8_t>(1 + i % 200), 0, 0, 0});  // sequence number
@@ -56,7 +56,7 @@ class GarbageSender {
     const std::size_t parameters = 1 + Byte(i, 100) % 8;
     for (std::size_t p = 0; p < parameters; ++p) {
       const std::size_t length = 4 * (Byte(i, 200 + p) % 12);
-      // Mostly ids that mean something; lengths that are mostly true.
+      // Mostly known ids and mostly correct lengths.
       body.insert(body.end(), {static_cast<std::uint8_t>(Byte(i, 300 + p) % 0x78), 0,
                                static_cast<std::uint8_t>(Byte(i, 400 + p) < 230 ? length : Byte(i, 500 + p)), 0});
       for (std::size_t k = 0; k < length; ++k)

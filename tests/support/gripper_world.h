@@ -6,6 +6,7 @@
 
 #include "common/model/model_poses.h"
 #include "tests/support/test_world.h"
+#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe::test {
@@ -64,7 +65,7 @@ class GripperWorld : public TestWorld {
     return r;
   }
 
-  // A box of `size` x `size` x `height` m that grippers may take.
+  // A box of `size` x `size` x `height` m that grippers can hold.
   ObjectId AddObject(const Pose& X_WO, double size = 0.1, double height = 0.1) {
     const ModelId id = AddModel(Square(size), {0.0, height}, X_WO);
     model(id).gripper_return = true;
@@ -73,17 +74,17 @@ class GripperWorld : public TestWorld {
   }
 };
 
-// What a test asks one robot for, for some ticks.
+// The velocities that a test commands one robot for some ticks.
 struct GripperDemand {
   Twist twist = {};
   double lift = 0.0;     // m/s, up
   double fingers = 0.0;  // m/s, positive closes
 };
 
-// Steps a world, and keeps the events.
+// Steps a world and collects the events.
 class GripperRun {
  public:
-  explicit GripperRun(const WorldDescription& world) : scene(world), state(InitialState(scene.world())) {}
+  explicit GripperRun(const WorldDescription& world) : scene(world), state(InitialState(scene)) {}
 
   void Step(const std::vector<GripperDemand>& demands, int ticks = 1) {
     std::vector<Proposal> proposals;

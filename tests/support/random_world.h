@@ -11,7 +11,7 @@
 
 namespace troupe::test {
 
-// A stream of random numbers that its seed determines.
+// A stream of random numbers, a function of its seed.
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) : seed_(seed) {}
@@ -27,6 +27,11 @@ class RandomStream {
   std::uint64_t count_ = 0;
 };
 
+inline Polygon NormalizedOr(const Polygon& polygon, const Polygon& otherwise) {
+  const Result<Polygon> normalized = Normalized(polygon);
+  return normalized.ok() ? normalized.value() : otherwise;
+}
+
 // A simple polygon, usually concave: vertices at random distances all around `center`.
 inline Polygon RandomStar(RandomStream& random, const Vec2& center, double min_radius, double max_radius) {
   const std::size_t count = 3 + random.Index(8);
@@ -37,7 +42,7 @@ inline Polygon RandomStar(RandomStream& random, const Vec2& center, double min_r
     polygon.push_back(center + random.Uniform(min_radius, max_radius) * Vec2(trig.cos, trig.sin));
   }
   // With few vertices the centre may lie outside and edges may cross.
-  return Normalize(polygon).empty() ? polygon : Square(max_radius);
+  return NormalizedOr(polygon, Square(max_radius));
 }
 
 // A convex polygon: vertices on an ellipse.
@@ -51,7 +56,7 @@ inline Polygon RandomConvex(RandomStream& random, double min_radius, double max_
     const SinCosResult trig = SinCos(angle);
     polygon.push_back({a * trig.cos, b * trig.sin});
   }
-  return Normalize(polygon).empty() ? polygon : Square(min_radius);
+  return NormalizedOr(polygon, Square(min_radius));
 }
 
 inline ZRange RandomHeights(RandomStream& random) {
@@ -60,7 +65,7 @@ inline ZRange RandomHeights(RandomStream& random) {
 }
 
 inline Pose RandomPose(RandomStream& random, double half_width) {
-  // Now and then a straight heading, which makes for parallel edges.
+  // Sometimes an axis-aligned heading, for parallel edges.
   const double heading =
       random.Chance(0.3) ? 0.5 * kPi * static_cast<double>(random.Index(4)) - 0.5 * kPi : random.Angle();
   return {random.Uniform(-half_width, half_width), random.Uniform(-half_width, half_width), 0.0, heading};
@@ -71,7 +76,7 @@ inline void RandomizeReturns(RandomStream& random, ModelDescription& model) {
   model.ranger_return = random.Chance(0.15) ? -1.0 : random.Uniform(0.0, 2.0);
 }
 
-// Polygons, turned walls of rectangles, and robots that carry children, in a square of `half_width` about the origin.
+// Polygons, rotated walls of rectangles and robots with children, in a square of `half_width` about the origin.
 // Robots do not overlap anything in the plane.
 inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::size_t models, std::size_t robots) {
   RandomStream random(seed);
@@ -101,7 +106,7 @@ inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::
     double radius;
   };
   std::vector<Disc> taken;
-  const std::vector<Pose> X_WM = ModelPoses(test.world, InitialState(test.world));
+  const std::vector<Pose> X_WM = ModelPoses(test.world, PlacedState(test.world));
   for (std::size_t i = 0; i < X_WM.size(); ++i) taken.push_back({X_WM[i].translation(), 1.75});
   for (std::size_t i = 0; i < robots; ++i) {
     constexpr double kRadius = 0.75;
@@ -114,7 +119,7 @@ inline WorldDescription RandomWorld(std::uint64_t seed, double half_width, std::
     for (int attempt = 0; attempt < 200 && collides(); ++attempt) X_WR = RandomPose(random, half_width);
     if (collides()) continue;
     taken.push_back({X_WR.translation(), kRadius});
-    // Drawn one after another: the order in which a call's arguments are evaluated is the compiler's choice.
+    // In statements of their own: the compiler may evaluate the arguments of a call in any order.
     const Polygon outline = RandomStar(random, Vec2::Zero(), 0.1, 0.3);
     const ZRange heights = RandomHeights(random);
     const ModelId root = test.world.robot(test.AddRobot(outline, heights, X_WR)).root;

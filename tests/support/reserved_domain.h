@@ -13,12 +13,12 @@
 
 namespace troupe::test {
 
-// A free domain, kept until this process ends. What keeps it is the name of a Unix socket in the abstract namespace:
+// A free domain, reserved until this process ends by the name of a Unix socket in the abstract namespace:
 // such names end with their process, whatever ends it, and are those of one network namespace, as the loopback
 // interface is.
 inline std::uint32_t ReserveDomain() {
-  // From 1, because 0 is everybody's, and so few because the ports of higher ones are among those that Linux gives to
-  // any socket.
+  // From 1, because 0 is the default of all programs; to so low a limit, because higher domains use ports of the range
+  // that Linux assigns to any socket.
   constexpr std::uint32_t kDomains = 100;
   const int holder = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   for (std::uint32_t i = 0; i < kDomains; ++i) {

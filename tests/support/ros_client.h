@@ -20,14 +20,14 @@ class Client {
         writer_(participant.publisher(), request_topic_, ros::Service()),
         reader_(participant.subscriber(), response_topic_, ros::Service()) {}
 
-  // Calls, and gives the answer to `check`.
+  // Sends the request, waits for its response and passes that to `check`.
   template <typename Check>
   void Call(const Request& request, const Check& check) {
     Send(request);
-    ASSERT_TRUE(Eventually([&] { return Take(check); }));
+    ASSERT_TRUE(Eventually([&] { return Receive(check); }));
   }
 
-  // Calls, and does not wait for the answer.
+  // Sends the request without waiting for a response.
   void Send(Request request) {
     ASSERT_TRUE(Eventually([&] {
       return writer_.publication_matched_status().current_count > 0 &&
@@ -38,9 +38,9 @@ class Client {
     writer_.write(request);
   }
 
-  // Gives the answer to `check`, if it has come.
+  // Passes the response to `check` if it has arrived; returns whether it has.
   template <typename Check>
-  bool Take(const Check& check) {
+  bool Receive(const Check& check) {
     bool answered = false;
     for (const auto sample : reader_.take()) {
       EXPECT_EQ(sample.data().client_guid, 4711u);

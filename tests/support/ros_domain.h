@@ -1,4 +1,4 @@
-// A ROS domain of this test process' own, on the loopback interface.
+// A ROS domain that only this test process uses, on the loopback interface.
 #pragma once
 
 #include "common/ros/ros_options.h"

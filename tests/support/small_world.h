@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/model/world_description.h"
+#include "tests/support/ray_sensors.h"
 
 namespace troupe {
 
@@ -40,10 +41,10 @@ class SmallWorld {
     return RobotId(world_.robots.size() - 1);
   }
 
-  // A ranger mounted at X_RM. Returns its index among the robot's rangers.
+  // A ranger mounted at X_RM. Returns its index among the robot's sensors.
   std::size_t AddRanger(RobotId robot, const Pose& X_RM, std::vector<RaySensorDescription> sensors) {
     RobotDescription& description = world_.robots[robot.index()];
-    const std::size_t index = description.rangers.size();
+    const std::size_t index = description.sensors.size();
     ModelDescription model;
     model.name = description.name + ".ranger:" + std::to_string(index);
     model.type = "ranger";
@@ -51,12 +52,12 @@ class SmallWorld {
     model.X_PM = X_RM;
     model.shape = ShapeId(world_.shapes.size());
     world_.shapes.emplace_back();  // a ranger has no body
-    RangerDescription ranger;
+    SensorDescription ranger;
     ranger.name = "ranger:" + std::to_string(index);
     ranger.model = ModelId(world_.models.size());
-    ranger.sensors = std::move(sensors);
+    ranger.parameters = RangerParameters{std::move(sensors)};
     world_.models.push_back(model);
-    description.rangers.push_back(ranger);
+    description.sensors.push_back(ranger);
     return index;
   }
 

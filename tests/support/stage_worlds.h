@@ -1,4 +1,5 @@
-// Worlds of the Stage project, which are not part of this one: tests that need them skip without.
+// The sample worlds of the Stage project, which are not part of this one. Tests that need them are skipped without
+// them.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +7,7 @@
 
 namespace troupe::test {
 
-// Their folder: TROUPE_STAGE_WORLDS, or beside the checkout. It may be missing.
+// Their folder, which may not exist: TROUPE_STAGE_WORLDS, or one beside the checkout.
 inline std::string StageWorldsFolder() {
   if (const char* folder = std::getenv("TROUPE_STAGE_WORLDS")) return folder;
   const char* source = std::getenv("TROUPE_SOURCE_DIR");

@@ -27,7 +27,7 @@ inline DriveDescription UnboundedDrive() {
 
 class TestWorld {
  public:
-  // A model that stands in the world or, with a parent, on another model; returns its id for changing it further.
+  // Adds a model to the world or, with a parent, to another model; returns its id.
   ModelId AddModel(std::vector<Block> blocks, const Pose& X_PM = {}, std::optional<ModelId> parent = {}) {
     ModelDescription model;
     model.name = "m" + std::to_string(world.models.size());

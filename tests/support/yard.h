@@ -8,7 +8,7 @@
 
 namespace troupe {
 
-// Robots with noisy sonars that wander and expand: six in a walled yard, the others in rows beside it.
+// Robots with noisy sonars and the controllers wander and expand: six in a walled yard, the others in rows beside it.
 inline WorldDescription Yard(int robots = 6) {
   SmallWorld world;
   for (int side = 0; side < 4; ++side) {

@@ -1,4 +1,4 @@
-// What is wrong with a ROS map.
+// Faults of ROS maps.
 #include <gtest/gtest.h>
 
 #include "tests/worldfile/world_folder.h"
@@ -232,7 +232,7 @@ const BadMap kBadMaps[] = {
      "w.yaml:7:14: error: found 0 for 'wall_height', expected 0.001 to 1000000"},
 };
 
-TEST(BadMapYaml, GivesOneLineThatSaysWhereAndWhatWasExpected) {
+TEST(BadMapYaml, GivesOneLineWithThePlaceAndTheExpectedText) {
   WorldFolder folder;
   for (const BadMap& map : kBadMaps) {
     folder.Write("w.yaml", map.text);

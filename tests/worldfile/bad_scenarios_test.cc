@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/worldfile/scenario.h"
+#include "common/worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {
@@ -164,7 +164,7 @@ std::vector<BadScenario> BadScenarios() {
       {"TwoFaultsFirstOneTold", Alone("\"ticks\": -1, \"robots\": [{\"pose\": 1}], \"foo\": 1"),
        ":2:10: error: found the number -1, expected a number of ticks, an integer of at least 0"},
 
-      // What a schema cannot say.
+      // Faults beyond a schema.
       {"RegionOfThreeNumbers", Alone("\"spawn\": [{\"model\": \"position\", \"count\": 1, \"region\": [0, 0, 1]}]"),
        ":2:55: error: found 3 numbers, expected [xmin, ymin, xmax, ymax]"},
       {"RegionUpsideDown", Alone("\"spawn\": [{\"model\": \"position\", \"count\": 1, \"region\": [0, 1, 1, 0]}]"),
@@ -194,7 +194,7 @@ std::vector<BadScenario> BadScenarios() {
       {"UnknownDefaultController", Alone("\"controller\": {\"name\": \"wonder\"}"),
        ":2:15: error: unknown controller 'wonder', expected idle"},
 
-      // What does not fit the world.
+      // Faults that depend on the world.
       {"WorldIsMissing", "{\n  \"world\": \"../no.world\"}",
        ":2:12: error: cannot read 'no.world' (No such file or directory), expected a readable file"},
       {"WorldIsAFolder", "{\"world\": \"../include\"}", ":1:11: error: found 'include', expected a regular file"},
@@ -275,13 +275,14 @@ std::vector<BadScenario> BadScenarios() {
 
 class BadScenarioTest : public testing::TestWithParam<BadScenario> {};
 
-TEST_P(BadScenarioTest, IsRefusedWithItsPlaceAndWhatWasExpected) {
+TEST_P(BadScenarioTest, IsRefusedWithItsPlaceAndTheExpectedText) {
   const char* source = std::getenv("TROUPE_SOURCE_DIR");
   ASSERT_NE(source, nullptr);
   const std::string path = std::string(source) + "/worlds/scenarios/bad.json";
   LoadOverrides overrides;
-  overrides.check_controller = [](const std::string& name, const std::string&) {
-    return name == "idle" || name.ends_with(".so") ? "" : "unknown controller '" + name + "', expected idle";
+  overrides.check_controller = [](const std::string& name, const std::string&) -> Status {
+    if (name == "idle" || name.ends_with(".so")) return Status();
+    return Error{{}, "unknown controller '" + name + "', expected idle"};
   };
   const Result<LoadedWorld> loaded = LoadScenarioText(GetParam().text, path, overrides);
   ASSERT_FALSE(loaded.ok());

@@ -1,4 +1,4 @@
-// What the lexer, the parser and the defines refuse.
+// Texts that the lexer, the parser and the defines refuse.
 #include <gtest/gtest.h>
 
 #include "tests/worldfile/world_folder.h"
@@ -143,7 +143,7 @@ const BadSyntax kBadSyntaxs[] = {
      "w.world:1:17: error: found macro 'a' inside itself, expected no loop of defines"},
 };
 
-TEST(BadSyntax, GivesOneLineThatSaysWhereAndWhatWasExpected) {
+TEST(BadSyntax, GivesOneLineWithThePlaceAndTheExpectedText) {
   WorldFolder folder;
   for (const BadSyntax& world : kBadSyntaxs) {
     folder.Write("w.world", world.text);

@@ -235,7 +235,7 @@ const BadValue kBadValues[] = {
      "w.world:1:35: error: found -1 for 'update_interval', expected 0 to 1000000000"},
 };
 
-TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
+TEST(BadValues, GivesOneLineWithThePlaceAndTheExpectedText) {
   WorldFolder folder;
   for (const BadValue& world : kBadValues) {
     folder.Write("w.world", world.text);
@@ -243,7 +243,7 @@ TEST(BadValues, GivesOneLineThatSaysWhereAndWhatWasExpected) {
   }
 }
 
-// Every number is within its limit, but what they add up to is not.
+// Every number is within its limit, but their sums are not.
 TEST(BadValues, SumsBeyondReachAreRefused) {
   WorldFolder folder;
   const auto error_of = [&](const std::string& text) {

@@ -16,7 +16,7 @@ using testing::SizeIs;
 LoadedWorld LoadGood(const std::string& text) {
   LoadedWorld loaded = WorldFolder().LoadText(text);
   const Status status = Validate(loaded.world);
-  EXPECT_FALSE(status.has_value()) << status->message;
+  EXPECT_TRUE(status.ok()) << status.error().message;
   return loaded;
 }
 
@@ -29,7 +29,7 @@ ModelId ModelCalled(const WorldDescription& world, const std::string& name) {
 }
 
 Pose PoseOf(const WorldDescription& world, const std::string& name) {
-  return ModelPoses(world, InitialState(world))[ModelCalled(world, name).index()];
+  return ModelPoses(world, PlacedState(world))[ModelCalled(world, name).index()];
 }
 
 std::vector<std::string> JointNames(const WorldDescription& world) {
@@ -147,7 +147,7 @@ TEST_F(StageGripper, ItsBodyIsBehindThePaddlesAndBesideTheRobot) {
 }
 
 TEST_F(StageGripper, ClosesUntilThePaddlesMeetAndLiftsToItsTopInTwoSeconds) {
-  WorldState state = InitialState(world_);
+  WorldState state = PlacedState(world_);
   for (std::size_t i = 0; i < world_.joints.size(); ++i) state.joints[i].position = world_.joints[i].position.max;
   const std::vector<Pose> X_WM = ModelPoses(world_, state);
   EXPECT_NEAR(X_WM[ModelCalled(world_, "r.hand.left_paddle").index()].y, 0.015, 1e-12);
@@ -223,7 +223,7 @@ TEST(Grippers, OriginMovesThemAsAWhole) {
   EXPECT_NEAR(PoseOf(loaded.world, "r.g.left_paddle").x, 0.134, 1e-12);
 }
 
-TEST(Grippers, TakeThePartsThatTheirPropertiesName) {
+TEST(Grippers, UseThePartsThatTheirPropertiesName) {
   const LoadedWorld loaded = LoadGood(
       "define part actuator( size [0.2 0.02 0.1] stack_children 0 max_position 0.1 )\n"
       "position( name \"r\" stack_children 0\n"
@@ -257,7 +257,7 @@ TEST(Grippers, AreWrittenInJsonAlike) {
       {"name": "r", "model": "actuator", "properties": {"axis": [0, 1, 0], "max_position": 0.1}}]},
     {"name": "hand", "model": "gripper", "properties": {"paddle_state": ["closed", "down"], "max_height": 2}}]}]})");
   const WorldDescription world = folder.Load("s.json").world;
-  EXPECT_FALSE(Validate(world).has_value());
+  EXPECT_TRUE(Validate(world).ok());
   EXPECT_THAT(JointNames(world),
               ElementsAre("gripper:0.l", "gripper:0.r", "hand.lift", "hand.left_paddle", "hand.right_paddle"));
   ASSERT_THAT(world.grippers, SizeIs(2));
@@ -280,7 +280,7 @@ TEST(Grippers, OnNoRobotAreBodies) {
               ElementsAre("w.world:1:1: warning: this gripper is on no robot, so it is only a body"));
 }
 
-TEST(Grippers, WhatHasNoEffectIsNamed) {
+TEST(Grippers, PropertiesWithoutEffectAreNamed) {
   EXPECT_THAT(
       WorldFolder().WarningsOf(
           "define part actuator( axis [0 1 0] )\n"
@@ -288,7 +288,7 @@ TEST(Grippers, WhatHasNoEffectIsNamed) {
           "  gripper( left_finger \"actuator:0\" right_finger \"actuator:1\" paddle_speed 1 max_height 2\n"
           "    part( obstacle_return 0 ) part( axis [0 -1 0] ) ) )\n"),
       ElementsAre("w.world:2:68: warning: property 'gripper_return' has no effect on a robot: none of its parts can be "
-                  "taken",
+                  "gripped",
                   "w.world:2:33: warning: property 'vDistanceDivision' has no effect beside 'lift_speed'",
                   "w.world:3:63: warning: property 'paddle_speed' has no effect in a 'gripper'",
                   "w.world:3:78: warning: property 'max_height' has no effect in a 'gripper'",
@@ -307,7 +307,7 @@ TEST(Objects, AreModelsWithGripperReturnThatAreOnNoRobot) {
   EXPECT_EQ(loaded.world.model(ModelCalled(loaded.world, "r.part")).parent, ModelCalled(loaded.world, "r"));
 }
 
-TEST(Objects, OnStandingModelsArePlacedInTheWorldWithWhatBelongsToThem) {
+TEST(Objects, OnStaticModelsArePlacedInTheWorldWithTheirParts) {
   const LoadedWorld loaded = LoadGood(
       "define box model( size [0.2 0.2 0.2] gripper_return 1 model( name \"lid\" size [0.2 0.2 0.01] ) )\n"
       "model( name \"table\" pose [1 2 0 90] size [1 1 0.7]\n"

@@ -1,5 +1,5 @@
-// The language: comments, line ends, defines, includes, and what of them is worth a warning.
-#include "common/worldfile/stage_parser.h"
+// The language: comments, line ends, defines, includes, and the warnings about them.
+#include "common/worldfile/stage/stage_parser.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -17,8 +17,8 @@ WorldTree Parse(const std::string& text, const ParseOptions& options = {}) {
   return std::move(tree).value();
 }
 
-double NumberOf(const Entity& entity, const std::string& name) {
-  const Property* property = entity.Find(name);
+double NumberOf(const WorldNode& node, const std::string& name) {
+  const Property* property = node.Find(name);
   return property == nullptr ? -1.0 : std::get<Value::Number>(property->value.content).value;
 }
 
@@ -69,19 +69,19 @@ TEST(Language, LongTokensAreRead) {
 
 TEST(Language, LaterPropertyReplacesEarlierOne) {
   const WorldTree tree = Parse("define m model( a 1 b 1 c 1 )\ndefine n m( b 2 c 2 )\nn( c 3 c 4 )\n");
-  const Entity& entity = tree.world.children[0];
-  EXPECT_EQ(NumberOf(entity, "a"), 1.0);
-  EXPECT_EQ(NumberOf(entity, "b"), 2.0);
-  EXPECT_EQ(NumberOf(entity, "c"), 4.0);
-  EXPECT_EQ(entity.properties.size(), 3u);
-  EXPECT_THAT(entity.macros, ElementsAre("n", "m"));
+  const WorldNode& node = tree.world.children[0];
+  EXPECT_EQ(NumberOf(node, "a"), 1.0);
+  EXPECT_EQ(NumberOf(node, "b"), 2.0);
+  EXPECT_EQ(NumberOf(node, "c"), 4.0);
+  EXPECT_EQ(node.properties.size(), 3u);
+  EXPECT_THAT(node.macros, ElementsAre("n", "m"));
 }
 
 TEST(Language, ChildrenOfMacrosComeFirstAndAreKept) {
   const WorldTree tree = Parse("define m model( model( a 1 ) )\ndefine n m( model( a 2 ) )\nn( model( a 3 ) )\n");
-  const Entity& entity = tree.world.children[0];
-  ASSERT_EQ(entity.children.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(NumberOf(entity.children[i], "a"), static_cast<double>(i + 1));
+  const WorldNode& node = tree.world.children[0];
+  ASSERT_EQ(node.children.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(NumberOf(node.children[i], "a"), static_cast<double>(i + 1));
 }
 
 TEST(Language, MacrosMayBeUsedInsideOthersInAnyOrderOfDefines) {
@@ -91,7 +91,7 @@ TEST(Language, MacrosMayBeUsedInsideOthersInAnyOrderOfDefines) {
   EXPECT_EQ(tree.world.children[0].children[0].type, "ranger");
 }
 
-TEST(Language, MacroMayHoldWhatItIsMadeFrom) {
+TEST(Language, MacroMayContainItsBaseType) {
   const WorldTree tree = Parse("define part model( )\ndefine whole part( part( ) )\nwhole( part( whole( ) ) )\n");
   ASSERT_EQ(tree.world.children[0].children.size(), 2u);
   EXPECT_EQ(tree.world.children[0].children[1].children.size(), 1u);
@@ -134,7 +134,7 @@ TEST(Language, RestOfTheLineOfAnIncludeIsIgnored) {
   EXPECT_EQ(tree.world.Find("b"), nullptr);
   EXPECT_EQ(NumberOf(tree.world, "c"), 3.0);
   ASSERT_EQ(tree.warnings.size(), 1u);
-  EXPECT_EQ(tree.warnings[0].ToString(), "w.world:1:9: warning: what follows an include on its line is ignored");
+  EXPECT_EQ(tree.warnings[0].ToString(), "w.world:1:9: warning: the text after an include on its line is ignored");
 }
 
 TEST(Language, IncludesAreFoundBesideTheTopFileThenBesideTheNamingFileThenInStagepath) {
@@ -160,9 +160,9 @@ TEST(Language, CommentThatIsNotUtf8IsAWarning) {
   EXPECT_EQ(tree.warnings[0].ToString(), "w.world:2:4: warning: a comment is not UTF-8");
 }
 
-TEST(Language, InstantiateMakesWhatTheFileWould) {
+TEST(Language, InstantiateEqualsTheNodeOfAFile) {
   const WorldTree tree = Parse("define rob position( a 1 ranger( ) )\n");
-  const Result<Entity> made = Instantiate(tree, "rob", {"s.json", 3, 4});
+  const Result<WorldNode> made = Instantiate(tree, "rob", {"s.json", 3, 4});
   ASSERT_TRUE(made.ok());
   EXPECT_EQ(made.value().type, "position");
   EXPECT_EQ(NumberOf(made.value(), "a"), 1.0);

@@ -42,14 +42,14 @@ class ManipulationScenario : public testing::Test {
     for (const Event& event : run_->events()) count += event.type == type;
     return count;
   }
-  // What stopped the robot first.
+  // The obstacle that stopped the robot first.
   std::string OtherOfFirstStall(const std::string& robot) const {
     for (const Event& event : run_->events()) {
       if (event.type == EventType::kStallBegan && event.robot == run_->Find(robot)) return NameOf(event.other);
     }
     return "";
   }
-  // Says what happened, for a test that fails.
+  // The events so far, for a test that fails.
   std::string Story() const {
     std::string text;
     for (const Event& event : run_->events()) {
@@ -59,8 +59,8 @@ class ManipulationScenario : public testing::Test {
     }
     for (std::size_t i = 0; i < world().objects.size(); ++i) {
       const ObjectState& object = run_->state().objects[i];
-      text += NameOf(world().objects[i]) + " " + std::to_string(object.X_WO.x) + " " + std::to_string(object.X_WO.y) + " " +
-              std::to_string(object.X_WO.z) + " mode " + std::to_string(static_cast<int>(object.mode)) + "\n";
+      text += NameOf(world().objects[i]) + " " + std::to_string(object.X_WO.x) + " " + std::to_string(object.X_WO.y) +
+              " " + std::to_string(object.X_WO.z) + " mode " + std::to_string(static_cast<int>(object.mode)) + "\n";
     }
     return text;
   }
@@ -70,7 +70,7 @@ class ManipulationScenario : public testing::Test {
 
 constexpr double kCentimetre = 0.01;
 
-TEST_F(ManipulationScenario, StackingBuildsATowerTakesItDownAndBuildsItElsewhereInReverseOrder) {
+TEST_F(ManipulationScenario, StackingBuildsATowerAndMovesItElsewhereInReverseOrder) {
   RunScenario("stacking");
   SCOPED_TRACE(Story());
   double height = 0.0;
@@ -121,17 +121,17 @@ TEST_F(ManipulationScenario, MarinaBringsTheBoatFromItsBerthToTheWater) {
   EXPECT_EQ(CountEvents(EventType::kStallBegan), 0);
 }
 
-TEST_F(ManipulationScenario, LabRobotsMeetThingsAtEveryHeight) {
+TEST_F(ManipulationScenario, LabRobotsTouchObstaclesAtEveryHeight) {
   RunScenario("lab");
   SCOPED_TRACE(Story());
   struct Meeting {
     const char* robot;
     const char* other;
-    double x;  // m, where it stands then
+    double x;  // m, its place then
   };
   const Meeting meetings[] = {
-      {"body_at_cabinet", "cabinet", -1.3603},      {"laser_at_bench", "bench", 1.9},
-      {"mast_at_table", "table3", 1.065},           {"gripper_at_table", "table5", -0.148},
+      {"body_at_cabinet", "cabinet", -1.3603},   {"laser_at_bench", "bench", 1.9},
+      {"mast_at_table", "table3", 1.065},        {"gripper_at_table", "table5", -0.148},
       {"load_at_table", "table2", 1.0980 - 0.5},
   };
   for (const Meeting& meeting : meetings) {

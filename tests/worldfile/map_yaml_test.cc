@@ -1,5 +1,5 @@
 // ROS maps.
-#include "common/worldfile/map_yaml.h"
+#include "common/worldfile/map/map_yaml.h"
 
 #include "common/geometry/pose.h"
 #include "tests/worldfile/world_folder.h"

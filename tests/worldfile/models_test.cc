@@ -1,4 +1,4 @@
-// What models become: bodies, sizes, places, names, colours.
+// The descriptions of models: bodies, sizes, places, names, colours.
 #include "common/geometry/pose.h"
 #include "common/model/model_poses.h"
 #include "tests/worldfile/world_folder.h"
@@ -92,7 +92,8 @@ TEST(Models, BlockWithoutHeightShapesTheOthersButIsLeftOut) {
   ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {-2, -2, 0, 0});
   EXPECT_THAT(
       folder.WarningsOf(text),
-      ElementsAre("w.world:2:1: warning: this block has no height (its 'z' is missing or empty), so nothing meets it"));
+      ElementsAre(
+          "w.world:2:1: warning: this block has no height (its 'z' is missing or empty), so nothing can touch it"));
 }
 
 TEST(Models, OriginMovesTheBodyButNotTheChildren) {
@@ -100,7 +101,7 @@ TEST(Models, OriginMovesTheBodyButNotTheChildren) {
       WorldFolder().LoadText("model( size [1 1 1] origin [1 0 0.5 90] pose [5 0 0 0] model( ) )");
   ExpectNear(BoundsOf(ShapeOf(loaded, 0)), {0.5, -0.5, 1.5, 0.5});
   EXPECT_EQ(ShapeOf(loaded, 0).blocks[0].z, (ZRange{0.5, 1.5}));
-  const std::vector<Pose> poses = ModelPoses(loaded.world, InitialState(loaded.world));
+  const std::vector<Pose> poses = ModelPoses(loaded.world, PlacedState(loaded.world));
   EXPECT_EQ(poses[1], (Pose{5, 0, 1, 0}));
 }
 
@@ -108,7 +109,7 @@ TEST(Models, ChildrenAreStackedUnlessToldOtherwise) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "model( size [1 1 2] pose [1 2 3 90] model( pose [1 0 0.5 0] ) )\nmodel( stack_children 0 size [1 1 2] model( ) "
       ")\n");
-  const std::vector<Pose> poses = ModelPoses(loaded.world, InitialState(loaded.world));
+  const std::vector<Pose> poses = ModelPoses(loaded.world, PlacedState(loaded.world));
   EXPECT_NEAR(poses[1].x, 1.0, 1e-12);
   EXPECT_NEAR(poses[1].y, 3.0, 1e-12);
   EXPECT_NEAR(poses[1].z, 5.5, 1e-12);

@@ -1,10 +1,10 @@
-// The demo and the swarm of worlds/scenarios do what they are there to show.
+// The demo and the swarm of worlds/scenarios behave as intended.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "common/worldfile/scenario.h"
+#include "common/worldfile/scenario/scenario.h"
 #include "tests/worldfile/scenario_run.h"
 
 namespace troupe {

@@ -1,5 +1,6 @@
-// What `position` and `ranger` models become: robots with drives, localization, sensors and controllers.
+// The descriptions of `position` and `ranger` models: robots with drives, localization, sensors and controllers.
 #include "common/geometry/pose.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -27,7 +28,7 @@ TEST(Robots, DefaultsAreThoseOfStage) {
   EXPECT_EQ(robot.drive.acceleration, robot.drive.velocity);
   EXPECT_EQ(robot.localization.type, LocalizationType::kGps);
   EXPECT_EQ(robot.controller.name, "idle");
-  EXPECT_THAT(robot.rangers, IsEmpty());
+  EXPECT_THAT(robot.sensors, IsEmpty());
 }
 
 TEST(Robots, DriveIsRead) {
@@ -78,11 +79,11 @@ TEST(Robots, SensorsRayHeightIncludesHalfTheSensor) {
   const RobotDescription robot = RobotOf(
       "position( ranger( origin [0.1 0 0.5 90] sensor( pose [1 0 0.2 0] size [1 1 0.06] range [0.5 8] fov 90 samples 7 "
       "noise [0.01 0.02 1] ) sensor( ) ) )");
-  ASSERT_EQ(robot.rangers.size(), 1u);
-  EXPECT_EQ(robot.rangers[0].name, "ranger:0");
-  EXPECT_EQ(robot.rangers[0].model, ModelId(1));
-  ASSERT_EQ(robot.rangers[0].sensors.size(), 2u);
-  const RaySensorDescription& sensor = robot.rangers[0].sensors[0];
+  ASSERT_EQ(robot.sensors.size(), 1u);
+  EXPECT_EQ(robot.sensors[0].name, "ranger:0");
+  EXPECT_EQ(robot.sensors[0].model, ModelId(1));
+  ASSERT_EQ(RaySensors(robot.sensors[0]).size(), 2u);
+  const RaySensorDescription& sensor = RaySensors(robot.sensors[0])[0];
   EXPECT_NEAR(sensor.X_MS.x, 0.1, 1e-12);
   EXPECT_NEAR(sensor.X_MS.y, 1.0, 1e-12);
   EXPECT_NEAR(sensor.X_MS.z, 0.73, 1e-12);
@@ -93,7 +94,7 @@ TEST(Robots, SensorsRayHeightIncludesHalfTheSensor) {
   EXPECT_EQ(sensor.noise_variance, 0.01);
   EXPECT_EQ(sensor.noise_proportional, 0.02);
   EXPECT_NEAR(sensor.noise_angle, kPi / 180.0, 1e-15);
-  const RaySensorDescription& standard = robot.rangers[0].sensors[1];
+  const RaySensorDescription& standard = RaySensors(robot.sensors[0])[1];
   EXPECT_NEAR(standard.X_MS.z, 0.51, 1e-12);
   EXPECT_EQ(standard.range, (Interval{0.0, 5.0}));
   EXPECT_EQ(standard.fov, 0.1);
@@ -104,14 +105,14 @@ TEST(Robots, UpdateIntervalsAreRoundedUpToTicks) {
   for (const auto& [interval, ticks] : {std::pair("100", 1u), {"40", 1u}, {"0", 1u}, {"101", 2u}, {"250", 3u}}) {
     const RobotDescription robot =
         RobotOf(std::string("position( ranger( sensor( ) update_interval ") + interval + " ) )");
-    EXPECT_EQ(robot.rangers[0].period_ticks, ticks) << interval;
+    EXPECT_EQ(robot.sensors[0].period_ticks, ticks) << interval;
   }
 }
 
 TEST(Robots, FullTurnInRadiansMayBeRoundedUp) {
   const RobotDescription robot =
       RobotOf("unit_angle \"radians\"\nposition( ranger( sensor( fov 6.2832 samples 2 ) ) )");
-  EXPECT_EQ(robot.rangers[0].sensors[0].fov, 2.0 * kPi);
+  EXPECT_EQ(RaySensors(robot.sensors[0])[0].fov, 2.0 * kPi);
 }
 
 TEST(Robots, ControllersOfStageMapToOurs) {
@@ -126,7 +127,7 @@ TEST(Robots, UnknownControllerIdlesWithAWarning) {
   EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"fasr 1 2\" )"),
               ElementsAre("w.world:1:16: warning: controller 'fasr' is not known; the robot has none"));
   EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"wander fast\" )"),
-              ElementsAre("w.world:1:16: warning: what follows the name of controller 'wander' is ignored"));
+              ElementsAre("w.world:1:16: warning: the text after the name of controller 'wander' is ignored"));
 }
 
 TEST(Robots, ControllerOfTheCommandLineIsForRobotsWithoutOne) {
@@ -159,8 +160,8 @@ TEST(Robots, PositionOnARobotMovesWithIt) {
   const std::string text = "position( model( position( ranger( sensor( ) ) ) ) )";
   const LoadedWorld loaded = folder.LoadText(text);
   ASSERT_EQ(loaded.world.robots.size(), 1u);
-  ASSERT_EQ(loaded.world.robots[0].rangers.size(), 1u);
-  EXPECT_EQ(loaded.world.robots[0].rangers[0].name, "model:0.position:0.ranger:0");
+  ASSERT_EQ(loaded.world.robots[0].sensors.size(), 1u);
+  EXPECT_EQ(loaded.world.robots[0].sensors[0].name, "model:0.position:0.ranger:0");
   EXPECT_EQ(loaded.world.models[2].parent, ModelId(1));
   EXPECT_THAT(folder.WarningsOf(text), ElementsAre(HasSubstr("its own drive is not simulated")));
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/model/model_poses.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -28,15 +29,15 @@ class StageWorlds : public testing::Test {
       return {};
     }
     const Status fault = Validate(world.value().world);
-    if (fault) ADD_FAILURE() << fault->ToString();
+    if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
     return std::move(world).value();
   }
 
   // The height of a ray above the ground.
   static double RayHeight(const LoadedWorld& loaded, std::size_t robot, std::size_t ranger) {
-    const RangerDescription& description = loaded.world.robots[robot].rangers[ranger];
-    return ModelPoses(loaded.world, InitialState(loaded.world))[description.model.index()].z +
-           description.sensors[0].X_MS.z;
+    const SensorDescription& description = loaded.world.robots[robot].sensors[ranger];
+    return ModelPoses(loaded.world, PlacedState(loaded.world))[description.model.index()].z +
+           RaySensors(description)[0].X_MS.z;
   }
 
   std::string folder_;
@@ -63,10 +64,10 @@ TEST_F(StageWorlds, SimpleWorldLoads) {
 
 TEST_F(StageWorlds, RangersOfThePioneerHaveTheirHeights) {
   const LoadedWorld loaded = Load("simple.world");
-  ASSERT_EQ(loaded.world.robots[0].rangers.size(), 2u);
-  EXPECT_EQ(loaded.world.robots[0].rangers[0].name, "ranger:0");
-  EXPECT_EQ(loaded.world.robots[0].rangers[0].sensors.size(), 16u);
-  EXPECT_EQ(loaded.world.robots[0].rangers[1].sensors[0].samples, 180u);
+  ASSERT_EQ(loaded.world.robots[0].sensors.size(), 2u);
+  EXPECT_EQ(loaded.world.robots[0].sensors[0].name, "ranger:0");
+  EXPECT_EQ(RaySensors(loaded.world.robots[0].sensors[0]).size(), 16u);
+  EXPECT_EQ(RaySensors(loaded.world.robots[0].sensors[1])[0].samples, 180u);
   // On top of the robot (0.22) and 0.03 lower, plus half of the 0.01 high sonar.
   EXPECT_NEAR(RayHeight(loaded, 0, 0), 0.195, 1e-12);
   // On top of the robot, the sensor 0.1 higher, plus half of its default height.

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "common/worldfile/scenario.h"
+#include "common/worldfile/scenario/scenario.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
 
@@ -53,7 +53,7 @@ TEST_F(UnderTableScenario, ALegStallsTheLowRobotToo) {
   EXPECT_FALSE(run_.InsideSomething("leg"));
 }
 
-TEST_F(UnderTableScenario, RobotsThatMeetHeadOnStallAtContact) {
+TEST_F(UnderTableScenario, RobotsThatCollideHeadOnStallAtContact) {
   for (const std::string speed : {"slow", "fast"}) {
     const std::string east = speed + "_east";
     const std::string west = speed + "_west";
@@ -89,7 +89,7 @@ class LabTable : public testing::Test {
     return LoadAndRun(LoadScenarioText(text, SourceFolder() + "/worlds/include/lab.json"), ticks);
   }
 
-  // The place of what the guest meets.
+  // The place of the obstacle in the guest's way.
   static Pose MetPose(ScenarioRun& run) {
     const std::string name = run.MetWithinOneMillimetre("guest");
     const WorldDescription& world = run.scene().world();

@@ -38,7 +38,7 @@ TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
       ElementsAre("w.world:2:11: warning: 'skirt' is only a body: 'bumper' models are not simulated yet"));
 }
 
-TEST(Warnings, ValuesThatStageTakesInAnotherWayAreNamed) {
+TEST(Warnings, ValuesThatStageReadsInAnotherWayAreNamed) {
   EXPECT_THAT(
       WorldFolder().WarningsOf("model( pose [1 2 3 4 5]\n color \"reddish\"\n fiducial_return 1.5 )\n"
                                "model( color \"red\" color_rgba [1 1 1 1]\n)\nmodel( color_rgba [2 0 0 1] )\n"

@@ -51,7 +51,7 @@ LoadedWorld WorldFolder::Load(const std::string& name, const LoadOverrides& over
     return {};
   }
   const Status fault = Validate(world.value().world);
-  if (fault) ADD_FAILURE() << fault->ToString();
+  if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
   return std::move(world).value();
 }
 

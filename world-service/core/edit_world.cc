@@ -4,34 +4,25 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/limits.h"
 #include "world-service/core/find_overlap.h"
-#include "world-service/core/gravity.h"
 #include "world-service/core/grip.h"
+#include "world-service/core/initial_state.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {
 
-// As in every description: beyond, a double has no room left for the touch tolerance.
-constexpr double kMaxCoordinate = 1e6;  // m
+Error Refuse(std::string reason) {
+  return {{}, std::move(reason)};
+}
 
-std::string CheckPose(const Pose& pose) {
+Status CheckPose(const Pose& pose) {
   for (const double number : {pose.x, pose.y, pose.z, pose.heading}) {
-    if (!std::isfinite(number)) return "found a pose that is not finite";
-    if (std::abs(number) > kMaxCoordinate) return "found a pose beyond 1e6, expected one in the world";
+    if (!std::isfinite(number)) return Refuse("found a pose that is not finite");
+    if (std::abs(number) > kMaxMagnitude) return Refuse("found a pose beyond 1e6, expected one in the world");
   }
-  return "";
-}
-
-Error Refuse(std::string why) {
-  return {{}, std::move(why)};
-}
-
-// A state on its way to an edited one. At tick 0 nothing has been found to stand on anything yet; an edit must know.
-StepWorkspace Begin(const Scene& scene, const WorldState& state) {
-  StepWorkspace workspace(scene, state);
-  if (state.tick == 0) FindWhatRests(workspace);
-  return workspace;
+  return Status();
 }
 
 void Fall(ObjectState& object) {
@@ -41,12 +32,12 @@ void Fall(ObjectState& object) {
   object.support = std::nullopt;
 }
 
-// Lets go of the tree of `root`, and lets fall what it carries.
+// Ends all holds of and on the tree of `root`, and lets the objects fall that stand on it.
 void Detach(StepWorkspace& workspace, ModelId root) {
   const WorldDescription& world = workspace.world();
   const std::optional<ObjectId> object = workspace.scene.object_of(root);
   const auto in_tree = [&](const std::optional<ModelId>& model) { return model && IsInTree(world, *model, root); };
-  // Others that only wait for the object forget it first, so that nobody takes it over.
+  // Others that only wait for the object forget it first, so that none of them holds it from then on.
   std::vector<GripperId> holding;
   for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
     GripperState& gripper = workspace.next.grippers[i];
@@ -58,10 +49,10 @@ void Detach(StepWorkspace& workspace, ModelId root) {
     if (in_tree(gripper.left_contact)) gripper.left_contact = std::nullopt;
     if (in_tree(gripper.right_contact)) gripper.right_contact = std::nullopt;
   }
-  for (const GripperId gripper : holding) LetGo(workspace, gripper);
+  for (const GripperId gripper : holding) Release(workspace, gripper);
   if (const std::optional<RobotId> robot = workspace.scene.robot_of(root)) {
     for (const GripperId gripper : workspace.scene.grippers_of(*robot)) {
-      LetGo(workspace, gripper);
+      Release(workspace, gripper);
       workspace.next.grippers[gripper.index()] = {};
     }
     workspace.next.robots[robot->index()].twist = {};
@@ -77,7 +68,7 @@ EditedWorld Finish(StepWorkspace& workspace, std::shared_ptr<const Scene> scene)
   return {std::move(scene), std::move(workspace.next), std::move(workspace.robot_events)};
 }
 
-// Nothing, or what the entity is in the way of.
+// The error names the obstacle that the entity overlaps.
 Status CheckRoom(const EditedWorld& edited, ModelId root) {
   const std::optional<ModelId> obstacle = FindOverlap(*edited.scene, edited.state, root);
   if (!obstacle) return {};
@@ -85,7 +76,7 @@ Status CheckRoom(const EditedWorld& edited, ModelId root) {
   return Refuse("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'");
 }
 
-// Takes the tree of `root` out of the description.
+// Removes the tree of `root` from the description.
 void Remove(WorldDescription& world, ModelId root) {
   auto empty = std::find(world.shapes.begin(), world.shapes.end(), Shape{});
   if (empty == world.shapes.end()) empty = world.shapes.insert(world.shapes.end(), Shape{});
@@ -144,7 +135,7 @@ void Append(WorldDescription& world, const WorldDescription& spawned, const std:
   for (RobotDescription robot : spawned.robots) {
     robot.name = name;
     robot.root = model_id(robot.root);
-    for (RangerDescription& ranger : robot.rangers) ranger.model = model_id(ranger.model);
+    for (SensorDescription& sensor : robot.sensors) sensor.model = model_id(sensor.model);
     world.robots.push_back(std::move(robot));
   }
   for (JointDescription joint : spawned.joints) {
@@ -165,9 +156,9 @@ void Append(WorldDescription& world, const WorldDescription& spawned, const std:
   for (const ModelId object : spawned.objects) world.objects.push_back(model_id(object));
 }
 
-// Adds the initial states of what `world` has more than `state`.
+// Adds the initial states of the robots, joints, grippers and objects that `state` has not.
 void AppendState(const WorldDescription& world, WorldState& state) {
-  const WorldState initial = InitialState(world);
+  const WorldState initial = PlacedState(world);
   const auto append = [](const auto& from, auto& to) {
     to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(to.size()), from.end());
   };
@@ -195,10 +186,10 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
                             const Pose& X_WE) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
-  if (std::string wrong = CheckPose(X_WE); !wrong.empty()) return Refuse(std::move(wrong));
+  if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
-  StepWorkspace workspace = Begin(*scene, state);
+  StepWorkspace workspace(*scene, state);
   Detach(workspace, root.value());
   std::shared_ptr<const Scene> after = scene;
   if (const std::optional<RobotId> robot = scene->robot_of(root.value())) {
@@ -212,7 +203,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
     after = std::make_shared<const Scene>(std::move(world));
   }
   EditedWorld edited = Finish(workspace, std::move(after));
-  if (const Status problem = CheckRoom(edited, root.value())) return *problem;
+  if (const Status problem = CheckRoom(edited, root.value()); !problem.ok()) return problem.error();
   return edited;
 }
 
@@ -220,7 +211,7 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
                                  const std::string& name) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
-  StepWorkspace workspace = Begin(*scene, state);
+  StepWorkspace workspace(*scene, state);
   Detach(workspace, root.value());
   RemoveFromState(*scene, workspace.next, root.value());
   WorldDescription world = scene->world();
@@ -236,7 +227,7 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
     return Refuse("found " + std::to_string(entities) + " models to spawn, expected one, with its parts");
   }
   if (name.empty()) return Refuse("found no name, expected one");
-  if (std::string wrong = CheckPose(X_WE); !wrong.empty()) return Refuse(std::move(wrong));
+  if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
   WorldDescription world = scene->world();
@@ -247,19 +238,19 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
       return Refuse("the name '" + world.models[i].name + "' is in use");
     }
   }
-  if (const Status problem = Validate(world)) return *problem;
+  if (const Status problem = Validate(world); !problem.ok()) return problem.error();
   EditedWorld edited;
   edited.state = state;
   AppendState(world, edited.state);
   edited.scene = std::make_shared<const Scene>(std::move(world));
-  if (const Status problem = CheckRoom(edited, root)) return *problem;
+  if (const Status problem = CheckRoom(edited, root); !problem.ok()) return problem.error();
   return edited;
 }
 
 EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::shared_ptr<const Scene>& scene,
                        const WorldState& state, const ResetScopes& scopes) {
   if (scopes.time && scopes.state && scopes.spawned && scopes.deleted) {
-    return {original, InitialState(original->world()), {}, true};
+    return {original, InitialState(*original), {}, true};
   }
   EditedWorld edited{scene, state, {}, scopes.time || scopes.state};
   const std::vector<ModelDescription>& loaded = original->world().models;
@@ -278,11 +269,8 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     for (std::size_t i = 0; i < loaded.size(); ++i) world.models[i].X_PM = loaded[i].X_PM;
     if (!(world == edited.scene->world())) edited.scene = std::make_shared<const Scene>(std::move(world));
     edited.events.clear();
-    edited.state = InitialState(edited.scene->world());
+    edited.state = InitialState(*edited.scene);
     edited.state.tick = state.tick;
-    StepWorkspace workspace(*edited.scene, edited.state);
-    if (!scopes.time) FindWhatRests(workspace);  // the first step does it else
-    edited.state = std::move(workspace.next);
   }
   if (scopes.time) edited.state.tick = 0;
   return edited;

@@ -1,6 +1,6 @@
-// Edits: changes of a world from outside the simulation, between two steps. Pure functions from a world and its state to
-// another. Ids stay what they are, but in an edit that is `fresh`: what is spawned comes last, and what is deleted keeps
-// its place as a model without a body. Errors are for people.
+// Edits: changes of a world from outside the simulation, between two steps. Pure functions from a world and its state
+// to another. Ids keep their meaning, except in an edit that is `fresh`: a spawned entity is appended, and a deleted
+// one keeps its place as a model without a body. Errors are for people.
 #pragma once
 
 #include <memory>
@@ -18,33 +18,33 @@ namespace troupe {
 struct EditedWorld {
   std::shared_ptr<const Scene> scene;  // the one before, if the description is still the same
   WorldState state;
-  std::vector<Event> events = {};  // of grippers that had to let go
-  bool fresh = false;              // the robots begin anew, as at the start
+  std::vector<Event> events = {};  // of grippers that had to release
+  bool fresh = false;              // the robots are made anew, as at the start
 };
 
-// The entity called `name`: a model without a parent that was not removed. The error says what there is instead.
+// The entity called `name`: a model without a parent that was not removed.
 Result<ModelId> FindEntity(const WorldDescription& world, const std::string& name);
 
-// Puts a robot, an object or a model that stands still somewhere else. What a robot held, and what stood on it, falls.
-// The error is an unknown name, a pose that is not finite, or an obstacle that is there already.
-Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                            const std::string& name, const Pose& X_WE);
+// Sets the pose of a robot, an object or a static model. The payload of a robot falls. The error is an unknown name, a
+// pose that is not finite or beyond 1e6 m, or an obstacle at the pose.
+Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,
+                            const Pose& X_WE);
 
-// Takes an entity away.
+// Removes an entity.
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                  const std::string& name);
 
-// Adds the only entity of the world `spawned`, called `name`. The error is a name that is taken, a pose as in SetPose,
-// or a world that has another number of entities than one.
+// Adds the only entity of the world `spawned`, called `name`. The error is a name in use, a pose as in SetPose, or a
+// world with another number of entities than one.
 Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                 const WorldDescription& spawned, const std::string& name, const Pose& X_WE);
 
-// What a reset concerns.
+// The parts of a world that a reset concerns.
 struct ResetScopes {
   bool time = true;     // back to tick 0
-  bool state = true;    // everything where it was at first, and the robots anew
-  bool spawned = true;  // what was spawned goes
-  bool deleted = true;  // what was deleted comes back; only with all the others
+  bool state = true;    // initial poses, and the robots made anew
+  bool spawned = true;  // spawned entities are removed
+  bool deleted = true;  // deleted entities are restored; only with all the others
 };
 
 // `original`: the world as loaded.

@@ -1,4 +1,4 @@
-// What stands in the way of something that is put into a world.
+// The obstacle at a pose where an entity is to be put.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-// Of the obstacles that the tree of `root` overlaps by more than rounding, the one with the lowest id; parts of the tree
-// itself do not count. REQUIRES: `root` has no parent; the state belongs to the scene's world.
+// Of the obstacles that the tree of `root` overlaps by more than rounding, the one with the lowest id; parts of the
+// tree itself do not count. REQUIRES: `root` has no parent; the state belongs to the scene's world.
 std::optional<ModelId> FindOverlap(const Scene& scene, const WorldState& state, ModelId root);
 
 }  // namespace troupe

@@ -12,12 +12,11 @@ namespace {
 
 // An object this near above a support stands on it, and is put exactly there: far more than rounding, far less than a
 // picture could show.
-constexpr double kSettleReach = 1e-6;  // m
+constexpr double kRestReach = 1e-6;  // m
 
-// What is under an object: the highest top under its footprint.
+// The support of an object: the highest top under its footprint.
 struct Support {
-  double height =
-      -std::numeric_limits<double>::infinity();  // m; infinitely low where there is nothing, not even ground
+  double height = -std::numeric_limits<double>::infinity();  // m; infinitely low without support, not even ground
   bool is_under_center = false;
   std::optional<ModelId> model;  // under the centre; nothing for the ground
   std::optional<ModelId> any;    // of all at that height the one with the lowest id; nothing for the ground
@@ -33,18 +32,18 @@ class SupportFinder {
     center_ = Center();
   }
 
-  // Height of the object's lowest block, m. Only the ground carries what is no obstacle.
+  // Height of the object's lowest block, m. Only the ground supports an object that is no obstacle.
   double bottom() const { return bottom_; }
 
   Support Find() const {
     Support best;
-    if (bottom_ >= -kSettleReach) best = {.height = 0.0, .is_under_center = true, .model = {}, .any = {}};
+    if (bottom_ >= -kRestReach) best = {.height = 0.0, .is_under_center = true, .model = {}, .any = {}};
     const auto consider = [&](const ConvexPiece& piece) {
-      if (!piece.obstacle || piece.z.max > bottom_ + kSettleReach) return;
-      if (piece.z.max < best.height - kSettleReach) return;
+      if (!piece.obstacle || piece.z.max > bottom_ + kRestReach) return;
+      if (piece.z.max < best.height - kRestReach) return;
       if (!IsUnder(piece)) return;
       const bool under_center = Contains(piece.vertices, center_);
-      if (piece.z.max > best.height + kSettleReach) {
+      if (piece.z.max > best.height + kRestReach) {
         best = {piece.z.max, under_center, under_center ? std::optional(piece.model) : std::nullopt, piece.model};
         return;
       }
@@ -73,7 +72,7 @@ class SupportFinder {
  private:
   const std::vector<ConvexPiece>& Pieces() const { return workspace_.bodies.pieces_in_world(body_); }
 
-  // The centre of the object's volume: what has to be over the support.
+  // The centre of the object's volume, which has to be over the support.
   Vec2 Center() const {
     Vec2 sum = Vec2::Zero();
     double area = 0.0;
@@ -92,7 +91,7 @@ class SupportFinder {
 
   bool IsUnder(const ConvexPiece& below) const {
     for (const ConvexPiece& piece : Pieces()) {
-      if (piece.obstacle && piece.z.min >= below.z.max - kSettleReach &&
+      if (piece.obstacle && piece.z.min >= below.z.max - kRestReach &&
           PenetrationDepth(piece.vertices, below.vertices) > kTouchTolerance) {
         return true;
       }
@@ -115,35 +114,35 @@ class SupportFinder {
   Vec2 center_ = Vec2::Zero();
 };
 
-class Settler {
+class ObjectFall {
  public:
-  explicit Settler(StepWorkspace& workspace) : workspace_(workspace) {}
+  explicit ObjectFall(StepWorkspace& workspace) : workspace_(workspace) {}
 
   void Run() {
-    for (ObjectId object : FromTheLowestUp()) {
-      if (Needs(object)) Settle(object);
+    for (ObjectId object : LowestFirst()) {
+      if (NeedsSupport(object)) Move(object);
     }
   }
 
  private:
-  bool Needs(ObjectId id) const {
+  bool NeedsSupport(ObjectId id) const {
     const ObjectState& object = workspace_.next.objects[id.index()];
     if (object.holder) return false;
     return workspace_.needs_support[id.index()] || object.mode == ObjectMode::kFalling || IsBridge(id);
   }
 
-  // Rests on something, but its centre is over nothing that it would go along with: what carries it may go away.
+  // Rests, but its centre is over no support that it would move with: its supports may move away.
   bool IsBridge(ObjectId id) const {
     const ObjectState& object = workspace_.next.objects[id.index()];
     return object.mode == ObjectMode::kResting && !object.support && object.X_WO.z != 0.0;
   }
 
-  std::vector<ObjectId> FromTheLowestUp() const {
+  std::vector<ObjectId> LowestFirst() const {
     std::vector<ObjectId> order;
     bool any = false;
     for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
       order.emplace_back(i);
-      any = any || Needs(ObjectId(i));
+      any = any || NeedsSupport(ObjectId(i));
     }
     if (!any) return {};
     std::stable_sort(order.begin(), order.end(), [&](ObjectId a, ObjectId b) {
@@ -152,12 +151,12 @@ class Settler {
     return order;
   }
 
-  void Settle(ObjectId id) {
+  void Move(ObjectId id) {
     const SupportFinder finder(workspace_, id);
     const ObjectState& object = workspace_.next.objects[id.index()];
     const Support support = finder.Find();
     const double gap = finder.bottom() - support.height;
-    if (gap <= kSettleReach || gap <= workspace_.lowered[id.index()] + kSettleReach) {
+    if (gap <= kRestReach || gap <= workspace_.lowered[id.index()] + kRestReach) {
       Rest(id, support, gap, object.mode == ObjectMode::kFalling);
     } else if (workspace_.world().gravity == 0.0 || support.height == -std::numeric_limits<double>::infinity()) {
       Hang(id);
@@ -202,7 +201,7 @@ class Settler {
                                         .object = workspace_.world().objects[id.index()]});
   }
 
-  // Moves an object down; what stands on it follows.
+  // Moves an object down; the objects that stand on it follow.
   void Lower(ObjectId id, double distance) {
     Pose X_WO = workspace_.next.objects[id.index()].X_WO;
     X_WO.z -= distance;
@@ -220,20 +219,20 @@ class Settler {
 
 }  // namespace
 
-void FindWhatRests(StepWorkspace& workspace) {
+void FindSupports(StepWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& object = workspace.next.objects[i];
     if (object.mode != ObjectMode::kPlaced || workspace.world().model(workspace.world().objects[i]).removed) continue;
     const SupportFinder finder(workspace, ObjectId(i));
     const Support support = finder.Find();
-    if (finder.bottom() - support.height > kSettleReach) continue;
+    if (finder.bottom() - support.height > kRestReach) continue;
     object.mode = ObjectMode::kResting;
     object.support = support.model;
   }
 }
 
 void LetObjectsFall(StepWorkspace& workspace) {
-  Settler(workspace).Run();
+  ObjectFall(workspace).Run();
 }
 
 }  // namespace troupe

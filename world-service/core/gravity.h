@@ -1,14 +1,15 @@
-// Gravity: objects whose support has gone fall straight to the highest support under their footprint, and rest there.
+// Gravity: objects that have lost their support fall straight to the highest support under their footprint, and rest
+// there.
 #pragma once
 
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
 
-// Finds which of the objects that a file placed stand on something. Call it before anything has moved.
-void FindWhatRests(StepWorkspace& workspace);
+// Puts the placed objects that stand on a support to rest on it. Nothing moves.
+void FindSupports(StepWorkspace& workspace);
 
-// Lets objects fall, land and find what they rest on, from the lowest up. Call it when all robots have moved.
+// Lets objects fall, land and find their supports, from the lowest up. Call it when all robots have moved.
 void LetObjectsFall(StepWorkspace& workspace);
 
 }  // namespace troupe

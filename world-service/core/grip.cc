@@ -5,7 +5,7 @@
 namespace troupe {
 namespace {
 
-// What is nearer to a pad than this is touched by it: far more than rounding, far less than a picture could show.
+// A pad touches an object that is nearer than this: far more than rounding, far less than a picture could show.
 constexpr double kPadReach = 1e-6;  // m
 
 bool Touches(const StepWorkspace& workspace, ModelId pad, ObjectId object) {
@@ -23,7 +23,7 @@ bool HasBetweenPads(const StepWorkspace& workspace, const GripperDescription& gr
   return Touches(workspace, gripper.left_pad, object) && Touches(workspace, gripper.right_pad, object);
 }
 
-void Tell(StepWorkspace& workspace, EventType type, GripperId id, ObjectId object) {
+void Report(StepWorkspace& workspace, EventType type, GripperId id, ObjectId object) {
   const GripperDescription& gripper = workspace.world().gripper(id);
   workspace.robot_events.push_back({.tick = workspace.next.tick,
                                     .type = type,
@@ -39,7 +39,7 @@ void Hold(StepWorkspace& workspace, GripperId gripper, ObjectId id) {
   object.support = std::nullopt;
   object.fall_speed = 0.0;
   workspace.needs_support[id.index()] = false;
-  Tell(workspace, EventType::kGripped, gripper, id);
+  Report(workspace, EventType::kGripped, gripper, id);
 }
 
 void UpdateContact(const FingerMotion& finger, ModelId pad, std::optional<ModelId>& contact) {
@@ -50,7 +50,7 @@ void UpdateContact(const FingerMotion& finger, ModelId pad, std::optional<ModelI
 
 }  // namespace
 
-void LetGo(StepWorkspace& workspace, GripperId id) {
+void Release(StepWorkspace& workspace, GripperId id) {
   GripperState& gripper = workspace.next.grippers[id.index()];
   if (!gripper.clamped) return;
   const ObjectId object_id = *gripper.clamped;
@@ -60,7 +60,7 @@ void LetGo(StepWorkspace& workspace, GripperId id) {
   object.holder = std::nullopt;
   object.mode = ObjectMode::kPlaced;
   workspace.needs_support[object_id.index()] = true;
-  Tell(workspace, EventType::kReleased, id, object_id);
+  Report(workspace, EventType::kReleased, id, object_id);
   for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
     if (workspace.next.grippers[i].clamped != object_id) continue;
     if (!HasBetweenPads(workspace, workspace.world().grippers[i], object_id)) continue;
@@ -69,7 +69,7 @@ void LetGo(StepWorkspace& workspace, GripperId id) {
   }
 }
 
-void TakeHold(StepWorkspace& workspace, GripperId id, const FingerMotion& left, const FingerMotion& right) {
+void Grip(StepWorkspace& workspace, GripperId id, const FingerMotion& left, const FingerMotion& right) {
   const GripperDescription& description = workspace.world().gripper(id);
   GripperState& gripper = workspace.next.grippers[id.index()];
   UpdateContact(left, description.left_pad, gripper.left_contact);
@@ -91,7 +91,7 @@ void TakeHold(StepWorkspace& workspace, GripperId id, const FingerMotion& left, 
                                               workspace.world().robot(workspace.world().gripper(*holder).robot).name});
 }
 
-void ForgetWhatIsGone(StepWorkspace& workspace) {
+void DropLostObjects(StepWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
     GripperState& gripper = workspace.next.grippers[i];
     if (!gripper.clamped || workspace.next.objects[gripper.clamped->index()].holder == GripperId(i)) continue;

@@ -1,4 +1,4 @@
-// Taking hold and letting go.
+// Gripping and releasing objects.
 #pragma once
 
 #include <optional>
@@ -8,19 +8,20 @@
 
 namespace troupe {
 
-// Opens a gripper's hold. Another gripper that has the object between its pads takes it over; otherwise it is free.
-void LetGo(StepWorkspace& workspace, GripperId gripper);
+// Ends a gripper's hold. Another gripper that has the object between its pads holds it from then on; otherwise the
+// object is free.
+void Release(StepWorkspace& workspace, GripperId gripper);
 
-// What one finger did in this tick.
+// The motion of one finger in this tick.
 struct FingerMotion {
-  double velocity = 0.0;           // asked for
+  double velocity = 0.0;           // demanded, m/s
   std::optional<Contact> contact;  // that stopped it
 };
 
-// Notes what the pads of a gripper have met, and takes hold of an object that both touch.
-void TakeHold(StepWorkspace& workspace, GripperId gripper, const FingerMotion& left, const FingerMotion& right);
+// Updates the contacts of a gripper's pads, and grips an object that touches both.
+void Grip(StepWorkspace& workspace, GripperId gripper, const FingerMotion& left, const FingerMotion& right);
 
-// Forgets the objects that grippers waited for between their pads and that have been taken away.
-void ForgetWhatIsGone(StepWorkspace& workspace);
+// Ends the contacts of grippers with objects that other grippers hold and have removed from between their pads.
+void DropLostObjects(StepWorkspace& workspace);
 
 }  // namespace troupe

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/model/model_poses.h"
-#include "world-service/core/load.h"
+#include "world-service/core/payload.h"
 
 namespace troupe {
 namespace {
@@ -30,7 +30,7 @@ class MoverBuilder {
   }
   void Exempt(BodyId body) { bodies_.push_back(body); }
 
-  // Good while the builder lives and nothing is added.
+  // Valid until the next Add, while the builder lives.
   Mover Build() {
     std::sort(bodies_.begin(), bodies_.end());
     return {pieces_, radius_, z_, bodies_};
@@ -48,7 +48,7 @@ std::optional<Contact> Earlier(const std::optional<Contact>& a, const std::optio
   return b->time < a->time ? b : a;
 }
 
-// The links of a body that one of them takes along: itself and those below.
+// The links of a body that move with the link `first`: itself and its descendants.
 std::vector<bool> LinksFrom(const Body& body, std::uint32_t first) {
   std::vector<bool> moves(body.links.size(), false);
   moves[first] = true;
@@ -56,11 +56,11 @@ std::vector<bool> LinksFrom(const Body& body, std::uint32_t first) {
   return moves;
 }
 
-// The part of a robot that a joint moves, and what goes along.
+// The part of a robot that a joint moves, and its payload.
 struct JointAssembly {
   BodyId body;
   std::vector<bool> links;  // that move
-  Load load;
+  Payload payload;
   Pose X_WF;  // F: frame of the joint's model at the start
 };
 
@@ -70,16 +70,16 @@ JointAssembly Assemble(const StepWorkspace& workspace, JointId id) {
   JointAssembly assembly;
   assembly.body = scene.body_of(joint.robot);
   assembly.links = LinksFrom(scene.body(assembly.body), scene.link_of(id));
-  assembly.load = FindLoad(workspace, [&](ModelId model) {
+  assembly.payload = FindPayload(workspace, [&](ModelId model) {
     return scene.body_of(model) == assembly.body && assembly.links[scene.link_of(model)];
   });
   assembly.X_WF = workspace.bodies.X_WM(joint.model);
   return assembly;
 }
 
-// The first contact of the part with the world, or of what it carries with the rest of its own robot.
+// The first contact of the part with the world, or of its payload with the rest of its own robot.
 std::optional<Contact> SweepJoint(const StepWorkspace& workspace, const JointAssembly& assembly,
-                                  const std::vector<ObjectId>& load, const Motion& motion) {
+                                  const std::vector<ObjectId>& payload, const Motion& motion) {
   const Body& body = workspace.scene.body(assembly.body);
   const std::vector<Pose>& X_BL = workspace.bodies.X_BL(assembly.body);
   const Pose X_FB = Inverse(motion.X_WF) * workspace.bodies.X_WB(assembly.body);
@@ -90,16 +90,16 @@ std::optional<Contact> SweepJoint(const StepWorkspace& workspace, const JointAss
     const std::uint32_t link = body.piece_links[i];
     if (assembly.links[link]) {
       whole.Add(body.pieces[i], X_FB * X_BL[link]);
-    } else if (!load.empty()) {
+    } else if (!payload.empty()) {
       rest.push_back(in_world[i]);
     }
   }
-  whole.AddObjects(workspace, load, motion.X_WF);
+  whole.AddObjects(workspace, payload, motion.X_WF);
   whole.Exempt(assembly.body);
   const std::optional<Contact> contact = FirstContact(workspace.scene, workspace.bodies, whole.Build(), motion);
-  if (load.empty()) return contact;
+  if (payload.empty()) return contact;
   MoverBuilder objects;
-  objects.AddObjects(workspace, load, motion.X_WF);
+  objects.AddObjects(workspace, payload, motion.X_WF);
   return Earlier(contact, FirstContactWith(rest, objects.Build(), motion));
 }
 
@@ -111,21 +111,21 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
   const BodyId own = scene.body_of(id);
   const Body& body = scene.body(own);
   const Motion motion{robot.X_WR, twist, 0.0, workspace.seconds()};
-  std::vector<ObjectId> load;
+  std::vector<ObjectId> payload;
   if (!workspace.next.objects.empty()) {
-    Load found = FindLoad(workspace, [&](ModelId model) { return scene.body_of(model) == own; });
-    load = std::move(found.held);
-    load.insert(load.end(), found.stacked.begin(), found.stacked.end());
+    Payload found = FindPayload(workspace, [&](ModelId model) { return scene.body_of(model) == own; });
+    payload = std::move(found.held);
+    payload.insert(payload.end(), found.stacked.begin(), found.stacked.end());
   }
 
   std::optional<Contact> contact;
-  if (!body.has_joints() && load.empty()) {
+  if (!body.has_joints() && payload.empty()) {
     contact = FirstContact(scene, workspace.bodies, MoverOf(scene, own), motion);
   } else {
     MoverBuilder builder;
     const std::vector<Pose>& X_BL = workspace.bodies.X_BL(own);
     for (std::size_t i = 0; i < body.pieces.size(); ++i) builder.Add(body.pieces[i], X_BL[body.piece_links[i]]);
-    builder.AddObjects(workspace, load, robot.X_WR);
+    builder.AddObjects(workspace, payload, robot.X_WR);
     builder.Exempt(own);
     contact = FirstContact(scene, workspace.bodies, builder.Build(), motion);
   }
@@ -135,7 +135,7 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
     const Pose before = robot.X_WR;
     robot.X_WR = motion.After(moved_for);
     workspace.bodies.Move(own, robot.X_WR);
-    Carry(workspace, load, before, robot.X_WR, 0.0);
+    MoveObjects(workspace, payload, before, robot.X_WR, 0.0);
   }
   robot.twist = contact ? Twist{} : twist;
   robot.stalled = contact.has_value();
@@ -145,14 +145,14 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
 std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double velocity) {
   const JointDescription& joint = workspace.world().joint(id);
   JointState& state = workspace.next.joints[id.index()];
-  const double wanted = joint.position.Clamp(state.position + velocity * workspace.seconds());
+  const double target = joint.position.Clamp(state.position + velocity * workspace.seconds());
   const double start = state.position;
   state.velocity = 0.0;
   state.blocked = false;
-  if (wanted == start) return std::nullopt;
+  if (target == start) return std::nullopt;
 
   JointAssembly assembly = Assemble(workspace, id);
-  Motion motion{assembly.X_WF, {}, 0.0, (wanted - start) / velocity};
+  Motion motion{assembly.X_WF, {}, 0.0, (target - start) / velocity};
   if (joint.type == JointType::kRevolute) {
     motion.twist.wz = velocity;
   } else {
@@ -160,25 +160,25 @@ std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double ve
     motion.twist.vy = velocity * joint.axis_xy.y();
     motion.climb = velocity * joint.axis_z;
   }
-  Load& load = assembly.load;
-  const bool sinks = motion.climb < 0.0;
-  std::vector<ObjectId> along = load.held;
-  if (!sinks) along.insert(along.end(), load.stacked.begin(), load.stacked.end());
-  std::sort(along.begin(), along.end());
+  Payload& payload = assembly.payload;
+  const bool descends = motion.climb < 0.0;
+  std::vector<ObjectId> swept = payload.held;
+  if (!descends) swept.insert(swept.end(), payload.stacked.begin(), payload.stacked.end());
+  std::sort(swept.begin(), swept.end());
 
-  const std::optional<Contact> contact = SweepJoint(workspace, assembly, along, motion);
-  state.position = contact ? start + velocity * contact->time : wanted;
+  const std::optional<Contact> contact = SweepJoint(workspace, assembly, swept, motion);
+  state.position = contact ? start + velocity * contact->time : target;
   state.position = joint.position.Clamp(state.position);
-  state.velocity = contact ? 0.0 : (wanted - start) / workspace.seconds();
+  state.velocity = contact ? 0.0 : (target - start) / workspace.seconds();
   state.blocked = contact.has_value();
   workspace.bodies.MoveJoint(id, state.position);
   const double moved_for = contact ? contact->time : motion.duration;
   const Pose after = motion.After(moved_for);
   const double dz = (state.position - start) * joint.axis_z;
-  Carry(workspace, along, assembly.X_WF, after, joint.type == JointType::kRevolute ? 0.0 : dz);
-  if (sinks) {
-    Carry(workspace, load.stacked, assembly.X_WF, after, 0.0);
-    for (ObjectId object : load.stacked) {
+  MoveObjects(workspace, swept, assembly.X_WF, after, joint.type == JointType::kRevolute ? 0.0 : dz);
+  if (descends) {
+    MoveObjects(workspace, payload.stacked, assembly.X_WF, after, 0.0);
+    for (ObjectId object : payload.stacked) {
       workspace.needs_support[object.index()] = true;
       workspace.lowered[object.index()] -= dz;
     }

@@ -1,4 +1,4 @@
-// Motion of robots: the base along its twist, and each joint along its axis, together with what they carry.
+// Motion of robots: the base along its twist, and each joint along its axis, with their payloads.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace troupe {
 
-// Moves a robot's base as far as it gets; returns the contact that cut its motion short.
+// Moves a robot's base until its first contact, which is returned.
 std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId robot, const Twist& twist);
 
-// Moves one joint as far as it gets: to its limit, or to the contact that is returned. Objects that rest on a part that
-// goes down follow it and do not stop it; what is held does.
+// Moves one joint to its limit, or to the first contact, which is returned. Objects that rest on a part that goes down
+// follow it and do not stop it; a held object does.
 std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId joint, double velocity);
 
 }  // namespace troupe

@@ -35,13 +35,13 @@ class RobotTurn {
   void Act() {
     for (GripperId gripper : workspace_.scene.grippers_of(robot_)) {
       const GripperDescription& description = workspace_.world().gripper(gripper);
-      if (VelocityOf(description.left) < 0.0 || VelocityOf(description.right) < 0.0) LetGo(workspace_, gripper);
+      if (VelocityOf(description.left) < 0.0 || VelocityOf(description.right) < 0.0) Release(workspace_, gripper);
     }
     ActBase();
     for (JointId joint : workspace_.scene.joints_of(robot_)) ActJoint(joint);
     for (GripperId gripper : workspace_.scene.grippers_of(robot_)) {
       const GripperDescription& description = workspace_.world().gripper(gripper);
-      TakeHold(workspace_, gripper, FingerOf(description.left), FingerOf(description.right));
+      Grip(workspace_, gripper, FingerOf(description.left), FingerOf(description.right));
     }
   }
 
@@ -63,7 +63,7 @@ class RobotTurn {
     std::optional<Contact> contact;
     if (proposal_ == nullptr || proposal_->twist.IsZero()) {
       robot.twist = {};
-      if (proposal_ != nullptr) robot.stalled = false;  // who does not want to move is not held up
+      if (proposal_ != nullptr) robot.stalled = false;  // a robot that is to stand is not stalled
     } else {
       contact = MoveBase(workspace_, robot_, proposal_->twist);
       if (contact) workspace_.Touch(contact->other);
@@ -89,7 +89,7 @@ class RobotTurn {
                                        .detail = workspace_.world().joint(id).name});
   }
 
-  // A pad that meets an object is at work, not in trouble.
+  // The contact of a pad with an object is part of gripping it, not a blocked joint.
   bool IsGrip(JointId joint, const Contact& contact) const {
     if (!contact.other || !workspace_.scene.object_of(*contact.other)) return false;
     for (GripperId id : workspace_.scene.grippers_of(robot_)) {
@@ -122,12 +122,11 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 
   StepWorkspace workspace(scene, state, std::move(bodies));
   workspace.next.tick = state.tick + 1;
-  if (state.tick == 0) FindWhatRests(workspace);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = (workspace.next.tick + k) % count;  // so that no robot always goes first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  ForgetWhatIsGone(workspace);
+  DropLostObjects(workspace);
   LetObjectsFall(workspace);
 
   bodies = std::move(workspace.bodies);

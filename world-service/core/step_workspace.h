@@ -13,7 +13,7 @@ namespace troupe {
 
 struct StepWorkspace {
   StepWorkspace(const Scene& scene_in, const WorldState& state) : StepWorkspace(scene_in, state, BodyIndex(scene_in)) {}
-  // `index`: of the same scene, at whatever state.
+  // `index`: of the same scene, at any state.
   StepWorkspace(const Scene& scene_in, const WorldState& state, BodyIndex index)
       : scene(scene_in),
         next(state),
@@ -29,7 +29,7 @@ struct StepWorkspace {
   std::vector<Event> robot_events;
   std::vector<Event> object_events;
 
-  // By object: what carries it has to be found anew, because it was let go, touched, or its support went down.
+  // By object: its support has to be found anew, because it was released or touched, or its support went down.
   std::vector<bool> needs_support;
   std::vector<double> lowered;  // m that its support went down, so that it follows without falling
 
@@ -40,7 +40,7 @@ struct StepWorkspace {
     next.objects[object.index()].X_WO = X_WO;
     bodies.Move(scene.body_of(object), X_WO);
   }
-  // A robot or a joint met `other`: an object that only stayed where a file had put it loses its hold on that place.
+  // A robot or a joint has touched `other`: an object that is still where a file had put it may fall from now on.
   void Touch(const std::optional<ModelId>& other) {
     const std::optional<ObjectId> object = other ? scene.object_of(*other) : std::nullopt;
     if (object && next.objects[object->index()].mode == ObjectMode::kPlaced) needs_support[object->index()] = true;

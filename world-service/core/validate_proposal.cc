@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/model/drive_limits.h"
@@ -9,48 +11,51 @@
 namespace troupe {
 namespace {
 
+Error BadProposal(std::string reason) {
+  return {{}, std::move(reason)};
+}
+
 std::string ToText(const Twist& twist) {
   char text[128];
   std::snprintf(text, sizeof text, "(%.6g m/s, %.6g m/s, %.6g rad/s)", twist.vx, twist.vy, twist.wz);
   return text;
 }
 
-// "" or what is wrong with the joint velocities.
-std::string CheckJointVelocities(const WorldDescription& world, const Proposal& proposal) {
+Status CheckJointVelocities(const WorldDescription& world, const Proposal& proposal) {
   const std::vector<double>& velocities = proposal.joint_velocities;
-  if (velocities.empty()) return "";
+  if (velocities.empty()) return Status();
   std::size_t number = 0;
   for (const JointDescription& joint : world.joints) {
     if (joint.robot != proposal.robot) continue;
     if (number < velocities.size() && !(std::abs(velocities[number]) <= joint.max_speed * (1.0 + 1e-9))) {
       char text[96];
       std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[number], joint.max_speed);
-      return "found a velocity of joint '" + joint.name + "' of " + text;
+      return BadProposal("found a velocity of joint '" + joint.name + "' of " + text);
     }
     ++number;
   }
-  if (velocities.size() == number) return "";
-  return "found velocities of " + std::to_string(velocities.size()) +
-         " joints, expected none or those of the robot's " + std::to_string(number);
+  if (velocities.size() == number) return Status();
+  return BadProposal("found velocities of " + std::to_string(velocities.size()) +
+                     " joints, expected none or those of the robot's " + std::to_string(number));
 }
 
 }  // namespace
 
-std::string ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
+Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
   TROUPE_CHECK(state.robots.size() == world.robots.size());
   const std::size_t index = proposal.robot.index();
   if (index >= world.robots.size()) {
-    return "found robot " + std::to_string(index) + ", expected one of " + std::to_string(world.robots.size()) +
-           " robots";
+    return BadProposal("found robot " + std::to_string(index) + ", expected one of " +
+                       std::to_string(world.robots.size()) + " robots");
   }
-  if (!IsFinite(proposal.twist)) return "found a twist that is not finite: " + ToText(proposal.twist);
+  if (!IsFinite(proposal.twist)) return BadProposal("found a twist that is not finite: " + ToText(proposal.twist));
   const DriveDescription& drive = world.robots[index].drive;
   const Twist& current = state.robots[index].twist;
   const double seconds = world.interval_seconds();
   if (!WithinLimits(drive, current, proposal.twist, seconds)) {
-    return "found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
-           ", expected one within the drive's bounds: " +
-           ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest";
+    return BadProposal("found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
+                       ", expected one within the drive's bounds: " +
+                       ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
   }
   return CheckJointVelocities(world, proposal);
 }

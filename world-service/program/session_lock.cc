@@ -13,7 +13,7 @@
 namespace troupe {
 namespace {
 
-// The process that listens at the address; 0 if it cannot be found out.
+// The process that listens at the address; 0: unknown.
 pid_t Listener(const sockaddr_un& address, socklen_t length) {
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) return 0;
@@ -28,7 +28,7 @@ pid_t Listener(const sockaddr_un& address, socklen_t length) {
 }  // namespace
 
 Result<SessionLock> SessionLock::Acquire(std::uint32_t domain, const std::string& session) {
-  // An abstract name: it is gone with the socket, and no file can be left behind.
+  // An abstract name ends with its socket, and leaves no file behind.
   const std::string name = "troupe-world-service/" + std::to_string(domain) + "/" + session;
   sockaddr_un address = {};
   address.sun_family = AF_UNIX;
@@ -37,19 +37,18 @@ Result<SessionLock> SessionLock::Acquire(std::uint32_t domain, const std::string
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
 
   const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return Error{{}, std::string("cannot make a socket: ") + std::strerror(errno)};
+  if (descriptor < 0) return Failure(std::string("cannot make a socket: ") + std::strerror(errno));
   SessionLock lock(descriptor);
   if (bind(descriptor, reinterpret_cast<const sockaddr*>(&address), length) == 0 && listen(descriptor, 16) == 0) {
     return lock;
   }
   if (errno != EADDRINUSE) {
-    return Error{{}, "cannot lock session \"" + session + "\": " + std::strerror(errno)};
+    return Failure("cannot lock session \"" + session + "\": " + std::strerror(errno));
   }
   const pid_t holder = Listener(address, length);
-  return Error{{},
-               "a world service runs in session \"" + session + "\" of domain " + std::to_string(domain) +
-                   " already (" + (holder > 0 ? "pid " + std::to_string(holder) : "pid unknown") +
-                   "); end it, or use another --session"};
+  return Failure("a world service runs in session \"" + session + "\" of domain " + std::to_string(domain) +
+                 " already (" + (holder > 0 ? "pid " + std::to_string(holder) : "pid unknown") +
+                 "); end it, or use another --session");
 }
 
 SessionLock::SessionLock(SessionLock&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}

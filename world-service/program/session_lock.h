@@ -1,5 +1,5 @@
-// SessionLock: at most one world service for each session and domain on a machine. Ends with the process, however that
-// ends. Services on other machines are found by the transport.
+// SessionLock: at most one world service for each session and domain on a host. The lock ends with the process,
+// whatever the cause. The transport detects services on other hosts.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace troupe {
 
 class SessionLock {
  public:
-  // The error names the process that has it.
+  // The error names the process that holds the lock.
   static Result<SessionLock> Acquire(std::uint32_t domain, const std::string& session);
 
   SessionLock(SessionLock&& other) noexcept;

@@ -1,4 +1,4 @@
-// What there is in a world, for those who edit it.
+// The entities of a world, for tools that edit it.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace troupe {
 
-// All entities that were not removed, in the order of their ids, as they are in `state`.
+// All entities that were not removed, in the order of their ids, with their poses in `state`.
 std::vector<EntityReport> ListEntities(const WorldDescription& world, const WorldState& state);
 
-// "base", or "base0", "base1", ...: the first that no model has.
+// "base", or "base0", "base1", ...: the first that is free.
 std::string FreeName(const WorldDescription& world, const std::string& base);
 
 }  // namespace troupe

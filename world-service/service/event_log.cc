@@ -7,13 +7,13 @@
 namespace troupe {
 namespace {
 
-constexpr int kToldPerSecond = 10;
+constexpr int kReportedPerSecond = 10;
 
 }  // namespace
 
 void EventLog::Add(EventType type, Tick tick, std::optional<RobotId> robot, std::string detail) {
-  untold_.push_back({tick, type, robot, std::nullopt, std::move(detail)});
-  between_frames_.push_back(untold_.back());
+  unreported_.push_back({tick, type, robot, std::nullopt, std::move(detail)});
+  between_frames_.push_back(unreported_.back());
 }
 
 void EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now) {
@@ -25,18 +25,18 @@ void EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
       Add(EventType::kProposalRejected, tick, std::nullopt, std::to_string(count) + " more, not shown");
     }
   }
-  if (++rejected_this_second_ > kToldPerSecond) {
+  if (++rejected_this_second_ > kReportedPerSecond) {
     ++silent_;
   } else {
     Add(EventType::kProposalRejected, tick, robot, std::move(reason));
   }
 }
 
-std::vector<Event> EventLog::TakeForFrame(Tick tick, std::vector<Event> of_step) {
+std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step) {
   for (const Event& event : of_step) stalls_ += event.type == EventType::kStallBegan;
-  untold_.insert(untold_.end(), of_step.begin(), of_step.end());
+  unreported_.insert(unreported_.end(), of_step.begin(), of_step.end());
   if (between_frames_.empty()) return of_step;
-  // They came in the order of the network; by robot, records of two runs are easier to compare.
+  // They arrived in the order of the network; ordered by robot, records of two runs are easier to compare.
   std::stable_sort(between_frames_.begin(), between_frames_.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
   for (Event& event : between_frames_) event.tick = tick;
@@ -45,8 +45,8 @@ std::vector<Event> EventLog::TakeForFrame(Tick tick, std::vector<Event> of_step)
   return std::exchange(between_frames_, {});
 }
 
-std::vector<Event> EventLog::TakeUntold() {
-  return std::exchange(untold_, {});
+std::vector<Event> EventLog::DrainUnreported() {
+  return std::exchange(unreported_, {});
 }
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// EventLog: the events that go into the next frame, and those that the run's observer has not been told yet.
+// EventLog: the events of the next frame, and those that were not reported yet.
 #pragma once
 
 #include <cstdint>
@@ -12,33 +12,33 @@ namespace troupe {
 
 class EventLog {
  public:
-  // Something happened between two frames; `tick` is the newest one committed.
+  // An event between two frames; `tick` is the newest one committed.
   void Add(EventType type, Tick tick, std::optional<RobotId> robot, std::string detail);
 
-  // A proposal was rejected. All are counted; of more than ten in a second, the others are told as one sum, so that a
-  // hostile peer cannot drown the rest.
+  // A proposal was rejected. All are counted; of more than ten in a second, the others are reported as one sum, so that
+  // a hostile peer cannot hide other events.
   void Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now);
 
-  // The events of frame `tick`: what happened since the frame before, by robot, then what the step returned.
-  std::vector<Event> TakeForFrame(Tick tick, std::vector<Event> of_step);
+  // Returns the events of frame `tick`: those since the frame before, by robot, then those of the step.
+  std::vector<Event> CompleteFrame(Tick tick, std::vector<Event> of_step);
 
-  // Events that were not returned before, in the order in which they happened.
-  std::vector<Event> TakeUntold();
+  // The events that were not returned before, in their order.
+  std::vector<Event> DrainUnreported();
 
-  // An edit has made ids mean something else: nothing of before goes into a frame.
-  void Forget() { between_frames_.clear(); }
+  // An edit has changed the meaning of ids: no event from before enters a frame.
+  void DiscardPending() { between_frames_.clear(); }
 
   std::uint64_t stalls() const { return stalls_; }
   std::uint64_t rejected() const { return rejected_; }
 
  private:
   std::vector<Event> between_frames_;
-  std::vector<Event> untold_;
+  std::vector<Event> unreported_;
   std::uint64_t stalls_ = 0;
   std::uint64_t rejected_ = 0;
   double second_began_ = 0.0;  // wall time, of the rejections counted below
   int rejected_this_second_ = 0;
-  std::uint64_t silent_ = 0;  // rejections that only the next sum tells
+  std::uint64_t silent_ = 0;  // rejections that only the next sum reports
 };
 
 }  // namespace troupe

@@ -3,7 +3,7 @@
 namespace troupe {
 namespace {
 
-// What something met or rests on.
+// The name of a model; without one, of the ground.
 std::string Name(const WorldDescription& world, const std::optional<ModelId>& model) {
   return model ? world.model(*model).name : "the ground";
 }
@@ -38,7 +38,7 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       text += robot + " holds " + Name(world, event.object);
       break;
     case EventType::kReleased:
-      text += robot + " has let go of " + Name(world, event.object);
+      text += robot + " released " + Name(world, event.object);
       break;
     case EventType::kLanded:
       text += Name(world, event.object) + " landed on " + Name(world, event.other);

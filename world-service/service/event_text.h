@@ -1,4 +1,4 @@
-// Events for people.
+// Events as text for people.
 #pragma once
 
 #include <string>

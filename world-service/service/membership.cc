@@ -20,10 +20,10 @@ std::string Describe(const Member& member) {
 }
 
 Membership::Membership(const WorldDescription& world, double lease_seconds) : lease_seconds_(lease_seconds) {
-  TakeIn(world);
+  ResetForWorld(world);
 }
 
-void Membership::TakeIn(const WorldDescription& world) {
+void Membership::ResetForWorld(const WorldDescription& world) {
   const std::size_t count = world.robots.size();
   world_ = &world;
   world_hash_ = Hash(world);
@@ -41,9 +41,9 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   for (const RobotDescription& robot : world_->robots) names.push_back(robot.name);
   const std::map<std::string, RobotId> before = robot_by_name_;
   const std::vector<Waits> waits_before = WaitsOfRobots();
-  TakeIn(world);
+  ResetForWorld(world);
   world_edition_ = edition;
-  // The robot that a present one has become.
+  // The id of an earlier robot now.
   const auto successor = [&](RobotId robot) -> std::optional<RobotId> {
     if (!fresh) return IsThere(world, robot) ? std::optional(robot) : std::nullopt;
     const auto found = robot_by_name_.find(names[robot.index()]);
@@ -92,7 +92,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
     return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
                   ", the world service version " + std::to_string(kProtocolVersion));
   }
-  // It was made for the world before the last edit, and will join again with this one.
+  // Made for the world before the newest edit: the agent will join again with this one.
   if (join.world_edition < world_edition_) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
   if (Member* member = Find(join.agent); member != nullptr && member->present) {
@@ -118,7 +118,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   for (RobotId robot : robots) {
     if (const std::optional<AgentId> lost = owners_[robot.index()]) Forget(*lost);
   }
-  Forget(join.agent);  // it was lost, and comes back for other robots
+  Forget(join.agent);  // it was lost, and rejoins for other robots
   for (RobotId robot : robots) owners_[robot.index()] = join.agent;
   present_robots_ += robots.size();
   ++present_members_;
@@ -130,8 +130,8 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   return {JoinDecision::Outcome::kAdmitted, &member, {}};
 }
 
-// A robot's agent that died is known to be dead only after its lease. Until then one that comes to replace it must not
-// be refused; once the old one shows that it lives, or the lease would long have run out, it must.
+// The death of an agent is known only after its lease. Until then its replacement must not be refused; once the old
+// agent has answered, or the lease would long have expired, it must.
 JoinDecision Membership::Contend(RobotId robot, AgentId contender, Tick next_tick, double now) {
   const Member& owner = members_.at(*owners_[robot.index()]);
   Contest& contest = contests_[robot.index()];

@@ -1,6 +1,6 @@
-// Membership: which agent works for which robots, and which robots have nobody.
+// Membership: the agents of a run and their robots.
 //
-// A member that is lost keeps its robots until another agent takes one of them up, so that it can come back by itself.
+// A member that is lost keeps its robots until another agent joins for one of them, so that it can rejoin by itself.
 #pragma once
 
 #include <cstdint>
@@ -29,12 +29,12 @@ struct Member {
 // "host, pid 123"
 std::string Describe(const Member& member);
 
-// What a join comes to.
+// The outcome of a join.
 struct JoinDecision {
   enum class Outcome : std::uint8_t {
-    kAdmitted,   // `member` has taken its robots up
-    kRepeated,   // `member` was admitted before; the answer got lost
-    kRefused,    // `reason` says why
+    kAdmitted,   // `member` has its robots now
+    kRepeated,   // `member` was admitted before; the answer was lost
+    kRefused,    // for `reason`
     kUndecided,  // the robot's agent may be dead or not; the joining agent will ask again
   };
   Outcome outcome = Outcome::kRefused;
@@ -44,24 +44,24 @@ struct JoinDecision {
 
 class Membership {
  public:
-  // The world must stay until it is changed for another one.
+  // REQUIRES: the world outlives the membership, or the next ChangeWorld.
   Membership(const WorldDescription& world, double lease_seconds);
 
   struct WorldChange {
-    std::vector<AgentId> gone;       // members that have no robots any more
-    std::vector<RobotId> newcomers;  // robots that were not there before, and so have no agent
+    std::vector<AgentId> gone;       // members without robots now
+    std::vector<RobotId> newcomers;  // new robots, which have no agent
   };
-  // An edit has changed the world. Members keep their robots: by name if the edit is `fresh`, else by id. Those that
-  // are lost now are strangers from then on.
+  // An edit has changed the world. Members keep their robots: by name if the edit is `fresh`, else by id. Lost
+  // members are unknown from then on.
   WorldChange ChangeWorld(const WorldDescription& world, Edition edition, bool fresh);
 
   // `next_tick` is the tick that proposals are collected for.
   JoinDecision Join(const JoinMessage& join, Tick next_tick, double now);
 
-  // nullptr for strangers. Pointers stay good until the member's robots are taken up by another.
+  // Null for an unknown agent. A pointer is valid until another agent joins for the member's robots.
   Member* Find(AgentId agent);
-  // REQUIRES: no stranger.
-  const Member& Get(AgentId agent) const { return members_.at(agent); }
+  // REQUIRES: Find finds it.
+  const Member& member(AgentId agent) const { return members_.at(agent); }
   // REQUIRES: the member is present (Lose) or lost (Restore).
   void Lose(Member& member);
   void Restore(Member& member);
@@ -78,11 +78,11 @@ class Membership {
     std::uint64_t times_last = 0;
     double waited_seconds = 0.0;
   };
-  // What the barrier waited for each robot, by robot id, all its agents together.
+  // The waits of the barrier for each robot, by robot id, all its agents together.
   std::vector<Waits> WaitsOfRobots() const;
 
  private:
-  // An agent that wants a robot which has another one.
+  // An agent that asks for a robot of another agent.
   struct Contest {
     AgentId contender = 0;
     Tick tick = 0;       // that was next when it first asked
@@ -91,14 +91,14 @@ class Membership {
 
   JoinDecision Contend(RobotId robot, AgentId contender, Tick next_tick, double now);
   void Forget(AgentId agent);
-  void TakeIn(const WorldDescription& world);
+  void ResetForWorld(const WorldDescription& world);
   static void AddWaits(const Member& member, std::vector<Waits>& waits);
 
   const WorldDescription* world_ = nullptr;
   std::uint64_t world_hash_ = 0;
   Edition world_edition_ = 0;
   const double lease_seconds_;
-  std::map<std::string, RobotId> robot_by_name_;  // but for removed ones
+  std::map<std::string, RobotId> robot_by_name_;  // except removed ones
   std::map<AgentId, Member> members_;
   std::vector<std::optional<AgentId>> owners_;  // by robot; also lost ones
   std::vector<Contest> contests_;               // by robot

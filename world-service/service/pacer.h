@@ -15,7 +15,7 @@ class Pacer {
 
   void SetInterval(double interval) { period_ = speed_ ? interval / *speed_ : 0.0; }
   void Start(double now) { start_ = now; }
-  // Time goes on after a pause: nothing of it is caught up.
+  // Time continues after a pause, which is not caught up.
   void Resume(Tick tick, double now) { start_ = now - static_cast<double>(tick) * period_; }
 
   double Due(Tick tick) const {
@@ -23,7 +23,7 @@ class Pacer {
     return start_ + static_cast<double>(tick) * period_;
   }
 
-  // Call when a tick was committed. What a short hiccup cost is caught up; a long stop is not, it shifts what follows.
+  // Call when a tick was committed. A short delay is caught up; a long one shifts the later ticks.
   void Committed(Tick tick, double now) {
     const double late = now - Due(tick);
     if (period_ > 0.0 && late > kCatchUp) start_ += late;

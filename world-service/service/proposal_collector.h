@@ -1,4 +1,4 @@
-// ProposalCollector: the proposals that enter the next step. It lets nothing in that a step must not see.
+// ProposalCollector: the proposals that enter the next step, all of them valid.
 #pragma once
 
 #include <optional>
@@ -19,18 +19,18 @@ struct Rejection {
 
 class ProposalCollector {
  public:
-  // The world must stay until it is changed for another one.
+  // REQUIRES: the world outlives the collector, or the next ChangeWorld.
   ProposalCollector(const WorldDescription& world, Mode mode);
 
-  // An edit has changed the world: no proposal is left over.
+  // An edit has changed the world or its state: all proposals are dropped.
   void ChangeWorld(const WorldDescription& world);
 
-  // Takes what is good in a member's first message for `message.tick`; returns what is not, until the next call.
-  // REQUIRES: robots' states in `state` are those that the tick starts from.
-  std::span<const Rejection> Take(const Member& member, const ProposalMessage& message, const WorldState& state);
+  // Collects the valid proposals of a member's first message for `message.tick`; returns the others. The result is
+  // valid until the next call. REQUIRES: robots' states in `state` are those that the tick starts from.
+  std::span<const Rejection> Collect(const Member& member, const ProposalMessage& message, const WorldState& state);
 
-  // What goes into the step from `state` to the next tick, in robot-id order, until the next call. In realtime mode, a
-  // robot without a proposal for that tick keeps the one for the tick before.
+  // The proposals for the step from `state` to the next tick, in robot-id order; valid until the next call. In realtime
+  // mode, a robot without a proposal for that tick keeps the one for the tick before.
   std::span<const Proposal> ForStep(const WorldState& state);
 
  private:
@@ -42,7 +42,7 @@ class ProposalCollector {
   const WorldDescription* world_;
   const Mode mode_;
   std::vector<Newest> newest_;  // by robot
-  // Kept for their memory.
+  // Members for their memory only.
   std::vector<Proposal> for_step_;
   std::vector<Rejection> rejections_;
 };

@@ -9,17 +9,17 @@
 namespace troupe {
 namespace {
 
-// What went wrong, and where: the reader says that it is an error.
-RequestedFile Failure(const Error& error) {
+// The place and the message in one text, without the severity.
+Error FlattenPlace(const Error& error) {
   constexpr std::string_view kSeverity = "error: ";
   std::string text = error.ToString();
   text.erase(text.find(kSeverity), kSeverity.size());
-  return {std::move(text), nullptr, {}};
+  return {{}, std::move(text), error.code};
 }
 
-RequestedFile ListModels(const ServiceOptions& options) {
+Result<RequestedFile> ListModels(const ServiceOptions& options) {
   const Result<std::vector<Spawnable>> models = ListSpawnables(options.world_file);
-  if (!models.ok()) return Failure(models.error());
+  if (!models.ok()) return FlattenPlace(models.error());
   RequestedFile file;
   for (const Spawnable& model : models.value()) {
     const EntityKind kind = model.type == "position" ? EntityKind::kRobot : EntityKind::kModel;
@@ -28,22 +28,22 @@ RequestedFile ListModels(const ServiceOptions& options) {
   return file;
 }
 
-RequestedFile Read(const ServiceOptions& options, const ControlRequest& request) {
+Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& request) {
   if (request.command == ControlCommand::kSpawnables) return ListModels(options);
   Result<LoadedWorld> loaded = request.command == ControlCommand::kLoadWorld
                                    ? LoadWorld(request.source, options.overrides)
                                    : LoadSpawnable(options.world_file, request.source, options.overrides);
-  if (!loaded.ok()) return Failure(loaded.error());
-  return {"", std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}};
+  if (!loaded.ok()) return FlattenPlace(loaded.error());
+  return RequestedFile{std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}};
 }
 
 }  // namespace
 
-RequestedFile ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request) {
+Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request) {
   try {
     return Read(options, request);
   } catch (const std::exception& exception) {  // as a file system that fails
-    return {exception.what(), nullptr, {}};
+    return Failure(exception.what());
   }
 }
 

@@ -1,21 +1,20 @@
-// What a request wants read from files.
+// The files of a request: a world to load, a model to spawn, or the list of such models.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "common/base/result.h"
+#include "world-service/service/run_control.h"
 #include "world-service/service/run_service.h"
-#include "world-service/service/tick_coordinator.h"
 
 namespace troupe {
 
 struct RequestedFile {
-  std::string problem;  // why it could not be read; else:
-  RequestedWorld world;
-  std::vector<EntityReport> spawnables;
+  RequestedWorld world;                  // of kLoadWorld and kSpawn
+  std::vector<EntityReport> spawnables;  // of kSpawnables
 };
 
-// REQUIRES: the command is kLoadWorld, kSpawn or kSpawnables.
-RequestedFile ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request);
+// The error's message has the place in the file. REQUIRES: the command is kLoadWorld, kSpawn or kSpawnables.
+Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request);
 
 }  // namespace troupe

@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/host_name.h"
 #include "world-service/service/event_text.h"
 #include "world-service/service/requested_file.h"
 #include "world-service/service/tick_coordinator.h"
@@ -24,7 +25,7 @@ using Phase = TickCoordinator::Phase;
 
 // Wall times, s.
 constexpr double kStatusPeriod = 0.5;
-constexpr double kLongestWait = 0.05;  // so that `stop`, and what there is to tell, need not wait for longer
+constexpr double kLongestWait = 0.05;  // so that `stop` and progress reports need not wait for longer
 constexpr double kFlushTime = 0.5;
 
 constexpr std::size_t kMostFileRequests = 100;  // a hostile tool may send any number
@@ -42,27 +43,20 @@ RunId MakeRunId() {
   return (static_cast<RunId>(device()) << 32) | device();
 }
 
-std::string HostName() {
-  char name[256] = "";
-  if (gethostname(name, sizeof name - 1) != 0 || name[0] == '\0') return "localhost";
-  return name;
-}
-
-// Brings the transport's threads and the one that waits for time to pass together at one coordinator.
+// Serializes the transport's threads and the one that waits for time to pass at one coordinator.
 class Driver final : public WorldControl, private ServiceHandler {
  public:
-  Driver(const Scene& scene, const ServiceOptions& service, const CoordinatorOptions& options,
-         std::unique_ptr<ServiceEndpoint> endpoint, Recorder& recorder, WorldGateway* gateway, TickTrace* trace,
-         RunObserver& observer)
+  Driver(std::shared_ptr<const Scene> scene, const ServiceOptions& service, const CoordinatorOptions& options,
+         std::unique_ptr<ServiceEndpoint> endpoint, const RunObservers& observers, TickTrace* trace)
       : service_(service),
-        observer_(observer),
+        observers_(observers),
         trace_(trace),
-        coordinator_(scene, options, *endpoint, recorder, Now(), gateway),
+        coordinator_(std::move(scene), options, *endpoint, observers, Now()),
         endpoint_(std::move(endpoint)) {}
 
   void Start() {
     endpoint_->Start(*this);
-    Handle([&](double) { coordinator_.Announce(); });
+    Deliver([&](double) { coordinator_.Announce(); });
   }
 
   // Until the run is over.
@@ -78,34 +72,34 @@ class Driver final : public WorldControl, private ServiceHandler {
       if (trace_ != nullptr) trace_->WriteSome();
       const bool status_due = now >= next_status;
       if (status_due) next_status = now + kStatusPeriod;
-      if (AgentsHaveCome()) TellWhoHasCome(lock);
-      Tell(status_due, lock);
+      if (AgentsHaveJoined()) ReportJoins(lock);
+      Report(status_due, lock);
       ReadFiles(lock);
 
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
-    Tell(true, lock);
+    Report(true, lock);
     Act([&] {
       for (const AskedRequest& open : std::exchange(file_requests_, {})) {
-        coordinator_.Refuse(open.request, open.reply, "the run is over");
+        coordinator_.Reply(open.request, open.reply, Error{{}, "the run is over"});
       }
     });
   }
 
   void Request(const ControlRequest& request, ControlReplyTo reply) override {
     if (acting_ == std::this_thread::get_id()) {
-      asked_meanwhile_.push_back({request, std::move(reply)});  // by who got an answer: the lock is this thread's
+      asked_meanwhile_.push_back({request, std::move(reply)});  // from inside a reply: this thread has the lock
       return;
     }
-    Handle([&](double) { Take({request, std::move(reply)}); });
+    Deliver([&](double) { Accept({request, std::move(reply)}); });
   }
 
   // REQUIRES: Run has returned.
   Result<RunSummary> Finish() {
     endpoint_->Flush(kFlushTime);
     const std::lock_guard lock(mutex_);
-    if (coordinator_.error()) return *coordinator_.error();
+    if (!coordinator_.error().ok()) return coordinator_.error().error();
     return coordinator_.MakeSummary();
   }
 
@@ -115,7 +109,8 @@ class Driver final : public WorldControl, private ServiceHandler {
     ControlReplyTo reply;
   };
 
-  // Calls something of the coordinator's, and then takes what was asked for from inside its answers. With the lock.
+  // Makes a call of the coordinator's, and then executes the requests made from inside its replies.
+  // REQUIRES: the lock is held.
   template <typename Call>
   void Act(const Call& call) {
     acting_ = std::this_thread::get_id();
@@ -123,21 +118,21 @@ class Driver final : public WorldControl, private ServiceHandler {
     while (!asked_meanwhile_.empty()) {
       AskedRequest next = std::move(asked_meanwhile_.front());
       asked_meanwhile_.pop_front();
-      Take(std::move(next));
+      Accept(std::move(next));
     }
     acting_ = std::thread::id();
   }
 
-  void Take(AskedRequest asked) {
+  void Accept(AskedRequest asked) {
     if (!NeedsFiles(asked.request.command)) {
       return coordinator_.Control(asked.request, std::move(asked.reply), Now());
     }
     // Files take time, so Run reads them: no message may wait for it.
     if (coordinator_.phase() == Phase::kOver) {
-      return coordinator_.Refuse(asked.request, asked.reply, "the run is over");
+      return coordinator_.Reply(asked.request, asked.reply, Error{{}, "the run is over"});
     }
     if (file_requests_.size() >= kMostFileRequests) {
-      return coordinator_.Refuse(asked.request, asked.reply, "too many requests are waiting");
+      return coordinator_.Reply(asked.request, asked.reply, Error{{}, "too many requests are waiting"});
     }
     file_requests_.push_back(std::move(asked));
   }
@@ -152,33 +147,33 @@ class Driver final : public WorldControl, private ServiceHandler {
       const AskedRequest open = std::move(file_requests_.front());
       file_requests_.pop_front();
       lock.unlock();
-      const RequestedFile file = ReadRequestedFile(service_, open.request);
+      const Result<RequestedFile> file = ReadRequestedFile(service_, open.request);
       lock.lock();
-      Act([&] { Finish(open, file); });
+      Act([&] { Execute(open, file); });
     }
   }
 
-  void Finish(const AskedRequest& open, const RequestedFile& file) {
-    if (!file.problem.empty()) return coordinator_.Refuse(open.request, open.reply, file.problem);
+  void Execute(const AskedRequest& open, const Result<RequestedFile>& file) {
+    if (!file.ok()) return coordinator_.Reply(open.request, open.reply, file.error());
     if (open.request.command == ControlCommand::kSpawnables) {
-      return coordinator_.Reply(open.request, open.reply, file.spawnables);
+      return coordinator_.Reply(open.request, open.reply, file.value().spawnables);
     }
     const bool loads = open.request.command == ControlCommand::kLoadWorld;
     if (loads && coordinator_.phase() == Phase::kRunning) service_.world_file = open.request.source;
-    coordinator_.Control(open.request, open.reply, Now(), file.world);
+    coordinator_.Control(open.request, open.reply, Now(), file.value().world);
   }
 
   void OnJoin(const JoinMessage& join) override {
-    Handle([&](double now) { coordinator_.OnJoin(join, now); });
+    Deliver([&](double now) { coordinator_.OnJoin(join, now); });
   }
   void OnProposal(const ProposalMessage& proposal) override {
-    Handle([&](double now) { coordinator_.OnProposal(proposal, now); });
+    Deliver([&](double now) { coordinator_.OnProposal(proposal, now); });
   }
   void OnAgentGone(AgentId agent) override {
-    Handle([&](double now) { coordinator_.OnAgentGone(agent, now); });
+    Deliver([&](double now) { coordinator_.OnAgentGone(agent, now); });
   }
   void OnRivalService(const SessionMessage& rival) override {
-    Handle([&](double now) { coordinator_.OnRivalService(rival, now); });
+    Deliver([&](double now) { coordinator_.OnRivalService(rival, now); });
   }
 
   void OnControl(const ControlRequest& request) override {
@@ -186,33 +181,33 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   template <typename Call>
-  void Handle(const Call& call) {
+  void Deliver(const Call& call) {
     bool wake = false;
     {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
-      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || AgentsHaveCome();
+      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || AgentsHaveJoined();
     }
     if (wake) wake_.notify_one();
   }
 
-  // Before the run begins, somebody may wait for agents to come before starting more.
-  bool AgentsHaveCome() const {
-    return coordinator_.phase() == Phase::kGathering && coordinator_.present_agents() != told_agents_;
+  // Before the run begins, the launcher may wait for agents to join before it starts more.
+  bool AgentsHaveJoined() const {
+    return coordinator_.phase() == Phase::kGathering && coordinator_.present_agents() != reported_agents_;
   }
-  void TellWhoHasCome(std::unique_lock<std::mutex>& lock) {
-    told_agents_ = coordinator_.present_agents();
+  void ReportJoins(std::unique_lock<std::mutex>& lock) {
+    reported_agents_ = coordinator_.present_agents();
     const StatusMessage status = coordinator_.MakeStatus(Now());
     lock.unlock();
-    observer_.OnStatus(status);
+    for (RunObserver* observer : observers_) observer->OnStatus(status);
     lock.lock();
   }
 
-  // Tells the observer what is new. The lock is open meanwhile: ticks do not wait for an observer.
-  void Tell(bool with_status, std::unique_lock<std::mutex>& lock) {
-    const std::vector<std::string> notices = coordinator_.TakeNotices();
-    const std::vector<Event> events = coordinator_.TakeEvents();
-    const std::vector<std::string> new_robots = coordinator_.TakeNewRobots();
+  // Reports progress to the observers. The lock is open meanwhile: ticks do not wait for it.
+  void Report(bool with_status, std::unique_lock<std::mutex>& lock) {
+    const std::vector<std::string> notices = coordinator_.DrainNotices();
+    const std::vector<Event> events = coordinator_.DrainEvents();
+    const std::vector<std::string> new_robots = coordinator_.DrainNewRobots();
     const std::shared_ptr<const Scene> scene = coordinator_.scene();  // that the events are of
     const std::optional<double> startup = started_ ? std::nullopt : coordinator_.startup_seconds();
     std::optional<StatusMessage> status;
@@ -220,67 +215,81 @@ class Driver final : public WorldControl, private ServiceHandler {
     if (startup) started_ = true;
 
     lock.unlock();
-    for (const std::string& notice : notices) observer_.OnNotice(notice);
-    if (startup) observer_.OnStarted(*startup);
-    if (!new_robots.empty()) observer_.OnNewRobots(new_robots);
-    for (const Event& event : events) observer_.OnEvent(event, EventText(scene->world(), event));
-    if (status) {
-      endpoint_->SendStatus(*status);
-      observer_.OnStatus(*status);
+    std::vector<std::string> texts;
+    for (const Event& event : events) texts.push_back(EventText(scene->world(), event));
+    if (status) endpoint_->SendStatus(*status);
+    for (RunObserver* observer : observers_) {
+      for (const std::string& notice : notices) observer->OnNotice(notice);
+      if (startup) observer->OnStarted(*startup);
+      if (!new_robots.empty()) observer->OnNewRobots(new_robots);
+      for (std::size_t i = 0; i < events.size(); ++i) observer->OnEvent(events[i], texts[i]);
+      if (status) observer->OnStatus(*status);
     }
     lock.lock();
   }
 
   ServiceOptions service_;
-  RunObserver& observer_;
+  const RunObservers observers_;
   TickTrace* const trace_;  // null: none
-  bool started_ = false;    // the observer knows
-  std::mutex mutex_;        // for what follows
+  bool started_ = false;    // the observers know
+  std::mutex mutex_;        // guards the members below
   std::condition_variable wake_;
-  std::size_t told_agents_ = 0;  // who had come when the observer was told
-  double wake_at_ = 0.0;         // when Run wakes up by itself
+  std::size_t reported_agents_ = 0;  // present at the newest report
+  double wake_at_ = 0.0;             // when Run wakes up by itself
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator
   TickCoordinator coordinator_;
-  std::unique_ptr<ServiceEndpoint> endpoint_;  // last, so that it is gone before what its deliveries use
+  std::unique_ptr<ServiceEndpoint> endpoint_;  // last: it ends before the members that its deliveries use
 };
 
-}  // namespace
-
-Result<RunSummary> RunService(const Scene& scene, const ServiceOptions& options,
-                              std::unique_ptr<ServiceEndpoint> endpoint, RunObserver& observer,
-                              const std::atomic<bool>& stop) {
-  Result<Recorder> recorder = Recorder::Create(scene.world(), options.outputs);
-  if (!recorder.ok()) return recorder.error();
-
-  std::unique_ptr<TickTrace> trace;
-  if (!options.trace.file.empty()) {
-    Result<std::unique_ptr<TickTrace>> created = TickTrace::Create(options.trace, "world-service");
-    if (!created.ok()) return created.error();
-    trace = std::move(created).value();
-  }
-
+CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTrace* trace) {
   CoordinatorOptions coordinator;
   coordinator.settings = options.settings;
   coordinator.run = MakeRunId();
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.start_paused = options.start_paused;
-  if (trace) coordinator.trace = trace->AddLane();
+  if (trace != nullptr) coordinator.trace = trace->AddLane();
   coordinator.host = HostName();
   coordinator.pid = static_cast<std::uint32_t>(getpid());
+  return coordinator;
+}
 
-  const std::unique_ptr<WorldGateway> gateway = options.make_gateway ? options.make_gateway(scene) : nullptr;
-  Driver driver(scene, options, coordinator, std::move(endpoint), recorder.value(), gateway.get(), trace.get(),
-                observer);
-  driver.Start();
-  if (gateway) gateway->Connect(&driver);
-  driver.Run(stop);
-  if (gateway) gateway->Connect(nullptr);
+}  // namespace
+
+Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const ServiceOptions& options,
+                              std::unique_ptr<ServiceEndpoint> endpoint, const RunObservers& observers,
+                              const std::atomic<bool>& stop) {
+  std::unique_ptr<TickTrace> trace;
+  if (!options.trace.file.empty()) {
+    Result<std::unique_ptr<TickTrace>> created = TickTrace::Create(options.trace, "world-service");
+    if (!created.ok()) return created.error();
+    trace = std::move(created).value();
+  }
+  const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get());
+  Driver driver(scene, options, coordinator, std::move(endpoint), observers, trace.get());
+
+  Status failure;  // the first
+  const auto note = [&failure](const Status& outcome) {
+    if (failure.ok()) failure = outcome;
+  };
+  RunObservers begun;
+  for (RunObserver* observer : observers) {
+    failure = observer->OnBegin({coordinator.run, options.settings, scene, driver});
+    if (!failure.ok()) break;
+    begun.push_back(observer);
+  }
+  const bool all_begun = failure.ok();
+  if (all_begun) {
+    driver.Start();
+    driver.Run(stop);
+  }
+  for (RunObserver* observer : begun) note(observer->OnEnd());
+  if (!all_begun) return failure.error();
   Result<RunSummary> summary = driver.Finish();
-  if (Status error = recorder.value().Close(); error && summary.ok()) return *error;
-  if (Status error = trace ? trace->Close() : std::nullopt; error && summary.ok()) return *error;
+  if (trace) note(trace->Close());
+  if (summary.ok() && !failure.ok()) return failure.error();
   return summary;
 }
 

@@ -8,7 +8,8 @@
 
 namespace troupe {
 
-// Gets the answer to a request, once: from inside the request or later, on any thread. Must be quick; it may ask again.
+// Receives the reply to a request, once: from inside the request or later, on any thread. Must be quick; it may make
+// another request.
 using ControlReplyTo = std::function<void(const ControlReply&)>;
 
 class WorldControl {

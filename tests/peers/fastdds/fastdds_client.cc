@@ -1,8 +1,8 @@
-// A client of ROS services on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does,
-// because that is what Troupe's services read. Prints JSON lines, and ends when all is done. Loopback only.
+// A client of ROS services on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does and
+// Troupe's services expect. Prints JSON lines and ends after the last response. Loopback only.
 //   fastdds_client DOMAIN step N [/ROBOT=VX]            steps a paused run N times, after a Twist if one is given
 //   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another
-// GOAL: an opening in m; with !OPENING behind it, it is cancelled as soon as that has been passed on the way up.
+// GOAL: an opening in m; GOAL!OPENING cancels it as soon as the fingers have opened further than OPENING.
 #include <cmath>
 #include <cstdlib>
 
@@ -26,14 +26,14 @@ void Step(Peer& peer, int steps, const char* drive) {
   }
   Client<srv::StepSimulation_Request_PubSubType, srv::StepSimulation_Response_PubSubType> client(
       peer, "/world/step_simulation");
-  client.Meet(srv::StepSimulation_Request_());  // of no steps
+  client.CallUntilAnswered(srv::StepSimulation_Request_());  // zero steps
   if (commands != nullptr) {
     Until([&] {
       PublicationMatchedStatus status;
       commands->get_publication_matched_status(status);
       return status.current_count > 0;
     });
-    // As in Meet; but nothing answers a command, so it is repeated for long enough.
+    // As CallUntilAnswered; but a command has no response, so it is repeated for long enough.
     for (int i = 0; i < 100; ++i) {
       commands->write(&twist);
       usleep(10'000);
@@ -42,7 +42,7 @@ void Step(Peer& peer, int steps, const char* drive) {
   int done = 0;
   for (int i = 0; i < steps; ++i) {
     if (commands != nullptr) {
-      // Another one each time, and certain to be there before the step.
+      // A different one each time, sent long enough before the step.
       twist.angular().z(i % 7 - 3);
       commands->write(&twist);
       commands->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(kSeconds, 0));
@@ -90,9 +90,9 @@ class Gripper {
     refused.goal().command().position(std::nan(""));
     action_msgs::srv::dds_::CancelGoal_Request_ unknown;
     unknown.goal_info().goal_id().uuid()[15] = 1;
-    send_goal_.Meet(refused);
-    get_result_.Meet(action::GripperCommand_GetResult_Request_());
-    cancel_.Meet(unknown);
+    send_goal_.CallUntilAnswered(refused);
+    get_result_.CallUntilAnswered(action::GripperCommand_GetResult_Request_());
+    cancel_.CallUntilAnswered(unknown);
     Until([&] {
       SubscriptionMatchedStatus status;
       status_reader_->get_subscription_matched_status(status);
@@ -137,7 +137,7 @@ class Gripper {
   Client<action_msgs::srv::dds_::CancelGoal_Request_PubSubType, action_msgs::srv::dds_::CancelGoal_Response_PubSubType>
       cancel_;
   DataReader* status_reader_ = nullptr;
-  std::atomic<double> opening_ = 0.0;  // by the newest feedback
+  std::atomic<double> opening_ = 0.0;  // m, of the newest feedback
   std::uint8_t id_ = 0;
 };
 

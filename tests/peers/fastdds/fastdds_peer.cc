@@ -1,6 +1,6 @@
-// A ROS peer on Fast DDS: reads robots' topics and prints what comes as JSON lines {"topic", "stamp" in ns, ...}, and
-// drives robots by Twist. Loopback only. Runs until it is killed, or its parent has ended.
-// Says {"topic": "enough"} when it has had ENOUGH scans of each.
+// A ROS peer on Fast DDS: reads robots' topics, prints each message as a JSON line {"topic", "stamp" in ns, ...} and
+// drives robots by Twist. Loopback only. Runs until it is killed or its parent has ended.
+// Prints {"topic": "enough"} after ENOUGH scans of each robot.
 //   fastdds_peer DOMAIN ENOUGH ROBOT=VX,WZ ...
 #include <algorithm>
 #include <atomic>
@@ -137,7 +137,7 @@ void Add(json& out, const rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_& m
   }
 }
 
-// Prints what comes on a topic. Counts it, too.
+// Prints and counts the messages of a topic.
 template <typename PubSubType>
 const std::atomic<int>& Read(Peer& peer, const std::string& topic, bool latched = false) {
   const std::atomic<int>* received = nullptr;

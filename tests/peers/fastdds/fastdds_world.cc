@@ -1,5 +1,5 @@
-// Calls services of the node /world from Fast DDS, each once it has met both its ends: what the simulator can, spawn,
-// move, ask, step, delete. Prints each answer as a JSON line, and ends when all have come. Loopback only.
+// Calls services of the node /world from Fast DDS, each after discovery of both its endpoints: features, spawn, move,
+// state, step, delete. Prints each response as a JSON line and ends after the last one. Loopback only.
 //   fastdds_world DOMAIN
 #include <cmath>
 #include <cstdlib>
@@ -37,13 +37,13 @@ class World {
         set_state_(peer, "/world/set_entity_state"),
         get_state_(peer, "/world/get_entity_state"),
         step_(peer, "/world/step_simulation") {
-    // With requests that change nothing.
-    features_.Meet({});
-    spawn_.Meet({});
-    delete_.Meet({});
-    set_state_.Meet({});
-    get_state_.Meet({});
-    step_.Meet({});
+    // By requests that change nothing.
+    features_.CallUntilAnswered({});
+    spawn_.CallUntilAnswered({});
+    delete_.CallUntilAnswered({});
+    set_state_.CallUntilAnswered({});
+    get_state_.CallUntilAnswered({});
+    step_.CallUntilAnswered({});
   }
 
   void Features() {

@@ -1,4 +1,4 @@
-// A participant on Fast DDS for the programs of this folder: loopback only; what it says are JSON lines.
+// A participant on Fast DDS for the programs of this folder: loopback only; output in JSON lines.
 #pragma once
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -33,7 +33,7 @@ inline void Print(const json& line) {
   std::fflush(stdout);
 }
 
-// Calls a function with each message, on a thread of Fast DDS's.
+// Calls a function with each message, on one of Fast DDS's threads.
 template <typename PubSubType>
 class Listener : public DataReaderListener {
  public:
@@ -68,7 +68,7 @@ class Peer {
     publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
   }
   ~Peer() { Close(); }
-  // No function given to Read is called any more when it returns.
+  // No function given to Read is called after it returns.
   void Close() {
     if (participant_ == nullptr) return;
     participant_->delete_contained_entities();
@@ -76,7 +76,7 @@ class Peer {
     participant_ = nullptr;
   }
 
-  // A topic of ROS begins with a slash, and is "rt/..." on DDS; other names stay as they are. `received` counts.
+  // A ROS topic begins with a slash and is "rt/..." on DDS; other names stay as they are. `received` is a count.
   template <typename PubSubType>
   DataReader* Read(const std::string& topic, std::function<void(const typename PubSubType::type&)> take,
                    bool latched = false, const std::atomic<int>** received = nullptr) {

@@ -1,5 +1,5 @@
-// A client of one ROS service on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does,
-// because that is what Troupe's services read.
+// A client of one ROS service on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does and
+// Troupe's services expect.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 #include "peer.h"
 
-inline constexpr int kSeconds = 60;  // that an answer may take on the slowest machine
+inline constexpr int kSeconds = 60;  // timeout of a response, for the slowest machine
 
 template <typename Condition>
 void Until(const Condition& condition) {
@@ -45,9 +45,9 @@ class Client {
     return responses_.at(number);
   }
 
-  // Calls with a request that does nothing until it is answered. What is written before the other side has met this
-  // writer is lost, and nothing tells when that was.
-  void Meet(const typename Request::type& harmless) {
+  // Repeats a request without effect until a response arrives. A request written before the service has discovered this
+  // writer is lost, and DDS does not report when discovery is complete.
+  void CallUntilAnswered(const typename Request::type& harmless) {
     Until([this] {
       PublicationMatchedStatus offered;
       SubscriptionMatchedStatus requested;
@@ -71,7 +71,7 @@ class Client {
 
   std::mutex mutex_;
   std::condition_variable came_;
-  std::map<std::int64_t, typename Response::type> responses_;  // by number
+  std::map<std::int64_t, typename Response::type> responses_;  // by sequence number
   std::int64_t number_ = 0;
   DataWriter* writer_;
   DataReader* reader_;

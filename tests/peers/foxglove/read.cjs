@@ -1,6 +1,6 @@
-// A ROS peer in JavaScript: subscribes to topics of a run, decodes them with the message definitions of ROS, and checks
-// what comes. Ends with status 0 when all have come.
-//   node read.cjs DOMAIN ROBOT [GRIPPER]   with a gripper: what tells of its joints, in place of the sensors
+// A ROS peer in JavaScript: subscribes to topics of a run, decodes the messages with the definitions of ROS and checks
+// them. Ends with status 0 after a message of each topic.
+//   node read.cjs DOMAIN ROBOT [GRIPPER]   with a gripper: the topics of its joints in place of the sensors
 "use strict";
 const { Participant } = require("@foxglove/rtps");
 const { UdpSocketNode } = require("@foxglove/rtps/nodejs");
@@ -10,7 +10,7 @@ const { ros2jazzy, ros2humble } = require("@foxglove/rosmsg-msgs-common");
 const [domain, robot, gripper] = [Number(process.argv[2]), process.argv[3], process.argv[4]];
 const kVolatile = 0, kTransientLocal = 1, kReliable = 2, kKeepLast = 0;
 const definitions = ros2jazzy ?? ros2humble;
-// The message and all that it holds.
+// The fields of a message, nested ones included.
 function definitionsOf(type) {
   const found = new Map();
   const add = (name) => {

@@ -43,7 +43,7 @@ TEST(AgentHostTest, JoinsWithItsRobotsAndTheHashOfTheWorld) {
   EXPECT_THAT(join.robots, ElementsAre("r0", "r1"));
 }
 
-TEST(AgentHostTest, WithoutNamesTakesAllRobots) {
+TEST(AgentHostTest, WithoutNamesSimulatesAllRobots) {
   ScriptedService service(TwoRobots());
   service.StartAgent();
   service.SendSession();
@@ -59,7 +59,7 @@ TEST(AgentHostTest, RepeatsItsJoinUntilAnswered) {
 
 TEST(AgentHostTest, AnswersAFrameWithOneProposalForTheNextTick) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(0);
   ASSERT_THAT(service.proposals(), SizeIs(1));
   const ProposalMessage answer = service.proposals()[0];
@@ -72,7 +72,7 @@ TEST(AgentHostTest, AnswersAFrameWithOneProposalForTheNextTick) {
 
 TEST(AgentHostTest, ProposesForItsOwnRobotsOnly) {
   ScriptedService service(TwoRobots());
-  service.TakeUp({"r1"});
+  service.StartAndAdmit({"r1"});
   service.SendFrame(0);
   EXPECT_THAT(service.proposals().at(0).proposals, ElementsAre(Proposal{RobotId(1), {}}));
 }
@@ -80,7 +80,7 @@ TEST(AgentHostTest, ProposesForItsOwnRobotsOnly) {
 TEST(AgentHostTest, ARepeatedFrameGetsTheSameAnswerAgain) {
   // Each decision of this controller differs from the one before.
   ScriptedService service(TwoRobots(Library("throws_later"), "{}"));
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(3);
   service.SendFrame(3);
   const std::vector<ProposalMessage> answers = service.proposals();
@@ -92,15 +92,15 @@ TEST(AgentHostTest, ARepeatedFrameGetsTheSameAnswerAgain) {
 
 TEST(AgentHostTest, AnOlderFrameIsNotAnswered) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(5);
   service.SendFrame(4);
   EXPECT_THAT(service.proposals(), SizeIs(1));
 }
 
-TEST(AgentHostTest, AfterMissedFramesItGoesOnFromTheNewest) {
+TEST(AgentHostTest, AfterMissedFramesItContinuesFromTheNewest) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(0);
   service.SendFrame(17);
   EXPECT_EQ(service.proposals().at(1).tick, 18u);
@@ -113,20 +113,20 @@ FrameMessage Paused(const ScriptedService& service, Tick tick) {
   return frame;
 }
 
-TEST(AgentHostTest, HoldsAPausedFrameAndAnswersItWhenTimeGoesOn) {
+TEST(AgentHostTest, PausesAtAPausedFrameAndAnswersItWhenTimeContinues) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.Send(&AgentHandler::OnFrame, Paused(service, 3));
   ASSERT_THAT(service.proposals(), SizeIs(1));
-  EXPECT_TRUE(service.proposals()[0].held);
+  EXPECT_TRUE(service.proposals()[0].paused);
   EXPECT_EQ(service.proposals()[0].tick, 4u);
   EXPECT_THAT(service.proposals()[0].proposals, IsEmpty());
-  service.Send(&AgentHandler::OnFrame, Paused(service, 3));  // somebody else missed it
+  service.Send(&AgentHandler::OnFrame, Paused(service, 3));  // another agent missed it
   ASSERT_THAT(service.proposals(), SizeIs(2));
-  EXPECT_TRUE(service.proposals()[1].held);
+  EXPECT_TRUE(service.proposals()[1].paused);
   service.SendFrame(3);
   ASSERT_THAT(service.proposals(), SizeIs(3));
-  EXPECT_FALSE(service.proposals()[2].held);
+  EXPECT_FALSE(service.proposals()[2].paused);
   EXPECT_EQ(service.proposals()[2].tick, 4u);
   EXPECT_THAT(service.proposals()[2].proposals, SizeIs(2));
   service.Send(&AgentHandler::OnFrame, Paused(service, 3));  // late
@@ -137,8 +137,8 @@ TEST(AgentHostTest, APauseChangesNoAnswer) {
   const std::string wander = R"({"min_distance": 0.5})";
   ScriptedService straight(TwoRobots("wander", wander));
   ScriptedService with_pauses(TwoRobots("wander", wander));
-  straight.TakeUp();
-  with_pauses.TakeUp();
+  straight.StartAndAdmit();
+  with_pauses.StartAndAdmit();
   for (Tick tick = 0; tick < 10; ++tick) {
     straight.SendFrame(tick);
     with_pauses.Send(&AgentHandler::OnFrame, Paused(with_pauses, tick));
@@ -149,7 +149,7 @@ TEST(AgentHostTest, APauseChangesNoAnswer) {
 
 TEST(AgentHostTest, AFrameOfAnotherRunIsNotAnswered) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(0, 2);
   EXPECT_THAT(service.proposals(), IsEmpty());
   service.SendFrame(0);
@@ -184,47 +184,47 @@ TEST(AgentHostTest, AdmissionsOfOthersAreNotItsOwn) {
 
 TEST(AgentHostTest, EndsWhenTheRunIsOver) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(0);
   service.SendLast(1);
-  const Result<bool> end = service.AwaitEnd();
+  const Result<AgentEnd> end = service.AwaitEnd();
   ASSERT_TRUE(end.ok());
-  EXPECT_TRUE(end.value());
+  EXPECT_EQ(end.value(), AgentEnd::kRunOver);
   EXPECT_THAT(service.proposals(), SizeIs(1));
 }
 
 TEST(AgentHostTest, EndsWhenTheFrameThatItAnsweredTurnsOutToBeTheLast) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(4);
   service.SendLast(4);
-  const Result<bool> end = service.AwaitEnd();
+  const Result<AgentEnd> end = service.AwaitEnd();
   ASSERT_TRUE(end.ok());
-  EXPECT_TRUE(end.value());
+  EXPECT_EQ(end.value(), AgentEnd::kRunOver);
 }
 
-TEST(AgentHostTest, EndsWhenToldToStop) {
+TEST(AgentHostTest, EndsOnStop) {
   ScriptedService waiting(TwoRobots());
   waiting.StartAgent();
   waiting.Stop();
   ASSERT_TRUE(waiting.AwaitEnd().ok());
-  EXPECT_FALSE(waiting.AwaitEnd().value());
+  EXPECT_EQ(waiting.AwaitEnd().value(), AgentEnd::kStopped);
 
   ScriptedService running(TwoRobots());
-  running.TakeUp();
+  running.StartAndAdmit();
   running.Stop();
   ASSERT_TRUE(running.AwaitEnd().ok());
-  EXPECT_FALSE(running.AwaitEnd().value());
+  EXPECT_EQ(running.AwaitEnd().value(), AgentEnd::kStopped);
 }
 
-TEST(AgentHostTest, ARefusalIsTheUsersToMend) {
+TEST(AgentHostTest, ARefusalIsBadInput) {
   ScriptedService service(TwoRobots());
   service.StartAgent();
   service.SendSession();
   service.AwaitJoin();
   service.Admit(1, false, "robot r0 is taken");
   EXPECT_EQ(service.AwaitError(), "error: the world service refused: robot r0 is taken");
-  EXPECT_TRUE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 
 TEST(AgentHostTest, AnUnknownRobotIsNamedWithTheKnownOnes) {
@@ -232,7 +232,7 @@ TEST(AgentHostTest, AnUnknownRobotIsNamedWithTheKnownOnes) {
   service.StartAgent({"r0", "r7"});
   service.SendSession();
   EXPECT_EQ(service.AwaitError(), "error: the world has no robot 'r7', expected one of: r0, r1");
-  EXPECT_TRUE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 
 TEST(AgentHostTest, ARobotNamedTwiceIsAnError) {
@@ -240,7 +240,7 @@ TEST(AgentHostTest, ARobotNamedTwiceIsAnError) {
   service.StartAgent({"r0", "r0"});
   service.SendSession();
   EXPECT_EQ(service.AwaitError(), "error: robot 'r0' is named twice");
-  EXPECT_TRUE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 
 TEST(AgentHostTest, AControllerThatCannotBeMadeIsAnError) {
@@ -248,7 +248,7 @@ TEST(AgentHostTest, AControllerThatCannotBeMadeIsAnError) {
   service.StartAgent();
   service.SendSession();
   EXPECT_EQ(service.AwaitError(), "error: robot r0: wander: 'speed' is \"fast\", expected a number between 0 and 100");
-  EXPECT_TRUE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 
 TEST(AgentHostTest, AnotherProtocolVersionIsAnError) {
@@ -258,7 +258,7 @@ TEST(AgentHostTest, AnotherProtocolVersionIsAnError) {
   session.protocol_version = kProtocolVersion + 1;
   service.Send(&AgentHandler::OnSession, session);
   EXPECT_THAT(service.AwaitError(), HasSubstr("protocol version"));
-  EXPECT_FALSE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kFailure);
 }
 
 TEST(AgentHostTest, AWorldThatBreaksItsRulesIsAnError) {
@@ -272,7 +272,7 @@ TEST(AgentHostTest, AWorldThatBreaksItsRulesIsAnError) {
 
 TEST(AgentHostTest, AFrameThatDoesNotFitTheWorldIsAnError) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   FrameMessage frame = service.Frame(0);
   frame.state.robots.pop_back();
   service.Send(&AgentHandler::OnFrame, frame);
@@ -287,11 +287,11 @@ TEST(AgentHostTest, WithoutASessionItGivesUp) {
 
 TEST(AgentHostTest, AServiceThatGoesInMidRunIsAnError) {
   ScriptedService service(TwoRobots());
-  service.TakeUp();
+  service.StartAndAdmit();
   service.SendFrame(0);
   service.Leave();
   EXPECT_EQ(service.AwaitError(), "error: the world service is gone");
-  EXPECT_FALSE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kFailure);
 }
 
 TEST(AgentHostTest, AServiceThatGoesBeforeItAnswersMayBeReplaced) {
@@ -318,7 +318,7 @@ TEST(AgentHostTest, ANewRunReplacesOneThatDidNotAnswer) {
 
 TEST(AgentHostTest, AFailingControllerIsReportedOnceAndItsRobotStands) {
   ScriptedService service(TwoRobots(Library("throws_later"), "{}"));
-  service.TakeUp();
+  service.StartAndAdmit();
   for (Tick tick = 0; tick < 6; ++tick) service.SendFrame(tick);
   const std::vector<ProposalMessage> answers = service.proposals();
   ASSERT_THAT(answers, SizeIs(6));
@@ -329,25 +329,25 @@ TEST(AgentHostTest, AFailingControllerIsReportedOnceAndItsRobotStands) {
   for (std::size_t i = 3; i < 6; ++i) EXPECT_TRUE(answers[i].proposals[0].twist.IsZero());
 }
 
-TEST(AgentHostTest, ASubscriptionToARangerThatIsNotThereIsAnError) {
+TEST(AgentHostTest, ASubscriptionToAnUnknownSensorIsAnError) {
   ScriptedService service(TwoRobots(Library("bad_subscription"), "{}"));
   service.StartAgent();
   service.SendSession();
-  EXPECT_THAT(service.AwaitError(), HasSubstr("subscribes to ranger 7, but the robot has 0"));
+  EXPECT_THAT(service.AwaitError(), HasSubstr("subscribes to sensor 7, but the robot has 0"));
 }
 
 TEST(AgentHostTest, AScanLogThatCannotBeOpenedIsAnError) {
   ScriptedService service(TwoRobots());
   service.StartAgent({}, "/nowhere/scans");
   EXPECT_EQ(service.AwaitError(), "/nowhere/scans: error: cannot write scans here: No such file or directory");
-  EXPECT_TRUE(service.bad_request());
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 
 TEST(AgentHostTest, AFullDiskEndsItWithAnError) {
   SmallWorld world;
   world.AddRanger(world.AddRobot("r0", {}), {}, {Fan(1.0, 100)});
   ScriptedService service(world.world());
-  service.TakeUp({}, "/dev/full");
+  service.StartAndAdmit({}, "/dev/full");
   for (Tick tick = 0; tick < 100; ++tick) service.SendFrame(tick);
   EXPECT_EQ(service.AwaitError(), "/dev/full: error: cannot write scans: No space left on device");
 }

@@ -16,16 +16,13 @@ namespace {
 
 class QuietObserver final : public RunObserver {
  public:
-  void OnStarted(double) override {}
-  void OnStatus(const StatusMessage&) override {}
-  void OnEvent(const Event&, const std::string&) override {}
   void OnNotice(const std::string& text) override { notices.push_back(text); }
   std::vector<std::string> notices;
 };
 
 struct Outcome {
   Result<RunSummary> summary = Error{};
-  std::vector<Result<bool>> agents;
+  std::vector<Result<AgentEnd>> agents;
   std::vector<std::string> notices;
 };
 
@@ -35,7 +32,7 @@ Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<st
   if (faults.any()) transport = MakeFaultyTransport(std::move(transport), faults);
   const std::atomic<bool> stop = false;
   Outcome outcome;
-  outcome.agents.assign(packing.size(), false);
+  outcome.agents.assign(packing.size(), AgentEnd::kStopped);
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < packing.size(); ++i) {
     threads.emplace_back([&, i] {
@@ -47,11 +44,11 @@ Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<st
       outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
     });
   }
-  const Scene scene(world);
+  const auto scene = std::make_shared<const Scene>(world);
   QuietObserver observer;
   ServiceOptions options;
   options.settings.ticks = 200;
-  outcome.summary = RunService(scene, options, transport->MakeServiceEndpoint(), observer, stop);
+  outcome.summary = RunService(scene, options, transport->MakeServiceEndpoint(), {&observer}, stop);
   for (std::thread& thread : threads) thread.join();
   outcome.notices = observer.notices;
   return outcome;
@@ -62,8 +59,9 @@ std::uint64_t HashAtTheEnd(const Outcome& outcome) {
   if (!outcome.summary.ok()) return 0;
   EXPECT_EQ(outcome.summary.value().ticks, 200u);
   EXPECT_EQ(outcome.summary.value().rejected, 0u);
-  for (const Result<bool>& agent : outcome.agents) {
-    EXPECT_TRUE(agent.ok() && agent.value()) << (agent.ok() ? "stopped" : agent.error().ToString());
+  for (const Result<AgentEnd>& agent : outcome.agents) {
+    EXPECT_TRUE(agent.ok() && agent.value() == AgentEnd::kRunOver)
+        << (agent.ok() ? "stopped" : agent.error().ToString());
   }
   return outcome.summary.value().state_hash;
 }

@@ -8,28 +8,28 @@ namespace {
 
 using ::testing::ElementsAre;
 
-std::variant<CommandLine, int> Parse(std::vector<const char*> arguments) {
+std::variant<AgentCommandLine, int> Parse(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "robot-agent");
-  return ParseCommandLine(static_cast<int>(arguments.size()), arguments.data());
+  return ParseAgentCommandLine(static_cast<int>(arguments.size()), arguments.data());
 }
 
-CommandLine ParseGood(std::vector<const char*> arguments) {
+AgentCommandLine ParseGood(std::vector<const char*> arguments) {
   const auto parsed = Parse(std::move(arguments));
-  EXPECT_TRUE(std::holds_alternative<CommandLine>(parsed));
-  return std::holds_alternative<CommandLine>(parsed) ? std::get<CommandLine>(parsed) : CommandLine{};
+  EXPECT_TRUE(std::holds_alternative<AgentCommandLine>(parsed));
+  return std::holds_alternative<AgentCommandLine>(parsed) ? std::get<AgentCommandLine>(parsed) : AgentCommandLine{};
 }
 
 TEST(AgentCommandLineTest, ReadsEveryOption) {
-  const CommandLine line = ParseGood(
+  const AgentCommandLine line = ParseGood(
       {"--session", "lab",           "--robot",       "r0",   "--robot",           "r1",  "--domain", "7",
        "--service", "10.0.0.1:7410", "--interface",   "eth0", "--lease",           "3.5", "--scans",  "scans.jsonl",
        "--faults",  "loss=0.25",     "--start-delay", "0.5",  "--session-timeout", "9"});
-  EXPECT_EQ(line.session, "lab");
+  EXPECT_EQ(line.network.session, "lab");
   EXPECT_THAT(line.agent.robots, ElementsAre("r0", "r1"));
-  EXPECT_EQ(line.domain, 7u);
-  EXPECT_EQ(line.service_address, "10.0.0.1:7410");
-  EXPECT_EQ(line.network_interface, "eth0");
-  EXPECT_EQ(line.lease_seconds, 3.5);
+  EXPECT_EQ(line.network.domain, 7u);
+  EXPECT_EQ(line.network.service_address, "10.0.0.1:7410");
+  EXPECT_EQ(line.network.network_interface, "eth0");
+  EXPECT_EQ(line.network.lease_seconds, 3.5);
   EXPECT_EQ(line.agent.scan_log, "scans.jsonl");
   EXPECT_EQ(line.faults.loss, 0.25);
   EXPECT_EQ(line.start_delay_seconds, 0.5);
@@ -37,8 +37,8 @@ TEST(AgentCommandLineTest, ReadsEveryOption) {
 }
 
 TEST(AgentCommandLineTest, TheInterfaceFollowsFromWhereTheServiceIs) {
-  EXPECT_EQ(ParseGood({"--session=s", "--robot=r"}).network_interface, "lo");
-  EXPECT_EQ(ParseGood({"--session=s", "--robot=r", "--service=there"}).network_interface, "auto");
+  EXPECT_EQ(ParseGood({"--session=s", "--robot=r"}).network.network_interface, "lo");
+  EXPECT_EQ(ParseGood({"--session=s", "--robot=r", "--service=there"}).network.network_interface, "auto");
 }
 
 TEST(AgentCommandLineTest, BadUsageIsExitStatusTwo) {

@@ -83,9 +83,9 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetBringsANewOne) {
     run.Step(20);
     ASSERT_TRUE(run.Ask(Request(ControlCommand::kDelete, "r1")).done);
     if (packing == 1) {
-      const Result<bool> end = run.AwaitAgentOf("r1");
+      const Result<AgentEnd> end = run.AwaitAgentOf("r1");
       ASSERT_TRUE(end.ok()) << end.error().ToString();
-      EXPECT_TRUE(end.value());
+      EXPECT_EQ(end.value(), AgentEnd::kRunOver);
     }
     run.Step(20);
     EXPECT_EQ(run.frame().state.robots[1].twist, Twist{});
@@ -120,12 +120,12 @@ ControlRequest SpawnScout(const std::string& name, const Pose& pose) {
   return request;
 }
 
-TEST(EditedRunTest, ASpawnWhoseAgentNeverComesIsTakenBack) {
+TEST(EditedRunTest, ASpawnWithoutAnAgentIsUndone) {
   const DefinitionFile definitions;
   ControlledRun run(Yard(2),
                     {.start_timeout_seconds = 1.0, .start_new_agents = false, .world_file = definitions.path()});
   const ControlReply reply = run.Ask(SpawnScout("late", {0.0, 20.0, 0.0, 0.0}));
-  EXPECT_EQ(reply.problem, "no agent came for late within 1 s");
+  EXPECT_EQ(reply.problem, "no agent joined for late within 1 s");
   run.Step(5);
   EXPECT_EQ(run.frame().edition, 2u);
   EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 6u);
@@ -156,7 +156,7 @@ TEST(EditedRunTest, TheSameEditsGiveTheSameHashesForAnyPacking) {
   }
 }
 
-TEST(EditedRunTest, ALoadedWorldTakesTheCourseThatItTakesByItself) {
+TEST(EditedRunTest, ALoadedWorldRunsAsItDoesByItself) {
   const DefinitionFile definitions;
   const std::string path = definitions.path() + ".world";
   std::ofstream(path) << "define scout position ( size [0.3 0.3 0.2] ctrl \"wander\" )\n"

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "common/spatial/body_index.h"
-#include "robot-agent/agent/robot.h"
+#include "robot-agent/robot/robot.h"
 #include "tests/support/gripper_world.h"
 
 namespace troupe::test {
@@ -22,7 +22,7 @@ class ManipulatingRobotTest : public testing::Test {
   void Make() {
     scene_ = std::make_unique<Scene>(world_.world);
     bodies_ = std::make_unique<BodyIndex>(*scene_);
-    if (state_.robots.empty()) state_ = InitialState(world_.world);
+    if (state_.robots.empty()) state_ = PlacedState(world_.world);
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, parts_.robot, nullptr);
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
@@ -70,7 +70,7 @@ class StackingRobotTest : public ManipulatingRobotTest, public testing::WithPara
   void RunUntil(double seconds) {
     while (static_cast<double>(state_.tick) * world_.world.interval_seconds() < seconds - 1e-9) Run(1);
   }
-  void ExpectCarried() {
+  void ExpectHeldInTheAir() {
     EXPECT_EQ(box().holder, parts_.gripper);
     EXPECT_NEAR(box().X_WO.z, 0.5, 1e-9);
   }
@@ -94,18 +94,18 @@ TEST_P(StackingRobotTest, PutsABoxOnAnother) {
   EXPECT_EQ(box().holder, parts_.gripper);
   EXPECT_EQ(box().X_WO, (Pose{0.35, 0.0, 0.0, 0.0}));  // nothing jumps
   RunUntil(5.0);
-  ExpectCarried();
+  ExpectHeldInTheAir();
   EXPECT_NEAR(box().X_WO.x, 0.85, 1e-9);
   RunUntil(12.0);
   ExpectStacked();
 }
 
-TEST_P(StackingRobotTest, AnAgentThatComesBackCarriesOn) {
+TEST_P(StackingRobotTest, ARestartedAgentContinues) {
   Make();
   RunUntil(5.0);
   Make();
   RunUntil(6.0);
-  ExpectCarried();
+  ExpectHeldInTheAir();
   RunUntil(12.0);
   ExpectStacked();
 }
@@ -116,7 +116,7 @@ TEST_P(StackingRobotTest, AnAgentWithAnotherControllerHoldsOn) {
   world_.world.robots[0].controller = {"idle", "{}"};
   Make();
   RunUntil(7.0);
-  ExpectCarried();
+  ExpectHeldInTheAir();
   EXPECT_NEAR(box().X_WO.x, 0.85, 1e-9);
 }
 
@@ -140,7 +140,7 @@ TEST_F(ManipulatingRobotTest, APercentageOutOfRangeStopsTheRobotButDropsNothing)
   EXPECT_EQ(box().holder, parts_.gripper);
 }
 
-TEST_F(ManipulatingRobotTest, AutosnatchTakesWhatBreaksABeamWithoutAController) {
+TEST_F(ManipulatingRobotTest, AutosnatchGripsAnObjectInABeamWithoutAController) {
   world_.world.grippers[0].autosnatch = true;
   Make();
   Run(5);

@@ -1,4 +1,4 @@
-#include "robot-agent/agent/robot.h"
+#include "robot-agent/robot/robot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
-#include "robot-agent/agent/scan_log.h"
+#include "robot-agent/robot/scan_log.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {
@@ -35,7 +35,7 @@ class RobotTest : public ::testing::Test {
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, log_.get());
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
-    state_ = InitialState(world_.world());
+    state_ = PlacedState(world_.world());
   }
   Twist Decide(Tick tick) {
     state_.tick = tick;
@@ -43,7 +43,7 @@ class RobotTest : public ::testing::Test {
     return robot_->Decide(state_, *index_).twist;
   }
   std::vector<std::string> LogLines() {
-    EXPECT_FALSE(log_->Flush());
+    EXPECT_TRUE(log_->Flush().ok());
     std::vector<std::string> lines;
     std::ifstream file(log_path_);
     for (std::string line; std::getline(file, line);) lines.push_back(line);
@@ -96,7 +96,7 @@ TEST_F(RobotTest, AScannerMountedBackwardsLooksBack) {
 
 TEST_F(RobotTest, ASlowRangerKeepsItsReadingUntilItIsDue) {
   world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 11)});
-  world_.robot(id_).rangers[0].period_ticks = 5;
+  world_.robot(id_).sensors[0].period_ticks = 5;
   world_.SetController(id_, "wander");
   Make();
   EXPECT_GT(Decide(0).vx, 0.0);
@@ -108,7 +108,7 @@ TEST_F(RobotTest, ASlowRangerKeepsItsReadingUntilItIsDue) {
 TEST_F(RobotTest, TheScanLogHasEveryRangerWhenDue) {
   world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {OneRay(), OneRay(1.0)});
   world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {OneRay()});
-  world_.robot(id_).rangers[1].period_ticks = 2;
+  world_.robot(id_).sensors[1].period_ticks = 2;
   Make(true);
   Decide(0);
   Decide(1);
@@ -122,7 +122,7 @@ TEST_F(RobotTest, TheScanLogHasEveryRangerWhenDue) {
 TEST_F(RobotTest, DecidesTheSameWithAndWithoutAScanLog) {
   world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 11), OneRay()});
   world_.AddRanger(id_, {0.0, 0.0, 0.3, 0.0}, {Fan(1.0, 5)});
-  world_.robot(id_).rangers[0].sensors[0].noise_variance = 0.1;
+  RaySensors(world_.robot(id_).sensors[0])[0].noise_variance = 0.1;
   world_.SetController(id_, "expand");
   std::vector<Twist> decisions[2];
   for (bool with_log : {false, true}) {

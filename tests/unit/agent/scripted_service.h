@@ -1,5 +1,5 @@
-// ScriptedService: the other end of an agent under test. The test says what the service sends, and awaits what the
-// agent sends.
+// ScriptedService: the peer of an agent under test. The test chooses the messages of the service, and awaits those of
+// the agent.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class ScriptedService {
   void StartAgent(std::vector<std::string> robots = {}, const std::string& scan_log = "", double timeout = 30.0) {
     options_ = {.agent = 7, .robots = std::move(robots), .scan_log = scan_log, .session_timeout_seconds = timeout};
     thread_ = std::thread([this] {
-      Result<bool> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_, &bad_request_);
+      Result<AgentEnd> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_);
       const std::lock_guard lock(mutex_);
       result_ = std::move(result);
       changed_.notify_all();
@@ -48,7 +48,7 @@ class ScriptedService {
   FrameMessage Frame(Tick tick, RunId run = 1) const {
     FrameMessage frame;
     frame.run = run;
-    frame.state = InitialState(world_);
+    frame.state = PlacedState(world_);
     frame.state.tick = tick;
     return frame;
   }
@@ -73,7 +73,7 @@ class ScriptedService {
   }
   void Stop() { stop_ = true; }
 
-  // The n-th join, from 1 on; it has to come.
+  // Awaits the n-th join, from 1 on.
   JoinMessage AwaitJoin(std::size_t n = 1) {
     EXPECT_TRUE(Await([&] { return joins_.size() >= n; })) << "no join came";
     const std::lock_guard lock(mutex_);
@@ -84,7 +84,7 @@ class ScriptedService {
     EXPECT_TRUE(Await([&] { return !joins_.empty() && joins_.back().run == run; })) << "no join came";
   }
   // Session, join and admission.
-  void TakeUp(std::vector<std::string> robots = {}, const std::string& scan_log = "") {
+  void StartAndAdmit(std::vector<std::string> robots = {}, const std::string& scan_log = "") {
     StartAgent(std::move(robots), scan_log);
     SendSession();
     AwaitJoin();
@@ -96,19 +96,15 @@ class ScriptedService {
     return proposals_;
   }
 
-  // How the agent ended; it has to.
-  Result<bool> AwaitEnd() {
+  // Awaits the end of the agent.
+  Result<AgentEnd> AwaitEnd() {
     EXPECT_TRUE(Await([this] { return result_.has_value(); })) << "the agent did not end";
     const std::lock_guard lock(mutex_);
-    return result_ ? *result_ : Result<bool>(Error{{}, "did not end"});
+    return result_ ? *result_ : Result<AgentEnd>(Error{{}, "did not end"});
   }
   std::string AwaitError() {
-    const Result<bool> end = AwaitEnd();
+    const Result<AgentEnd> end = AwaitEnd();
     return end.ok() ? "" : end.error().ToString();
-  }
-  bool bad_request() {
-    if (thread_.joinable()) thread_.join();
-    return bad_request_;
   }
 
  private:
@@ -158,14 +154,13 @@ class ScriptedService {
   WorldDescription world_;
   AgentOptions options_;
   std::atomic<bool> stop_ = false;
-  bool bad_request_ = false;  // of the agent's thread until it ends
-  std::mutex delivery_;       // held during calls of the handler
+  std::mutex delivery_;  // held during calls of the handler
   std::mutex mutex_;
   std::condition_variable changed_;
   AgentHandler* handler_ = nullptr;
   std::vector<JoinMessage> joins_;
   std::vector<ProposalMessage> proposals_;
-  std::optional<Result<bool>> result_;
+  std::optional<Result<AgentEnd>> result_;
   std::thread thread_;
 };
 

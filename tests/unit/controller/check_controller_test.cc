@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/message_of.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -16,14 +17,14 @@ TEST(CheckControllerTest, BuiltInNamesAreSorted) {
 struct Case {
   const char* name;
   const char* parameters;
-  const char* message;  // "": good
+  const char* message;  // "": success
 };
 
 class CheckControllerTableTest : public ::testing::TestWithParam<Case> {};
 
-TEST_P(CheckControllerTableTest, AcceptsGoodAndNamesWhatIsBad) {
+TEST_P(CheckControllerTableTest, AcceptsGoodInputAndNamesTheFault) {
   const Case& c = GetParam();
-  EXPECT_EQ(CheckController(c.name, c.parameters), c.message);
+  EXPECT_EQ(MessageOf(CheckController(c.name, c.parameters)), c.message);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -103,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
              "0"}));
 
 TEST(CheckControllerTest, ValuesInMessagesAreShortAndOnOneLine) {
-  const std::string message = CheckController("wander", "{\"speed\": \"" + std::string(1000, 'x') + "\\n\"}");
+  const std::string message =
+      MessageOf(CheckController("wander", "{\"speed\": \"" + std::string(1000, 'x') + "\\n\"}"));
   EXPECT_LT(message.size(), 120u);
   EXPECT_THAT(message, HasSubstr("..."));
   EXPECT_EQ(message.find('\n'), std::string::npos);
@@ -111,7 +113,7 @@ TEST(CheckControllerTest, ValuesInMessagesAreShortAndOnOneLine) {
 
 TEST(CheckControllerTest, DeepNestingIsNoTrouble) {
   const std::string deep = std::string(200000, '[') + std::string(200000, ']');
-  EXPECT_EQ(CheckController("wander", "{\"speed\": " + deep + "}"),
+  EXPECT_EQ(MessageOf(CheckController("wander", "{\"speed\": " + deep + "}")),
             "wander: 'speed' is a list, expected a number between 0 and 100");
 }
 

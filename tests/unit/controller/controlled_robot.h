@@ -7,64 +7,66 @@
 
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/create_controller.h"
+#include "tests/support/ray_sensors.h"
 
 namespace troupe {
 
-inline RangerDescription MakeSonar() {
-  RangerDescription sonar;
+inline SensorDescription MakeSonar() {
+  SensorDescription sonar;
   sonar.name = "ranger:0";
   for (int i = 0; i < 8; ++i) {
-    sonar.sensors.push_back({.X_MS = {0, 0, 0, WrapAngle(i * kPi / 4)}, .range = {0.0, 5.0}, .fov = 0.3, .samples = 1});
+    RaySensors(sonar).push_back(
+        {.X_MS = {0, 0, 0, WrapAngle(i * kPi / 4)}, .range = {0.0, 5.0}, .fov = 0.3, .samples = 1});
   }
   return sonar;
 }
 
-inline RangerDescription MakeScanner() {
-  RangerDescription scanner;
+inline SensorDescription MakeScanner() {
+  SensorDescription scanner;
   scanner.name = "ranger:0";
-  scanner.sensors.push_back({.X_MS = {}, .range = {0.0, 8.0}, .fov = kPi, .samples = 181});
+  RaySensors(scanner).push_back({.X_MS = {}, .range = {0.0, 8.0}, .fov = kPi, .samples = 181});
   return scanner;
 }
 
 inline RobotDescription MakeRobot(const std::string& controller, const std::string& parameters,
-                                  std::vector<RangerDescription> rangers = {},
+                                  std::vector<SensorDescription> sensors = {},
                                   DriveType drive = DriveType::kDifferential) {
   RobotDescription robot;
   robot.name = "r0";
   robot.drive.type = drive;
-  robot.rangers = std::move(rangers);
+  robot.sensors = std::move(sensors);
   robot.controller = {controller, parameters};
   return robot;
 }
 
 inline Result<std::unique_ptr<Controller>> CreateFor(const RobotDescription& robot) {
-  return CreateController(
-      {.robot = &robot, .parameters = robot.controller.parameters, .X_RM = std::vector<Pose>(robot.rangers.size())});
+  RobotInfo info{.robot = &robot, .parameters = robot.controller.parameters};
+  for (const SensorDescription& sensor : robot.sensors) info.sensors.push_back({&sensor, {}});
+  return CreateController(info);
 }
 
-// What a ranger reads when `range` gives the distance at each bearing (rad, of the ranger).
+// The reading of a ranger when `range` gives the distance at each bearing (rad, of the ranger).
 template <typename RangeAtBearing>
-RangerReading Read(const RangerDescription& ranger, RangeAtBearing range) {
+SensorReading Read(const SensorDescription& ranger, RangeAtBearing range) {
   RangerReading reading;
-  for (const RaySensorDescription& sensor : ranger.sensors) {
-    RangeScan scan;
-    for (std::uint32_t i = 0; i < sensor.samples; ++i) {
-      const double bearing = sensor.samples == 1 ? 0.0 : sensor.fov * (i / (sensor.samples - 1.0) - 0.5);
-      scan.ranges.push_back(sensor.range.Clamp(range(sensor.X_MS.heading + bearing)));
+  for (const RaySensorDescription& sensor : RaySensors(ranger)) {
+    RangeScan scan{.fan = {sensor.fov, sensor.samples}, .X_RS = sensor.X_MS, .limits = sensor.range};
+    for (std::size_t i = 0; i < scan.fan.count; ++i) {
+      scan.ranges.push_back(sensor.range.Clamp(range(sensor.X_MS.heading + scan.fan.Bearing(i))));
       scan.intensities.push_back(1.0);
     }
     reading.scans.push_back(scan);
   }
-  return reading;
+  return {.tick = 0, .content = reading};
 }
 
-inline Observation At(Tick tick, const std::vector<RangerReading>& readings, bool stalled = false) {
+inline Observation At(Tick tick, const std::vector<SensorReading>& readings, bool stalled = false) {
   Observation observation;
   observation.tick = tick;
   observation.interval = 0.1;
   observation.time = static_cast<double>(tick) / 10.0;
   observation.stalled = stalled;
-  observation.rangers = readings;
+  observation.sensors = readings;
   observation.random_key = tick;
   return observation;
 }

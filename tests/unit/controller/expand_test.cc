@@ -12,8 +12,8 @@ using ::testing::ElementsAre;
 
 class ExpandTest : public ::testing::Test {
  protected:
-  void Make(std::vector<RangerDescription> rangers, DriveType drive = DriveType::kDifferential) {
-    robot_ = MakeRobot("expand", R"({"speed": 0.5, "turn_gain": 2})", std::move(rangers), drive);
+  void Make(std::vector<SensorDescription> sensors, DriveType drive = DriveType::kDifferential) {
+    robot_ = MakeRobot("expand", R"({"speed": 0.5, "turn_gain": 2})", std::move(sensors), drive);
     Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
     ASSERT_TRUE(controller.ok());
     controller_ = std::move(controller).value();
@@ -21,8 +21,8 @@ class ExpandTest : public ::testing::Test {
 
   template <typename RangeAtBearing>
   Command See(RangeAtBearing range, bool stalled = false) {
-    std::vector<RangerReading> readings;
-    for (const RangerDescription& ranger : robot_.rangers) readings.push_back(Read(ranger, range));
+    std::vector<SensorReading> readings;
+    for (const SensorDescription& ranger : robot_.sensors) readings.push_back(Read(ranger, range));
     return controller_->Update(At(0, readings, stalled));
   }
 
@@ -50,7 +50,7 @@ TEST_F(ExpandTest, DrivesOnlyWhenTheFrontIsClear) {
   EXPECT_EQ(See(RoomAt(0.0, 1.0)).twist.vx, 0.5);
   EXPECT_EQ(See(RoomAt(kPi / 2, 1.0)).twist.vx, 0.5);
   EXPECT_EQ(See(RoomAt(kPi / 2, 0.5)).twist.vx, 0.0);
-  EXPECT_EQ(See(RoomAt(0.0, 0.5)).twist.vx, 0.5);  // what is near lies beside it
+  EXPECT_EQ(See(RoomAt(0.0, 0.5)).twist.vx, 0.5);  // the near wall is beside it
 }
 
 TEST_F(ExpandTest, PrefersSonarToScanner) {
@@ -68,7 +68,7 @@ TEST_F(ExpandTest, AfterAStallTriesEveryWayOutForAMoment) {
   int left = 0;
   int right = 0;
   for (Tick stall = 0; stall < 1000; stall += 10) {
-    const std::vector<RangerReading> readings = {Read(robot_.rangers[0], RoomAt(0.0, 1.0))};
+    const std::vector<SensorReading> readings = {Read(robot_.sensors[0], RoomAt(0.0, 1.0))};
     const Twist way = controller_->Update(At(stall, readings, true)).twist;
     back += way.vx < 0.0;
     ahead += way.vx > 0.0;
@@ -85,7 +85,7 @@ TEST_F(ExpandTest, AfterAStallTriesEveryWayOutForAMoment) {
 
 TEST_F(ExpandTest, StandsStillBeforeTheFirstReading) {
   Make({MakeSonar()});
-  const std::vector<RangerReading> unread(1);
+  const std::vector<SensorReading> unread(1);
   EXPECT_TRUE(controller_->Update(At(1, unread)).twist.IsZero());
 }
 

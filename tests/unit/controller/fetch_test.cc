@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/message_of.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -22,7 +23,8 @@ TEST(FetchParameters, AreCheckedStepByStep) {
       {R"({"steps": [5]})", "fetch: step 1: expected an object with one key"},
       {R"({"steps": [{"wait": 1}, {"wait": 1, "lift": 2}]})", "fetch: step 2: expected an object with one key"},
       {R"({"steps": [{"jump": 1}]})",
-       "fetch: step 1: found another key, expected one of: drive, go_to, gripper, lift, push, put, take, turn_to, wait, "
+       "fetch: step 1: found another key, expected one of: drive, go_to, gripper, lift, push, put, take, turn_to, "
+       "wait, "
        "wait_until"},
       {R"({"steps": [{"lift": 140}]})", "fetch: step 1: 'lift' expects a number from 0 to 100"},
       {R"({"steps": [{"lift": "up"}]})", "fetch: step 1: 'lift' expects a number from 0 to 100"},
@@ -42,7 +44,8 @@ TEST(FetchParameters, AreCheckedStepByStep) {
        "fetch: unknown parameter \"rech\", expected one of: approach, places, raise, reach, speed, steps, travel, "
        "turn_rate"},
   };
-  for (const FetchCase& c : cases) EXPECT_EQ(CheckController("fetch", c.parameters), c.message) << c.parameters;
+  for (const FetchCase& c : cases)
+    EXPECT_EQ(MessageOf(CheckController("fetch", c.parameters)), c.message) << c.parameters;
 }
 
 TEST(FetchWithoutGripper, IsAnErrorIfItNeedsOne) {

@@ -26,8 +26,8 @@ class TestController final : public troupe::Controller {
     troupe::Command command;
     command.twist.vx = 0.25 + 0.0 * observation.Random(0);
 #ifdef VARIANT_bad_lift
-    if (observation.tick == 0) command.grippers = {{.fingers = troupe::FingerCommand::kClose}};
-    if (observation.tick == 5) command.grippers = {{.lift = 140.0}};
+    if (observation.tick == 0) command.grippers = {{.fingers = troupe::FingerCommand::kClose }};
+    if (observation.tick == 5) command.grippers = {{.lift = 140.0 }};
 #endif
     return command;
   }

@@ -12,16 +12,16 @@
 namespace troupe {
 namespace {
 
-// Builds examples/own_controller in a folder of its own, which goes with the test.
+// Builds examples/own_controller against the installed package, in a folder of its own that is removed with the test.
 class OwnControllerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* source = std::getenv("TROUPE_SOURCE_DIR");
-    if (source == nullptr) GTEST_SKIP() << "TROUPE_SOURCE_DIR is not set";
+    const char* binary = std::getenv("TROUPE_BINARY_DIR");
+    if (source == nullptr || binary == nullptr) GTEST_SKIP() << "TROUPE_SOURCE_DIR or TROUPE_BINARY_DIR is not set";
     std::filesystem::create_directories(folder_);
-    const std::string quoted_source = "'" + std::string(source) + "'";
-    Run("cmake -S " + quoted_source + "/examples/own_controller -B '" + folder_ +
-        "' -DTROUPE_SOURCE_DIR=" + quoted_source + " -DCMAKE_BUILD_TYPE=Debug");
+    Run("cmake -S '" + std::string(source) + "/examples/own_controller' -B '" + folder_ + "' -DCMAKE_PREFIX_PATH='" +
+        binary + "/installed' -DCMAKE_BUILD_TYPE=Debug");
     Run("cmake --build '" + folder_ + "'");
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -41,11 +41,11 @@ TEST_F(OwnControllerTest, BuildsOutsideTheTreeAndRuns) {
   const RobotDescription robot = MakeRobot(folder_ + "/follow_wall.so", R"({"speed": 0.4})", {MakeScanner()});
   const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
   ASSERT_TRUE(controller.ok()) << controller.error().message;
-  const auto wall_at_left = Read(robot.rangers[0], [](double bearing) { return bearing > 0.6 ? 0.5 : 7.0; });
+  const auto wall_at_left = Read(robot.sensors[0], [](double bearing) { return bearing > 0.6 ? 0.5 : 7.0; });
   const Command along = controller.value()->Update(At(0, {wall_at_left}));
   EXPECT_EQ(along.twist.vx, 0.4);
   EXPECT_LT(along.twist.wz, 0.0);  // away from the wall, which is nearer than 0.8 m
-  const auto corner = Read(robot.rangers[0], [](double) { return 0.5; });
+  const auto corner = Read(robot.sensors[0], [](double) { return 0.5; });
   EXPECT_EQ(controller.value()->Update(At(1, {corner})).twist.vx, 0.0);
 
   const RobotDescription bad = MakeRobot(folder_ + "/follow_wall.so", R"({"speed": -1})", {MakeScanner()});

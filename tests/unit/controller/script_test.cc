@@ -27,7 +27,7 @@ TEST(ScriptTest, HoldsEachCommandUntilTheNext) {
   EXPECT_EQ(SpeedAt(*script, 3), 1.0);  // due in its own tick, in spite of rounding
   EXPECT_EQ(script->Update(At(6, {})).twist.wz, -2.0);
   EXPECT_EQ(SpeedAt(*script, 7), 2.0);
-  EXPECT_EQ(script->Update(At(7, {})).twist.wz, 0.0);  // what a command does not name is zero
+  EXPECT_EQ(script->Update(At(7, {})).twist.wz, 0.0);  // a motion without a value is zero
   EXPECT_EQ(script->Update(At(1000, {})).twist, (Twist{0.0, 0.0, 3.0}));
 }
 
@@ -65,7 +65,7 @@ TEST(ScriptTest, DrivesCarBySpeedAndSteering) {
   EXPECT_EQ(command.steering, 0.1);
 }
 
-TEST(ScriptTest, RefusesWhatTheDriveCannotDo) {
+TEST(ScriptTest, RefusesMotionsThatTheDriveCannotExecute) {
   const auto error = [](const char* command, DriveType drive) {
     const RobotDescription robot =
         MakeRobot("script", std::string(R"({"commands": [{"at": 0}, {"at": 1, )") + command + "}]}", {}, drive);
@@ -103,8 +103,8 @@ class ScriptedGripperTest : public testing::Test {
     const auto controller = Make(R"({"at": 0}, {"at": 1, )" + command + "}");
     return controller.ok() ? "" : controller.error().message;
   }
-  // "close 0" or "lift 0 to 50" or "joint 3 to 0.5", for each thing told.
-  static std::string Told(Controller& controller, Tick tick) {
+  // "close 0" or "lift 0 to 50" or "joint 3 to 0.5", for each command.
+  static std::string CommandsAt(Controller& controller, Tick tick) {
     const Command command = controller.Update(At(tick, {}));
     std::string text;
     const auto add = [&](const std::string& told) { text += (text.empty() ? "" : ", ") + told; };
@@ -130,39 +130,39 @@ TEST_F(ScriptedGripperTest, TellsEachThingOnceAndKeepsMotionApart) {
   auto script = Make(R"({"at": 0.2, "gripper": "close", "vx": 1}, {"at": 0.4, "lift": "up"},
                         {"at": 0.5, "lift": 30, "gripper": "open", "joints": {"arm": -0.25}})");
   ASSERT_TRUE(script.ok()) << script.error().message;
-  EXPECT_EQ(Told(*script.value(), 0), "");
-  EXPECT_EQ(Told(*script.value(), 2), "close 0");
-  EXPECT_EQ(Told(*script.value(), 3), "");
+  EXPECT_EQ(CommandsAt(*script.value(), 0), "");
+  EXPECT_EQ(CommandsAt(*script.value(), 2), "close 0");
+  EXPECT_EQ(CommandsAt(*script.value(), 3), "");
   EXPECT_EQ(SpeedAt(*script.value(), 3), 1.0);  // motion holds
-  EXPECT_EQ(Told(*script.value(), 4), "lift 0 to 100");
-  EXPECT_EQ(SpeedAt(*script.value(), 4), 0.0);  // what a command does not name is 0
-  EXPECT_EQ(Told(*script.value(), 5), "open 0, lift 0 to 30, joint 3 to -25/100");
-  EXPECT_EQ(Told(*script.value(), 600), "");
+  EXPECT_EQ(CommandsAt(*script.value(), 4), "lift 0 to 100");
+  EXPECT_EQ(SpeedAt(*script.value(), 4), 0.0);  // a motion without a value is 0
+  EXPECT_EQ(CommandsAt(*script.value(), 5), "open 0, lift 0 to 30, joint 3 to -25/100");
+  EXPECT_EQ(CommandsAt(*script.value(), 600), "");
 }
 
-TEST_F(ScriptedGripperTest, ALateStartTellsWhatWouldHaveBeenTold) {
+TEST_F(ScriptedGripperTest, ALateStartGivesTheCommandsOfItsPast) {
   auto script = Make(R"({"at": 0.2, "gripper": "close"}, {"at": 0.4, "lift": "down"}, {"at": 9, "gripper": "open"})");
-  EXPECT_EQ(Told(*script.value(), 50), "close 0, lift 0 to 0");
-  EXPECT_EQ(Told(*script.value(), 51), "");
+  EXPECT_EQ(CommandsAt(*script.value(), 50), "close 0, lift 0 to 0");
+  EXPECT_EQ(CommandsAt(*script.value(), 51), "");
 }
 
 TEST_F(ScriptedGripperTest, RepeatsWithTheScript) {
   auto script =
       Make(R"({"at": 0, "gripper": "close"}, {"at": 0.3, "gripper": "open"}, {"at": 0.5})", R"(, "repeat": true)");
   for (Tick round : {0, 5, 10}) {
-    EXPECT_EQ(Told(*script.value(), round), "close 0");
-    EXPECT_EQ(Told(*script.value(), round + 3), "open 0");
-    EXPECT_EQ(Told(*script.value(), round + 4), "");
+    EXPECT_EQ(CommandsAt(*script.value(), round), "close 0");
+    EXPECT_EQ(CommandsAt(*script.value(), round + 3), "open 0");
+    EXPECT_EQ(CommandsAt(*script.value(), round + 4), "");
   }
   auto late = Make(R"({"at": 0, "gripper": "close"}, {"at": 0.3, "lift": 10})", R"(, "repeat": true, "period": 1)");
-  EXPECT_EQ(Told(*late.value(), 51), "lift 0 to 10, close 0");  // of the round before, and of this one
+  EXPECT_EQ(CommandsAt(*late.value(), 51), "lift 0 to 10, close 0");  // of the round before, and of this one
 }
 
 TEST_F(ScriptedGripperTest, NamesSeveralGrippers) {
   info_.grippers.push_back({&hands_[1], 1, 2, {}});
   auto script = Make(R"({"at": 0, "grippers": {"other": {"gripper": "open"}, "hand": {"lift": 5}}})");
   ASSERT_TRUE(script.ok()) << script.error().message;
-  EXPECT_EQ(Told(*script.value(), 0), "lift 0 to 5, open 1");
+  EXPECT_EQ(CommandsAt(*script.value(), 0), "lift 0 to 5, open 1");
   EXPECT_EQ(ErrorOf(R"("gripper": "open")"),
             "script: command 2: the robot has 2 grippers, expected 'grippers' with one of: hand, other");
   EXPECT_EQ(ErrorOf(R"("grippers": {"foot": {"lift": 1}})"),
@@ -170,7 +170,7 @@ TEST_F(ScriptedGripperTest, NamesSeveralGrippers) {
   EXPECT_EQ(ErrorOf(R"("grippers": {"other": {"lift": 1}})"), "script: command 2: gripper 'other' has no lift");
 }
 
-TEST_F(ScriptedGripperTest, RefusesWhatTheRobotDoesNotHave) {
+TEST_F(ScriptedGripperTest, RefusesPartsThatTheRobotDoesNotHave) {
   EXPECT_EQ(ErrorOf(R"("joints": {"leg": 1})"),
             "script: command 2: unknown joint 'leg', expected one of: hand, hand.left, hand.right, arm");
   EXPECT_EQ(ErrorOf(R"("joints": {"arm": 1.5})"), "script: command 2: joint 'arm' is to go to 1.5, expected -1 to 1");

@@ -18,9 +18,9 @@ auto WallAhead(double ahead, double from, double to) {
 
 class WanderTest : public ::testing::Test {
  protected:
-  void Make(std::vector<RangerDescription> rangers, DriveType drive = DriveType::kDifferential,
+  void Make(std::vector<SensorDescription> sensors, DriveType drive = DriveType::kDifferential,
             const std::string& parameters = R"({"speed": 0.5, "turn_rate": 0.7, "min_distance": 1})") {
-    robot_ = MakeRobot("wander", parameters, std::move(rangers), drive);
+    robot_ = MakeRobot("wander", parameters, std::move(sensors), drive);
     Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
     ASSERT_TRUE(controller.ok());
     controller_ = std::move(controller).value();
@@ -28,8 +28,8 @@ class WanderTest : public ::testing::Test {
 
   template <typename RangeAtBearing>
   Command See(RangeAtBearing range, bool stalled = false) {
-    std::vector<RangerReading> readings;
-    for (const RangerDescription& ranger : robot_.rangers) readings.push_back(Read(ranger, range));
+    std::vector<SensorReading> readings;
+    for (const SensorDescription& ranger : robot_.sensors) readings.push_back(Read(ranger, range));
     return controller_->Update(At(tick_++, readings, stalled));
   }
 
@@ -45,7 +45,7 @@ TEST_F(WanderTest, DrivesAheadWhereNothingIs) {
   EXPECT_EQ(See(kNothing).twist, (Twist{0.5, 0.0, 0.0}));
 }
 
-TEST_F(WanderTest, IgnoresWhatIsBesideIt) {
+TEST_F(WanderTest, IgnoresObstaclesBesideIt) {
   Make({MakeScanner()});
   EXPECT_EQ(See([](double bearing) { return std::abs(bearing) > 1.2 ? 0.3 : 100.0; }).twist.vx, 0.5);
 }
@@ -76,15 +76,15 @@ TEST_F(WanderTest, UsesTheRangerWithMostSamples) {
 TEST_F(WanderTest, LooksAheadThroughAScannerMountedBackwards) {
   robot_ = MakeRobot("wander", "{}", {MakeScanner()});
   Result<std::unique_ptr<Controller>> controller =
-      CreateController({.robot = &robot_, .parameters = "{}", .X_RM = {Pose{0, 0, 0, kPi}}});
+      CreateController({.robot = &robot_, .parameters = "{}", .sensors = {{&robot_.sensors[0], Pose{0, 0, 0, kPi}}}});
   ASSERT_TRUE(controller.ok());
   controller_ = std::move(controller).value();
   EXPECT_GT(See(WallAhead(0.8, -0.5, 0.5)).twist.vx, 0.0);  // that wall is behind the robot
 }
 
 TEST_F(WanderTest, AShortSightedScannerThatSeesNothingIsClear) {
-  RangerDescription scanner = MakeScanner();
-  scanner.sensors[0].range.max = 0.5;
+  SensorDescription scanner = MakeScanner();
+  RaySensors(scanner)[0].range.max = 0.5;
   Make({scanner});
   EXPECT_EQ(See(kNothing).twist.vx, 0.5);
   EXPECT_EQ(See(WallAhead(0.4, -1.0, 1.0)).twist.vx, 0.0);
@@ -111,7 +111,7 @@ TEST_F(WanderTest, WithoutRangersGoesByStalls) {
 
 TEST_F(WanderTest, BeforeTheFirstReadingDrivesAsIfNothingWereThere) {
   Make({MakeScanner()});
-  const std::vector<RangerReading> unread(1);
+  const std::vector<SensorReading> unread(1);
   EXPECT_EQ(controller_->Update(At(1, unread)).twist.vx, 0.5);
 }
 

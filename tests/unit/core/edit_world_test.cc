@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/support/gripper_world.h"
+#include "world-service/core/initial_state.h"
 
 namespace troupe::test {
 namespace {
@@ -18,12 +19,12 @@ class EditWorldTest : public testing::Test {
  protected:
   void Make(const WorldDescription& world) {
     original = scene = std::make_shared<const Scene>(world);
-    state = InitialState(world);
+    state = InitialState(*scene);
   }
   // "" or why not.
   std::string Take(Result<EditedWorld> edited) {
     if (!edited.ok()) return edited.error().ToString();
-    EXPECT_FALSE(Validate(edited.value().scene->world()));
+    EXPECT_TRUE(Validate(edited.value().scene->world()).ok());
     scene = edited.value().scene;
     state = edited.value().state;
     events = edited.value().events;
@@ -89,7 +90,7 @@ TEST_F(EditWorldTest, RefusesUnknownNamesPartsAndNumbersThatAreNone) {
   EXPECT_EQ(Set("m0", {0.0, 0.0, 0.0, std::numeric_limits<double>::infinity()}),
             "error: found a pose that is not finite");
   EXPECT_EQ(Set("m0", {2e6, 0.0, 0.0, 0.0}), "error: found a pose beyond 1e6, expected one in the world");
-  EXPECT_EQ(state, InitialState(test.world));
+  EXPECT_EQ(state, PlacedState(test.world));
 }
 
 TEST_F(EditWorldTest, LetsFallWhatLosesItsSupport) {
@@ -253,7 +254,7 @@ TEST_F(EditWorldTest, ResetsToTheWorldAsLoaded) {
   EXPECT_EQ(Delete("m0"), "");
   const EditedWorld reset = ResetWorld(original, scene, state, {});
   EXPECT_EQ(reset.scene, original);
-  EXPECT_EQ(reset.state, InitialState(test.world));
+  EXPECT_EQ(reset.state, InitialState(*original));
   EXPECT_TRUE(reset.fresh);
 }
 
@@ -278,7 +279,7 @@ TEST_F(EditWorldTest, ResetsOnlyWhatItIsAskedTo) {
   scopes.state = true;
   reset = ResetWorld(original, scene, state, scopes);
   EXPECT_EQ(reset.state.tick, 3u);
-  EXPECT_EQ(reset.state.robots, InitialState(test.world).robots);
+  EXPECT_EQ(reset.state.robots, PlacedState(test.world).robots);
   EXPECT_EQ(reset.state.objects[0].mode, ObjectMode::kResting) << "it would be found at tick 0 only";
   EXPECT_EQ(reset.state.objects.size(), 2u);
   EXPECT_TRUE(reset.fresh);

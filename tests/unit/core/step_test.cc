@@ -4,6 +4,7 @@
 
 #include "common/model/state_hash.h"
 #include "tests/support/test_world.h"
+#include "world-service/core/initial_state.h"
 
 namespace troupe {
 namespace {
@@ -24,7 +25,7 @@ TEST(Step, MovesAlongTheArcOfTheTwist) {
   TestWorld test;
   test.AddRobot(Square(0.4), kBody, {1.0, 2.0, 0.0, 0.5});
   const Scene scene(test.world);
-  const WorldState start = InitialState(scene.world());
+  const WorldState start = InitialState(scene);
   const Twist twist{.vx = 1.0, .vy = 0.2, .wz = 0.7};
   const StepResult result = StepAll(scene, start, {twist});
   EXPECT_EQ(result.state.tick, 1u);
@@ -38,7 +39,7 @@ TEST(Step, LeavesTheGivenStateAlone) {
   TestWorld test;
   test.AddRobot(Square(0.4), kBody, {});
   const Scene scene(test.world);
-  const WorldState start = InitialState(scene.world());
+  const WorldState start = InitialState(scene);
   const WorldState copy = start;
   StepAll(scene, start, {{.vx = 1.0}});
   EXPECT_EQ(start, copy);
@@ -49,7 +50,7 @@ TEST(Step, StallsAtAWallAndSaysSoOnce) {
   const ModelId wall = test.AddModel(Box(0.25, -1.0, 0.26, 1.0));
   test.AddRobot(Square(0.4), kBody, {});
   const Scene scene(test.world);
-  const WorldState start = InitialState(scene.world());
+  const WorldState start = InitialState(scene);
   const StepResult first = StepAll(scene, start, {{.vx = 1.0}});
   const RobotState& robot = first.state.robots[0];
   EXPECT_TRUE(robot.stalled);
@@ -76,7 +77,7 @@ TEST(Step, EndsAStallWhenTheRobotWantsToStand) {
   test.AddModel(Box(0.2, -1.0, 0.3, 1.0));
   test.AddRobot(Square(0.4), kBody, {});
   const Scene scene(test.world);
-  const StepResult stalled = StepAll(scene, InitialState(scene.world()), {{.vx = 1.0}});
+  const StepResult stalled = StepAll(scene, InitialState(scene), {{.vx = 1.0}});
   ASSERT_TRUE(stalled.state.robots[0].stalled);
   const StepResult silent = Step(scene, stalled.state, {});
   EXPECT_TRUE(silent.state.robots[0].stalled) << "without a proposal nothing has been asked for since";
@@ -90,7 +91,7 @@ TEST(Step, StopsARobotWithoutAProposal) {
   TestWorld test;
   test.AddRobot(Square(0.4), kBody, {});
   const Scene scene(test.world);
-  const StepResult moving = StepAll(scene, InitialState(scene.world()), {{.vx = 1.0}});
+  const StepResult moving = StepAll(scene, InitialState(scene), {{.vx = 1.0}});
   const StepResult result = Step(scene, moving.state, {});
   EXPECT_EQ(result.state.robots[0].X_WR, moving.state.robots[0].X_WR);
   EXPECT_TRUE(result.state.robots[0].twist.IsZero());
@@ -100,7 +101,7 @@ TEST(Step, StallsOnTheGroundWheneverItMoves) {
   TestWorld test;
   test.AddRobot(Square(0.4), {-0.1, 0.5}, {});
   const Scene scene(test.world);
-  const StepResult result = StepAll(scene, InitialState(scene.world()), {{.vx = 1.0}});
+  const StepResult result = StepAll(scene, InitialState(scene), {{.vx = 1.0}});
   EXPECT_TRUE(result.state.robots[0].stalled);
   EXPECT_EQ(result.state.robots[0].X_WR, Pose{});
   ASSERT_EQ(result.events.size(), 1u);
@@ -113,7 +114,7 @@ TEST(Step, RotatesTheOrderWithTheTick) {
   test.AddRobot(Square(0.4), kBody, {0.0, 0.0, 0.0, 0.0});
   test.AddRobot(Square(0.4), kBody, {0.5, 0.0, 0.0, kPi});
   const Scene scene(test.world);
-  WorldState state = InitialState(scene.world());
+  WorldState state = InitialState(scene);
   for (Tick tick : {6u, 7u}) {
     state.tick = tick;
     const StepResult result = StepAll(scene, state, {{.vx = 1.0}, {.vx = 1.0}});
@@ -130,7 +131,7 @@ TEST(Step, StopsRobotsThatMeetHeadOnWithinAMillimetre) {
     test.AddRobot(Square(0.4), kBody, {-1.03, 0.0, 0.0, 0.0});
     test.AddRobot(Square(0.4), kBody, {1.07, 0.0, 0.0, kPi});
     const Scene scene(test.world);
-    WorldState state = InitialState(scene.world());
+    WorldState state = InitialState(scene);
     for (int tick = 0; tick < 60; ++tick) state = StepAll(scene, state, {{.vx = speed}, {.vx = speed}}).state;
     EXPECT_TRUE(state.robots[0].stalled);
     EXPECT_TRUE(state.robots[1].stalled);
@@ -146,7 +147,7 @@ TEST(Step, GivesTheSameHashTwice) {
   test.AddRobot(Square(0.4), kBody, {});
   test.AddRobot(Square(0.3), kBody, {0.0, 1.0, 0.0, 1.0});
   const Scene scene(test.world);
-  const WorldState start = InitialState(scene.world());
+  const WorldState start = InitialState(scene);
   const std::vector<Twist> twists{{.vx = 20.0, .wz = 0.1}, {.vx = -1.0, .wz = 2.0}};
   EXPECT_EQ(StateHash(StepAll(scene, start, twists).state), StateHash(StepAll(scene, start, twists).state));
 }
@@ -156,7 +157,7 @@ TEST(Step, OrdersEventsByRobot) {
   test.AddModel(Box(0.2, -1.0, 0.3, 9.0));
   for (int i = 0; i < 5; ++i) test.AddRobot(Square(0.4), kBody, {0.0, i * 1.0, 0.0, 0.0});
   const Scene scene(test.world);
-  WorldState state = InitialState(scene.world());
+  WorldState state = InitialState(scene);
   state.tick = 2;  // robot 3 goes first
   const StepResult result = StepAll(scene, state, std::vector<Twist>(5, {.vx = 1.0}));
   ASSERT_EQ(result.events.size(), 5u);

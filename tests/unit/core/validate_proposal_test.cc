@@ -17,9 +17,13 @@ class ValidateProposalTest : public testing::Test {
     drive.type = DriveType::kDifferential;
     drive.velocity = {{-1.0, 1.0}, {0.0, 0.0}, {-2.0, 2.0}};
     drive.acceleration = {{-1.0, 1.0}, {0.0, 0.0}, {-10.0, 10.0}};
-    state_ = InitialState(test_.world);
+    state_ = PlacedState(test_.world);
   }
-  std::string Check(const Proposal& proposal) const { return ValidateProposal(test_.world, state_, proposal); }
+  // The message of the error, if any.
+  std::string Check(const Proposal& proposal) const {
+    const Status valid = ValidateProposal(test_.world, state_, proposal);
+    return valid.ok() ? "" : valid.error().message;
+  }
 
   test::TestWorld test_;
   WorldState state_;

@@ -1,12 +1,12 @@
-#include "common/dds/data_reader.h"
+#include "common/dds/binding/data_reader.h"
 
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <string>
 
-#include "common/dds/data_writer.h"
-#include "common/dds/topic_types.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
 
 namespace troupe::dds {

@@ -1,6 +1,6 @@
-// A process at the other end, for tests that end one: "agent" joins the session that it finds, "service" offers one.
-// Both stay until SIGTERM.
-//   dds_test_peer agent|service DOMAIN SESSION ID LEASE
+// A process at the other end, for tests that end one: "agent" joins the session that it finds, "observer" follows it,
+// "service" offers one. Each stays until SIGTERM.
+//   dds_test_peer agent|observer|service DOMAIN SESSION ID LEASE
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "common/dds/dds_transport.h"
+#include "common/dds/transport/dds_transport.h"
 
 namespace troupe {
 namespace {
@@ -30,6 +30,14 @@ class JoiningAgent : public AgentHandler {
  private:
   AgentEndpoint& endpoint_;
   AgentId id_;
+};
+
+class SilentObserver : public ObserverHandler {
+ public:
+  void OnSession(const SessionMessage&) override {}
+  void OnFrame(const FrameMessage&) override {}
+  void OnStatus(const StatusMessage&) override {}
+  void OnServiceGone() override {}
 };
 
 class SilentService : public ServiceHandler {
@@ -67,8 +75,14 @@ int main(int argc, char** argv) {
     troupe::JoiningAgent agent(*endpoint, id);
     endpoint->Start(agent);
     troupe::WaitForTermination(signals);
+  } else if (std::string(argv[1]) == "observer") {
+    const auto transport = troupe::MakeDdsObserverTransport(options);
+    const auto endpoint = transport->MakeObserverEndpoint();
+    troupe::SilentObserver observer;
+    endpoint->Start(observer);
+    troupe::WaitForTermination(signals);
   } else {
-    const auto transport = troupe::MakeDdsServiceTransport(options, nullptr);
+    const auto transport = troupe::MakeDdsServiceTransport(options).transport;
     troupe::SilentService service;
     const auto endpoint = transport->MakeServiceEndpoint();
     troupe::SessionMessage session;

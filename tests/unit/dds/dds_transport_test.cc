@@ -1,17 +1,17 @@
-#include "common/dds/dds_transport.h"
+#include "common/dds/transport/dds_transport.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <mutex>
 
-#include "common/dds/data_reader.h"
-#include "common/dds/data_writer.h"
-#include "common/dds/domain_participant.h"
-#include "common/dds/exception.h"
-#include "common/dds/qos_profiles.h"
-#include "common/dds/topic_types.h"
-#include "common/dds/topics.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/binding/domain_participant.h"
+#include "common/dds/binding/exception.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/topics.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
 
@@ -116,6 +116,12 @@ class DdsTransportTest : public testing::Test {
     join.robots = {"r" + std::to_string(agent)};
     return join;
   }
+  // Notes its port.
+  std::unique_ptr<Transport> MakeServiceTransport() {
+    DdsServiceTransport made = MakeDdsServiceTransport(options_);
+    port_ = made.discovery_port;
+    return std::move(made.transport);
+  }
   // Agents find the service where it really is: another session may have the first port.
   DdsOptions AgentOptions() const {
     DdsOptions options = options_;
@@ -136,7 +142,7 @@ class DdsTransportTest : public testing::Test {
 };
 
 TEST_F(DdsTransportTest, CarriesEveryMessage) {
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
   Service service;
   Agent agent;
@@ -183,7 +189,7 @@ TEST_F(DdsTransportTest, CarriesEveryMessage) {
 
 // Most frames say what has changed since the one before. Who has not heard that one gets the state when it is repeated.
 TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
@@ -227,7 +233,7 @@ TEST_F(DdsTransportTest, TheSessionReachesEarlyAndLateAgents) {
   Agent early;
   const auto early_end = early_transport->MakeAgentEndpoint(1);
   early_end->Start(early);
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->SendSession(Session(5));
@@ -246,7 +252,7 @@ TEST_F(DdsTransportTest, ALargeWorldArrivesWhole) {
   for (int i = 0; i < 100'000; ++i) {
     session.world.shapes[0].rectangles.push_back({i + 0.0, 0.0, i + 1.0, 1.0});
   }
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->SendSession(session);
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
@@ -260,7 +266,7 @@ TEST_F(DdsTransportTest, ALargeWorldArrivesWhole) {
 // Each side answers inside its handler: the agent a frame with a proposal, the service a proposal with the next frame.
 TEST_F(DdsTransportTest, HandlersAnswerEachOtherForManyTicks) {
   constexpr Tick kTicks = 2000;
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
   Service service;
   Agent agent;
@@ -297,9 +303,8 @@ TEST_F(DdsTransportTest, HandlersAnswerEachOtherForManyTicks) {
 TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
   DdsOptions other = options_;
   other.session += "-other";
-  std::uint16_t other_port = 0;
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
-  const auto other_transport = MakeDdsServiceTransport(other, &other_port);
+  const auto service_transport = MakeServiceTransport();
+  const auto [other_transport, other_port] = MakeDdsServiceTransport(other);
   EXPECT_NE(port_, other_port);
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
@@ -321,8 +326,8 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
 }
 
 TEST_F(DdsTransportTest, ARivalServiceIsSeenByBoth) {
-  const auto first_transport = MakeDdsServiceTransport(options_, nullptr);
-  const auto second_transport = MakeDdsServiceTransport(options_, nullptr);
+  const auto first_transport = MakeDdsServiceTransport(options_).transport;
+  const auto second_transport = MakeDdsServiceTransport(options_).transport;
   Service first;
   const auto first_end = first_transport->MakeServiceEndpoint();
   Service second;
@@ -339,7 +344,7 @@ TEST_F(DdsTransportTest, ARivalServiceIsSeenByBoth) {
 
 // A tool that asks is heard as soon as the service has found its writer; its reader may be found later.
 TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
@@ -364,7 +369,7 @@ TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
 }
 
 TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
@@ -385,7 +390,7 @@ TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
 
 TEST_F(DdsTransportTest, AKilledAgentIsGoneAndTheOthersAreNot) {
   options_.lease_seconds = 1.0;
-  const auto service_transport = MakeDdsServiceTransport(options_, nullptr);
+  const auto service_transport = MakeDdsServiceTransport(options_).transport;
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);
@@ -419,7 +424,7 @@ TEST_F(DdsTransportTest, AServiceThatEndsIsGone) {
 }
 
 TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
-  const auto old_transport = MakeDdsServiceTransport(options_, nullptr);
+  const auto old_transport = MakeDdsServiceTransport(options_).transport;
   auto old_end = old_transport->MakeServiceEndpoint();
   old_end->SendSession(Session(1));
   const auto agent_transport = MakeDdsAgentTransport(options_);
@@ -427,7 +432,7 @@ TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
   const auto agent_end = agent_transport->MakeAgentEndpoint(1);
   agent_end->Start(agent);
   ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 1; }));
-  const auto new_transport = MakeDdsServiceTransport(options_, nullptr);
+  const auto new_transport = MakeDdsServiceTransport(options_).transport;
   auto new_end = new_transport->MakeServiceEndpoint();
   new_end->SendSession(Session(2));
   ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 2; }));
@@ -490,13 +495,13 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
 TEST_F(DdsTransportTest, RefusesSessionNamesThatMatchOthers) {
   for (const std::string name : {"*", "a?b", "a[0-9]"}) {
     options_.session = name;
-    EXPECT_THROW(MakeDdsServiceTransport(options_, nullptr), dds::Exception) << name;
+    EXPECT_THROW(MakeDdsServiceTransport(options_), dds::Exception) << name;
     EXPECT_THROW(MakeDdsAgentTransport(options_), dds::Exception) << name;
   }
 }
 
 TEST_F(DdsTransportTest, FlushWaitsUntilAllHaveReceived) {
-  const auto service_transport = MakeDdsServiceTransport(options_, &port_);
+  const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   service_end->Start(service);

@@ -1,10 +1,10 @@
-#include "common/dds/domain_participant.h"
+#include "common/dds/binding/domain_participant.h"
 
 #include <gtest/gtest.h>
 
-#include "common/dds/data_reader.h"
-#include "common/dds/data_writer.h"
-#include "common/dds/topic_types.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
 
 namespace troupe::dds {

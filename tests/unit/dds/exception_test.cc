@@ -1,4 +1,4 @@
-#include "common/dds/exception.h"
+#include "common/dds/binding/exception.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "common/dds/convert_frame.h"
+#include "common/dds/convert/convert_frame.h"
 #include "common/model/state_hash.h"
 
 namespace troupe::dds {
@@ -90,16 +90,16 @@ TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
   FrameMessage taken;
   {
     WireArena arena;
-    ASSERT_FALSE(FromWire(ToWire(frame, arena), taken));
+    ASSERT_TRUE(FromWire(ToWire(frame, arena), taken).ok());
   }
   for (int tick = 0; tick < 2000; ++tick) {
     FrameMessage next = Next(frame);
     if (tick % 3 != 0) changes.Make(next.state);
     WireArena arena;
     const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
-    ASSERT_TRUE(CanTake(wire, taken));
+    ASSERT_TRUE(CanRead(wire, taken));
     const Status problem = FromWire(wire, taken);
-    ASSERT_FALSE(problem) << problem->message;
+    ASSERT_TRUE(problem.ok()) << problem.error().message;
     ASSERT_EQ(taken, next) << "tick " << tick;
     ASSERT_EQ(StateHash(taken.state), StateHash(next.state)) << "tick " << tick;
     frame = next;
@@ -154,19 +154,19 @@ TEST(FrameChangesTest, AreTakenOnlyAfterTheFrameBefore) {
   const FrameMessage next = Next(frame);
   WireArena arena;
   const troupe_wire_Frame changes = ToWire(next, &frame.state, arena);
-  EXPECT_TRUE(CanTake(changes, frame));
-  EXPECT_FALSE(CanTake(changes, next));
-  EXPECT_FALSE(CanTake(changes, Next(next)));
-  EXPECT_FALSE(CanTake(changes, FrameMessage{}));
+  EXPECT_TRUE(CanRead(changes, frame));
+  EXPECT_FALSE(CanRead(changes, next));
+  EXPECT_FALSE(CanRead(changes, Next(next)));
+  EXPECT_FALSE(CanRead(changes, FrameMessage{}));
   FrameMessage other = frame;
   other.run = 8;
-  EXPECT_FALSE(CanTake(changes, other));
+  EXPECT_FALSE(CanRead(changes, other));
   other = frame;
   other.edition = 3;
-  EXPECT_FALSE(CanTake(changes, other));
+  EXPECT_FALSE(CanRead(changes, other));
   const troupe_wire_Frame whole = ToWire(next, arena);
-  EXPECT_TRUE(CanTake(whole, other));
-  EXPECT_TRUE(CanTake(whole, FrameMessage{}));
+  EXPECT_TRUE(CanRead(whole, other));
+  EXPECT_TRUE(CanRead(whole, FrameMessage{}));
 }
 
 struct BadChanges {
@@ -198,8 +198,8 @@ TEST(FrameChangesTest, MalformedOnesAreRefusedAndNothingBuildsOnThem) {
     troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
     bad.spoil(wire);
     FrameMessage message = frame;
-    EXPECT_TRUE(FromWire(wire, message)) << bad.what;
-    EXPECT_FALSE(CanTake(ToWire(Next(next), &next.state, arena), message)) << bad.what;
+    EXPECT_FALSE(FromWire(wire, message).ok()) << bad.what;
+    EXPECT_FALSE(CanRead(ToWire(Next(next), &next.state, arena), message)) << bad.what;
   }
 }
 

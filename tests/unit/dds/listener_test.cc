@@ -1,4 +1,4 @@
-#include "common/dds/listener.h"
+#include "common/dds/binding/listener.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "common/dds/data_reader.h"
-#include "common/dds/data_writer.h"
-#include "common/dds/topic_types.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
 
 namespace troupe::dds {

@@ -1,8 +1,8 @@
-#include "common/dds/qos.h"
+#include "common/dds/binding/qos.h"
 
 #include <gtest/gtest.h>
 
-#include "common/dds/qos_profiles.h"
+#include "common/dds/transport/qos_profiles.h"
 
 namespace troupe::dds {
 namespace {

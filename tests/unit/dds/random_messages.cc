@@ -1,5 +1,7 @@
 #include "tests/unit/dds/random_messages.h"
 
+#include "tests/support/ray_sensors.h"
+
 namespace troupe::test {
 
 std::string RandomMessages::Text() {
@@ -33,8 +35,7 @@ Polygon RandomMessages::RandomPolygon() {
                      {Number(1.0, 2.0), Number(-2.0, -1.0)},
                      {Number(1.0, 2.0), Number(1.0, 2.0)}};
   if (Coin()) polygon.push_back({Number(-2.0, -1.0), Number(1.0, 2.0)});
-  Normalize(polygon);
-  return polygon;
+  return Normalized(polygon).value();
 }
 
 Shape RandomMessages::RandomShape() {
@@ -79,13 +80,13 @@ RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& na
   robot.drive.acceleration.y = {Number(-9.0, 0.0), Number(0.0, 9.0)};
   robot.drive.acceleration.heading = {Number(-9.0, 0.0), Number(0.0, 9.0)};
   robot.localization = {static_cast<LocalizationType>(Below(2)), RandomPose(), Number(), Number(), Number()};
-  robot.rangers.resize(Below(3));
-  for (RangerDescription& ranger : robot.rangers) {
+  robot.sensors.resize(Below(3));
+  for (SensorDescription& ranger : robot.sensors) {
     ranger.name = Text();
     ranger.model = root;
     ranger.period_ticks = 1 + static_cast<std::uint32_t>(Below(1000));
-    ranger.sensors.resize(Below(4));
-    for (RaySensorDescription& sensor : ranger.sensors) {
+    RaySensors(ranger).resize(Below(4));
+    for (RaySensorDescription& sensor : RaySensors(ranger)) {
       sensor = {
           RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
           Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};
@@ -241,7 +242,7 @@ ProposalMessage RandomMessages::Proposal() {
     robot += 1 + Below(10);
   }
   message.reports = Texts();
-  message.held = Coin();
+  message.paused = Coin();
   message.edition = static_cast<Edition>(Bits());
   return message;
 }

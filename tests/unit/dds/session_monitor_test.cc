@@ -1,10 +1,10 @@
-#include "common/dds/session_monitor.h"
+#include "common/dds/tools/session_monitor.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "common/dds/dds_transport.h"
+#include "common/dds/transport/dds_transport.h"
 #include "tests/support/dds_domain.h"
 
 namespace troupe {
@@ -32,7 +32,7 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   };
   const auto start = [&](const std::string& name, RunId run) {
     options.session = prefix + name;
-    auto transport = MakeDdsServiceTransport(options, nullptr);
+    auto transport = MakeDdsServiceTransport(options).transport;
     auto endpoint = transport->MakeServiceEndpoint();
     SessionMessage session;
     session.run = run;

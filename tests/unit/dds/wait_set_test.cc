@@ -1,12 +1,12 @@
-#include "common/dds/wait_set.h"
+#include "common/dds/binding/wait_set.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "common/dds/condition.h"
-#include "common/dds/data_writer.h"
-#include "common/dds/topic_types.h"
+#include "common/dds/binding/condition.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
 
 namespace troupe::dds {

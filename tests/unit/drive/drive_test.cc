@@ -77,7 +77,7 @@ TEST(DriveTest, CarSteeringBeyondItsBoundKeepsTheSpeed) {
   EXPECT_NEAR(twist.vx, 0.8 * std::cos(1.0), 1e-12);
 }
 
-TEST(DriveTest, WhatIsNotFiniteCountsAsZero) {
+TEST(DriveTest, ANumberThatIsNotFiniteCountsAsZero) {
   const double nan = std::nan("");
   const double infinity = std::numeric_limits<double>::infinity();
   const DriveDescription omni = MakeDrive(DriveType::kOmni);
@@ -87,7 +87,7 @@ TEST(DriveTest, WhatIsNotFiniteCountsAsZero) {
   EXPECT_EQ(Settle(car, {.twist = {}, .speed = 0.5, .steering = -infinity}), (Twist{0.5, 0.0, 0.0}));
 }
 
-TEST(DriveTest, ProposesOnlyWhatTheServiceAccepts) {
+TEST(DriveTest, ProposesOnlyTwistsThatTheServiceAccepts) {
   for (DriveType type : {DriveType::kDifferential, DriveType::kOmni, DriveType::kCar}) {
     const DriveDescription drive = MakeDrive(type);
     Twist twist;

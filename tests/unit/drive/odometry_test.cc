@@ -97,12 +97,12 @@ TEST(OdometryTest, ARobotThatStandsStillCountsNothing) {
   EXPECT_EQ(odometry.estimate(), localization.origin);
 }
 
-TEST(OdometryTest, BeingCarriedIsNoMotion) {
+TEST(OdometryTest, ARelocationIsNoMotion) {
   const LocalizationDescription localization = MakeOdometry({});
   Odometry odometry(localization);
   odometry.Update({0.0, 0.0, 0.0, 0.0});
   odometry.Update({1.0, 0.0, 0.0, 0.0});
-  odometry.Carry({5.0, 5.0, 0.0, kPi / 2});
+  odometry.Relocate({5.0, 5.0, 0.0, kPi / 2});
   odometry.Update({5.0, 5.0, 0.0, kPi / 2});
   ExpectNear(odometry.estimate(), {1.0, 0.0, 0.0, 0.0});
   odometry.Update({5.0, 6.0, 0.0, kPi / 2});

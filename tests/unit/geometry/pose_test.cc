@@ -52,7 +52,7 @@ TEST(Integrate, FollowsACircle) {
   ExpectNear(moved, {2.0, 2.0, 0.0, 0.5 * kPi});
 }
 
-TEST(Integrate, DoesNotJumpWhereTheSeriesTakesOver) {
+TEST(Integrate, IsContinuousAtTheSwitchToTheSeries) {
   for (double wz : {1e-12, 1e-6, 0.99e-4, 1.01e-4, 1e-3}) {
     const Pose whole = Integrate({.vx = 1.0, .vy = 0.5, .wz = wz}, 1.0);
     const Pose half = Integrate({.vx = 1.0, .vy = 0.5, .wz = wz}, 0.5);

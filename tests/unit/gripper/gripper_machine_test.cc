@@ -13,7 +13,7 @@ class GripperMachineTest : public testing::Test {
  protected:
   GripperMachineTest() { Restart(); }
 
-  // As an agent does that was started again: only the state of the world is left.
+  // As in a restarted agent: only the state of the world remains.
   void Restart(bool autosnatch = false) {
     machine_.emplace(autosnatch);
     left_.emplace(hand_.world.joints[Hand::kLeft]);
@@ -27,12 +27,12 @@ class GripperMachineTest : public testing::Test {
 
   void Tick(int ticks = 1) {
     for (int i = 0; i < ticks; ++i) {
-      machine_->Sense(beam_, gripper());
+      machine_->UpdateBeams(beam_, gripper());
       const auto velocities = machine_->Propose(fingers(), hand_.world.interval_seconds());
       hand_.Move({0.0, velocities.left, velocities.right, 0.0});
       if (velocities.left < 0.0 || velocities.right < 0.0) gripper() = {};
     }
-    machine_->Sense(beam_, gripper());
+    machine_->UpdateBeams(beam_, gripper());
   }
   void Hold() { gripper() = {ModelId(5), ModelId(5), ObjectId(0)}; }
 
@@ -45,14 +45,14 @@ class GripperMachineTest : public testing::Test {
 
 TEST_F(GripperMachineTest, GoesThroughItsFourStates) {
   EXPECT_EQ(state(), FingerState::kOpen);
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick();
   EXPECT_EQ(state(), FingerState::kClosing);
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.05, 1e-12);
   Tick(9);
   EXPECT_EQ(state(), FingerState::kClosed);
   EXPECT_NEAR(hand_.position(Hand::kRight), 0.5, 1e-12);
-  machine_->Take(FingerCommand::kOpen);
+  machine_->SetCommand(FingerCommand::kOpen);
   Tick();
   EXPECT_EQ(state(), FingerState::kOpening);
   Tick(9);
@@ -62,16 +62,16 @@ TEST_F(GripperMachineTest, GoesThroughItsFourStates) {
 }
 
 TEST_F(GripperMachineTest, ReversesInTheMiddle) {
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(3);
-  machine_->Take(FingerCommand::kOpen);
+  machine_->SetCommand(FingerCommand::kOpen);
   Tick();
   EXPECT_EQ(state(), FingerState::kOpening);
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.1, 1e-12);
 }
 
 TEST_F(GripperMachineTest, StopsPushingWhenItHasAnObject) {
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(3);
   Hold();
   EXPECT_EQ(state(), FingerState::kClosed);
@@ -80,13 +80,13 @@ TEST_F(GripperMachineTest, StopsPushingWhenItHasAnObject) {
 }
 
 TEST_F(GripperMachineTest, GoesToAnOpeningFromBothSides) {
-  machine_->TakeOpening(0.7);
+  machine_->SetOpening(0.7);
   Tick();
   EXPECT_EQ(state(), FingerState::kClosing);
   Tick(4);
   EXPECT_EQ(state(), FingerState::kClosed);  // not all the way open
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.15, 1e-12);
-  machine_->TakeOpening(0.9);
+  machine_->SetOpening(0.9);
   Tick();
   EXPECT_EQ(state(), FingerState::kOpening);
   Tick(4);
@@ -95,13 +95,13 @@ TEST_F(GripperMachineTest, GoesToAnOpeningFromBothSides) {
 }
 
 TEST_F(GripperMachineTest, HoldsAnObjectThatIsWiderThanTheOpeningAskedFor) {
-  machine_->TakeOpening(0.2);
+  machine_->SetOpening(0.2);
   Tick(2);
   Hold();
   Tick(3);
   EXPECT_EQ(state(), FingerState::kClosed);
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.1, 1e-12);
-  machine_->TakeOpening(0.9);
+  machine_->SetOpening(0.9);
   Tick(4);
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.05, 1e-12);
   EXPECT_FALSE(gripper().clamped);
@@ -111,16 +111,16 @@ TEST_F(GripperMachineTest, NoFingerClosesWhileTheyOpen) {
   hand_.position(Hand::kLeft) = 0.1;
   hand_.position(Hand::kRight) = 0.3;
   Hold();
-  machine_->TakeOpening(0.7);  // 0.15 m each, were it for the middle
+  machine_->SetOpening(0.7);  // 0.15 m each, were it for the middle
   Tick(2);
   EXPECT_EQ(hand_.position(Hand::kLeft), 0.1);
   EXPECT_NEAR(hand_.position(Hand::kRight), 0.2, 1e-12);
 }
 
-TEST_F(GripperMachineTest, StaysWhereItIsWhenToldTo) {
-  machine_->Take(FingerCommand::kClose);
+TEST_F(GripperMachineTest, StaysOnCommand) {
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(2);
-  machine_->Take(FingerCommand::kStay);
+  machine_->SetCommand(FingerCommand::kStay);
   Tick(2);
   EXPECT_EQ(state(), FingerState::kClosed);
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.1, 1e-12);
@@ -131,7 +131,7 @@ TEST_F(GripperMachineTest, StaysWhereItIsWhenToldTo) {
 
 TEST_F(GripperMachineTest, OneFingerWaitsForTheOther) {
   hand_.stops[Hand::kLeft] = 0.1;
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(4);
   EXPECT_EQ(state(), FingerState::kClosing);
   EXPECT_EQ(hand_.position(Hand::kLeft), 0.1);
@@ -140,9 +140,9 @@ TEST_F(GripperMachineTest, OneFingerWaitsForTheOther) {
   EXPECT_EQ(state(), FingerState::kClosed);  // on nothing: one finger is stopped, one is at its limit
 }
 
-TEST_F(GripperMachineTest, ClosesFurtherWhenWhatHeldItUpGoesAway) {
+TEST_F(GripperMachineTest, ClosesFurtherWhenABlockingContactEnds) {
   hand_.stops[Hand::kLeft] = hand_.stops[Hand::kRight] = 0.1;
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(4);
   EXPECT_EQ(state(), FingerState::kClosed);
   hand_.stops[Hand::kLeft] = hand_.stops[Hand::kRight] = 1.0;
@@ -152,8 +152,8 @@ TEST_F(GripperMachineTest, ClosesFurtherWhenWhatHeldItUpGoesAway) {
   EXPECT_EQ(hand_.position(Hand::kLeft), 0.5);
 }
 
-TEST_F(GripperMachineTest, AnAgentThatComesBackKeepsWhatItsRobotHolds) {
-  machine_->Take(FingerCommand::kClose);
+TEST_F(GripperMachineTest, ARestartedAgentKeepsTheObjectOfItsRobot) {
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(3);
   Hold();
   const WorldState before = hand_.state;
@@ -164,8 +164,8 @@ TEST_F(GripperMachineTest, AnAgentThatComesBackKeepsWhatItsRobotHolds) {
   EXPECT_EQ(hand_.state.grippers, before.grippers);
 }
 
-TEST_F(GripperMachineTest, AnAgentThatComesBackLeavesHalfOpenFingersWhereTheyAre) {
-  machine_->Take(FingerCommand::kClose);
+TEST_F(GripperMachineTest, ARestartedAgentLeavesHalfOpenFingersInPlace) {
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(3);
   Restart();
   EXPECT_EQ(state(), FingerState::kClosed);
@@ -185,7 +185,7 @@ TEST_F(GripperMachineTest, AutosnatchClosesOnABrokenBeamAndOpensWithoutOne) {
   EXPECT_EQ(state(), FingerState::kOpening);
 }
 
-TEST_F(GripperMachineTest, AutosnatchDoesNotDropWhatTheBeamsDoNotSee) {
+TEST_F(GripperMachineTest, AutosnatchDoesNotDropAnObjectOutsideTheBeams) {
   Restart(true);
   beam_ = true;
   Tick(3);
@@ -201,7 +201,7 @@ TEST_F(GripperMachineTest, AutosnatchObeysOpenUntilTheObjectIsGone) {
   beam_ = true;
   Tick(3);
   Hold();
-  machine_->Take(FingerCommand::kOpen);
+  machine_->SetCommand(FingerCommand::kOpen);
   Tick(3);
   EXPECT_EQ(state(), FingerState::kOpen);
   EXPECT_FALSE(gripper().clamped);
@@ -216,7 +216,7 @@ TEST_F(GripperMachineTest, AutosnatchObeysOpenUntilTheObjectIsGone) {
 
 TEST_F(GripperMachineTest, AutosnatchObeysCloseUntilABeamWasBroken) {
   Restart(true);
-  machine_->Take(FingerCommand::kClose);
+  machine_->SetCommand(FingerCommand::kClose);
   Tick(12);
   EXPECT_EQ(state(), FingerState::kClosed);
   beam_ = true;

@@ -1,5 +1,5 @@
-// A robot with a lift, two fingers and an arm that turns, as a description; and what a world does to its joints,
-// without one: they move, and stop at their limits and where a test puts something in their way.
+// A robot with a lift, two fingers and an arm that turns, as a description; and a substitute for the step that
+// moves its joints: they stop at their limits and at obstacles that a test sets.
 #pragma once
 
 #include <array>
@@ -47,7 +47,7 @@ class Hand {
     gripper.right_pad = ModelId(3);
     gripper.lift = JointId(kLift);
     gripper.beams.resize(2);
-    state = InitialState(world);
+    state = PlacedState(world);
     stops.fill(std::numeric_limits<double>::infinity());
   }
 

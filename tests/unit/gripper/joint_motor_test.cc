@@ -20,7 +20,7 @@ class JointMotorTest : public testing::Test {
   JointMotor motor_{hand_.world.joints[Hand::kLift]};
 };
 
-TEST_F(JointMotorTest, StandsStillUntilItIsTold) {
+TEST_F(JointMotorTest, StandsStillWithoutACommand) {
   EXPECT_EQ(motor_.Velocity(state(), 0.1), 0.0);
   EXPECT_FALSE(motor_.moving(state()));
 }
@@ -59,7 +59,7 @@ TEST_F(JointMotorTest, NeverExceedsItsSpeed) {
   EXPECT_EQ(motor_.Velocity(state(), 0.1), -0.5);
 }
 
-TEST_F(JointMotorTest, AVelocityGoesOnToTheLimit) {
+TEST_F(JointMotorTest, AVelocityContinuesToTheLimit) {
   motor_.MoveAt(0.3);
   for (int i = 0; i < 10; ++i) Tick();
   EXPECT_NEAR(state().position, 0.55, 1e-12);
@@ -75,13 +75,13 @@ TEST_F(JointMotorTest, AVelocityGoesOnToTheLimit) {
   EXPECT_NEAR(state().position, 1.22, 1e-12);
 }
 
-TEST_F(JointMotorTest, SaysThatItIsHeldUpButGoesOnTrying) {
+TEST_F(JointMotorTest, ReportsABlockingContactButKeepsProposing) {
   hand_.stops[Hand::kLift] = 0.52;
   motor_.MoveTo(1.0);
   for (int i = 0; i < 10; ++i) Tick();
   EXPECT_EQ(state().position, 0.52);
   EXPECT_FALSE(motor_.moving(state()));
-  motor_.MoveTo(0.3);  // the way back is free, whatever the last motion met
+  motor_.MoveTo(0.3);  // the contact of the last motion does not block the way back
   EXPECT_TRUE(motor_.moving(state()));
   motor_.MoveTo(1.0);
   hand_.stops[Hand::kLift] = 2.0;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/message_of.h"
 #include "tests/unit/gripper/hand.h"
 
 namespace troupe::test {
@@ -14,21 +15,28 @@ class ManipulatorTest : public testing::Test {
   ManipulatorTest() { Restart(); }
   void Restart() {
     manipulator_ = std::make_unique<Manipulator>(hand_.world, RobotId(0));
-    manipulator_->Sense(hand_.state, beams_);
+    manipulator_->Update(hand_.state, sensors_);
   }
   void Tick(int ticks = 1) {
     for (int i = 0; i < ticks; ++i) {
       hand_.Move(manipulator_->Propose(hand_.state));
-      manipulator_->Sense(hand_.state, beams_);
+      manipulator_->Update(hand_.state, sensors_);
     }
   }
+  std::string Apply(const Command& command) { return MessageOf(manipulator_->Apply(command)); }
   const GripperReading& gripper() const { return manipulator_->gripper_readings().at(0); }
   const JointReading& joint(std::size_t i) const { return manipulator_->joint_readings().at(i); }
   static Command Lift(double percent) { return {.twist = {}, .grippers = {{.lift = percent}}, .joints = {}}; }
   static Command Joint(JointCommand command) { return {.twist = {}, .grippers = {}, .joints = {command}}; }
 
   Hand hand_;
-  std::vector<std::vector<std::optional<ObjectId>>> beams_{{}};
+  // The readings of the break beams of the only gripper.
+  void Break(std::vector<std::optional<ObjectId>> broken_by) {
+    BreakBeamReading reading;
+    for (const std::optional<ObjectId>& object : broken_by) reading.beams.push_back({{}, object});
+    sensors_[0].content = reading;
+  }
+  std::vector<SensorReading> sensors_{1};
   std::unique_ptr<Manipulator> manipulator_;
 };
 
@@ -53,74 +61,71 @@ TEST_F(ManipulatorTest, AsksForNothingWhenNothingIsToMove) {
 }
 
 TEST_F(ManipulatorTest, MovesToAHeightInPercent) {
-  EXPECT_EQ(manipulator_->Take(Lift(40.0)), "");
+  EXPECT_EQ(Apply(Lift(40.0)), "");
   Tick();
   EXPECT_TRUE(gripper().lift_moving);
   Tick(20);
   EXPECT_FALSE(gripper().lift_moving);
   EXPECT_NEAR(gripper().lift_position, 0.65, 1e-12);  // 0.4 (1.25 - 0.25) + 0.25
   EXPECT_NEAR(gripper().lift_percent, 40.0, 1e-9);
-  EXPECT_EQ(manipulator_->Take(Lift(100.0)), "");
+  EXPECT_EQ(Apply(Lift(100.0)), "");
   Tick(40);
   EXPECT_EQ(gripper().lift_position, 1.25);
   EXPECT_EQ(gripper().lift_percent, 100.0);
-  EXPECT_EQ(manipulator_->Take(Lift(0.0)), "");
+  EXPECT_EQ(Apply(Lift(0.0)), "");
   Tick(40);
   EXPECT_EQ(gripper().lift_position, 0.25);
 }
 
-TEST_F(ManipulatorTest, OpensByPercentAsFarAsItsWordsDo) {
+TEST_F(ManipulatorTest, AnOpeningInPercentEqualsTheWordsAtItsEnds) {
   const auto opening = [](double percent) {
     return Command{.twist = {}, .grippers = {{.opening = percent}}, .joints = {}};
   };
-  EXPECT_EQ(manipulator_->Take(opening(0.0)), "");
+  EXPECT_EQ(Apply(opening(0.0)), "");
   Tick(12);
   EXPECT_EQ(gripper().fingers, FingerState::kClosed);
   EXPECT_EQ(joint(Hand::kLeft).position, 0.5);
-  EXPECT_EQ(manipulator_->Take(opening(25.0)), "");
+  EXPECT_EQ(Apply(opening(25.0)), "");
   Tick(12);
   EXPECT_NEAR(joint(Hand::kRight).position, 0.375, 1e-12);
-  EXPECT_EQ(manipulator_->Take(opening(100.0)), "");
+  EXPECT_EQ(Apply(opening(100.0)), "");
   Tick(12);
   EXPECT_EQ(gripper().fingers, FingerState::kOpen);
   EXPECT_EQ(joint(Hand::kLeft).position, 0.0);
-  EXPECT_EQ(manipulator_->Take(opening(100.5)),
-            "commands gripper 'lift' to an opening of 100.5 percent, expected 0 to 100");
-  EXPECT_NE(manipulator_->Take(opening(std::nan(""))), "");
-  EXPECT_NE(
-      manipulator_->Take({.twist = {}, .grippers = {{.fingers = FingerCommand::kOpen, .opening = 1.0}}, .joints = {}}),
-      "");
+  EXPECT_EQ(Apply(opening(100.5)), "commands gripper 'lift' to an opening of 100.5 percent, expected 0 to 100");
+  EXPECT_NE(Apply(opening(std::nan(""))), "");
+  EXPECT_NE(Apply({.twist = {}, .grippers = {{.fingers = FingerCommand::kOpen, .opening = 1.0}}, .joints = {}}), "");
 }
 
-TEST_F(ManipulatorTest, WhatACommandLeavesOutGoesOn) {
-  EXPECT_EQ(manipulator_->Take(Lift(40.0)), "");
-  EXPECT_EQ(manipulator_->Take({.twist = {}, .grippers = {{.fingers = FingerCommand::kClose}}, .joints = {}}), "");
-  EXPECT_EQ(manipulator_->Take({}), "");
+TEST_F(ManipulatorTest, APartWithoutAValueKeepsItsCommand) {
+  EXPECT_EQ(Apply(Lift(40.0)), "");
+  EXPECT_EQ(Apply({.twist = {}, .grippers = {{.fingers = FingerCommand::kClose}}, .joints = {}}), "");
+  EXPECT_EQ(Apply({}), "");
   Tick(20);
   EXPECT_NEAR(gripper().lift_position, 0.65, 1e-12);
   EXPECT_EQ(gripper().fingers, FingerState::kClosed);
 }
 
 TEST_F(ManipulatorTest, JointsGoToPositionsAndAtVelocities) {
-  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kArm, .position = -1.1})), "");
+  EXPECT_EQ(Apply(Joint({.joint = Hand::kArm, .position = -1.1})), "");
   Tick();
   EXPECT_TRUE(joint(Hand::kArm).moving);
   EXPECT_NEAR(joint(Hand::kArm).velocity, -2.0, 1e-12);
   Tick(9);
   EXPECT_NEAR(joint(Hand::kArm).position, -1.1, 1e-12);
   EXPECT_FALSE(joint(Hand::kArm).moving);
-  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kArm, .velocity = 0.5})), "");
+  EXPECT_EQ(Apply(Joint({.joint = Hand::kArm, .velocity = 0.5})), "");
   Tick(2);
   EXPECT_NEAR(joint(Hand::kArm).position, -1.0, 1e-12);
 }
 
 TEST_F(ManipulatorTest, ALiftIsAJointToo) {
-  EXPECT_EQ(manipulator_->Take(Joint({.joint = Hand::kLift, .position = 0.5})), "");
+  EXPECT_EQ(Apply(Joint({.joint = Hand::kLift, .position = 0.5})), "");
   Tick(10);
   EXPECT_NEAR(gripper().lift_position, 0.5, 1e-12);
 }
 
-TEST_F(ManipulatorTest, SaysWhatItTouchesAndHolds) {
+TEST_F(ManipulatorTest, ReportsContactsAndTheHeldObject) {
   hand_.state.grippers[0] = {ModelId(5), ModelId(6), std::nullopt};
   Restart();
   EXPECT_EQ(gripper().left_contact, (SeenModel{ModelId(5), "box"}));
@@ -129,16 +134,16 @@ TEST_F(ManipulatorTest, SaysWhatItTouchesAndHolds) {
   hand_.state.grippers[0].clamped = ObjectId(0);
   Restart();
   EXPECT_EQ(gripper().clamped, (SeenModel{ModelId(5), "box"}));
-  EXPECT_FALSE(gripper().held);  // somebody else holds it
+  EXPECT_FALSE(gripper().held);  // another gripper holds it
   hand_.state.objects[0].mode = ObjectMode::kHeld;
   hand_.state.objects[0].holder = GripperId(0);
   Restart();
   EXPECT_EQ(gripper().held, (SeenModel{ModelId(5), "box"}));
 }
 
-TEST_F(ManipulatorTest, SaysWhatBreaksItsBeams) {
+TEST_F(ManipulatorTest, ReportsTheObjectsInItsBeams) {
   EXPECT_TRUE(gripper().beams.empty());
-  beams_ = {{std::nullopt, ObjectId(0)}};
+  Break({std::nullopt, ObjectId(0)});
   Restart();
   ASSERT_EQ(gripper().beams.size(), 2u);
   EXPECT_FALSE(gripper().beams[0]);
@@ -148,12 +153,12 @@ TEST_F(ManipulatorTest, SaysWhatBreaksItsBeams) {
 TEST_F(ManipulatorTest, ABrokenBeamIsEnoughForAutosnatch) {
   hand_.world.grippers[0].autosnatch = true;
   Restart();
-  beams_ = {{std::nullopt, ObjectId(0)}};
+  Break({std::nullopt, ObjectId(0)});
   Tick(2);
   EXPECT_EQ(gripper().fingers, FingerState::kClosing);
 }
 
-TEST_F(ManipulatorTest, RefusesWhatMakesNoSense) {
+TEST_F(ManipulatorTest, RefusesInvalidCommands) {
   const double nan = std::nan("");
   struct Case {
     Command command;
@@ -175,10 +180,10 @@ TEST_F(ManipulatorTest, RefusesWhatMakesNoSense) {
       {Joint({.joint = Hand::kLeft, .position = 0.1}),
        "commands joint 'left', a finger of gripper 'lift', expected a command to the gripper"},
   };
-  for (const Case& bad : cases) EXPECT_EQ(manipulator_->Take(bad.command), bad.problem);
+  for (const Case& bad : cases) EXPECT_EQ(Apply(bad.command), bad.problem);
   hand_.world.grippers[0].lift.reset();
   Restart();
-  EXPECT_EQ(manipulator_->Take(Lift(50.0)), "commands the lift of gripper 'lift', which has none");
+  EXPECT_EQ(Apply(Lift(50.0)), "commands the lift of gripper 'lift', which has none");
 }
 
 }  // namespace

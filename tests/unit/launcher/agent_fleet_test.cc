@@ -1,4 +1,4 @@
-#include "launcher/agent_fleet.h"
+#include "launcher/supervise/agent_fleet.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ class FakeChild final : public Child {
   std::optional<ProcessEnd> end_;
 };
 
-// Remembers what it is to start.
-class FakeMachine final : public Machine {
+// Records the requested processes.
+class FakeHost final : public Host {
  public:
   const std::string& name() const override { return none_; }
   const std::string& folder() const override { return none_; }
@@ -28,9 +28,9 @@ class FakeMachine final : public Machine {
     return std::unique_ptr<Child>(std::make_unique<FakeChild>());
   }
   std::vector<int> descriptors() const override { return {}; }
-  std::vector<std::string> TakeOutput() override { return {}; }
-  std::vector<std::string> TakeReports() override { return {}; }
-  Status Fetch(const std::string&, const std::string&) override { return std::nullopt; }
+  std::vector<std::string> ReadOutput() override { return {}; }
+  std::vector<std::string> ReadReports() override { return {}; }
+  Status Fetch(const std::string&, const std::string&) override { return Status(); }
 
   std::vector<std::vector<std::string>> started;
 
@@ -43,38 +43,38 @@ class AgentFleetTest : public testing::Test {
   void Start(std::size_t robots) {
     ReadyReport ready;
     for (std::size_t i = 0; i < robots; ++i) ready.robots.push_back("r" + std::to_string(i));
-    ASSERT_FALSE(fleet_.Start(ready, "127.0.0.1:1", {{&machine_, "lo"}}, std::vector<std::size_t>(robots, 0)));
+    ASSERT_TRUE(fleet_.Start(ready, "127.0.0.1:1", {{&host_, "lo"}}, std::vector<std::size_t>(robots, 0)).ok());
   }
 
   RunOptions options_;
-  FakeMachine machine_;
+  FakeHost host_;
   AgentFleet fleet_{options_};
 };
 
-TEST_F(AgentFleetTest, StartsAFewAtOnceAndOthersAsThoseJoin) {
+TEST_F(AgentFleetTest, StartsALimitedNumberAndOthersAsAgentsJoin) {
   Start(50);
-  const std::size_t first = machine_.started.size();
+  const std::size_t first = host_.started.size();
   EXPECT_GT(first, 0u);
   EXPECT_LT(first, 50u);
   EXPECT_EQ(fleet_.size(), 50u);
-  ASSERT_FALSE(fleet_.TakeJoined(3));
-  EXPECT_EQ(machine_.started.size(), first + 3);
-  ASSERT_FALSE(fleet_.TakeJoined(3));
-  EXPECT_EQ(machine_.started.size(), first + 3) << "nobody else has joined";
-  ASSERT_FALSE(fleet_.TakeJoined(50));
-  EXPECT_EQ(machine_.started.size(), 50u);
-  EXPECT_NE(machine_.started.front(), machine_.started.back());
+  ASSERT_TRUE(fleet_.StartAfterJoins(3).ok());
+  EXPECT_EQ(host_.started.size(), first + 3);
+  ASSERT_TRUE(fleet_.StartAfterJoins(3).ok());
+  EXPECT_EQ(host_.started.size(), first + 3) << "no further agent has joined";
+  ASSERT_TRUE(fleet_.StartAfterJoins(50).ok());
+  EXPECT_EQ(host_.started.size(), 50u);
+  EXPECT_NE(host_.started.front(), host_.started.back());
 }
 
 TEST_F(AgentFleetTest, StartsAllOfASmallRunAtOnce) {
   Start(8);
-  EXPECT_EQ(machine_.started.size(), 8u);
+  EXPECT_EQ(host_.started.size(), 8u);
 }
 
-TEST_F(AgentFleetTest, StartsRobotsThatComeLaterAtOnce) {
+TEST_F(AgentFleetTest, StartsAgentsOfNewRobotsAtOnce) {
   Start(2);
-  ASSERT_FALSE(fleet_.Add(std::vector<std::string>(40, "late"), std::vector<std::size_t>(40, 0)));
-  EXPECT_EQ(machine_.started.size(), 42u);
+  ASSERT_TRUE(fleet_.Add(std::vector<std::string>(40, "late"), std::vector<std::size_t>(40, 0)).ok());
+  EXPECT_EQ(host_.started.size(), 42u);
 }
 
 }  // namespace

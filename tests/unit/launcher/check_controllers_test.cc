@@ -1,4 +1,4 @@
-#include "launcher/check_controllers.h"
+#include "launcher/commands/check_controllers.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 std::string Fault(const std::string& file, const std::string& controller) {
   const Status fault = CheckControllers(file, controller);
-  return fault ? fault->ToString() : "";
+  return !fault.ok() ? fault.error().ToString() : "";
 }
 
 TEST(CheckControllers, NamesTheLineOfAScenariosController) {

@@ -1,4 +1,4 @@
-#include "launcher/export_map_command.h"
+#include "launcher/commands/export_map_command.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ int Export(std::vector<std::string> words) {
   return exit_status;
 }
 
-// What is written is a map that Troupe itself reads as the same world again.
+// The written map, loaded as a world, gives the same map again.
 TEST(ExportMap, WritesAMapThatGivesTheSameMapWhenItIsRead) {
   test::OutputFolder folder;
   std::ofstream(folder.Path("a.world")) << "model ( name \"l\" pose [ 1 0.5 0 0 ] size [ 2 1 1 ] )\n"
@@ -41,7 +41,7 @@ TEST(ExportMap, WritesAMapThatGivesTheSameMapWhenItIsRead) {
   EXPECT_EQ(found.occupied, expected.occupied);
 }
 
-TEST(ExportMap, RefusesAWorldWithoutAnythingThatStandsStill) {
+TEST(ExportMap, RefusesAWorldWithoutStaticBodies) {
   test::OutputFolder folder;
   std::ofstream(folder.Path("a.world")) << "position ( name \"r\" )\n";
   EXPECT_EQ(Export({"export-map", folder.Path("a.world"), "-o", folder.Path("map")}), 2);

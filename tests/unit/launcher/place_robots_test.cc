@@ -1,4 +1,4 @@
-#include "launcher/place_robots.h"
+#include "launcher/hosts/place_robots.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,20 +29,20 @@ HostSettings Naming(const std::string& name, std::vector<std::string> robots) {
   return host;
 }
 
-TEST(PlaceRobots, SharesThemOutInEqualBlocks) {
+TEST(PlaceRobots, DividesRobotsIntoEqualBlocks) {
   EXPECT_THAT(PlaceRobots(kRobots, {Host("x"), Host("y")}).value(), ElementsAre(0u, 0u, 0u, 1u, 1u));
 }
 
-TEST(PlaceRobots, GivesNamedOnesFirstThenCountedOnesThenTheRest) {
+TEST(PlaceRobots, PlacesNamedRobotsFirstThenCountedOnesThenTheRest) {
   const auto places = PlaceRobots(kRobots, {Host("rest"), Counting("two", 2), Naming("as", {"a*"})});
   EXPECT_THAT(places.value(), ElementsAre(2u, 1u, 2u, 1u, 0u));
 }
 
-TEST(PlaceRobots, LeavesAHostIdleThatCountsNone) {
+TEST(PlaceRobots, LeavesAHostWithCountZeroIdle) {
   EXPECT_THAT(PlaceRobots(kRobots, {Counting("service", 0), Host("x")}).value(), ElementsAre(1u, 1u, 1u, 1u, 1u));
 }
 
-TEST(PlaceRobots, SaysWhatIsMissing) {
+TEST(PlaceRobots, NamesUnknownRobotsAndMissingHosts) {
   EXPECT_THAT(PlaceRobots(kRobots, {Counting("x", 3)}).error().message, HasSubstr("hosts for 3 of 5 robots"));
   EXPECT_THAT(PlaceRobots(kRobots, {Naming("x", {"a7"}), Host("y")}).error().message,
               HasSubstr("host x: found no robot named 'a7'"));

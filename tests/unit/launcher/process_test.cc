@@ -1,4 +1,4 @@
-#include "launcher/process.h"
+#include "launcher/process/process.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <chrono>
 #include <thread>
 
-#include "launcher/line_pipe.h"
-#include "launcher/signal_watch.h"
+#include "launcher/process/line_pipe.h"
+#include "launcher/process/signal_watch.h"
 
 namespace troupe {
 namespace {
@@ -34,7 +34,7 @@ ProcessEnd WaitForEnd(Process& process) {
   return process.end().value_or(ProcessEnd{});
 }
 
-// The next line that a child says.
+// The next line that a child prints.
 std::string WaitForLine(LinePipe& pipe) {
   pollfd waited{pipe.reading_end(), POLLIN, 0};
   std::vector<std::string> lines;
@@ -42,7 +42,7 @@ std::string WaitForLine(LinePipe& pipe) {
   return lines.empty() ? "" : lines.front();
 }
 
-TEST(Process, IsAtTheSameAddressesAsOthersIfToldSo) {
+TEST(Process, HasTheSameAddressesAsOthersOnRequest) {
   const auto personality_of = [](Addresses addresses) {
     LinePipe output;
     Result<Process> process =
@@ -66,7 +66,7 @@ TEST(Process, EndsWithItsExitStatusAndMemory) {
   EXPECT_EQ(end.ToString(), "ended with exit status 7");
 }
 
-TEST(Process, TellsWhichSignalEndedIt) {
+TEST(Process, ReportsTheSignalThatEndedIt) {
   LinePipe output;
   Process process = StartShell("kill -9 $$", output);
   ProcessEnd end = WaitForEnd(process);
@@ -75,7 +75,7 @@ TEST(Process, TellsWhichSignalEndedIt) {
   EXPECT_EQ(end.ToString(), "was killed by signal 9 (Killed)");
 }
 
-TEST(Process, SaysWhatItHasToSayIntoThePipe) {
+TEST(Process, PrintsIntoThePipe) {
   LinePipe output;
   Process process = StartShell("echo out; echo err >&2; printf unfinished", output);
   WaitForEnd(process);
@@ -85,7 +85,7 @@ TEST(Process, SaysWhatItHasToSayIntoThePipe) {
   EXPECT_TRUE(output.at_end());
 }
 
-TEST(Process, KeepsTheDescriptorItIsToldToKeepAndNoOther) {
+TEST(Process, KeepsTheGivenDescriptorAndNoOther) {
   LinePipe output;
   LinePipe reports;
   std::string number = std::to_string(reports.writing_end());
@@ -105,7 +105,7 @@ TEST(Process, IsKilledWithItsWholeGroupWhenItGoesOutOfScope) {
     grandchild = std::stoi(WaitForLine(output));
     ASSERT_EQ(kill(grandchild, 0), 0);
   }
-  // The pipe ends when the last of them is gone.
+  // The pipe ends with the last process of the group.
   output.CloseWritingEnd();
   pollfd waited{output.reading_end(), POLLIN, 0};
   ASSERT_EQ(poll(&waited, 1, 20000), 1);
@@ -113,7 +113,7 @@ TEST(Process, IsKilledWithItsWholeGroupWhenItGoesOutOfScope) {
   EXPECT_TRUE(output.at_end());
 }
 
-TEST(Process, DiesWithItsParentEvenIfThatIsKilled) {
+TEST(Process, DiesWithItsParentEvenIfTheParentIsKilled) {
   LinePipe output;
   pid_t parent = fork();
   ASSERT_GE(parent, 0);
@@ -133,7 +133,7 @@ TEST(Process, DiesWithItsParentEvenIfThatIsKilled) {
   EXPECT_TRUE(output.at_end());
 }
 
-TEST(Process, GetsTheSignalsThatItsParentWatches) {
+TEST(Process, ReceivesTheSignalsThatItsParentWatches) {
   SignalWatch signals;
   LinePipe output;
   Process process = StartShell("sleep 1000", output);
@@ -148,14 +148,14 @@ TEST(Process, IsMissingWhenItIsNotBesideTheRunningProgram) {
   EXPECT_TRUE(FindProgram("launcher_test").ok());
 }
 
-TEST(SignalWatch, TellsRequestsToStopFromEndsOfChildren) {
+TEST(SignalWatch, DistinguishesStopRequestsFromEndsOfChildren) {
   SignalWatch signals;
-  EXPECT_FALSE(signals.TakeStopRequest());
+  EXPECT_FALSE(signals.ReadStopRequest());
   raise(SIGCHLD);
-  EXPECT_FALSE(signals.TakeStopRequest());
+  EXPECT_FALSE(signals.ReadStopRequest());
   raise(SIGINT);
-  EXPECT_TRUE(signals.TakeStopRequest());
-  EXPECT_FALSE(signals.TakeStopRequest());
+  EXPECT_TRUE(signals.ReadStopRequest());
+  EXPECT_FALSE(signals.ReadStopRequest());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "launcher/run_options.h"
+#include "launcher/supervise/run_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Parsed Parse(std::vector<std::string> words) {
   Parsed parsed;
   CLI::App app;
   AddRunOptions(app, parsed.options);
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
@@ -30,7 +30,7 @@ Parsed Parse(std::vector<std::string> words) {
   return parsed;
 }
 
-TEST(RunOptions, TakesEveryOptionOfTheManual) {
+TEST(RunOptions, AcceptsEveryOptionOfTheManual) {
   Parsed parsed = Parse({"w.world",
                          "--ticks",
                          "600",
@@ -63,13 +63,13 @@ TEST(RunOptions, TakesEveryOptionOfTheManual) {
                          "r"});
   EXPECT_EQ(parsed.error, "");
   EXPECT_EQ(parsed.options.file, "w.world");
-  EXPECT_EQ(parsed.options.ticks, 600u);
+  EXPECT_EQ(parsed.options.run.ticks, 600u);
   EXPECT_EQ(parsed.options.robots_per_process, 2u);
-  EXPECT_EQ(parsed.options.domain, 3u);
-  EXPECT_EQ(parsed.options.ros.on, false);
+  EXPECT_EQ(parsed.options.network.domain, 3u);
+  EXPECT_EQ(parsed.options.run.ros, false);
 }
 
-TEST(RunOptions, SaysWhatWasExpectedOfABadValue) {
+TEST(RunOptions, StatesTheExpectedValueOfAnOption) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--ticks", "many"}, "--ticks: found 'many', expected a whole number from 1"},
       {{"--ticks", "-1"}, "expected a whole number from 1"},
@@ -102,12 +102,12 @@ TEST(RunOptions, SaysWhatWasExpectedOfABadValue) {
   EXPECT_THAT(Parse({}).error, HasSubstr("FILE is required"));
 }
 
-TEST(RunOptions, RefusesWhatThisMachineCannotDo) {
+TEST(RunOptions, RefusesOutputFilesThatCannotBeWritten) {
   auto complete = [](std::vector<std::string> words) {
     words.insert(words.begin(), "w.world");
     RunOptions options = Parse(words).options;
     Status failure = CompleteRunOptions(options);
-    return failure ? failure->ToString() : "";
+    return !failure.ok() ? failure.error().ToString() : "";
   };
   EXPECT_THAT(complete({"--poses", "/no/such/folder/p"}),
               HasSubstr("--poses: cannot write /no/such/folder/p: No such"));
@@ -116,28 +116,28 @@ TEST(RunOptions, RefusesWhatThisMachineCannotDo) {
   EXPECT_EQ(complete({}), "");
 }
 
-TEST(RunOptions, GivesEachRunASessionOfItsOwn) {
+TEST(RunOptions, GivesEachRunItsOwnSession) {
   RunOptions options = Parse({"/some/folder/my cave*.world"}).options;
-  ASSERT_FALSE(CompleteRunOptions(options));
-  EXPECT_EQ(options.session, "mycave-" + std::to_string(getpid()));
+  ASSERT_TRUE(CompleteRunOptions(options).ok());
+  EXPECT_EQ(options.network.session, "mycave-" + std::to_string(getpid()));
 }
 
-TEST(RunOptions, OverridesOnlyWhatWasGiven) {
+TEST(RunOptions, OverridesOnlyTheGivenSettings) {
   RunSettings settings;
   settings.ticks = 5;
   settings.speed = 2.0;
   settings.on_agent_loss = OnAgentLoss::kPause;
-  ApplyTo(settings, Parse({"w.world"}).options);
+  Parse({"w.world"}).options.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, 2.0);
   EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kPause);
-  ApplyTo(settings, Parse({"w.world", "--ticks", "9", "--speed", "max", "--on-agent-loss", "abort"}).options);
+  Parse({"w.world", "--ticks", "9", "--speed", "max", "--on-agent-loss", "abort"}).options.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 9u);
   EXPECT_FALSE(settings.speed);
   EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kAbort);
 }
 
-TEST(RunOptions, PassOnToServiceAndAgentsWhatEachNeeds) {
+TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
   RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5"}).options;
   std::vector<std::string> service = ServiceArguments(options);
   EXPECT_EQ(service.front(), "w.world");
@@ -149,7 +149,7 @@ TEST(RunOptions, PassOnToServiceAndAgentsWhatEachNeeds) {
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ros"))));
 }
 
-TEST(RunOptions, PassOnWhatIsSaidAboutRos) {
+TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
   RunOptions options = Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface",
                               "lo", "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25",
                               "--ros-tf", "namespaced", "--no-ros-map-odom"})
@@ -166,7 +166,7 @@ TEST(RunOptions, PassOnWhatIsSaidAboutRos) {
   EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));
   EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, true), testing::IsSupersetOf(words));
   RunSettings settings;
-  ApplyTo(settings, options);
+  options.run.ApplyTo(settings);
   EXPECT_TRUE(settings.ros);
 }
 

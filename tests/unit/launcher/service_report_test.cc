@@ -1,4 +1,4 @@
-#include "launcher/service_report.h"
+#include "launcher/supervise/service_report.h"
 
 #include <gtest/gtest.h>
 
@@ -19,12 +19,12 @@ TEST(ServiceReport, ReadyNamesTheRobotsAndThePort) {
   EXPECT_EQ(ready.port, 17910);
 }
 
-TEST(ServiceReport, RobotsNamesThoseThatAnEditHasBrought) {
+TEST(ServiceReport, RobotsNamesTheRobotsOfAnEdit) {
   EXPECT_EQ(Parse<NewRobotsReport>(R"({"type":"robots","robots":["late"]})").robots,
             (std::vector<std::string>{"late"}));
 }
 
-TEST(ServiceReport, StatusTellsWhoIsWaitedFor) {
+TEST(ServiceReport, StatusNamesTheAwaitedRobots) {
   auto status = Parse<StatusMessage>(
       R"({"type":"status","tick":7,"target_ticks":10,"sim_seconds":0.7,"real_time_factor":2.5,"robots":2,)"
       R"("waiting_for":["r1"],"waiting_seconds":0.3})");
@@ -34,7 +34,7 @@ TEST(ServiceReport, StatusTellsWhoIsWaitedFor) {
   EXPECT_EQ(status.waiting_seconds, 0.3);
 }
 
-TEST(ServiceReport, EndCarriesTheSummaryWithAllBitsOfTheHash) {
+TEST(ServiceReport, EndContainsTheSummaryWithAllBitsOfTheHash) {
   auto summary = Parse<RunSummary>(
       R"({"type":"end","ticks":600,"stalls":3,"state_hash":"fedcba9876543211","lost":["r1"],"interrupted":true,)"
       R"("slowest":[{"robot":"r0","times_last":5,"waited_seconds":0.25}]})");
@@ -53,7 +53,7 @@ TEST(ServiceReport, EventsAndNoticesAreLines) {
   EXPECT_EQ(Parse<EventReport>(R"({"type":"notice","text":"beware"})").text, "beware");
 }
 
-TEST(ServiceReport, WhatIsNoReportIsLeftOut) {
+TEST(ServiceReport, OtherLinesAreIgnored) {
   for (const char* line : {"", "nonsense", "[]", "7", R"({"type":"later"})", R"({"type":3})",
                            R"({"type":"status","tick":"seven"})", R"({"type":"error","message":"m"})"}) {
     EXPECT_FALSE(ParseServiceReport(line)) << line;

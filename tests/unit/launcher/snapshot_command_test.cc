@@ -1,4 +1,4 @@
-#include "launcher/snapshot_command.h"
+#include "launcher/commands/snapshot_command.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/model/state_hash.h"
 #include "common/worldfile/load_world.h"
-#include "launcher/in_process_run.h"
-#include "launcher/run_to_tick.h"
+#include "launcher/supervise/in_process_run.h"
+#include "troupe/simulation.h"
 
 namespace troupe {
 namespace {
@@ -188,21 +187,18 @@ TEST_F(SnapshotCommandTest, ReachesTheStateOfARunWithServiceAndAgents) {
   RunOptions options;
   options.file = Path("good.world");
   options.in_process = true;
-  options.session = "snapshot-test-" + std::to_string(getpid());
-  options.speed = "max";
-  options.ticks = 40;
+  options.network.session = "snapshot-test-" + std::to_string(getpid());
+  options.run.speed.emplace(std::nullopt);
+  options.run.ticks = 40;
   options.hash_log = Path("hashes");
   const RunEnd run = RunInProcess(options);
   ASSERT_EQ(run.exit_status, 0);
 
-  Result<LoadedWorld> loaded = LoadWorld(options.file);
-  ASSERT_TRUE(loaded.ok());
-  const Scene scene(loaded.value().world);
-  std::vector<std::string> failures;
-  const Result<WorldState> state = RunToTick(scene, 40, failures);
-  ASSERT_TRUE(state.ok());
-  EXPECT_TRUE(failures.empty());
-  EXPECT_EQ(StateHash(state.value()), run.outcome->run.state_hash);
+  Result<Simulation> simulation = Simulation::Load(options.file);
+  ASSERT_TRUE(simulation.ok());
+  simulation.value().Step(40);
+  EXPECT_TRUE(simulation.value().failures().empty());
+  EXPECT_EQ(simulation.value().state_hash(), run.outcome->run.state_hash);
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
-// What people get to read: status line, summary, table of sessions, description of a world.
+// The printed texts: status line, summary, table of sessions, description of a world.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "launcher/check_command.h"
-#include "launcher/progress.h"
-#include "launcher/session_table.h"
-#include "launcher/summary.h"
+#include "launcher/commands/check_command.h"
+#include "launcher/commands/session_table.h"
+#include "launcher/supervise/progress.h"
+#include "launcher/supervise/summary.h"
+#include "tests/support/ray_sensors.h"
 
 namespace troupe {
 namespace {
@@ -28,12 +29,12 @@ StatusMessage WaitingStatus() {
   return status;
 }
 
-TEST(StatusText, SaysHowFarHowFastAndWhoIsWaitedFor) {
+TEST(StatusText, ShowsProgressSpeedAndTheAwaitedRobots) {
   EXPECT_EQ(StatusText(WaitingStatus()),
             "tick 312/600, 31.2 s, 12.3 x real time, 100 robots, waiting for a, b, c, d and 2 more (1.2 s)");
 }
 
-TEST(StatusText, OmitsWhatThereIsNot) {
+TEST(StatusText, OmitsEmptyParts) {
   StatusMessage status;
   status.tick = 5;
   EXPECT_EQ(StatusText(status), "tick 5, 0.0 s, 0.0 x real time, 0 robots");
@@ -65,7 +66,7 @@ TEST(Summary, IsAJsonObjectWithTheHashAsText) {
   }
 }
 
-TEST(Summary, TellsPeopleAboutLostRobotsAndMemory) {
+TEST(Summary, ShowsLostRobotsAndMemory) {
   std::string text = SummaryText(SomeOutcome());
   EXPECT_THAT(text, HasSubstr("2 robots, 3 processes"));
   EXPECT_THAT(text, HasSubstr("8.5 MiB the largest agent"));
@@ -83,7 +84,7 @@ TEST(SessionTable, HasALineForEachSession) {
   EXPECT_EQ(SessionTable({}).find('\n'), SessionTable({}).size() - 1);
 }
 
-TEST(DescribeWorld, TellsWhatAWorldHolds) {
+TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   LoadedWorld loaded;
   loaded.world.name = "w";
   loaded.world.shapes.resize(1);
@@ -91,11 +92,11 @@ TEST(DescribeWorld, TellsWhatAWorldHolds) {
   loaded.world.models.resize(2);
   RobotDescription robot;
   robot.name = "r0";
-  RangerDescription ranger;
+  SensorDescription ranger;
   ranger.name = "ranger:0";
-  ranger.sensors.resize(2);
-  ranger.sensors[1].samples = 180;
-  robot.rangers.push_back(ranger);
+  RaySensors(ranger).resize(2);
+  RaySensors(ranger)[1].samples = 180;
+  robot.sensors.push_back(ranger);
   loaded.world.robots.push_back(robot);
   for (const char* name : {"lift", "left", "right"}) {
     JointDescription joint;

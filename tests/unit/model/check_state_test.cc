@@ -8,7 +8,7 @@
 namespace troupe {
 namespace {
 
-// As many of each as CheckState looks at; nothing else of the description matters to it.
+// The counts of each kind; CheckState reads nothing else of the description.
 WorldDescription SomeWorld() {
   WorldDescription world;
   world.models.resize(4);
@@ -34,12 +34,12 @@ TEST(CheckStateTest, AStateOfTheWorldPasses) {
   state.objects[1].mode = ObjectMode::kHeld;
   state.objects[1].holder = GripperId(0);
   state.objects[0].support = ModelId(3);
-  EXPECT_EQ("", CheckState(SomeWorld(), state));
+  EXPECT_TRUE(CheckState(SomeWorld(), state).ok());
 }
 
 TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
   struct Case {
-    const char* what;
+    const char* part;
     std::function<void(WorldState&)> spoil;
   };
   const Case cases[] = {
@@ -56,8 +56,8 @@ TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
       {"right contact", [](WorldState& s) { s.grippers[0].right_contact = ModelId(4); }},
       {"clamped", [](WorldState& s) { s.grippers[0].clamped = ObjectId(2); }},
       {"support", [](WorldState& s) { s.objects[0].support = ModelId(4); }},
-      {"held by nobody", [](WorldState& s) { s.objects[0].mode = ObjectMode::kHeld; }},
-      {"resting in a hand", [](WorldState& s) { s.objects[0].holder = GripperId(0); }},
+      {"held without a holder", [](WorldState& s) { s.objects[0].mode = ObjectMode::kHeld; }},
+      {"resting with a holder", [](WorldState& s) { s.objects[0].holder = GripperId(0); }},
       {"held by an unknown gripper",
        [](WorldState& s) {
          s.objects[0].mode = ObjectMode::kHeld;
@@ -67,7 +67,7 @@ TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
   for (const Case& bad : cases) {
     WorldState state = SomeState();
     bad.spoil(state);
-    EXPECT_NE("", CheckState(SomeWorld(), state)) << bad.what;
+    EXPECT_FALSE(CheckState(SomeWorld(), state).ok()) << bad.part;
   }
 }
 

@@ -65,7 +65,7 @@ TEST(DriveLimits, CarBoundsSpeedAndSteering) {
   expect_near(ClampToLimits(drive, {}, {}, 0.1), {});
 }
 
-TEST(DriveLimits, AcceptWhatTheyClampedThemselves) {
+TEST(DriveLimits, AcceptTwistsThatTheyClamped) {
   for (DriveType type : {DriveType::kDifferential, DriveType::kOmni, DriveType::kCar}) {
     const DriveDescription drive = SomeDrive(type);
     Twist current;

@@ -15,7 +15,7 @@ WorldState HashedState() {
   test::TestWorld test;
   test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0, 2.0, 0.5, 0.3});
   test.AddRobot(test::Square(0.4), {0.0, 1.0}, {-1.0, 0.0, 0.0, 0.0});
-  return InitialState(test.world);
+  return PlacedState(test.world);
 }
 
 TEST(StateHash, ChangesWithEveryPartOfTheState) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/model/world_description.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -12,25 +13,26 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Model 0 stands; model 1 is robot 0's root, model 2 its ranger; model 3 is robot 1's root.
+// Model 0 is static; model 1 is robot 0's root, model 2 its ranger; model 3 is robot 1's root.
 WorldDescription GoodWorld() {
   test::TestWorld test;
   test.AddModel(test::Square(3.0), {0.0, 0.1}, {1.0, 1.0, 0.0, 0.5});
   test.AddRobot(test::Square(0.4), {0.0, 0.5}, {5.0, 6.0, 0.0, 1.0});
   const ModelId laser = test.AddModel(std::vector<Block>{}, {0.1, 0.0, 0.5, 0.0}, ModelId(1));
   test.AddRobot(test::Square(0.4), {0.0, 0.5}, {7.0, 6.0, 0.0, 1.0});
-  test.world.robots[0].rangers = {{.name = "ranger:0", .model = laser, .period_ticks = 1, .sensors = {{}}}};
+  test.world.robots[0].sensors = {
+      {.name = "ranger:0", .model = laser, .period_ticks = 1, .parameters = RangerParameters{{{}}}}};
   test.world.shapes[0].rectangles = {{0.0, 0.0, 1.0, 1.0}};
   return test.world;
 }
 
 TEST(Validate, AcceptsAGoodWorld) {
   const Status problem = Validate(GoodWorld());
-  EXPECT_FALSE(problem.has_value()) << problem->message;
-  EXPECT_FALSE(Validate(WorldDescription{}).has_value()) << "nothing at all is a world, too";
+  EXPECT_TRUE(problem.ok()) << problem.error().message;
+  EXPECT_TRUE(Validate(WorldDescription{}).ok()) << "nothing at all is a world, too";
 }
 
-TEST(Validate, NamesWhatIsWrong) {
+TEST(Validate, NamesTheFault) {
   const struct {
     std::function<void(WorldDescription&)> change;
     const char* message;
@@ -77,33 +79,33 @@ TEST(Validate, NamesWhatIsWrong) {
        "robot 0 'm1': its localization origin is not finite or too far away"},
       {[](auto& w) { w.robots[0].localization.error_x = kNan; },
        "robot 0 'm1': its odometry errors are not finite or too large"},
-      {[](auto& w) { w.robots[0].rangers[0].model = ModelId(0); },
+      {[](auto& w) { w.robots[0].sensors[0].model = ModelId(0); },
        "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
-      {[](auto& w) { w.robots[0].rangers[0].model = ModelId(50); },
+      {[](auto& w) { w.robots[0].sensors[0].model = ModelId(50); },
        "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
-      {[](auto& w) { w.robots[0].rangers[0].period_ticks = 0; },
+      {[](auto& w) { w.robots[0].sensors[0].period_ticks = 0; },
        "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].X_MS.x = kNan; },
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = kNan; },
        "robot 0 'm1': ranger 'ranger:0': the pose of a sensor is not finite or too far away"},
       {[](auto& w) {
-         w.robots[0].rangers[0].sensors[0].range = {-1.0, 1.0};
+         RaySensors(w.robots[0].sensors[0])[0].range = {-1.0, 1.0};
        },
        "robot 0 'm1': ranger 'ranger:0': the range of a sensor is not an interval from 0 up"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].fov = -0.1; },
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
        "robot 0 'm1': ranger 'ranger:0': the fov of a sensor is not finite or negative"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].samples = 0; },
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
        "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 1000000 samples"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].samples = 4'000'000'000; },
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 4'000'000'000; },
        "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 1000000 samples"},
-      {[](auto& w) { w.robots[0].rangers[0].sensors[0].noise_variance = -1.0; },
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
        "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
   };
   for (const auto& c : cases) {
     WorldDescription world = GoodWorld();
     c.change(world);
     const Status problem = Validate(world);
-    ASSERT_TRUE(problem.has_value()) << c.message;
-    EXPECT_EQ(problem->message, c.message);
+    ASSERT_FALSE(problem.ok()) << c.message;
+    EXPECT_EQ(problem.error().message, c.message);
   }
 }
 

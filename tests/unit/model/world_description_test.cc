@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/model/model_poses.h"
+#include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -21,13 +22,14 @@ WorldDescription FullWorld() {
   const ModelId laser = test.AddModel(test::Square(0.1), {0.0, 0.1}, {0.1, 0.0, 0.5, 0.0}, ModelId(2));
   test.world.shapes[0].rectangles = {{0.0, 0.0, 1.0, 1.0}};
   test.world.shapes[0].rectangles_z = {0.0, 1.0};
-  test.world.robots[robot.index()].rangers = {{.name = "ranger:0", .model = laser, .period_ticks = 1, .sensors = {{}}}};
+  test.world.robots[robot.index()].sensors = {
+      {.name = "ranger:0", .model = laser, .period_ticks = 1, .parameters = RangerParameters{{{}}}}};
   return test.world;
 }
 
 TEST(ModelPoses, FollowTheTreeAtTheStart) {
   const WorldDescription world = FullWorld();
-  const std::vector<Pose> X_WM = ModelPoses(world, InitialState(world));
+  const std::vector<Pose> X_WM = ModelPoses(world, PlacedState(world));
   ASSERT_EQ(X_WM.size(), 4u);
   EXPECT_EQ(X_WM[0], (Pose{1.0, 1.0, 0.0, 0.5}));
   EXPECT_EQ(X_WM[1], (X_WM[0] * Pose{0.5, 0.0, 0.1, 0.25}));
@@ -77,17 +79,17 @@ TEST(WorldHash, ChangesWithEveryField) {
       [](WorldDescription& w) { w.robots[0].localization.type = LocalizationType::kOdometry; },
       [](WorldDescription& w) { w.robots[0].localization.origin.x = 2.0; },
       [](WorldDescription& w) { w.robots[0].localization.error_heading = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].name = "x"; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].model = ModelId(2); },
-      [](WorldDescription& w) { w.robots[0].rangers[0].period_ticks = 2; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].X_MS.x = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].range.max = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].fov = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].samples = 2; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].noise_variance = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].noise_proportional = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers[0].sensors[0].noise_angle = 2.0; },
-      [](WorldDescription& w) { w.robots[0].rangers.clear(); },
+      [](WorldDescription& w) { w.robots[0].sensors[0].name = "x"; },
+      [](WorldDescription& w) { w.robots[0].sensors[0].model = ModelId(2); },
+      [](WorldDescription& w) { w.robots[0].sensors[0].period_ticks = 2; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = 2.0; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].range.max = 2.0; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].fov = 2.0; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 2; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = 2.0; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_proportional = 2.0; },
+      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_angle = 2.0; },
+      [](WorldDescription& w) { w.robots[0].sensors.clear(); },
       [](WorldDescription& w) { w.robots[0].controller.name = "wander"; },
       [](WorldDescription& w) { w.robots[0].controller.parameters = "{\"a\":1}"; },
       [](WorldDescription& w) { w.robots.clear(); },

@@ -24,7 +24,7 @@ TEST(PrintableUtf8, KeepsValidTextAndReplacesTheRest) {
   for (const auto& c : cases) EXPECT_EQ(PrintableUtf8(c.text), c.expected);
 }
 
-TEST(ClipPolygon, KeepsWhatIsInside) {
+TEST(ClipPolygon, KeepsTheInside) {
   const Rectangle box{0, 0, 10, 10};
   const Polygon inside{{1, 1}, {5, 1}, {5, 5}};
   EXPECT_EQ(ClipPolygon(inside, box), inside);
@@ -46,7 +46,7 @@ TEST(Canvas, ShortensTextAtWholeLetters) {
   EXPECT_LT(canvas.Shortened(std::string(1'000'000, 'x'), 50.0, style).size(), 20u);
 }
 
-TEST(Canvas, ReportsWhatTheLibraryCannotDo) {
+TEST(Canvas, ReportsFailuresOfTheLibrary) {
   Canvas canvas(PictureFormat::kPng, 100'000, 100'000);
   canvas.Fill(Rectangle{0, 0, 10, 10}, {});
   EXPECT_FALSE(canvas.Finish().ok());

@@ -275,7 +275,7 @@ TEST(DrawPicture, ASideViewShowsHeights) {
   EXPECT_LT(Distance(picture.At(-2.15, 0.515), free), 40);  // nothing above it
 }
 
-TEST(DrawPicture, ASideViewOfAPartLeavesOutWhatIsFarBehindOrBefore) {
+TEST(DrawPicture, ASideViewOfAPartLeavesOutSolidsFarBehindOrBefore) {
   PictureOptions options = Side();
   options.center = Vec2(2, 2);
   options.meters = 3;
@@ -364,7 +364,7 @@ bool WellFormed(const std::string& xml) {
   return open.empty();
 }
 
-TEST(DrawPicture, SvgIsWellFormedWhateverNamesSay) {
+TEST(DrawPicture, SvgIsWellFormedForAnyNames) {
   for (const std::string name : {"demo", "<&\">]]>", "\xff\xfe", "", "tab\tand\nline"}) {
     WorldMaker demo = Demo();
     demo.world.name = name;

@@ -20,7 +20,7 @@ TEST(ToTime, IsExactAfterAnyNumberOfTicks) {
   EXPECT_EQ(ToTime(3, 999'999'999).nanosec, 999'999'997u);
 }
 
-TEST(ToMessage, TurnsAHeadingIntoATurnAroundTheVertical) {
+TEST(ToMessage, ConvertsAHeadingToARotationAboutZ) {
   const PoseMessage pose = ToMessage(Pose{1.0, 2.0, 3.0, kPi / 2});
   EXPECT_EQ(pose.position.x, 1.0);
   EXPECT_EQ(pose.position.y, 2.0);
@@ -31,7 +31,7 @@ TEST(ToMessage, TurnsAHeadingIntoATurnAroundTheVertical) {
   EXPECT_NEAR(pose.orientation.w, std::sqrt(0.5), 1e-15);
 }
 
-TEST(MakeOdometry, SaysEverythingAboutTheMotion) {
+TEST(MakeOdometry, ContainsPoseTwistAndCovariances) {
   dds::WireArena arena;
   const Covariance error{.x = 0.1, .y = 0.2, .heading = 0.3, .vx = 0.4, .vy = 0.5, .wz = 0.6};
   const OdometryMessage odometry =
@@ -53,12 +53,10 @@ TEST(MakeOdometry, SaysEverythingAboutTheMotion) {
 }
 
 TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
-  RangerDescription ranger;
-  ranger.period_ticks = 3;
-  RaySensorDescription sensor = Fan(3.0, 4, 8.0);
-  sensor.range.min = 0.25;
+  const RangeScan measured{
+      .ranges = {1, 2, 3, 8}, .intensities = {1, 1, 0.5, 0}, .fan = {3.0, 4}, .limits = {0.25, 8.0}};
   dds::WireArena arena;
-  const LaserScan scan = MakeLaserScan({}, "r/scan", ranger, sensor, 0.1, {1, 2, 3, 8}, {1, 1, 0.5, 0}, arena);
+  const LaserScan scan = MakeLaserScan({}, "r/scan", measured, 3 * 0.1, arena);
   EXPECT_EQ(scan.angle_min, -1.5F);
   EXPECT_EQ(scan.angle_max, 1.5F);
   EXPECT_EQ(scan.angle_increment, 1.0F);
@@ -69,12 +67,10 @@ TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
   EXPECT_THAT(dds::Elements(scan.intensities), ElementsAre(1.0F, 1.0F, 0.5F, 0.0F));
 }
 
-TEST(MakeRange, IsTheSameForHumbleButForTheVariance) {
-  RaySensorDescription sensor = OneRay(4.0);
-  sensor.fov = 0.25;
-  sensor.noise_variance = 0.5;
+TEST(MakeRange, HasNoVarianceInHumble) {
+  const RangeScan scan{.ranges = {1.5}, .intensities = {1.0}, .fan = {0.25, 1}, .limits = {0.0, 4.0}, .variance = 0.5};
   dds::WireArena arena;
-  const RangeMessage range = MakeRange({1, 2}, "r/sonar_0", sensor, 1.5, arena);
+  const RangeMessage range = MakeRange({1, 2}, "r/sonar_0", scan, arena);
   EXPECT_EQ(range.range, 1.5F);
   EXPECT_EQ(range.max_range, 4.0F);
   EXPECT_EQ(range.field_of_view, 0.25F);

@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(MakeMap, SaysWhatIsOccupied) {
+TEST(MakeMap, MarksOccupiedCells) {
   OccupancyGrid grid;
   grid.resolution = 0.25;
   grid.origin_x = -1.0;
@@ -50,7 +50,8 @@ TEST(MakeBlockMarkers, DrawsEveryBlockAsAClosedSolidInItsFrame) {
     EXPECT_EQ(marker.type, 11);
     EXPECT_EQ(marker.scale.x, 1.0);
     EXPECT_EQ(marker.pose.orientation.w, 1.0);
-    // Of a closed surface seen from outside, the volume of the cones from the origin adds up to that of the solid.
+    // The signed volumes of the cones from the origin over an outward-facing closed surface add up to that of the
+    // solid.
     double volume = 0.0;
     const auto points = dds::Elements(marker.points);
     ASSERT_EQ(points.size(), 36u);
@@ -62,19 +63,7 @@ TEST(MakeBlockMarkers, DrawsEveryBlockAsAClosedSolidInItsFrame) {
   }
 }
 
-TEST(EventJson, NamesWhoAndWhat) {
-  SmallWorld world;
-  world.AddRobot("r0", {});
-  world.AddBox("wall", 5.0, 0.0, 2.0, 1.0, {0.0, 0.5});
-  Event event;
-  event.tick = 7;
-  event.robot = RobotId(0);
-  event.other = ModelId(1);
-  EXPECT_EQ(EventJson(world.world(), event),
-            R"({"detail":"","event":"stall_began","other":"wall","robot":"r0","tick":7})");
-}
-
-TEST(MakePointCloud, HasAPointForEachSensorThatMetSomething) {
+TEST(MakePointCloud, HasAPointForEachSensorWithAHit) {
   dds::WireArena arena;
   const PointCloud2 cloud = MakePointCloud({}, "r/base_link", {{0.5, 0.0, 0.25, 0.0}, {0.0, 0.5, 0.25, kPi / 2}},
                                            {1.0, 4.0}, {4.0, 4.0}, arena);

@@ -1,4 +1,4 @@
-#include "world-service/ros/entity_filter.h"
+#include "world-service/observers/ros/entity_filter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,14 +21,14 @@ TEST(EntityFilter, AnExpressionMatchesAnywhereInAName) {
   EXPECT_FALSE(filter.value().Matches("robot_12a", EntityKind::kRobot));
 }
 
-TEST(EntityFilter, WithoutAnythingAskedForGivesWhatMoves) {
+TEST(EntityFilter, AnEmptyFilterMatchesRobotsAndObjects) {
   const Result<EntityFilter> filter = MakeFilter("");
   ASSERT_TRUE(filter.ok());
   EXPECT_TRUE(filter.value().Matches("box", EntityKind::kObject));
   EXPECT_FALSE(filter.value().Matches("wall", EntityKind::kModel));
 }
 
-TEST(EntityFilter, WhatIsNoExpressionIsRefused) {
+TEST(EntityFilter, AnInvalidExpressionIsRefused) {
   const Result<EntityFilter> filter = MakeFilter("(");
   ASSERT_FALSE(filter.ok());
   EXPECT_THAT(filter.error().message, testing::StartsWith("found the filter '(', expected a regular expression: "));
@@ -38,7 +38,7 @@ TEST(EntityFilter, AnExpressionThatWouldFillTheMemoryIsRefused) {
   EXPECT_FALSE(MakeFilter("(((a{1,500}){1,500}){1,500}){1,500}").ok());
 }
 
-TEST(EntityFilter, AnExpressionThatOthersTakeYearsForIsAnswered) {
+TEST(EntityFilter, AnExpressionOfExponentialTimeInBacktrackersIsFast) {
   const Result<EntityFilter> filter = MakeFilter("^(a+)+$");
   ASSERT_TRUE(filter.ok());
   EXPECT_FALSE(filter.value().Matches(std::string(60, 'a') + "b", EntityKind::kRobot));

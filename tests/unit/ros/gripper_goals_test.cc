@@ -18,10 +18,10 @@ GoalId Id(std::uint8_t number) {
   return id;
 }
 
-// A gripper that does what a test says.
+// The goals of a gripper whose motion the test states.
 class GripperGoalsTest : public testing::Test {
  protected:
-  // A tick: orders are given after its state, and show in the next one.
+  // A tick: an order follows its state and takes effect in the next tick.
   std::optional<GripperGoals::Order> Tick() { return goals_.Begin(tick_++); }
   void See(double opening, bool moves = true, bool blocked = false, bool clamped = false) {
     goals_.Observe(tick_, {.opening = opening, .moves = moves, .blocked = blocked, .clamped = clamped});
@@ -31,8 +31,9 @@ class GripperGoalsTest : public testing::Test {
     return goal == nullptr ? GoalStatus::kUnknown : goal->status;
   }
   CancelAnswer Cancel(const GoalId& id, std::int64_t stamp = 0) {
-    canceling_.clear();
-    return goals_.Cancel(id, stamp, canceling_);
+    ros::CancelResult<GripperGoal> result = goals_.Cancel(id, stamp);
+    canceling_ = std::move(result.canceling);
+    return result.answer;
   }
 
   GripperGoals goals_{kLargest, kLargest, kIntervalNs};
@@ -60,7 +61,7 @@ TEST_F(GripperGoalsTest, ReachAnOpening) {
   EXPECT_EQ(goals_.executing(), nullptr);
 }
 
-TEST_F(GripperGoalsTest, SucceedWithAnObjectAndFailAtAnythingElse) {
+TEST_F(GripperGoalsTest, SucceedOnAnObjectAndAbortOnAnObstacle) {
   goals_.Accept(Id(1), 0.0, 0.0);
   Tick();
   See(0.1, false, true, true);
@@ -70,7 +71,7 @@ TEST_F(GripperGoalsTest, SucceedWithAnObjectAndFailAtAnythingElse) {
 
   goals_.Accept(Id(2), 0.0, 0.0);
   Tick();
-  See(0.1, true, true);  // one finger goes on
+  See(0.1, true, true);  // one finger still moves
   EXPECT_EQ(StatusOf(2), GoalStatus::kExecuting);
   Tick();
   See(0.05, false, true);
@@ -89,7 +90,7 @@ TEST_F(GripperGoalsTest, WaitASecondForFingersThatDoNotMove) {
   EXPECT_EQ(StatusOf(1), GoalStatus::kAborted);
 }
 
-TEST_F(GripperGoalsTest, AreJudgedOnlyByWhatCameAfterThem) {
+TEST_F(GripperGoalsTest, AreJudgedOnlyByLaterObservations) {
   See(0.0, false, true, true);
   goals_.Accept(Id(1), 0.2, 0.0);
   goals_.Begin(tick_);
@@ -97,7 +98,7 @@ TEST_F(GripperGoalsTest, AreJudgedOnlyByWhatCameAfterThem) {
   EXPECT_EQ(StatusOf(1), GoalStatus::kExecuting);
 }
 
-TEST_F(GripperGoalsTest, RefuseWhatIsNotPossible) {
+TEST_F(GripperGoalsTest, RefuseImpossibleOpenings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double opening : {std::nan(""), kInfinity, -kInfinity, -0.01, 0.301}) {
     EXPECT_FALSE(goals_.Accept(Id(1), opening, 0.0)) << opening;
@@ -108,7 +109,7 @@ TEST_F(GripperGoalsTest, RefuseWhatIsNotPossible) {
   EXPECT_EQ(goals_.goals().all().size(), 1u);
 }
 
-TEST_F(GripperGoalsTest, GiveWayToTheNewest) {
+TEST_F(GripperGoalsTest, AreReplacedByTheNewest) {
   goals_.Accept(Id(1), 0.1, 0.0);
   Tick();
   See(0.2);
@@ -119,11 +120,11 @@ TEST_F(GripperGoalsTest, GiveWayToTheNewest) {
   EXPECT_EQ(goals_.Find(Id(1))->position, 0.2);
   EXPECT_EQ(StatusOf(2), GoalStatus::kAborted);
   EXPECT_EQ(StatusOf(3), GoalStatus::kExecuting);
-  goals_.GiveWay();
+  goals_.AbortAll();
   EXPECT_EQ(StatusOf(3), GoalStatus::kAborted);
 }
 
-TEST_F(GripperGoalsTest, StopWhereTheyAreWhenCancelled) {
+TEST_F(GripperGoalsTest, StopTheFingersWhenCancelled) {
   goals_.Accept(Id(1), 0.0, 0.0);
   Tick();
   See(0.2);
@@ -131,7 +132,7 @@ TEST_F(GripperGoalsTest, StopWhereTheyAreWhenCancelled) {
   ASSERT_EQ(canceling_.size(), 1u);
   EXPECT_EQ(StatusOf(1), GoalStatus::kCanceling);
   See(0.2);
-  EXPECT_EQ(StatusOf(1), GoalStatus::kCanceling) << "the gripper was not yet told";
+  EXPECT_EQ(StatusOf(1), GoalStatus::kCanceling) << "the order to stop was not sent yet";
   const auto order = Tick();
   ASSERT_TRUE(order);
   EXPECT_FALSE(order->opening);
@@ -158,7 +159,7 @@ TEST_F(GripperGoalsTest, AreCancelledByIdByStampOrAll) {
   EXPECT_TRUE(canceling_.empty());
 }
 
-TEST_F(GripperGoalsTest, AreForgottenSomeTimeAfterTheirEnd) {
+TEST_F(GripperGoalsTest, AreRemovedSomeTimeAfterTheirEnd) {
   for (int i = 1; i <= 40; ++i) {
     ASSERT_TRUE(goals_.Accept(Id(static_cast<std::uint8_t>(i)), 0.1, 0.0));
     Tick();

@@ -21,8 +21,8 @@ class GripperStateTest : public testing::Test {
   ObjectId box_;
 };
 
-TEST_F(GripperStateTest, TellsWhatTheFingersDo) {
-  WorldState state = InitialState(world_.world);
+TEST_F(GripperStateTest, ReportsTheMotionOfTheFingers) {
+  WorldState state = PlacedState(world_.world);
   EXPECT_EQ(Json(state), nlohmann::json({{"tick", 0},
                                          {"fingers", "open"},
                                          {"opening", 0.3},
@@ -41,7 +41,7 @@ TEST_F(GripperStateTest, TellsWhatTheFingersDo) {
   EXPECT_TRUE(motion.blocked);
 }
 
-TEST_F(GripperStateTest, TellsWhatItHolds) {
+TEST_F(GripperStateTest, ReportsTheHeldObject) {
   test::GripperRun run(world_.world);
   run.Step({{.fingers = 0.5}}, 5);
   ASSERT_TRUE(run.state.objects[box_.index()].holder);

@@ -1,12 +1,11 @@
-// Grippers and joints commanded from ROS: an agent's replica in a world that is stepped, and a ROS node on the other
-// side.
+// Grippers and joints commanded from ROS: an agent's replica in a stepped world, and a ROS node as its peer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
@@ -60,21 +59,19 @@ class ManipulatorPortTest : public testing::Test {
   // A tick of the agent and of its world.
   void Tick(int ticks = 1) {
     for (int i = 0; i < ticks; ++i) {
-      ProposalMessage answer;
-      replica_->Answer(state_, answer);
+      const ProposalMessage answer = replica_->Decide(state_);
       replica_->Publish(state_);
       state_ = Step(scene_, state_, answer.proposals).state;
       reports_.insert(reports_.end(), answer.reports.begin(), answer.reports.end());
     }
   }
-  // As a step from a pause ends: what is reached is shown, and nothing decided.
+  // The end of a step from a pause: the state is published and no proposal computed.
   void Pause() {
-    ProposalMessage answer;
-    replica_->Hold(state_, answer);
+    replica_->Pause(state_);
     replica_->Publish(state_);
   }
 
-  // Commands, once, and ticks until `obeyed`.
+  // Sends the command once, and ticks until `obeyed`.
   template <typename Obeyed>
   void Command(const std::string& topic, double value, const Obeyed& obeyed) {
     dds::Topic<ros::Float64> name(participant_.participant(), "rt" + topic);
@@ -101,12 +98,12 @@ class ManipulatorPortTest : public testing::Test {
     request.goal_id = IdOf(id);
     get_result_.Send(request);
   }
-  // Ticks until the result that was asked for has come.
+  // Ticks until the requested result arrives.
   control_msgs_action_dds__GripperCommand_GetResult_Response_ ResultAfterTicks() {
     control_msgs_action_dds__GripperCommand_GetResult_Response_ result{};
     EXPECT_TRUE(Eventually([&] {
       Tick();
-      return get_result_.Take([&](const auto& response) { result = response; });
+      return get_result_.Receive([&](const auto& response) { result = response; });
     }));
     return result;
   }
@@ -122,7 +119,7 @@ class ManipulatorPortTest : public testing::Test {
   ros::RosNode peer_ = ros::MakeNode(participant_, "/", "peer");
   GripperWorld world_ = MakeWorld();
   Scene scene_{world_.world};
-  WorldState state_ = InitialState(world_.world);
+  WorldState state_ = PlacedState(world_.world);
   std::unique_ptr<Replica> replica_;
   SendGoal send_goal_{participant_, "/a/gripper/gripper_cmd/_action/send_goal"};
   GetResult get_result_{participant_, "/a/gripper/gripper_cmd/_action/get_result"};
@@ -152,13 +149,13 @@ TEST_F(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
     Command(topic, topic[3] == 'g' ? std::nan("") : kInfinity, [&] { return reports_.size() > before; });
   }
   Tick(3);
-  EXPECT_EQ(state_.joints, InitialState(world_.world).joints);
+  EXPECT_EQ(state_.joints, PlacedState(world_.world).joints);
   EXPECT_THAT(reports_, testing::ElementsAre("/a/gripper/command: ignored a command that is not finite (1 so far)",
                                              "/a/gripper/lift/command: ignored a command that is not finite (1 so far)",
                                              "/a/arm/command: ignored a command that is not finite (1 so far)"));
 }
 
-TEST_F(ManipulatorPortTest, TellsWhatAGripperDoes) {
+TEST_F(ManipulatorPortTest, PublishesTheStateOfAGripper) {
   ros::RosReader<ros::String> states(peer_, "/a/gripper/state", ros::Stream(10));
   nlohmann::json last;
   Command("/a/gripper/command", 0.0, [&] {
@@ -199,7 +196,7 @@ TEST_F(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   EXPECT_TRUE(std::is_sorted(positions.rbegin(), positions.rend()));
   EXPECT_NEAR(positions.back(), 0.2, 1e-9);
   AskForResultOf(1);
-  EXPECT_EQ(ResultAfterTicks().status, 4) << "for who asks later";
+  EXPECT_EQ(ResultAfterTicks().status, 4) << "for a late request";
   AskForResultOf(77);
   EXPECT_EQ(ResultAfterTicks().status, 0) << "an unknown goal";
 }
@@ -248,20 +245,19 @@ TEST_F(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
   cancel_goal_.Call(request, [](const auto& answer) { EXPECT_EQ(answer.return_code, 2); });
 }
 
-TEST_F(ManipulatorPortTest, AGoalOfAPauseBeginsWithTheStep) {
+TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
   Pause();
   ASSERT_TRUE(SendGoalOf(0.28, 1));
   AskForResultOf(1);
   Pause();
-  EXPECT_FALSE(get_result_.Take([](const auto&) {}));
+  EXPECT_FALSE(get_result_.Receive([](const auto&) {}));
   EXPECT_EQ(opening(), kLargest);
-  ProposalMessage answer;
-  replica_->Answer(state_, answer);
+  const ProposalMessage answer = replica_->Decide(state_);
   state_ = Step(scene_, state_, answer.proposals).state;
   Pause();
   EXPECT_NEAR(opening(), 0.28, 1e-12);
   EXPECT_TRUE(
-      Eventually([&] { return get_result_.Take([](const auto& response) { EXPECT_EQ(response.status, 4); }); }));
+      Eventually([&] { return get_result_.Receive([](const auto& response) { EXPECT_EQ(response.status, 4); }); }));
 }
 
 TEST_F(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {

@@ -10,7 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(RosName, KeepsOnlyWhatRosTakes) {
+TEST(RosName, KeepsOnlyCharactersThatRosAllows) {
   EXPECT_EQ(RosName("anna"), "anna");
   EXPECT_EQ(RosName("position:0"), "position_0");
   EXPECT_EQ(RosName("a b--c__d_"), "a_b_c_d");
@@ -20,20 +20,20 @@ TEST(RosName, KeepsOnlyWhatRosTakes) {
   EXPECT_EQ(RosName(""), "unnamed");
 }
 
-TEST(RobotNames, AreDifferentEvenWhereRosWouldMakeThemTheSame) {
+TEST(RobotNames, StayDistinctWhenRosNamesCollide) {
   SmallWorld world;
   for (const char* name : {"r:0", "r_0", "r-0", "r_0_1"}) world.AddRobot(name, {});
   EXPECT_THAT(RobotNames(world.world()), ElementsAre("r_0", "r_0_1", "r_0_2", "r_0_1_1"));
 }
 
-TEST(FramesOf, HaveThePrefixOfTheRobotOrNone) {
+TEST(FramesOf, HaveThePrefixOfTheRobotIfAsked) {
   EXPECT_EQ(FramesOf("anna", true).base, "anna/base_link");
   EXPECT_EQ(FramesOf("anna", true).odom, "anna/odom");
   EXPECT_EQ(FramesOf("anna", false).base, "base_link");
   EXPECT_EQ(FramesOf("anna", false).prefix, "");
 }
 
-TEST(SensorTopicsOf, CallsAScannerScanAndARingSonarUnlessTheyHaveNames) {
+TEST(SensorTopicsOf, NamesUnnamedScannersScanAndRingsSonar) {
   SmallWorld world;
   const RobotId robot = world.AddRobot("r", {});
   world.AddRanger(robot, {}, {OneRay(), OneRay()});
@@ -41,7 +41,7 @@ TEST(SensorTopicsOf, CallsAScannerScanAndARingSonarUnlessTheyHaveNames) {
   world.AddRanger(robot, {}, {Fan(1.0, 5)});
   world.AddRanger(robot, {}, {OneRay()});
   world.AddRanger(robot, {}, {Fan(1.0, 5)});
-  world.robot(robot).rangers.back().name = "front laser";
+  world.robot(robot).sensors.back().name = "front laser";
   const SensorTopics topics = SensorTopicsOf(world.robot(robot));
   ASSERT_EQ(topics.lasers.size(), 3u);
   EXPECT_EQ(topics.lasers[0].topic, "scan");
@@ -54,13 +54,13 @@ TEST(SensorTopicsOf, CallsAScannerScanAndARingSonarUnlessTheyHaveNames) {
   EXPECT_EQ(topics.sonars[1].topic, "sonar_1");
 }
 
-TEST(SensorTopicsOf, GivesNoFrameAndNoTopicTwice) {
+TEST(SensorTopicsOf, MakesFramesAndTopicsUnique) {
   SmallWorld world;
   const RobotId robot = world.AddRobot("r", {});
   for (int i = 0; i < 3; ++i) world.AddRanger(robot, {}, {OneRay(), OneRay(), Fan(1.0, 5)});
   for (const char* name : {"odom", "base_link", "scan", "scan_1", "cmd_vel", "map"}) {
     world.AddRanger(robot, {}, {Fan(1.0, 5)});
-    world.robot(robot).rangers.back().name = name;
+    world.robot(robot).sensors.back().name = name;
   }
   const SensorTopics topics = SensorTopicsOf(world.robot(robot));
   std::vector<std::string> frames = {"odom", "base_link", "map"};

@@ -14,31 +14,31 @@ LocalizationDescription Odometry() {
   return localization;
 }
 
-TEST(OdometryError, IsNothingForGps) {
+TEST(OdometryError, IsZeroForGps) {
   LocalizationDescription gps = Odometry();
   gps.type = LocalizationType::kGps;
   OdometryError error(gps);
-  error.Moved({1.0, 1.0, 1.0}, 10.0);
+  error.AddMotion({1.0, 1.0, 1.0}, 10.0);
   EXPECT_EQ(error.covariance().x, 0.0);
   EXPECT_EQ(error.covariance().wz, 0.0);
 }
 
-TEST(OdometryError, GrowsWithTheWayInBothDirections) {
+TEST(OdometryError, GrowsWithThePathInBothDirections) {
   OdometryError error(Odometry());
-  error.Moved({2.0, 0.0, 0.0}, 1.0);
+  error.AddMotion({2.0, 0.0, 0.0}, 1.0);
   EXPECT_NEAR(error.covariance().x, 0.04, 1e-12);
   EXPECT_EQ(error.covariance().y, 0.0);
   EXPECT_NEAR(error.covariance().vx, 0.04, 1e-12);
-  error.Moved({-2.0, 0.0, 0.0}, 1.0);
+  error.AddMotion({-2.0, 0.0, 0.0}, 1.0);
   EXPECT_NEAR(error.covariance().x, 0.16, 1e-12);
-  error.Moved({0.0, 0.0, 2.0}, 1.0);
+  error.AddMotion({0.0, 0.0, 2.0}, 1.0);
   EXPECT_NEAR(error.covariance().heading, 0.01, 1e-12);
   EXPECT_EQ(error.covariance().vx, 0.0);
 }
 
-TEST(OdometryError, OfAHeadingLeadsAstraySideways) {
+TEST(OdometryError, OfTheHeadingDisplacesThePosition) {
   OdometryError error(Odometry());
-  error.Moved({1.0, 0.0, 1.0}, 2.0);
+  error.AddMotion({1.0, 0.0, 1.0}, 2.0);
   EXPECT_NEAR(error.covariance().y, 0.04, 1e-12);
 }
 

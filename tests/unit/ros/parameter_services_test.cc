@@ -44,7 +44,7 @@ TEST_F(ParameterServicesTest, ListsAndGets) {
   });
 }
 
-TEST_F(ParameterServicesTest, DescribesAndTellsTypes) {
+TEST_F(ParameterServicesTest, DescribesAndListsTypes) {
   dds::WireArena arena;
   Client<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_> types(
       client_, "/r0/robot/get_parameter_types");
@@ -62,7 +62,7 @@ TEST_F(ParameterServicesTest, DescribesAndTellsTypes) {
   });
 }
 
-TEST_F(ParameterServicesTest, LetsNothingBeChanged) {
+TEST_F(ParameterServicesTest, RefusesChanges) {
   Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
       client_, "/r0/robot/set_parameters");
   dds::WireArena arena;

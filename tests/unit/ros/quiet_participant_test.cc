@@ -1,4 +1,4 @@
-// Quiet participants, on a network of this test's own: the loopback interface carries what they say to each other.
+// Quiet participants on a network of this test's own: the loopback interface would deliver all their announcements.
 #include <gtest/gtest.h>
 #include <sched.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/support/dds_domain.h"
@@ -25,7 +25,7 @@ bool HasNetworkOfItsOwn() {
              "ip link set net1 up && ip route add default dev net0") == 0;
 }
 
-// Says its name to everybody, and remembers whom it has heard.
+// Announces its name and records the names that it has discovered.
 class Speaker {
  public:
   Speaker(std::string name, bool quiet)
@@ -53,7 +53,7 @@ class Speaker {
   std::set<std::string> heard_;
 };
 
-TEST(QuietParticipant, MeetsToolsAndNotItsLike) {
+TEST(QuietParticipant, DiscoversToolsButNoOtherQuietOnes) {
   if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
   Speaker early("early", false);
   Speaker robot("robot", true);

@@ -1,4 +1,4 @@
-// Joints in ROS: their names, the frames that they move, and the URDF that has both.
+// Joints in ROS: their names, the frames that they move, and the URDF with both.
 #include "common/ros/robot_frames.h"
 
 #include <gmock/gmock.h>
@@ -32,12 +32,12 @@ class RobotFramesTest : public testing::Test {
     world_.AddJoint(parts_.robot, arm, {0.0, 0.0}, 1.0, {-1.0, 1.0});
     world_.world.joints.back().type = JointType::kRevolute;
     mount_ = world_.AddModel(std::vector<Block>(), {0.0, 0.05, 0.1, 0.0}, arm);
-    RangerDescription ranger;
+    SensorDescription ranger;
     ranger.name = "ranger:0";
     ranger.model = mount_;
-    ranger.sensors = {Fan(1.0, 5)};
-    ranger.sensors[0].X_MS = {0.02, 0.0, 0.0, -0.25};
-    world_.world.robots[0].rangers = {ranger};
+    RaySensors(ranger) = {Fan(1.0, 5)};
+    RaySensors(ranger)[0].X_MS = {0.02, 0.0, 0.0, -0.25};
+    world_.world.robots[0].sensors = {ranger};
     const char* names[] = {"lift", "lift.left", "lift.right", "arm"};
     for (std::size_t i = 0; i < 4; ++i) world_.world.joints[i].name = names[i];
   }
@@ -60,9 +60,9 @@ TEST_F(RobotFramesTest, ATreeOfJointsLeadsToEverySensor) {
                                                          {"r/scan", "r/arm_link"}}));
 }
 
-TEST_F(RobotFramesTest, SayWhereThingsAre) {
+TEST_F(RobotFramesTest, HaveThePosesOfLinksAndSensors) {
   const Scene scene(world_.world);
-  WorldState state = InitialState(world_.world);
+  WorldState state = PlacedState(world_.world);
   const double positions[] = {0.75, 0.05, 0.125, -0.5};
   for (std::size_t i = 0; i < 4; ++i) state.joints[i].position = positions[i];
   const std::vector<Pose> X_WM = ModelPoses(world_.world, state);
@@ -77,7 +77,7 @@ TEST_F(RobotFramesTest, SayWhereThingsAre) {
   }
   const FixedFrame& scan = frames.fixed.at(0);
   ExpectNear(X_WF.at(scan.parent) * scan.X_PF,
-             X_WM[mount_.index()] * world_.world.robots[0].rangers[0].sensors[0].X_MS);
+             X_WM[mount_.index()] * RaySensors(world_.world.robots[0].sensors[0])[0].X_MS);
 }
 
 TEST_F(RobotFramesTest, TheUrdfHasTheSameFramesWithLimitsAndAxes) {
@@ -99,7 +99,7 @@ TEST_F(RobotFramesTest, TheUrdfHasTheSameFramesWithLimitsAndAxes) {
             urdf.find("<origin", arm));
 }
 
-TEST_F(RobotFramesTest, MarkersAreDrawnWhereTheirPartMoves) {
+TEST_F(RobotFramesTest, MarkersAreInTheFrameOfTheirLink) {
   const Scene scene(world_.world);
   const RobotFrames frames = RobotFramesOf(scene, parts_.robot, FramesOf("r", true));
   dds::WireArena arena;
@@ -109,18 +109,18 @@ TEST_F(RobotFramesTest, MarkersAreDrawnWhereTheirPartMoves) {
   EXPECT_EQ(drawn, (std::multiset<std::string>{"r/base_link", "r/lift_left_link", "r/lift_right_link", "r/arm_link"}));
 }
 
-TEST(JointNamesOf, GivesNoNameAndNoFrameTwice) {
+TEST(JointNamesOf, MakesNamesAndFramesUnique) {
   test::GripperWorld world;
   const test::GripperRobot parts = world.AddGripperRobot({});
   world.world.joints[0].name = "a.b";
   world.world.joints[1].name = "a_b";
   world.world.joints[2].name = "scan_mount";
-  RangerDescription ranger;
+  SensorDescription ranger;
   ranger.name = "a_b_link";
   ranger.model = parts.root;
-  ranger.sensors = {Fan(1.0, 5)};
-  world.world.robots[0].rangers = {ranger, ranger};
-  world.world.robots[0].rangers[1].name = "ranger:1";
+  RaySensors(ranger) = {Fan(1.0, 5)};
+  world.world.robots[0].sensors = {ranger, ranger};
+  world.world.robots[0].sensors[1].name = "ranger:1";
   std::set<std::string> names = {"scan_mount"};
   std::set<std::string> frames = {"a_b_link", "scan"};
   for (const JointName& joint : JointNamesOf(world.world, parts.robot)) {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "common/dds/wire.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
@@ -15,7 +15,7 @@
 #include "tests/support/ros_domain.h"
 #include "tests/support/small_world.h"
 
-// What a broken or hostile peer may send: one byte under the name of a Twist.
+// A message of a broken or hostile peer: one byte under the name of a Twist.
 struct Malformed {
   std::uint8_t byte;
 };
@@ -67,8 +67,8 @@ WorldDescription TwoRobots() {
   return world.world();
 }
 
-// Robots a and b, each with a gripper on a lift and a scanner that goes up with it. The lift is at 0.25 m, and b's left
-// finger has come 0.05 m.
+// Robots a and b, each with a gripper on a lift and a scanner that the lift raises. The lift is at 0.25 m, and b's left
+// finger has moved 0.05 m.
 test::GripperWorld TwoGrippers() {
   test::GripperWorld world;
   for (const char* name : {"a", "b"}) {
@@ -78,28 +78,27 @@ test::GripperWorld TwoGrippers() {
     for (const JointId joint : {parts.lift, parts.left, parts.right}) {
       world.world.joints[joint.index()].name = names[joint.index() % 3];
     }
-    RangerDescription ranger;
+    SensorDescription ranger;
     ranger.name = "ranger:0";
     ranger.model = world.AddModel(std::vector<Block>(), {0.0, 0.0, 0.5, 0.0}, parts.carriage);
-    ranger.sensors = {Fan(1.0, 5)};
-    world.world.robots.back().rangers = {ranger};
+    RaySensors(ranger) = {Fan(1.0, 5)};
+    world.world.robots.back().sensors = {ranger};
   }
   return world;
 }
 
-// A ROS node on the other side of the network, and an agent's replica to exchange messages with.
+// A ROS node across the network, and an agent's replica that it exchanges messages with.
 class RosGatewayTest : public testing::Test {
  protected:
   void MakeReplica(const ros::RosOptions& options, const WorldDescription& world = TwoRobots()) {
-    state_ = InitialState(world);
+    state_ = PlacedState(world);
     Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, nullptr, 1, MakeRosGateway(options));
     ASSERT_TRUE(replica.ok());
     replica_ = std::move(replica).value();
   }
 
   ProposalMessage Tick() {
-    ProposalMessage answer;
-    replica_->Answer(state_, answer);
+    const ProposalMessage answer = replica_->Decide(state_);
     replica_->Publish(state_);
     ++state_.tick;
     return answer;
@@ -114,7 +113,7 @@ class RosGatewayTest : public testing::Test {
     return ros::RosWriter<T>(peer_, topic, ros::Stream(1));
   }
 
-  // Ticks until `reader` has got something, and calls `check` with the last message.
+  // Ticks until `reader` has received a message, and calls `check` with the last one.
   template <typename T, typename Check>
   void TickUntilReceived(ros::RosReader<T>& reader, const Check& check) {
     bool received = false;
@@ -128,8 +127,8 @@ class RosGatewayTest : public testing::Test {
     }));
   }
 
-  // The twist proposed for robot a once the command was obeyed. It is repeated, because a reader that has not yet met
-  // the writer misses it.
+  // The twist proposed for robot a after the command. The command is repeated, because a reader misses a sample written
+  // before it has discovered the writer.
   template <typename T>
   Twist CommandUntilMoving(ros::RosWriter<T>& commands, const T& command) {
     Twist twist;
@@ -155,7 +154,7 @@ ros::TwistMessage Twist2(double vx, double wz) {
   return twist;
 }
 
-TEST_F(RosGatewayTest, PublishesWhatTheRobotKnowsOfItself) {
+TEST_F(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
   MakeReplica(options_);
   state_.robots[1].stalled = true;
   auto odom = Reader<ros::OdometryMessage>("/b/odom");
@@ -197,14 +196,14 @@ TEST_F(RosGatewayTest, PublishesScansAndRanges) {
   EXPECT_EQ(frames[1], "a/sonar_1");
 }
 
-TEST_F(RosGatewayTest, SpeaksTheRangeOfHumbleToHumble) {
+TEST_F(RosGatewayTest, SendsTheRangeOfHumbleToHumble) {
   options_.distribution = ros::Distribution::kHumble;
   MakeReplica(options_);
   auto ranges = Reader<ros::HumbleRangeMessage>("/a/sonar");
   TickUntilReceived(ranges, [](const ros::HumbleRangeMessage& range) { EXPECT_FLOAT_EQ(range.range, 2.8F); });
 }
 
-// From frame to its parent.
+// By frame: its parent.
 std::map<std::string, std::string> ParentsOf(const ros::TfMessage& message) {
   std::map<std::string, std::string> parents;
   for (const ros::TransformStamped& transform : dds::Elements(message.transforms)) {
@@ -213,7 +212,7 @@ std::map<std::string, std::string> ParentsOf(const ros::TfMessage& message) {
   return parents;
 }
 
-TEST_F(RosGatewayTest, ClosesTheTreeOfFrames) {
+TEST_F(RosGatewayTest, ConnectsTheTreeOfFrames) {
   MakeReplica(options_);
   auto moving = Reader<ros::TfMessage>("/tf");
   auto fixed = Reader<ros::TfMessage>("/tf_static", true);
@@ -268,7 +267,7 @@ TEST_F(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
   });
 }
 
-TEST_F(RosGatewayTest, GivesEachRobotTransformsOfItsOwnIfAsked) {
+TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
   options_.namespaced_tf = true;
   options_.map_to_odom = false;
   MakeReplica(options_);
@@ -288,11 +287,11 @@ TEST_F(RosGatewayTest, ObeysACommandInTheNextProposal) {
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, -0.25)), (Twist{0.5, 0.0, -0.25}));
   const ProposalMessage answer = Tick();
-  EXPECT_EQ(answer.proposals[0].twist, (Twist{0.5, 0.0, -0.25}));  // goes on
+  EXPECT_EQ(answer.proposals[0].twist, (Twist{0.5, 0.0, -0.25}));  // still valid
   EXPECT_TRUE(answer.proposals[1].twist.IsZero());
 }
 
-TEST_F(RosGatewayTest, StopsARobotWhoseCommandsDryUp) {
+TEST_F(RosGatewayTest, StopsARobotAfterTheCommandTimeout) {
   options_.command_timeout = 1.0;  // 10 ticks
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
@@ -302,10 +301,10 @@ TEST_F(RosGatewayTest, StopsARobotWhoseCommandsDryUp) {
     ++ticks;
     return Tick().proposals[0].twist.IsZero();
   }));
-  EXPECT_GE(ticks, 10);  // more where the last repetition came late
+  EXPECT_GE(ticks, 10);  // more if the last repetition arrived late
 }
 
-TEST_F(RosGatewayTest, TakesStampedCommandsOfBothTypesIfAsked) {
+TEST_F(RosGatewayTest, ReadsCommandsOfBothTypesIfAsked) {
   options_.command_type = ros::CommandType::kBoth;
   options_.command_timeout = 0.0;
   MakeReplica(options_);
@@ -334,7 +333,7 @@ TEST_F(RosGatewayTest, IgnoresCommandsThatAreNotFiniteAndSaysSo) {
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
 }
 
-TEST_F(RosGatewayTest, MeetsNobodyWhoUsesItsTopicsWithAnotherType) {
+TEST_F(RosGatewayTest, ReportsPublishersOfAnotherType) {
   MakeReplica(options_);
   auto commands = Writer<ros::Bool>("/a/cmd_vel");
   auto odom = Reader<ros::Bool>("/a/odom");
@@ -345,16 +344,17 @@ TEST_F(RosGatewayTest, MeetsNobodyWhoUsesItsTopicsWithAnotherType) {
     reports = Tick().reports;
     return !reports.empty();
   }));
-  EXPECT_THAT(reports,
-              ElementsAre("/a/cmd_vel: cannot read somebody's publisher: its type is std_msgs/msg/Bool, expected "
-                          "geometry_msgs/msg/Twist"));
+  EXPECT_THAT(
+      reports,
+      ElementsAre("/a/cmd_vel: cannot read another program's publisher: its type is std_msgs/msg/Bool, expected "
+                  "geometry_msgs/msg/Twist"));
   TickUntilReceived(stalled, [](const ros::Bool&) {});
   EXPECT_FALSE(commands.wanted());
   odom.Drain([](const ros::Bool&) { FAIL() << "an odometry message as a Bool"; });
   EXPECT_THAT(Tick().reports, IsEmpty()) << "once is enough";
 }
 
-TEST_F(RosGatewayTest, TellsOfWritersThatAreNotReliableWhereThatIsAskedFor) {
+TEST_F(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
   options_.reliable_commands = true;
   MakeReplica(options_);
   ros::RosWriter<ros::TwistMessage> commands(peer_, "/b/cmd_vel", ros::Commands(false));
@@ -364,9 +364,10 @@ TEST_F(RosGatewayTest, TellsOfWritersThatAreNotReliableWhereThatIsAskedFor) {
     reports = Tick().reports;
     return !reports.empty();
   }));
-  EXPECT_THAT(reports,
-              ElementsAre("/b/cmd_vel: cannot read somebody's publisher: it is not reliable, expected a reliable "
-                          "one"));
+  EXPECT_THAT(
+      reports,
+      ElementsAre("/b/cmd_vel: cannot read another program's publisher: it is not reliable, expected a reliable "
+                  "one"));
 }
 
 TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {
@@ -378,8 +379,8 @@ TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
 }
 
-// Announcements of participants and writers whose insides are random, from nobody and in the name of a peer that is
-// there.
+// Announcements of participants and writers with random contents, from an unknown sender and in the name of a live
+// peer.
 TEST_F(RosGatewayTest, SurvivesGarbageInDiscovery) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
@@ -392,7 +393,7 @@ TEST_F(RosGatewayTest, SurvivesGarbageInDiscovery) {
   }));
 }
 
-// Topics are what discovery has to tell everybody of.
+// The cost of discovery grows with the number of endpoints.
 TEST_F(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
   SmallWorld world;
   for (int i = 0; i < 100; ++i) {
@@ -429,7 +430,7 @@ TEST_F(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {
   EXPECT_TRUE(Tick().proposals[0].twist.IsZero());
 }
 
-TEST_F(RosGatewayTest, TakesTheLatestOfManyCommands) {
+TEST_F(RosGatewayTest, AppliesTheLatestOfManyCommands) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   CommandUntilMoving(commands, Twist2(0.5, 0.0));

@@ -23,7 +23,7 @@ TEST_F(RosEnvironment, GivesTheDefaultsOfRos) {
   EXPECT_EQ(OptionsFromEnvironment().network_interface, "auto");
 }
 
-TEST_F(RosEnvironment, IsHeard) {
+TEST_F(RosEnvironment, SetsTheOptions) {
   setenv("ROS_DOMAIN_ID", "17", 1);
   setenv("ROS_DISTRO", "humble", 1);
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
@@ -35,7 +35,7 @@ TEST_F(RosEnvironment, IsHeard) {
   EXPECT_EQ(OptionsFromEnvironment().network_interface, "lo");
 }
 
-TEST_F(RosEnvironment, IsPassedOverWhereItMeansNothing) {
+TEST_F(RosEnvironment, IsIgnoredWhereItIsNotValid) {
   for (const char* domain : {"", "x", "17x", "-1", "231", "99999999999"}) {
     setenv("ROS_DOMAIN_ID", domain, 1);
     EXPECT_EQ(OptionsFromEnvironment().domain, 0u) << domain;

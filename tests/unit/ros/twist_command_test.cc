@@ -17,13 +17,13 @@ ros::TwistMessage Message(double vx, double vy, double wz) {
   return message;
 }
 
-TEST(CommandFromTwist, PassesATwistToADriveThatTakesOne) {
+TEST(CommandFromTwist, PassesATwistToADriveThatFollowsOne) {
   const std::optional<Command> command = CommandFromTwist(Message(1.0, 2.0, 3.0), {});
   ASSERT_TRUE(command);
   EXPECT_EQ(command->twist, (Twist{1.0, 2.0, 3.0}));
 }
 
-TEST(CommandFromTwist, RefusesWhatIsNotFinite) {
+TEST(CommandFromTwist, RefusesNumbersThatAreNotFinite) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(CommandFromTwist(Message(bad, 0.0, 0.0), {}));
@@ -32,7 +32,7 @@ TEST(CommandFromTwist, RefusesWhatIsNotFinite) {
   }
 }
 
-TEST(CommandFromTwist, SteersACarIntoTheCurveOfTheTwist) {
+TEST(CommandFromTwist, SteersACarOntoTheArcOfTheTwist) {
   DriveDescription car;
   car.type = DriveType::kCar;
   car.wheelbase = 0.5;

@@ -15,7 +15,7 @@ TEST(TypeHash, IsThatOfJazzy) {
   EXPECT_EQ(TypeHash("geometry_msgs::msg::dds_::Twist_").size(), 7u + 64u);
 }
 
-TEST(TypeHash, IsNothingForWhatRosDoesNotKnow) {
+TEST(TypeHash, IsEmptyForATypeUnknownToRos) {
   for (const char* name : {"", "troupe::wire::Frame", "std_msgs::msg::dds_::NoSuch_", "dds_::", "::dds_::x"}) {
     EXPECT_EQ(TypeHash(name), "") << name;
   }

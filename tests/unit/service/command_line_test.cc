@@ -10,15 +10,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::variant<CommandLine, int> Parse(std::vector<const char*> words) {
+std::variant<ServiceCommandLine, int> Parse(std::vector<const char*> words) {
   words.insert(words.begin(), "world-service");
-  return ParseCommandLine(static_cast<int>(words.size()), words.data());
+  return ParseServiceCommandLine(static_cast<int>(words.size()), words.data());
 }
 
-TEST(CommandLine, LeavesTheScenarioAloneWhereNothingIsSaid) {
+TEST(ServiceCommandLine, LeavesTheScenarioAloneWhereNothingIsSaid) {
   const auto parsed = Parse({"a.world"});
-  ASSERT_TRUE(std::holds_alternative<CommandLine>(parsed));
-  const CommandLine& line = std::get<CommandLine>(parsed);
+  ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
+  const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   EXPECT_EQ(line.file, "a.world");
   EXPECT_FALSE(line.faults.any());
   EXPECT_FALSE(line.report_fd);
@@ -27,14 +27,14 @@ TEST(CommandLine, LeavesTheScenarioAloneWhereNothingIsSaid) {
   settings.speed = 3.0;
   settings.mode = Mode::kRealtime;
   settings.on_agent_loss = OnAgentLoss::kPause;
-  line.ApplyTo(settings);
+  line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 7u);
   EXPECT_EQ(settings.speed, 3.0);
   EXPECT_EQ(settings.mode, Mode::kRealtime);
   EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kPause);
 }
 
-TEST(CommandLine, OverridesTheScenario) {
+TEST(ServiceCommandLine, OverridesTheScenario) {
   const auto parsed = Parse({"a.world",
                              "--ticks",
                              "5",
@@ -66,38 +66,38 @@ TEST(CommandLine, OverridesTheScenario) {
                              "loss=0.5",
                              "--report-fd",
                              "4"});
-  ASSERT_TRUE(std::holds_alternative<CommandLine>(parsed));
-  const CommandLine& line = std::get<CommandLine>(parsed);
+  ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
+  const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   RunSettings settings;
   settings.speed = 3.0;
   settings.mode = Mode::kRealtime;
-  line.ApplyTo(settings);
+  line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, std::nullopt);
   EXPECT_EQ(settings.mode, Mode::kLockstep);
   EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kAbort);
   EXPECT_EQ(line.overrides.seed, 9u);
   EXPECT_EQ(line.overrides.controller, "wander");
-  EXPECT_EQ(line.session, "s-1");
+  EXPECT_EQ(line.network.session, "s-1");
   EXPECT_EQ(line.service.session, "s-1");
-  EXPECT_EQ(line.domain, 3u);
-  EXPECT_EQ(line.network_interface, "eth0");
-  EXPECT_EQ(line.service.outputs.hash_log, "h");
-  EXPECT_EQ(line.service.outputs.poses, "p");
-  EXPECT_EQ(line.service.outputs.record, "r");
+  EXPECT_EQ(line.network.domain, 3u);
+  EXPECT_EQ(line.network.network_interface, "eth0");
+  EXPECT_EQ(line.outputs.hash_log, "h");
+  EXPECT_EQ(line.outputs.poses, "p");
+  EXPECT_EQ(line.outputs.record, "r");
   EXPECT_EQ(line.service.lease_seconds, 0.5);
   EXPECT_EQ(line.service.start_timeout_seconds, 0.0);
   EXPECT_EQ(line.faults.loss, 0.5);
   EXPECT_EQ(line.report_fd, 4);
 }
 
-TEST(CommandLine, SaysWhatIsWrongInOneLine) {
+TEST(ServiceCommandLine, SaysWhatIsWrongInOneLine) {
   struct Case {
     std::vector<const char*> words;
     const char* message;
   };
   const std::vector<Case> cases = {
-      {{}, "file is required"},
+      {{}, "FILE is required"},
       {{"a", "b"}, "b"},
       {{"a", "--what"}, "--what"},
       {{"a", "--ticks", "-1"}, "found '-1', expected a whole number"},
@@ -108,7 +108,7 @@ TEST(CommandLine, SaysWhatIsWrongInOneLine) {
       {{"a", "--speed", "0"}, "found '0', expected a multiple of real time above 0, or max"},
       {{"a", "--speed", "nan"}, "found 'nan', expected a multiple"},
       {{"a", "--speed", "inf"}, "found 'inf', expected a multiple"},
-      {{"a", "--on-agent-loss", "cry"}, "found 'cry', expected one of abort, freeze, pause"},
+      {{"a", "--on-agent-loss", "cry"}, "found 'cry', expected one of freeze, pause, abort"},
       {{"a", "--session", "a b"}, "found 'a b', expected 1 to 64 letters"},
       {{"a", "--session", "*"}, "expected 1 to 64 letters"},
       {{"a", "--domain", "231"}, "found '231', expected a whole number from 0 to 230"},
@@ -129,7 +129,7 @@ TEST(CommandLine, SaysWhatIsWrongInOneLine) {
   }
 }
 
-TEST(CommandLine, TellsItsVersionAndItsOptions) {
+TEST(ServiceCommandLine, TellsItsVersionAndItsOptions) {
   for (const char* word : {"--version", "--help"}) {
     testing::internal::CaptureStdout();
     const auto parsed = Parse({word});

@@ -23,7 +23,7 @@ class ControlTest : public CoordinatorTest {
   void Hold(AgentId agent) {
     ProposalMessage message = ProposalOf(agent, 0.0);
     message.proposals.clear();
-    message.held = true;
+    message.paused = true;
     coordinator->OnProposal(message, now);
   }
   bool paused() const { return endpoint.frames.back().paused; }

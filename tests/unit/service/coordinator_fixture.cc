@@ -19,10 +19,9 @@ WorldDescription PlaneWorld(std::size_t robots) {
 }
 
 void CoordinatorTest::Make(std::size_t robots) {
-  scene = std::make_unique<Scene>(PlaneWorld(robots));
-  recorder = Recorder::Create(scene->world(), {}).value();
+  scene = std::make_shared<const Scene>(PlaneWorld(robots));
   options.run = kRun;
-  coordinator.emplace(*scene, options, endpoint, *recorder, now);
+  coordinator.emplace(scene, options, endpoint, observers, now);
 }
 
 void CoordinatorTest::MakeAndStart(std::size_t robots) {
@@ -65,7 +64,7 @@ double CoordinatorTest::Travel(std::size_t robot) const {
 
 std::vector<std::string> CoordinatorTest::Events() {
   std::vector<std::string> texts;
-  for (const Event& event : coordinator->TakeEvents()) {
+  for (const Event& event : coordinator->DrainEvents()) {
     texts.push_back(ToString(event.type));
     if (event.robot) texts.back() += " " + scene->world().robot(*event.robot).name;
   }

@@ -46,8 +46,8 @@ class CoordinatorTest : public testing::Test {
   CoordinatorOptions options;  // change before Make
   double now = 50.0;
   FakeServiceEndpoint endpoint;
-  std::unique_ptr<Scene> scene;
-  std::optional<Recorder> recorder;
+  std::shared_ptr<const Scene> scene;
+  RunObservers observers;  // change before Make
   std::optional<TickCoordinator> coordinator;
 };
 

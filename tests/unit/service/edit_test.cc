@@ -26,7 +26,7 @@ class EditTest : public CoordinatorTest {
   void Hold(AgentId agent) {
     ProposalMessage message = ProposalOf(agent, 0.0);
     message.proposals.clear();
-    message.held = true;
+    message.paused = true;
     coordinator->OnProposal(message, now);
   }
   const FrameMessage& newest() const { return endpoint.frames.back(); }
@@ -86,7 +86,7 @@ TEST_F(EditTest, IgnoresAnswersToFramesBeforeTheEdit) {
   Hold(1);
   ProposalMessage late = ProposalOf(1, 0.0);
   late.proposals.clear();
-  late.held = true;
+  late.paused = true;
   Ask(ControlCommand::kReset);
   coordinator->OnProposal(late, now);
   EXPECT_THAT(replies, IsEmpty());
@@ -302,7 +302,7 @@ TEST_F(EditedWorldTest, GoesOnWithoutTheAgentOfADeletedRobot) {
 TEST_F(EditedWorldTest, WaitsForTheAgentOfASpawnedRobot) {
   StartAndHold();
   Spawn("new");
-  EXPECT_THAT(coordinator->TakeNewRobots(), testing::ElementsAre("new"));
+  EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("new"));
   Hold(1);
   Hold(2);
   EXPECT_THAT(replies, IsEmpty());
@@ -332,7 +332,7 @@ TEST_F(EditedWorldTest, TakesASpawnBackWhoseAgentDoesNotCome) {
   EXPECT_THAT(replies, IsEmpty());
   Wait(2.0);
   ASSERT_EQ(replies.size(), 1u);
-  EXPECT_EQ(replies[0].problem, "no agent came for new within 10 s");
+  EXPECT_EQ(replies[0].problem, "no agent joined for new within 10 s");
   EXPECT_EQ(newest().edition, 2u);
   EXPECT_TRUE(endpoint.sessions.back().world.models[2].removed);
   Hold(1);
@@ -348,7 +348,7 @@ TEST_F(EditedWorldTest, SpawnsUnderAFreeNameIfAsked) {
   ControlRequest spawn = Request(ControlCommand::kSpawn, "r0", {0.0, -5.0, 0.0, 0.0});
   spawn.rename = true;
   Ask(spawn, std::make_shared<const WorldDescription>(PlaneWorld(1)));
-  EXPECT_THAT(coordinator->TakeNewRobots(), testing::ElementsAre("r00"));
+  EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r00"));
   EXPECT_EQ(endpoint.sessions.back().world.models.back().name, "r00");
 }
 
@@ -357,14 +357,14 @@ TEST_F(EditedWorldTest, BringsDeletedRobotsBackByAReset) {
   Ask(Request(ControlCommand::kDelete, "r0"));
   Hold(2);
   Ask(ControlCommand::kReset);
-  EXPECT_THAT(coordinator->TakeNewRobots(), testing::ElementsAre("r0"));
+  EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r0"));
   EXPECT_EQ(newest().fresh_edition, 2u);
   Hold(2);
   JoinNewest(5, "r0");
-  ProposalMessage held = ProposalOf(5, 0.0);
-  held.proposals.clear();
-  held.held = true;
-  coordinator->OnProposal(held, now);
+  ProposalMessage paused = ProposalOf(5, 0.0);
+  paused.proposals.clear();
+  paused.paused = true;
+  coordinator->OnProposal(paused, now);
   ASSERT_EQ(replies.size(), 2u);
   EXPECT_TRUE(replies[1].done) << replies[1].problem;
 }
@@ -377,7 +377,7 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatALoadedWorldHasToo) {
   std::swap(other.robots[0].name, other.robots[1].name);
   std::swap(other.models[0].name, other.models[1].name);
   Ask(load, std::make_shared<const WorldDescription>(other));
-  EXPECT_THAT(coordinator->TakeNewRobots(), IsEmpty());
+  EXPECT_THAT(coordinator->DrainNewRobots(), IsEmpty());
   EXPECT_EQ(endpoint.sessions.back().world, other);
   Hold(1);
   Hold(2);
@@ -402,7 +402,7 @@ TEST_F(EditedWorldTest, WaitsForAgentsWhenNoRobotOfALoadedWorldWasThereBefore) {
   WorldDescription other = PlaneWorld(2);
   for (std::size_t i = 0; i < 2; ++i) other.robots[i].name = other.models[i].name = "other" + std::to_string(i);
   Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(other));
-  EXPECT_THAT(coordinator->TakeNewRobots(), testing::ElementsAre("other0", "other1"));
+  EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("other0", "other1"));
   Wait(0.5 * options.start_timeout_seconds);
   EXPECT_THAT(replies, IsEmpty());
   JoinNewest(3, "other0");
@@ -420,7 +420,7 @@ TEST_F(EditedWorldTest, GoesOnAfterALoadWhoseAgentsDoNotCome) {
   Hold(2);
   Wait(11.0);
   ASSERT_EQ(replies.size(), 1u);
-  EXPECT_EQ(replies[0].problem, "no agent came for r2 within 10 s");
+  EXPECT_EQ(replies[0].problem, "no agent joined for r2 within 10 s");
   Ask(ControlCommand::kPlay);
   Propose(1);
   Propose(2);

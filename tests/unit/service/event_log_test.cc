@@ -16,19 +16,19 @@ TEST(EventLog, PutsWhatHappenedBetweenFramesBeforeTheStepByRobot) {
   log.Add(EventType::kJoined, 4, RobotId(0), "a");
   log.Add(EventType::kProposalRejected, 4, std::nullopt, "c");
   const Event stall{5, EventType::kStallBegan, RobotId(1), ModelId(3), ""};
-  EXPECT_THAT(log.TakeForFrame(5, {stall}),
+  EXPECT_THAT(log.CompleteFrame(5, {stall}),
               ElementsAre(Event{5, EventType::kProposalRejected, std::nullopt, std::nullopt, "c"},
                           Event{5, EventType::kJoined, RobotId(0), std::nullopt, "a"},
                           Event{5, EventType::kJoined, RobotId(2), std::nullopt, "b"}, stall));
-  EXPECT_THAT(log.TakeForFrame(6, {}), IsEmpty());
+  EXPECT_THAT(log.CompleteFrame(6, {}), IsEmpty());
 }
 
 TEST(EventLog, TellsEachEventOnceInOrderOfHappening) {
   EventLog log;
   log.Add(EventType::kLeft, 4, RobotId(2), "");
-  log.TakeForFrame(5, {{5, EventType::kStallBegan, RobotId(1), std::nullopt, ""}});
-  EXPECT_THAT(log.TakeUntold(), SizeIs(2));
-  EXPECT_THAT(log.TakeUntold(), IsEmpty());
+  log.CompleteFrame(5, {{5, EventType::kStallBegan, RobotId(1), std::nullopt, ""}});
+  EXPECT_THAT(log.DrainUnreported(), SizeIs(2));
+  EXPECT_THAT(log.DrainUnreported(), IsEmpty());
   EXPECT_EQ(log.stalls(), 1u);
 }
 

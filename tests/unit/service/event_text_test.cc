@@ -23,8 +23,7 @@ TEST(EventText, SaysWhatHappenedToWhomAndWhen) {
   EXPECT_EQ(EventText(world, {9, EventType::kBlocked, RobotId(0), {}, "lift", {}}),
             "tick 9: r0 is blocked by the ground (lift)");
   EXPECT_EQ(EventText(world, {9, EventType::kGripped, RobotId(0), {}, "hand", box}), "tick 9: r0 holds r1 (hand)");
-  EXPECT_EQ(EventText(world, {9, EventType::kReleased, RobotId(0), {}, "hand", box}),
-            "tick 9: r0 has let go of r1 (hand)");
+  EXPECT_EQ(EventText(world, {9, EventType::kReleased, RobotId(0), {}, "hand", box}), "tick 9: r0 released r1 (hand)");
   EXPECT_EQ(EventText(world, {9, EventType::kLanded, {}, {}, "", box}), "tick 9: r1 landed on the ground");
   EXPECT_EQ(EventText(world, {9, EventType::kUnstable, {}, ModelId(0), "", box}),
             "tick 9: r1 landed out of balance on r0");

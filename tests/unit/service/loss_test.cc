@@ -56,9 +56,9 @@ TEST_F(LossTest, FailsWhenNobodyIsLeftAndNobodyComesBack) {
   MakeAndStart(1);
   coordinator->OnAgentGone(1, now);
   Wait(9.0);
-  EXPECT_FALSE(coordinator->error());
+  EXPECT_TRUE(coordinator->error().ok());
   Wait(2.0);
-  ASSERT_TRUE(coordinator->error());
+  ASSERT_FALSE(coordinator->error().ok());
   EXPECT_EQ(coordinator->phase(), Phase::kOver);
 }
 
@@ -83,8 +83,8 @@ TEST_F(LossTest, AbortFailsTheRunAndSaysWhy) {
   options.settings.on_agent_loss = OnAgentLoss::kAbort;
   MakeAndStart(2);
   coordinator->OnAgentGone(2, now);
-  ASSERT_TRUE(coordinator->error());
-  EXPECT_THAT(coordinator->error()->message, HasSubstr("r1 (host2, pid 2)"));
+  ASSERT_FALSE(coordinator->error().ok());
+  EXPECT_THAT(coordinator->error().error().message, HasSubstr("r1 (host2, pid 2)"));
   EXPECT_TRUE(endpoint.frames.back().last);
   EXPECT_EQ(coordinator->phase(), Phase::kEnding);
 }

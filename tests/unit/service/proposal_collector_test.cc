@@ -21,7 +21,7 @@ class ProposalCollectorTest : public testing::Test {
     joint.type = JointType::kRevolute;
     joint.position = {-1.0, 1.0};
     world_.joints.push_back(joint);
-    state_ = InitialState(world_);
+    state_ = PlacedState(world_);
     member_.id = 1;
     member_.robots = {RobotId(0), RobotId(1)};
   }
@@ -37,7 +37,7 @@ class ProposalCollectorTest : public testing::Test {
 
 TEST_F(ProposalCollectorTest, WholeProposalsEnterTheStep) {
   ProposalCollector collector(world_, Mode::kLockstep);
-  EXPECT_TRUE(collector.Take(member_, Message(1), state_).empty());
+  EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
   const auto proposals = collector.ForStep(state_);
   ASSERT_EQ(proposals.size(), 2u);
   EXPECT_EQ(proposals[0], (Proposal{RobotId(0), {1.0, 0.0, 0.0}, {}}));
@@ -48,7 +48,7 @@ TEST_F(ProposalCollectorTest, WholeProposalsEnterTheStep) {
 
 TEST_F(ProposalCollectorTest, RealtimeModeKeepsJointVelocitiesForOneTick) {
   ProposalCollector collector(world_, Mode::kRealtime);
-  EXPECT_TRUE(collector.Take(member_, Message(1), state_).empty());
+  EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
   state_.tick = 1;
   ASSERT_EQ(collector.ForStep(state_).size(), 2u);
   EXPECT_EQ(collector.ForStep(state_)[1].joint_velocities, std::vector{0.5});

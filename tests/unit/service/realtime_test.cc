@@ -20,7 +20,7 @@ class RealtimeTest : public CoordinatorTest {
 
 TEST_F(RealtimeTest, SaysThatItIsNotDeterministic) {
   Make(1);
-  EXPECT_THAT(coordinator->TakeNotices(), ElementsAre(HasSubstr("not the same")));
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(HasSubstr("not the same")));
 }
 
 TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAreThere) {
@@ -81,7 +81,7 @@ TEST_F(RealtimeTest, ACommandThatIsKeptMustStillBeWithinTheLimits) {
   WorldDescription world = scene->world();
   world.robots[0].drive.acceleration.x = {-100.0, 20.0};  // 2 m/s in a tick
   scene = std::make_unique<Scene>(world);
-  coordinator.emplace(*scene, options, endpoint, *recorder, now);
+  coordinator.emplace(scene, options, endpoint, observers, now);
   Join(1);
   Events();
   Propose(1, 2.0);

@@ -19,7 +19,7 @@ class RejectionTest : public CoordinatorTest {
  protected:
   void SetUp() override { MakeAndStart(2); }
   std::string OnlyDetail() {
-    const std::vector<Event> events = coordinator->TakeEvents();
+    const std::vector<Event> events = coordinator->DrainEvents();
     EXPECT_THAT(events, SizeIs(1));
     return events.empty() ? "" : events[0].detail;
   }
@@ -105,10 +105,10 @@ TEST_F(RejectionTest, ARobotLeftOut) {
 
 TEST_F(RejectionTest, OfAHostilePeerAllAreCountedAndFewAreTold) {
   for (int i = 0; i < 1000; ++i) coordinator->OnProposal({kRun, 99, 1, {}, {}}, now);
-  EXPECT_THAT(coordinator->TakeEvents(), SizeIs(10));
+  EXPECT_THAT(coordinator->DrainEvents(), SizeIs(10));
   now += 1.1;
   coordinator->OnProposal({kRun, 99, 1, {}, {}}, now);
-  const std::vector<Event> events = coordinator->TakeEvents();
+  const std::vector<Event> events = coordinator->DrainEvents();
   ASSERT_THAT(events, SizeIs(2));
   EXPECT_THAT(events[0].detail, HasSubstr("990 more"));
   EXPECT_EQ(coordinator->MakeSummary().rejected, 1001u);
@@ -122,7 +122,7 @@ TEST_F(RejectionTest, ReportsWithoutEndDoNotGrowTheService) {
   ProposalMessage proposal = ProposalOf(1, 0.0);
   proposal.reports.assign(100000, "again");
   coordinator->OnProposal(proposal, now);
-  EXPECT_LE(coordinator->TakeNotices().size(), 100u);
+  EXPECT_LE(coordinator->DrainNotices().size(), 100u);
 }
 
 TEST_F(RejectionTest, ProposalsBeforeTheStartAreNothing) {

@@ -4,56 +4,30 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <future>
 
-#include "common/base/version.h"
 #include "common/protocol/memory_transport.h"
 #include "tests/unit/service/coordinator_fixture.h"
+#include "tests/unit/service/steady_agent.h"
 
 namespace troupe {
 namespace {
 
+using test::SteadyAgent;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-// Joins for one robot, and answers each frame with the same twist.
-class SteadyAgent final : public AgentHandler {
- public:
-  SteadyAgent(Transport& transport, std::size_t robot)
-      : robot_(robot), endpoint_(transport.MakeAgentEndpoint(robot + 1)) {
-    endpoint_->Start(*this);
-  }
-  void OnSession(const SessionMessage& session) override {
-    run_ = session.run;
-    endpoint_->SendJoin(
-        {run_, robot_ + 1, kProtocolVersion, Hash(session.world), "here", 1, {session.world.robots[robot_].name}});
-  }
-  void OnAdmission(const AdmissionMessage&) override {}
-  void OnFrame(const FrameMessage& frame) override {
-    if (on_frame) on_frame(frame);
-    if (frame.last || frame.state.tick >= silent_from) return;
-    endpoint_->SendProposal({run_, robot_ + 1, frame.state.tick + 1, {{RobotId(robot_), {1.0, 0, 0}}}, {}});
-  }
-  void OnServiceGone() override { gone.set_value(); }
-
-  std::function<void(const FrameMessage&)> on_frame;
-  std::atomic<Tick> silent_from = 1000000;
-  std::promise<void> gone;
-
- private:
-  const std::size_t robot_;
-  std::unique_ptr<AgentEndpoint> endpoint_;
-  RunId run_ = 0;
-};
-
 class RunServiceTest : public testing::Test, protected RunObserver {
  protected:
-  RunServiceTest() : scene_(test::PlaneWorld(2)) {
+  RunServiceTest() : scene_(std::make_shared<const Scene>(test::PlaneWorld(2))) {
     options_.settings.ticks = 20;
     options_.start_timeout_seconds = 30.0;
   }
-  Result<RunSummary> Run() { return RunService(scene_, options_, transport_->MakeServiceEndpoint(), *this, stop_); }
+  Result<RunSummary> Run() {
+    return RunService(scene_, options_, transport_->MakeServiceEndpoint(), observers_, stop_);
+  }
 
   void OnStarted(double) override { told_.push_back("started"); }
   void OnStatus(const StatusMessage& status) override {
@@ -63,7 +37,8 @@ class RunServiceTest : public testing::Test, protected RunObserver {
   void OnEvent(const Event&, const std::string& text) override { told_.push_back(text); }
   void OnNotice(const std::string& text) override { told_.push_back(text); }
 
-  Scene scene_;
+  const std::shared_ptr<const Scene> scene_;
+  RunObservers observers_ = {this};
   ServiceOptions options_;
   std::atomic<bool> stop_ = false;
   std::unique_ptr<Transport> transport_ = MakeMemoryTransport();
@@ -124,17 +99,10 @@ TEST_F(RunServiceTest, GoesOnWithoutAnAgentThatFallsSilent) {
 }
 
 TEST_F(RunServiceTest, OneOfTwoServicesThatGatherAgentsInOneSessionGivesUp) {
-  const Scene scene(test::PlaneWorld(2));
-  class Nobody final : public RunObserver {
-   public:
-    void OnStarted(double) override {}
-    void OnStatus(const StatusMessage&) override {}
-    void OnEvent(const Event&, const std::string&) override {}
-  } nobody;
   options_.settings.ticks.reset();
   const auto run = [&] {
     return std::async(std::launch::async, [&] {
-      Result<RunSummary> result = RunService(scene, options_, transport_->MakeServiceEndpoint(), nobody, stop_);
+      Result<RunSummary> result = RunService(scene_, options_, transport_->MakeServiceEndpoint(), {}, stop_);
       stop_ = true;  // for the other one
       return result;
     });
@@ -144,18 +112,6 @@ TEST_F(RunServiceTest, OneOfTwoServicesThatGatherAgentsInOneSessionGivesUp) {
   const Result<RunSummary> results[] = {one.get(), other.get()};
   ASSERT_NE(results[0].ok(), results[1].ok());
   EXPECT_THAT(results[results[0].ok() ? 1 : 0].error().message, HasSubstr("another world service"));
-}
-
-TEST_F(RunServiceTest, FailsWhenAnOutputFileCannotBeWritten) {
-  SteadyAgent first(*transport_, 0);
-  SteadyAgent second(*transport_, 1);
-  options_.outputs.hash_log = "/dev/full";
-  Result<RunSummary> summary = Run();
-  ASSERT_FALSE(summary.ok());
-  EXPECT_THAT(summary.error().ToString(), HasSubstr("/dev/full"));
-  options_.outputs.hash_log = "/nowhere/at/all";
-  summary = Run();
-  ASSERT_FALSE(summary.ok());
 }
 
 TEST_F(RunServiceTest, PacesTicksWithoutLosingThem) {

@@ -28,7 +28,7 @@ TEST_F(TickCoordinatorTest, SendsNoFrameBeforeAllRobotsHaveAgents) {
   ASSERT_EQ(frames(), 1u);
   EXPECT_EQ(tick(), 0u);
   EXPECT_EQ(endpoint.frames[0].run, kRun);
-  EXPECT_EQ(endpoint.frames[0].state, InitialState(scene->world()));
+  EXPECT_EQ(endpoint.frames[0].state, PlacedState(scene->world()));
   EXPECT_EQ(coordinator->startup_seconds(), 1.0);
   EXPECT_THAT(Events(), ElementsAre("joined r0", "joined r1"));
   EXPECT_EQ(endpoint.frames[0].events.size(), 2u);
@@ -223,7 +223,7 @@ TEST_F(TickCoordinatorTest, MarksTheLastFrameAndRepeatsItUntilTheAgentsHaveLeft)
   EXPECT_EQ(coordinator->phase(), Phase::kEnding);
   coordinator->OnAgentGone(2, now);
   EXPECT_EQ(coordinator->phase(), Phase::kOver);
-  EXPECT_FALSE(coordinator->error());
+  EXPECT_TRUE(coordinator->error().ok());
   EXPECT_THAT(coordinator->MakeSummary().lost, IsEmpty());
   EXPECT_THAT(Events(), IsEmpty());
 }
@@ -277,9 +277,9 @@ TEST_F(TickCoordinatorTest, FailsWhenRobotsStayWithoutAgentsAndNamesThem) {
   Wait(4.9);
   EXPECT_EQ(coordinator->phase(), Phase::kGathering);
   Wait(0.2);
-  ASSERT_TRUE(coordinator->error());
-  EXPECT_THAT(coordinator->error()->message, HasSubstr("r0, r2"));
-  EXPECT_THAT(coordinator->error()->message, HasSubstr("5 s"));
+  ASSERT_FALSE(coordinator->error().ok());
+  EXPECT_THAT(coordinator->error().error().message, HasSubstr("r0, r2"));
+  EXPECT_THAT(coordinator->error().error().message, HasSubstr("5 s"));
   EXPECT_TRUE(endpoint.frames.back().last);
 }
 
@@ -350,8 +350,8 @@ TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdGivesUp) {
   rival.host = "elsewhere";
   rival.pid = 4711;
   coordinator->OnRivalService(rival, now);
-  ASSERT_TRUE(coordinator->error());
-  EXPECT_THAT(coordinator->error()->message, HasSubstr("elsewhere, pid 4711"));
+  ASSERT_FALSE(coordinator->error().ok());
+  EXPECT_THAT(coordinator->error().error().message, HasSubstr("elsewhere, pid 4711"));
 }
 
 TEST_F(TickCoordinatorTest, TheServiceWithTheLowerIdGoesOn) {
@@ -362,8 +362,8 @@ TEST_F(TickCoordinatorTest, TheServiceWithTheLowerIdGoesOn) {
   coordinator->OnRivalService(rival, now);
   rival.run = kRun;  // its own, come back
   coordinator->OnRivalService(rival, now);
-  EXPECT_FALSE(coordinator->error());
-  EXPECT_EQ(coordinator->TakeNotices().size(), 1u);
+  EXPECT_TRUE(coordinator->error().ok());
+  EXPECT_EQ(coordinator->DrainNotices().size(), 1u);
 }
 
 TEST_F(TickCoordinatorTest, AServiceGivesUpWhenAnotherOneTicksAlready) {
@@ -371,10 +371,10 @@ TEST_F(TickCoordinatorTest, AServiceGivesUpWhenAnotherOneTicksAlready) {
   SessionMessage rival;
   rival.run = kRun + 1;
   coordinator->OnRivalService(rival, now);
-  EXPECT_FALSE(coordinator->error());
+  EXPECT_TRUE(coordinator->error().ok());
   rival.begun = true;
   coordinator->OnRivalService(rival, now);
-  EXPECT_TRUE(coordinator->error());
+  EXPECT_FALSE(coordinator->error().ok());
 }
 
 TEST_F(TickCoordinatorTest, ARunningServiceIsNotStoppedByARival) {
@@ -390,8 +390,8 @@ TEST_F(TickCoordinatorTest, PassesOnWhatControllersReport) {
   ProposalMessage proposal = ProposalOf(1, 0.0);
   proposal.reports = {"r0: the controller failed"};
   coordinator->OnProposal(proposal, now);
-  EXPECT_THAT(coordinator->TakeNotices(), ElementsAre("host1, pid 1: r0: the controller failed"));
-  EXPECT_THAT(coordinator->TakeNotices(), IsEmpty());
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre("host1, pid 1: r0: the controller failed"));
+  EXPECT_THAT(coordinator->DrainNotices(), IsEmpty());
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST_P(BodyIndexMoves, AreFollowed) {
   for (int i = 0; i < GetParam(); ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 20.0, 0.0, 0.0});
   const Scene scene(test.world);
   BodyIndex index(scene);
-  index.Assign(InitialState(scene.world()));
+  index.Assign(PlacedState(scene.world()));
   EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::pmr::vector<BodyId>{BodyId(0)}));
   EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::pmr::vector<BodyId>{BodyId(0), BodyId(1), BodyId(2)}));
   index.Move(BodyId(0), {4.0, 0.1, 0.0, 1.0});
@@ -51,7 +51,7 @@ TEST(BodyIndex, CopesWithThousandsOfRobots) {
     test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0 * (i % 100), 1.0 * (i / 100), 0.0, 0.0});
   }
   const Scene scene(test.world);
-  WorldState state = InitialState(scene.world());
+  WorldState state = PlacedState(scene.world());
   BodyIndex index(scene);
   for (int tick = 0; tick < 10; ++tick) {
     for (RobotState& robot : state.robots) robot.X_WR.x += 0.01;
@@ -65,8 +65,8 @@ TEST(BodyIndex, CopesWithAllRobotsInOnePlace) {
   for (int i = 0; i < 500; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0, 1.0, 0.0, 0.0});
   const Scene scene(test.world);
   BodyIndex index(scene);
-  index.Assign(InitialState(scene.world()));
-  index.Assign(InitialState(scene.world()));
+  index.Assign(PlacedState(scene.world()));
+  index.Assign(PlacedState(scene.world()));
   EXPECT_EQ(Find(index, Around(1.0, 1.0)).size(), 500u);
   EXPECT_TRUE(Find(index, Around(3.0, 1.0)).empty());
 }

@@ -30,7 +30,7 @@ TEST(MakePieces, CutsBlocksAndKeepsRectangles) {
   EXPECT_EQ(pieces[3].vertices[1], pieces[4].vertices[0]) << "rectangles share their corners to the last bit";
 }
 
-TEST(MakePieces, LeavesOutWhatHasNoHeight) {
+TEST(MakePieces, LeavesOutBlocksWithoutHeight) {
   test::TestWorld test;
   const ModelId id = test.AddModel(test::Square(1.0), {0.5, 0.5});
   EXPECT_TRUE(MakePieces(test.world, id, {}).empty());

@@ -17,7 +17,7 @@ TEST(Grid, NumbersCellsRowByRow) {
   EXPECT_EQ(kGrid.CellOf({0.5, 2.5}), 8u);
 }
 
-TEST(Grid, PutsWhatIsOutsideIntoTheNearestCell) {
+TEST(Grid, PointsOutsideBelongToTheNearestCell) {
   EXPECT_EQ(kGrid.CellOf({-1e300, -5.0}), 0u);
   EXPECT_EQ(kGrid.CellOf({1e300, 1e300}), 11u);
   EXPECT_EQ(kGrid.CellOf({1.5, std::numeric_limits<double>::quiet_NaN()}), 1u);

@@ -43,7 +43,7 @@ TEST(OccupancyGrid, ShowsOneHeight) {
   EXPECT_EQ(Picture(MakeOccupancyGrid(scene, 1.0, 0.75)), "..\n");
 }
 
-TEST(OccupancyGrid, ShowsNeitherRobotsNorWhatIsNeitherHitNorSeen) {
+TEST(OccupancyGrid, ShowsNeitherRobotsNorInvisibleNonObstacles) {
   SmallWorld world;
   world.AddBox("wall", 0.5, 0.5, 1.0, 1.0, {0.0, 1.0});
   ModelDescription& ghost = world.AddBox("ghost", 2.5, 0.5, 1.0, 1.0, {0.0, 1.0});

@@ -54,7 +54,7 @@ TEST(OverlapBy, IsTrueWhereTheDepthIsMore) {
   }
 }
 
-TEST(StayApart, IsTrueWhereANormalShowsAGapOnTheWholeWay) {
+TEST(StayApart, IsTrueIfANormalShowsAGapOnTheWholeWay) {
   const Polygon unit = Box(0, 0, 1, 1);
   const struct {
     const char* name;

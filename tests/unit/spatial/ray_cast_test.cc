@@ -19,14 +19,14 @@ class RayCastTest : public testing::Test {
                              std::optional<RobotId> caster = {}) const {
     const Scene scene(test_.world);
     BodyIndex robots(scene);
-    robots.Assign(InitialState(scene.world()));
+    robots.Assign(PlacedState(scene.world()));
     return CastRay(scene, robots, {origin, direction, z, max_distance}, caster);
   }
 
   TestWorld test_;
 };
 
-TEST_F(RayCastTest, MeetsTheNearestFace) {
+TEST_F(RayCastTest, HitsTheNearestFace) {
   test_.AddModel(Box(5, -1, 6, 1));
   const ModelId near = test_.AddModel(Box(2, -1, 3, 1));
   const auto hit = Cast({0, 0}, {1, 0});
@@ -53,7 +53,7 @@ TEST_F(RayCastTest, SeesOnlyItsOwnHeight) {
   EXPECT_FALSE(Cast({0, 0}, {1, 0}, 0.6)) << "the top belongs to what is above";
 }
 
-TEST_F(RayCastTest, LooksThroughWhatReturnsNothing) {
+TEST_F(RayCastTest, LooksThroughTransparentModels) {
   test_.model(test_.AddModel(Box(2, -1, 3, 1))).ranger_return = -1.0;
   EXPECT_FALSE(Cast({0, 0}, {1, 0}));
   test_.model(ModelId(0)).ranger_return = 0.0;
@@ -117,7 +117,7 @@ TEST(CastRays, FillsOneEntryForEachRay) {
   test.AddModel(Box(2, -5, 3, 5));
   const Scene scene(test.world);
   BodyIndex robots(scene);
-  robots.Assign(InitialState(scene.world()));
+  robots.Assign(PlacedState(scene.world()));
   std::vector<std::optional<RayHit>> hits(7);
   const double kHalf = std::sqrt(0.5);
   std::vector<Ray> rays;

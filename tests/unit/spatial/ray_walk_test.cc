@@ -57,7 +57,7 @@ TEST(WalkRay, EntersFromOutside) {
   EXPECT_TRUE(Walk(kGridOfTwelve, {-2.0, 1.5}, {1.0, 0.0}, 1.0).cells.empty());
 }
 
-TEST(WalkRay, StaysInTheGridWhateverTheRay) {
+TEST(WalkRay, StaysInTheGridForAnyRay) {
   const double kInfinity = std::numeric_limits<double>::infinity();
   const double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double far : {1e9, 1e300, kInfinity, kNan}) {

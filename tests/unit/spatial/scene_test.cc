@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-TEST(Scene, SeparatesWhatStandsFromWhatMovesWithRobots) {
+TEST(Scene, SeparatesStaticModelsFromBodies) {
   test::TestWorld test;
   const ModelId table = test.AddModel(test::Square(2.0), {0.0, 0.7}, {5.0, 5.0, 0.0, 0.0});
   const ModelId lamp = test.AddModel(test::Square(0.2), {0.0, 0.3}, {0.5, 0.0, 0.7, 0.0}, table);
@@ -35,7 +35,7 @@ TEST(Scene, SeparatesWhatStandsFromWhatMovesWithRobots) {
   EXPECT_EQ(scene.max_body_radius(), body.radius);
 }
 
-TEST(Scene, TakesARobotWithoutABody) {
+TEST(Scene, AcceptsARobotWithoutABody) {
   test::TestWorld test;
   test.AddRobot(test::Square(0.4), {0.0, 0.5}, {});
   test.world.shapes[0].blocks.clear();

@@ -61,7 +61,7 @@ TEST(StaticIndex, CopesWithManyPiecesInOnePlace) {
   EXPECT_EQ(Find(index, {999, 999, 1001, 1001}), (std::pmr::vector<std::uint32_t>{20'000}));
 }
 
-TEST(StaticIndex, RayWalkVisitsWhatTheRayMeetsInTime) {
+TEST(StaticIndex, RayWalkVisitsHitPiecesInTime) {
   const StaticIndex index({PieceAt({0, 0, 1, 1}), PieceAt({3, 0, 4, 1}), PieceAt({0, 7, 1, 8})});
   double first_distance = -1.0;
   bool saw_second = false;

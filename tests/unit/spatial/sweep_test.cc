@@ -17,7 +17,7 @@ std::optional<double> Sweep(const Twist& twist, double duration, const Polygon& 
   return TimeOfContact(kBody, X_WR, twist, duration, other);
 }
 
-TEST(TimeOfContact, MeetsAWallOnAStraightLine) {
+TEST(TimeOfContact, IsFoundOnAStraightLine) {
   const auto time = Sweep({.vx = 2.0}, 1.0, Box(1.5, -1, 2, 1));
   ASSERT_TRUE(time);
   EXPECT_NEAR(*time, 0.5, 1e-12);
@@ -34,7 +34,7 @@ TEST(TimeOfContact, WithoutMotionIsFree) {
   EXPECT_FALSE(Sweep({.vx = 1.0}, 0.0, kBody));
 }
 
-TEST(TimeOfContact, MeetsWhatItTurnsInto) {
+TEST(TimeOfContact, IsFoundWhileTurning) {
   // The corner, sqrt(1/2) from the centre, reaches the wall when it has turned to acos(0.6 sqrt(2)).
   const auto time = Sweep({.wz = 1.0}, 3.0, Box(0.6, -2, 1, 2));
   ASSERT_TRUE(time);
@@ -43,7 +43,7 @@ TEST(TimeOfContact, MeetsWhatItTurnsInto) {
 }
 
 TEST(TimeOfContact, FindsContactInTheFirstOfManyTurns) {
-  // An arm that turns about R's origin meets a post half a turn away.
+  // An arm that turns about R's origin touches a post half a turn away.
   const Polygon arm = Box(0, -0.05, 2, 0.05);
   for (double rate : {1.0, -1.0, 100.0, -100.0}) {
     const auto time = TimeOfContact(arm, {}, {.wz = rate}, 10.0, Box(-2, -0.01, -1, 0.01));
@@ -54,7 +54,7 @@ TEST(TimeOfContact, FindsContactInTheFirstOfManyTurns) {
 }
 
 TEST(TimeOfContact, FollowsTheArc) {
-  // Half a circle of radius 2 to the left ends at (0, 4); a post stands at its middle, one beside it.
+  // Half a circle of radius 2 to the left ends at (0, 4); one post is at its middle, one beside it.
   const Twist twist{.vx = kPi * 2.0, .vy = 0.0, .wz = kPi};
   EXPECT_TRUE(Sweep(twist, 1.0, Box(2.0, 2.0, 2.1, 2.1)));
   EXPECT_FALSE(Sweep(twist, 1.0, Box(-0.1, 1.9, 0.1, 2.1))) << "in the middle of the circle";
@@ -111,7 +111,7 @@ class FirstContactTest : public testing::Test {
   std::optional<Contact> Move(const Twist& twist, double duration = 1.0) const {
     const Scene scene(test_.world);
     BodyIndex robots(scene);
-    const WorldState state = InitialState(scene.world());
+    const WorldState state = PlacedState(scene.world());
     robots.Assign(state);
     const BodyId own(0);
     return FirstContact(scene, robots, MoverOf(scene, own), {state.robots[0].X_WR, twist, 0.0, duration});
@@ -150,7 +150,7 @@ TEST_F(FirstContactTest, DrivesUnderATableBetweenItsLegs) {
   test_.AddModel(Box(-1, 0.2, -0.9, 0.3), {0.0, 0.5});
   test_.AddModel(Box(-1, -0.3, -0.9, -0.2), {0.0, 0.5});
   EXPECT_FALSE(Move({.vx = 4.0}));
-  // With a mast it stops where the mast meets the table top.
+  // With a mast it stops at the contact of the mast with the table top.
   test_.AddModel(Square(0.1), {0.0, 0.5}, {-0.1, 0.0, 0.3, 0.0}, ModelId(0));
   const auto contact = Move({.vx = 4.0});
   ASSERT_TRUE(contact);
@@ -158,7 +158,7 @@ TEST_F(FirstContactTest, DrivesUnderATableBetweenItsLegs) {
   EXPECT_NEAR(contact->time * 4.0, 1.0 + 0.1 - 0.05, 1e-9);
 }
 
-TEST_F(FirstContactTest, IgnoresWhatIsNoObstacle) {
+TEST_F(FirstContactTest, IgnoresModelsThatAreNoObstacles) {
   test_.AddRobot(Square(0.4), {0.0, 0.5}, {});
   const ModelId wall = test_.AddModel(Box(0.5, -1, 1, 1));
   EXPECT_TRUE(Move({.vx = 1.0}));
@@ -169,7 +169,7 @@ TEST_F(FirstContactTest, IgnoresWhatIsNoObstacle) {
   EXPECT_FALSE(Move({.vx = 1.0}));
 }
 
-TEST_F(FirstContactTest, MeetsOtherRobotsButNotItself) {
+TEST_F(FirstContactTest, FindsOtherRobotsButNotTheMoverItself) {
   test_.AddRobot(Square(0.4), {0.0, 0.5}, {});
   test_.AddModel(Square(0.4), {0.0, 0.5}, {0.1, 0.0, 0.0, 0.3}, ModelId(0));
   EXPECT_FALSE(Move({.vx = 1.0, .wz = 3.0}));
@@ -179,7 +179,7 @@ TEST_F(FirstContactTest, MeetsOtherRobotsButNotItself) {
   EXPECT_EQ(contact->other, ModelId(2));
 }
 
-TEST_F(FirstContactTest, NamesTheLowestModelOfTwoMetAtOnce) {
+TEST_F(FirstContactTest, NamesTheLowestModelOfTwoContactsAtOnce) {
   test_.AddRobot(Square(0.4), {0.0, 0.5}, {});
   test_.AddModel(Box(0.5, 0.0, 1, 1));
   test_.AddModel(Box(0.5, -1, 1, 0.0));
@@ -188,7 +188,7 @@ TEST_F(FirstContactTest, NamesTheLowestModelOfTwoMetAtOnce) {
   EXPECT_EQ(Move({.vx = 1.0})->other, ModelId(1));
 }
 
-TEST_F(FirstContactTest, MeetsTheGround) {
+TEST_F(FirstContactTest, FindsTheGround) {
   test_.AddRobot(Square(0.4), {-0.01, 0.5}, {});
   const auto contact = Move({.wz = 0.1});
   ASSERT_TRUE(contact);

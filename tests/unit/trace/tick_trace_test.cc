@@ -43,7 +43,7 @@ class Trace : public testing::Test {
     return spans;
   }
   json Merged(const std::vector<std::string>& parts) {
-    EXPECT_FALSE(MergeTraces(parts, Path("merged")));
+    EXPECT_TRUE(MergeTraces(parts, Path("merged")).ok());
     return json::parse(Read(Path("merged")));
   }
 };
@@ -56,7 +56,7 @@ TEST_F(Trace, AProgramsPhasesFollowEachOther) {
   lane->Enter(TickPhase::kSense, 7, RobotId(1));
   lane->Leave();
   lane->Enter(TickPhase::kSend, 7);
-  EXPECT_FALSE(trace->Close());
+  EXPECT_TRUE(trace->Close().ok());
   const json events = Merged({Path("a")});
   EXPECT_THAT(Spans(events), ElementsAre("apply 7 -", "sense 7 r1", "send 7 -"));
   EXPECT_THAT(events[0]["args"]["name"].get<std::string>(), testing::StartsWith("agent \"r0\""));
@@ -70,7 +70,7 @@ TEST_F(Trace, TicksOutsideTheWindowAreLeftOut) {
   auto trace = Make(options);
   TraceLane* const lane = trace->AddLane();
   for (Tick tick = 1; tick <= 6; ++tick) lane->Enter(TickPhase::kStep, tick);
-  EXPECT_FALSE(trace->Close());
+  EXPECT_TRUE(trace->Close().ok());
   EXPECT_THAT(Spans(Merged({Path("window")})), ElementsAre("step 3 -", "step 4 -"));
 }
 

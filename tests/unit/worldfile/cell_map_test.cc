@@ -1,4 +1,4 @@
-#include "common/worldfile/cell_map.h"
+#include "common/worldfile/scenario/cell_map.h"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(CellMap, MissesNoBoxThatOverlaps) {
   }
 }
 
-TEST(CellMap, AsksOnlyAboutWhatIsNear) {
+TEST(CellMap, TestsOnlyBoxesThatAreNear) {
   CellMap map(1.0);
   for (std::uint32_t i = 0; i < 100; ++i) map.Insert({3.0 * i, 0.0, 3.0 * i + 1.0, 1.0}, i);
   int asked = 0;

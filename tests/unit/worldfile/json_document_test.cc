@@ -1,4 +1,4 @@
-#include "common/worldfile/json_document.h"
+#include "common/worldfile/scenario/json_document.h"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST(JsonDocument, RefusesAKeyThatComesTwice) {
             "s.json:1:32: error: found the key 'b' again, expected it once");
 }
 
-TEST(JsonDocument, RefusesWhatIsTooDeepTooManyOrTooLarge) {
+TEST(JsonDocument, RefusesTextsThatAreTooDeepOrTooLarge) {
   EXPECT_EQ(ParseError(std::string(100'000, '[')),
             "s.json:1:65: error: found deeper nesting, expected at most 64 objects and arrays inside each other");
   std::string many = "[1";

@@ -1,4 +1,4 @@
-#include "common/worldfile/scenario.h"
+#include "common/worldfile/scenario/scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,9 @@
 #include "common/model/model_poses.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
-#include "common/worldfile/scenario_override.h"
-#include "common/worldfile/text_file.h"
+#include "common/worldfile/scenario/scenario_override.h"
+#include "common/worldfile/text/text_file.h"
+#include "tests/support/ray_sensors.h"
 
 namespace troupe {
 namespace {
@@ -88,7 +89,7 @@ TEST(Scenario, AddsRobotsWithPosesInMetresAndDegrees) {
   EXPECT_EQ(Model(loaded, "b").X_PM, (Pose{3, 4, 0.5, -0.5 * kPi}));
   EXPECT_EQ(Model(loaded, "b").color, (Color{0, 0, 1, 1}));
   EXPECT_EQ(Model(loaded, "scout0").X_PM.x, 7);
-  EXPECT_EQ(Robot(loaded, "a").rangers.size(), 2u);
+  EXPECT_EQ(Robot(loaded, "a").sensors.size(), 2u);
 }
 
 TEST(Scenario, ConvertsPosesToTheUnitsOfTheWorld) {
@@ -118,10 +119,10 @@ TEST(Scenario, AWorldCanBeWrittenWhollyInJson) {
   EXPECT_NEAR(Model(loaded, "desk.lamp").X_PM.z, 0.75, 1e-12);
   const RobotDescription& robot = Robot(loaded, "r");
   EXPECT_EQ(robot.drive.type, DriveType::kOmni);
-  ASSERT_EQ(robot.rangers.size(), 1u);
-  ASSERT_EQ(robot.rangers[0].sensors.size(), 1u);
-  EXPECT_EQ(robot.rangers[0].sensors[0].samples, 91u);
-  EXPECT_EQ(robot.rangers[0].sensors[0].range, (Interval{0.1, 6}));
+  ASSERT_EQ(robot.sensors.size(), 1u);
+  ASSERT_EQ(RaySensors(robot.sensors[0]).size(), 1u);
+  EXPECT_EQ(RaySensors(robot.sensors[0])[0].samples, 91u);
+  EXPECT_EQ(RaySensors(robot.sensors[0])[0].range, (Interval{0.1, 6}));
 }
 
 TEST(Scenario, ChangesARobotThatTheWorldHas) {
@@ -178,8 +179,8 @@ TEST(Scenario, OverridesChangeModelsByNameAndType) {
   EXPECT_TRUE(Model(loaded, "table3").obstacle_return);
   EXPECT_EQ(Model(loaded, "table0").size_x, 3.2);
   EXPECT_EQ(Model(loaded, "table1").size_x, 1.6);
-  for (const RangerDescription& ranger : Robot(loaded, "a").rangers) {
-    for (const RaySensorDescription& sensor : ranger.sensors) EXPECT_EQ(sensor.samples, 5u);
+  for (const SensorDescription& ranger : Robot(loaded, "a").sensors) {
+    for (const RaySensorDescription& sensor : RaySensors(ranger)) EXPECT_EQ(sensor.samples, 5u);
   }
 }
 
@@ -193,7 +194,7 @@ TEST(Scenario, ItsWorldMayBeARosMap) {
   EXPECT_EQ(loaded.world.robots.size(), 20u);
 }
 
-TEST(Scenario, WarningsCarryTheirPlace) {
+TEST(Scenario, WarningsHaveTheirPlace) {
   const LoadedWorld loaded = MustLoad(
       "{\"models\": [\n"
       "  {\"model\": \"model\", \"properties\": {\n"
@@ -243,11 +244,13 @@ TEST(Scenario, ControllersAreCheckedWithoutTheWorld) {
   const std::string path = testing::TempDir() + "scenario_test_check.json";
   std::ofstream(path) << R"({"world": "not/there.world", "controller": "wonder"})";
   LoadOverrides overrides;
-  EXPECT_EQ(CheckScenario(path, overrides), std::nullopt);
-  overrides.check_controller = [](const std::string& name, const std::string&) { return "unknown " + name; };
+  EXPECT_TRUE(CheckScenario(path, overrides).ok());
+  overrides.check_controller = [](const std::string& name, const std::string&) -> Status {
+    return Error{{}, "unknown " + name};
+  };
   const Status error = CheckScenario(path, overrides);
-  ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->ToString(), path + ":1:44: error: unknown wonder");
+  ASSERT_FALSE(error.ok());
+  EXPECT_EQ(error.error().ToString(), path + ":1:44: error: unknown wonder");
 }
 
 // Spawn rules.
@@ -262,7 +265,7 @@ std::string SpawnText(const std::string& seed) {
 
 // All pieces of the model's tree in the world.
 std::vector<ConvexPiece> PiecesOf(const WorldDescription& world, ModelId root) {
-  const std::vector<Pose> poses = ModelPoses(world, InitialState(world));
+  const std::vector<Pose> poses = ModelPoses(world, PlacedState(world));
   std::vector<ConvexPiece> pieces;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     ModelId top(i);
@@ -368,7 +371,7 @@ TEST_P(OwnScenario, LoadsWithoutWarnings) {
   ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
   for (const Warning& warning : loaded.value().warnings) ADD_FAILURE() << warning.ToString();
   EXPECT_FALSE(loaded.value().world.robots.empty());
-  EXPECT_EQ(Validate(loaded.value().world), std::nullopt);
+  EXPECT_TRUE(Validate(loaded.value().world).ok());
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, OwnScenario, testing::Values("demo.json", "swarm.json", "under_table.json"),

@@ -1,0 +1,69 @@
+# What `cmake --install` installs: programs, library, public headers, CMake package, worlds, configurations, documents and
+# manual pages.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+install(TARGETS troupe world-service robot-agent RUNTIME)
+install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
+
+# Public headers, and the headers of the tree that these include. Those keep their paths below include/troupe, so that the
+# same #include lines work here and there. The test public_headers_test finds one that is missing.
+set(TROUPE_PUBLIC_HEADERS simulation.h version.h)
+set(TROUPE_INCLUDED_HEADERS
+  common/base/check.h common/base/deterministic_math.h common/base/ids.h common/base/random.h common/base/result.h
+  common/geometry/polygon.h common/geometry/pose.h common/geometry/rectangle.h common/geometry/vec2.h
+  common/geometry/z_range.h
+  common/model/event.h common/model/interval.h common/model/sensor_description.h common/model/world_description.h
+  common/model/world_state.h
+  common/picture/picture_options.h common/sensing/ray_fan.h common/sensing/sensor_reading.h
+  robot-agent/controller/controller.h robot-agent/controller/manipulation.h)
+list(TRANSFORM TROUPE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/troupe/ OUTPUT_VARIABLE headers)
+install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/troupe)
+foreach(header IN LISTS TROUPE_INCLUDED_HEADERS)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/troupe/${folder})
+endforeach()
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Troupe)
+set(TROUPE_WORLDS_DIR ${CMAKE_INSTALL_DATADIR}/troupe/worlds)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/TroupeConfig.cmake.in
+  ${CMAKE_BINARY_DIR}/package/TroupeConfig.cmake
+  INSTALL_DESTINATION ${package_folder} PATH_VARS TROUPE_WORLDS_DIR)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/TroupeConfigVersion.cmake
+  VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+install(EXPORT TroupeTargets NAMESPACE Troupe:: DESTINATION ${package_folder})
+install(FILES ${CMAKE_BINARY_DIR}/package/TroupeConfig.cmake ${CMAKE_BINARY_DIR}/package/TroupeConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/troupe_controller.cmake DESTINATION ${package_folder})
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds ${PROJECT_SOURCE_DIR}/configs
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+
+# Manual pages, from the programs' help texts. A subcommand that is missing here is found by the test installed_test.
+set(pages)
+function(troupe_manual_page program subcommand)
+  set(page ${CMAKE_BINARY_DIR}/man/${program}.1)
+  if(subcommand)
+    set(page ${CMAKE_BINARY_DIR}/man/${program}-${subcommand}.1)
+  endif()
+  add_custom_command(OUTPUT ${page}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/man
+    COMMAND ${PROJECT_SOURCE_DIR}/cmake/man_page $<TARGET_FILE:${program}> ${subcommand} > ${page}
+    DEPENDS ${program} ${PROJECT_SOURCE_DIR}/cmake/man_page VERBATIM)
+  list(APPEND pages ${page})
+  set(pages ${pages} PARENT_SCOPE)
+endfunction()
+troupe_manual_page(troupe "")
+foreach(subcommand run check top host snapshot ctl export-map)
+  troupe_manual_page(troupe ${subcommand})
+endforeach()
+troupe_manual_page(world-service "")
+troupe_manual_page(robot-agent "")
+add_custom_target(manual_pages ALL DEPENDS ${pages})
+install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+
+# All that is installed, for scripts/package and for those who do not want the tests.
+add_custom_target(installed DEPENDS troupe world-service robot-agent libtroupe troupe_controller_support manual_pages)

@@ -1,0 +1,59 @@
+#include "common/command_line/network_flags.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/command_line/option_checks.h"
+
+namespace troupe {
+namespace {
+
+void AddDomainFlag(CLI::App& app, NetworkSettings& settings, const std::string& group) {
+  const std::string help =
+      fmt::format("DDS domain of the simulation, 0 to {} (default: {})", kMaxDomain, settings.domain);
+  app.add_option("--domain", settings.domain, help)->check(DdsDomain())->type_name("D")->group(group);
+}
+
+void AddInterfaceFlag(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
+                      const std::string& group) {
+  const std::string help =
+      "Name or IPv4 address of the network interface; auto: chosen by DDS (default: " + default_interface + ")";
+  app.add_option("--interface", settings.network_interface, help)->type_name("NAME")->group(group);
+}
+
+}  // namespace
+
+CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
+                            const std::string& group) {
+  return app.add_option("--session", settings.session, help)->check(SessionName())->type_name("NAME")->group(group);
+}
+
+void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help) {
+  app.add_option("--service", settings.service_address, help)->type_name("HOST[:PORT]");
+}
+
+void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
+                            const std::string& group) {
+  AddDomainFlag(app, settings, group);
+  AddInterfaceFlag(app, settings, default_interface, group);
+  app.add_option("--network", settings.network_profile,
+                 "Network profile: one-host, lan (with multicast) or unicast (default: one-host on the loopback "
+                 "interface, lan on others)")
+      ->check(NetworkName())
+      ->type_name("NAME")
+      ->group(group);
+  app.add_option("--lease", settings.lease_seconds,
+                 fmt::format("Seconds of silence after which a process is lost (default: {})", settings.lease_seconds))
+      ->check(PositiveNumber())
+      ->type_name("SECONDS")
+      ->group(group);
+}
+
+void AddToolNetworkFlags(CLI::App& app, NetworkSettings& settings) {
+  AddDomainFlag(app, settings, "Options");
+  AddInterfaceFlag(app, settings, settings.network_interface, "Options");
+  AddServiceAddressFlag(app, settings, "Address of a world service that multicast does not reach");
+}
+
+}  // namespace troupe

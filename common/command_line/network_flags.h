@@ -1,0 +1,30 @@
+// The options by which the processes of a run, and its tools, find each other. The defaults that the help texts state
+// are the values of `settings` at the time of the call; `settings` must outlive the parsing.
+#pragma once
+
+#include <string>
+
+#include "common/run/network_settings.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace troupe {
+
+// --session NAME
+CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
+                            const std::string& group = "Options");
+
+// --service HOST[:PORT]
+void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help);
+
+// For a process of a run: --domain, --interface, --network and --lease. `default_interface` is a part of a help text.
+void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
+                            const std::string& group = "Options");
+
+// For a tool that observes or controls runs: --domain, --interface and --service.
+void AddToolNetworkFlags(CLI::App& app, NetworkSettings& settings);
+
+}  // namespace troupe

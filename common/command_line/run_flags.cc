@@ -1,0 +1,116 @@
+#include "common/command_line/run_flags.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/command_line/option_checks.h"
+
+namespace troupe {
+namespace {
+
+// An option that replaces a setting if it is given. `parse` is called with texts that passed the check.
+template <typename Value, typename Parse>
+CLI::Option* AddOverride(CLI::App& app, const char* name, std::optional<Value>& target, Parse parse,
+                         const std::string& help) {
+  return app.add_option_function<std::string>(
+      name, [&target, parse](const std::string& text) { target.emplace(parse(text)); }, help);
+}
+
+CLI::Option* AddOutput(CLI::App& app, const char* name, std::string& file, const char* help, const std::string& group) {
+  return app.add_option(name, file, help)->type_name("FILE")->group(group);
+}
+
+}  // namespace
+
+void AddWorldFile(CLI::App& app, std::string& file) {
+  app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
+      ->required()
+      ->type_name("");
+}
+
+void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group) {
+  app.add_option("--seed", seed, "Seed of all random numbers (default: the scenario's, or 0)")
+      ->check(WholeNumber(0))
+      ->type_name("S")
+      ->group(group);
+}
+
+void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group) {
+  app.add_option("--controller", controller,
+                 "Controller of the robots without one in the file: idle (default), wander, expand, or the path of a "
+                 "shared library")
+      ->type_name("NAME")
+      ->group(group);
+}
+
+void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group) {
+  app.add_option("--ticks", overrides.ticks, "Stop after N ticks (default: the scenario's, or run until stopped)")
+      ->check(WholeNumber(1))
+      ->type_name("N")
+      ->group(group);
+  AddOverride(
+      app, "--mode", overrides.mode, [](const std::string& word) { return *ParseMode(word); },
+      "lockstep (default): each tick waits for all robots, and every run gives the same result; realtime: late robots "
+      "are not waited for")
+      ->check(OneOf({kModeWords.begin(), kModeWords.end()}))
+      ->type_name("MODE")
+      ->group(group);
+  AddOverride(
+      app, "--speed", overrides.speed, [](const std::string& text) { return ParseSpeed(text).value(); },
+      "Multiple of real time; max (default): as fast as possible")
+      ->check(SpeedValue())
+      ->type_name("X|max")
+      ->group(group);
+  AddOverride(
+      app, "--on-agent-loss", overrides.on_agent_loss, [](const std::string& word) { return *ParseOnAgentLoss(word); },
+      "When a robot's process is lost: freeze the robot (default), pause the run until the robot rejoins, or abort "
+      "the run")
+      ->check(OneOf({kOnAgentLossWords.begin(), kOnAgentLossWords.end()}))
+      ->type_name("POLICY")
+      ->group(group);
+}
+
+std::vector<std::string> RunArguments(const RunOverrides& overrides) {
+  std::vector<std::string> arguments;
+  if (overrides.ticks) arguments.push_back(fmt::format("--ticks={}", *overrides.ticks));
+  if (overrides.mode) arguments.push_back("--mode=" + ToString(*overrides.mode));
+  if (overrides.speed) arguments.push_back("--speed=" + ToString(*overrides.speed));
+  if (overrides.on_agent_loss) arguments.push_back("--on-agent-loss=" + ToString(*overrides.on_agent_loss));
+  if (overrides.ros) arguments.emplace_back(*overrides.ros ? "--ros" : "--no-ros");
+  return arguments;
+}
+
+void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group) {
+  app.add_flag("--paused", paused, "Start paused at tick 0, until troupe ctl or ROS 2 resumes the run")->group(group);
+}
+
+void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group) {
+  app.add_option("--start-timeout", seconds,
+                 fmt::format("Seconds to wait for all robots to join; 0: no limit (default: {})", seconds))
+      ->check(NumberFromZero())
+      ->type_name("SECONDS")
+      ->group(group);
+}
+
+void AddServiceOutputFlags(CLI::App& app, std::string& hash_log, std::string& poses, std::string& record,
+                           const std::string& group) {
+  AddOutput(app, "--hash-log", hash_log, "Write a line 'tick hash' for each tick", group);
+  AddOutput(app, "--poses", poses, "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians)", group);
+  AddOutput(app, "--record", record, "Write the states and events of all ticks as JSON lines", group);
+}
+
+void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group) {
+  AddOutput(app, "--scans", scans, "Write all ranger scans as JSON lines: tick, robot, sensor, ranges (metres)", group);
+}
+
+void AddFaultsFlag(CLI::App& app, std::string& faults) {
+  app.add_option("--faults", faults,
+                 "Simulate network faults: loss=P,duplicate=P,reorder=P,delay=P:SECONDS,latency=SECONDS:JITTER,"
+                 "seed=N (P: probability)")
+      ->check(FaultsValue())
+      ->type_name("SPEC")
+      ->group("Testing");
+}
+
+}  // namespace troupe

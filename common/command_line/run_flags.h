@@ -1,0 +1,48 @@
+// The options that describe a run, for the programs that share them. The variables must outlive the parsing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/run/run_settings.h"
+
+namespace CLI {
+class App;
+}
+
+namespace troupe {
+
+// FILE, required: a world.
+void AddWorldFile(CLI::App& app, std::string& file);
+
+// --seed S
+void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group = "Options");
+
+// --controller NAME
+void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group = "Options");
+
+// --ticks, --mode, --speed, --on-agent-loss
+void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group = "Options");
+
+// The arguments that give another program of Troupe the same overrides, --ros or --no-ros included.
+std::vector<std::string> RunArguments(const RunOverrides& overrides);
+
+// --paused
+void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group = "Options");
+
+// --start-timeout SECONDS
+void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group = "Options");
+
+// --hash-log, --poses, --record: files that the world service writes.
+void AddServiceOutputFlags(CLI::App& app, std::string& hash_log, std::string& poses, std::string& record,
+                           const std::string& group = "Options");
+
+// --scans FILE
+void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group = "Options");
+
+// --faults SPEC: for tests. `faults` is text for ParseFaults (common/protocol/faulty_transport.h).
+void AddFaultsFlag(CLI::App& app, std::string& faults);
+
+}  // namespace troupe

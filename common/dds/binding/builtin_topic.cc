@@ -1,0 +1,22 @@
+#include "common/dds/binding/builtin_topic.h"
+
+namespace troupe::dds {
+
+std::optional<PublicationData> MatchedPublicationData(dds_entity_t reader, dds_instance_handle_t publication) {
+  dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, publication);
+  if (endpoint == nullptr) return std::nullopt;
+  PublicationData data{endpoint->topic_name, endpoint->type_name, {}};
+  std::uint32_t count = 0;
+  char** names = nullptr;
+  if (dds_qget_partition(endpoint->qos, &count, &names)) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      data.partitions.emplace_back(names[i]);
+      dds_free(names[i]);
+    }
+    dds_free(names);
+  }
+  dds_builtintopic_free_endpoint(endpoint);
+  return data;
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,42 @@
+// Topic<T>: a name and a type that writers and readers share. T is a C struct that idlc made;
+// common/dds/convert/topic_types.h lists ours.
+#pragma once
+
+#include <string>
+
+#include "common/dds/binding/domain_participant.h"
+#include "common/dds/binding/entity.h"
+#include "common/dds/binding/exception.h"
+
+namespace troupe::dds {
+
+// Specialised by TROUPE_DDS_TYPE for each type.
+template <typename T>
+struct TopicTraits;
+
+template <typename T>
+class Topic {
+ public:
+  Topic(const DomainParticipant& participant, const std::string& name)
+      : name_(name),
+        entity_(
+            Check(dds_create_topic(participant.handle(), TopicTraits<T>::descriptor(), name.c_str(), nullptr, nullptr),
+                  "creating topic '" + name + "'")) {}
+
+  const std::string& name() const { return name_; }
+  std::string type_name() const { return TopicTraits<T>::descriptor()->m_typename; }
+  dds_entity_t handle() const { return entity_.handle(); }
+
+ private:
+  std::string name_;
+  Entity entity_;
+};
+
+}  // namespace troupe::dds
+
+// Makes a type of idlc's known to Topic, DataWriter and DataReader. Use outside of namespaces.
+#define TROUPE_DDS_TYPE(type)                                                  \
+  template <>                                                                  \
+  struct troupe::dds::TopicTraits<type> {                                      \
+    static const dds_topic_descriptor_t* descriptor() { return &type##_desc; } \
+  }

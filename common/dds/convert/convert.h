@@ -1,0 +1,11 @@
+// All converters between messages (common/protocol/messages.h) and what travels (idl/).
+#pragma once
+
+#include "common/dds/convert/convert_admission.h"
+#include "common/dds/convert/convert_control.h"
+#include "common/dds/convert/convert_frame.h"
+#include "common/dds/convert/convert_frame_request.h"
+#include "common/dds/convert/convert_join.h"
+#include "common/dds/convert/convert_proposal.h"
+#include "common/dds/convert/convert_session.h"
+#include "common/dds/convert/convert_status.h"

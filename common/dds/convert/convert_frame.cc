@@ -1,0 +1,400 @@
+#include "common/dds/convert/convert_frame.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+namespace troupe::dds {
+namespace {
+
+constexpr std::uint8_t kSetBit = 1;
+constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(EventType::kUnstable);
+constexpr std::uint8_t kLastObjectMode = static_cast<std::uint8_t>(ObjectMode::kHeld);
+constexpr std::int32_t kNone = -1;
+constexpr std::size_t kAnyId = std::numeric_limits<std::int32_t>::max();
+
+template <typename Id>
+std::int32_t ToWire(const std::optional<Id>& id) {
+  return id ? static_cast<std::int32_t>(id->index()) : kNone;
+}
+
+// REQUIRES: it is kNone or more.
+template <typename Id>
+std::optional<Id> FromWire(std::int32_t id) {
+  if (id == kNone) return std::nullopt;
+  return Id(static_cast<std::size_t>(id));
+}
+
+// Whether it is an id below `count`, or none.
+bool IsIdBelow(std::int32_t id, std::size_t count) {
+  return id >= kNone && (id == kNone || static_cast<std::size_t>(id) < count);
+}
+
+// A value of a row as it travels: Get gives it, Set takes it and says whether it is one that may come. `field` gives
+// the row's own.
+template <typename Field>
+struct Number {
+  Field field;
+  template <typename Row>
+  double Get(const Row& row) const {
+    return field(row);
+  }
+  template <typename Row>
+  bool Set(Row& row, double value) const {
+    field(row) = value;
+    return std::isfinite(value);
+  }
+};
+
+template <typename Field>
+struct Flag {
+  Field field;
+  template <typename Row>
+  std::uint8_t Get(const Row& row) const {
+    return field(row) ? kSetBit : 0;
+  }
+  template <typename Row>
+  bool Set(Row& row, std::uint8_t value) const {
+    field(row) = value != 0;
+    return (value & ~kSetBit) == 0;
+  }
+};
+
+template <typename Field>
+struct OptionalId {
+  Field field;
+  std::size_t count;  // how many there are
+  template <typename Row>
+  std::int32_t Get(const Row& row) const {
+    return ToWire(field(row));
+  }
+  template <typename Row>
+  bool Set(Row& row, std::int32_t value) const {
+    using Id = typename std::remove_reference_t<decltype(field(row))>::value_type;
+    if (!IsIdBelow(value, count)) return false;
+    field(row) = FromWire<Id>(value);
+    return true;
+  }
+};
+
+struct Mode {
+  std::uint8_t Get(const ObjectState& object) const { return static_cast<std::uint8_t>(object.mode); }
+  bool Set(ObjectState& object, std::uint8_t value) const {
+    object.mode = static_cast<ObjectMode>(value);
+    return value <= kLastObjectMode;
+  }
+};
+
+// Guides that C++20 derives by itself, but not clang 14.
+template <typename Field>
+Number(Field) -> Number<Field>;
+template <typename Field>
+Flag(Field) -> Flag<Field>;
+template <typename Field>
+OptionalId(Field, std::size_t) -> OptionalId<Field>;
+
+#define TROUPE_FIELD(expression) ([](auto& row) -> auto& { return row.expression; })
+
+// The columns of each kind of row, for writing and for reading: calls visit(column, value).
+template <typename Wire, typename Visit>
+void VisitRobots(Wire& wire, Visit& visit) {
+  visit(wire.x, Number{TROUPE_FIELD(X_WR.x)});
+  visit(wire.y, Number{TROUPE_FIELD(X_WR.y)});
+  visit(wire.z, Number{TROUPE_FIELD(X_WR.z)});
+  visit(wire.heading, Number{TROUPE_FIELD(X_WR.heading)});
+  visit(wire.vx, Number{TROUPE_FIELD(twist.vx)});
+  visit(wire.vy, Number{TROUPE_FIELD(twist.vy)});
+  visit(wire.wz, Number{TROUPE_FIELD(twist.wz)});
+  visit(wire.flags, Flag{TROUPE_FIELD(stalled)});
+}
+
+template <typename Wire, typename Visit>
+void VisitJoints(Wire& wire, Visit& visit) {
+  visit(wire.joint_position, Number{TROUPE_FIELD(position)});
+  visit(wire.joint_velocity, Number{TROUPE_FIELD(velocity)});
+  visit(wire.joint_flags, Flag{TROUPE_FIELD(blocked)});
+}
+
+template <typename Wire, typename Visit>
+void VisitGrippers(Wire& wire, std::size_t objects, Visit& visit) {
+  visit(wire.gripper_left_contact, OptionalId{TROUPE_FIELD(left_contact), kAnyId});
+  visit(wire.gripper_right_contact, OptionalId{TROUPE_FIELD(right_contact), kAnyId});
+  visit(wire.gripper_clamped, OptionalId{TROUPE_FIELD(clamped), objects});
+}
+
+template <typename Wire, typename Visit>
+void VisitObjects(Wire& wire, std::size_t grippers, Visit& visit) {
+  visit(wire.object_x, Number{TROUPE_FIELD(X_WO.x)});
+  visit(wire.object_y, Number{TROUPE_FIELD(X_WO.y)});
+  visit(wire.object_z, Number{TROUPE_FIELD(X_WO.z)});
+  visit(wire.object_heading, Number{TROUPE_FIELD(X_WO.heading)});
+  visit(wire.object_mode, Mode{});
+  visit(wire.object_fall_speed, Number{TROUPE_FIELD(fall_speed)});
+  visit(wire.object_holder, OptionalId{TROUPE_FIELD(holder), grippers});
+  visit(wire.object_support, OptionalId{TROUPE_FIELD(support), kAnyId});
+}
+
+#undef TROUPE_FIELD
+
+// By their bits: -0.0 is not 0.0, and a replica must not differ in that either.
+template <typename Value>
+bool IsSame(Value a, Value b) {
+  if constexpr (std::is_same_v<Value, double>) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  } else {
+    return a == b;
+  }
+}
+
+// Finds the rows and the columns in which anything has changed.
+template <typename Row>
+class ChangeFinder {
+ public:
+  // `before`: as many rows; null if all are to be taken for changed.
+  ChangeFinder(const std::vector<Row>& now, const std::vector<Row>* before)
+      : now_(now), before_(before), row_changed_(now.size(), before == nullptr) {}
+
+  template <typename Column, typename Value>
+  void operator()(const Column&, const Value& value) {
+    bool changed = before_ == nullptr;
+    for (std::size_t i = 0; i < now_.size() && before_ != nullptr; ++i) {
+      if (IsSame(value.Get(now_[i]), value.Get((*before_)[i]))) continue;
+      row_changed_[i] = true;
+      changed = true;
+    }
+    column_changed_.push_back(changed);
+  }
+
+  std::vector<std::uint32_t> rows() const {
+    std::vector<std::uint32_t> rows;
+    for (std::size_t i = 0; i < row_changed_.size(); ++i) {
+      if (row_changed_[i]) rows.push_back(static_cast<std::uint32_t>(i));
+    }
+    return rows;
+  }
+  const std::vector<bool>& column_changed() const { return column_changed_; }
+
+ private:
+  const std::vector<Row>& now_;
+  const std::vector<Row>* before_;
+  std::vector<bool> row_changed_;
+  std::vector<bool> column_changed_;  // in the order of the visits
+};
+
+// Fills the columns with what a ChangeFinder found.
+template <typename Row>
+class ColumnWriter {
+ public:
+  ColumnWriter(const std::vector<Row>& now, const ChangeFinder<Row>& changes, WireArena& arena)
+      : now_(now), changes_(changes), rows_(changes.rows()), arena_(arena) {}
+
+  template <typename Sequence>
+  void WriteRowNumbers(Sequence& sequence) const {
+    if (rows_.size() < now_.size()) std::copy(rows_.begin(), rows_.end(), arena_.Fill(sequence, rows_.size()));
+  }
+
+  template <typename Column, typename Value>
+  void operator()(Column& column, const Value& value) {
+    if (!changes_.column_changed()[next_column_++]) return;
+    auto* out = arena_.Fill(column, rows_.size());
+    for (const std::uint32_t row : rows_) *out++ = value.Get(now_[row]);
+  }
+
+ private:
+  const std::vector<Row>& now_;
+  const ChangeFinder<Row>& changes_;
+  std::vector<std::uint32_t> rows_;
+  std::size_t next_column_ = 0;
+  WireArena& arena_;
+};
+
+// `visit_columns(visitor)` visits the columns of the rows.
+template <typename Row, typename Sequence, typename VisitColumns>
+void RowsToWire(const std::vector<Row>& now, const std::vector<Row>* before, Sequence& row_numbers, WireArena& arena,
+                VisitColumns visit_columns) {
+  if (now.empty()) return;
+  ChangeFinder<Row> changes(now, before);
+  visit_columns(changes);
+  ColumnWriter<Row> writer(now, changes, arena);
+  writer.WriteRowNumbers(row_numbers);
+  visit_columns(writer);
+}
+
+// Puts columns into rows.
+template <typename Row>
+class ColumnReader {
+ public:
+  ColumnReader(const char* what, bool whole, std::span<const std::uint32_t> numbers, std::vector<Row>& rows)
+      : what_(what), whole_(whole), numbers_(numbers), rows_(rows) {
+    if (whole && !numbers.empty()) Fail("row numbers though it is whole");
+    for (const std::uint32_t number : numbers) {
+      if (number >= rows.size()) Fail("a row that the world does not have");
+    }
+  }
+
+  template <typename Column, typename Value>
+  void operator()(const Column& column, const Value& value) {
+    const auto values = Elements(column);
+    if (!problem_.ok() || (!whole_ && values.empty())) return;  // of which nothing has changed
+    if (whole_ && !sized_) rows_.resize(values.size());
+    sized_ = true;
+    if (values.size() != (numbers_.empty() ? rows_.size() : numbers_.size())) {
+      return Fail("columns of different lengths");
+    }
+    bool fine = true;
+    if (numbers_.empty()) {
+      for (std::size_t i = 0; i < values.size(); ++i) fine &= value.Set(rows_[i], values[i]);
+    } else {
+      for (std::size_t i = 0; i < values.size(); ++i) fine &= value.Set(rows_[numbers_[i]], values[i]);
+    }
+    if (!fine) Fail("a value that is not finite or not known");
+  }
+
+  const Status& problem() const { return problem_; }
+
+ private:
+  void Fail(const std::string& problem) {
+    if (problem_.ok()) problem_ = Error{{}, "frame with " + problem + ", for its " + what_};
+  }
+
+  const char* what_;
+  bool whole_;
+  bool sized_ = false;
+  std::span<const std::uint32_t> numbers_;
+  std::vector<Row>& rows_;
+  Status problem_;
+};
+
+Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
+  // What ids refer to may come later in the frame.
+  const std::size_t objects = wire.whole ? Elements(wire.object_x).size() : state.objects.size();
+  const std::size_t grippers = wire.whole ? Elements(wire.gripper_left_contact).size() : state.grippers.size();
+  ColumnReader robot_reader("robots", wire.whole, Elements(wire.robot_row), state.robots);
+  VisitRobots(wire, robot_reader);
+  ColumnReader joint_reader("joints", wire.whole, Elements(wire.joint_row), state.joints);
+  VisitJoints(wire, joint_reader);
+  ColumnReader gripper_reader("grippers", wire.whole, Elements(wire.gripper_row), state.grippers);
+  VisitGrippers(wire, objects, gripper_reader);
+  ColumnReader object_reader("objects", wire.whole, Elements(wire.object_row), state.objects);
+  VisitObjects(wire, grippers, object_reader);
+  for (const Status& problem :
+       {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(), object_reader.problem()}) {
+    if (!problem.ok()) return problem;
+  }
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    if ((state.objects[i].mode == ObjectMode::kHeld) != state.objects[i].holder.has_value()) {
+      return Error{{}, "frame with object " + std::to_string(i) + " held by nobody, or by somebody but not held"};
+    }
+  }
+  return {};
+}
+
+template <typename First, typename... Others>
+bool SameLength(const First& first, const Others&... others) {
+  return (... && (others.size() == first.size()));
+}
+
+void EventsToWire(const std::vector<Event>& events, troupe_wire_Frame& wire, WireArena& arena) {
+  const std::size_t count = events.size();
+  std::uint8_t* type = arena.Fill(wire.event_type, count);
+  std::int32_t* robot = arena.Fill(wire.event_robot, count);
+  std::int32_t* other = arena.Fill(wire.event_other, count);
+  std::int32_t* object = arena.Fill(wire.event_object, count);
+  char** detail = arena.Fill(wire.event_detail, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Event& event = events[i];
+    type[i] = static_cast<std::uint8_t>(event.type);
+    robot[i] = ToWire(event.robot);
+    other[i] = ToWire(event.other);
+    object[i] = ToWire(event.object);
+    detail[i] = arena.Copy(event.detail);
+  }
+}
+
+Status EventsFromWire(const troupe_wire_Frame& wire, std::size_t robots, std::vector<Event>& events) {
+  const auto type = Elements(wire.event_type);
+  const auto robot = Elements(wire.event_robot);
+  const auto other = Elements(wire.event_other);
+  const auto object = Elements(wire.event_object);
+  const auto detail = Elements(wire.event_detail);
+  const std::size_t count = type.size();
+  if (!SameLength(type, robot, other, object, detail)) {
+    return Error{{}, "frame with event columns of different lengths, expected one row for each event"};
+  }
+  events.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (type[i] > kLastEventType) return Error{{}, "frame with an event of unknown type " + std::to_string(type[i])};
+    if (!IsIdBelow(robot[i], robots) || other[i] < kNone || object[i] < kNone) {
+      return Error{{},
+                   "frame with an event of robot " + std::to_string(robot[i]) + " and models " +
+                       std::to_string(other[i]) + " and " + std::to_string(object[i]) +
+                       ", expected ids of this world or -1"};
+    }
+    events[i].tick = wire.tick;
+    events[i].type = static_cast<EventType>(type[i]);
+    events[i].robot = FromWire<RobotId>(robot[i]);
+    events[i].other = FromWire<ModelId>(other[i]);
+    events[i].object = FromWire<ModelId>(object[i]);
+    events[i].detail = Text(detail[i]);
+  }
+  return {};
+}
+
+}  // namespace
+
+troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, WireArena& arena) {
+  troupe_wire_Frame wire{};
+  wire.run = message.run;
+  wire.tick = message.state.tick;
+  wire.state_hash = message.state_hash;
+  wire.last = message.last;
+  wire.paused = message.paused;
+  wire.edition = message.edition;
+  wire.world_edition = message.world_edition;
+  wire.fresh_edition = message.fresh_edition;
+  std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
+  wire.whole = before == nullptr;
+  const WorldState& now = message.state;
+  const auto of = [before](auto rows) { return before == nullptr ? nullptr : &(before->*rows); };
+  RowsToWire(now.robots, of(&WorldState::robots), wire.robot_row, arena,
+             [&](auto& visitor) { VisitRobots(wire, visitor); });
+  RowsToWire(now.joints, of(&WorldState::joints), wire.joint_row, arena,
+             [&](auto& visitor) { VisitJoints(wire, visitor); });
+  RowsToWire(now.grippers, of(&WorldState::grippers), wire.gripper_row, arena,
+             [&](auto& visitor) { VisitGrippers(wire, now.objects.size(), visitor); });
+  RowsToWire(now.objects, of(&WorldState::objects), wire.object_row, arena,
+             [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
+  EventsToWire(message.events, wire, arena);
+  return wire;
+}
+
+troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena) {
+  return ToWire(message, nullptr, arena);
+}
+
+bool CanRead(const troupe_wire_Frame& wire, const FrameMessage& message) {
+  return wire.whole ||
+         (message.run == wire.run && message.edition == wire.edition && message.state.tick + 1 == wire.tick);
+}
+
+Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
+  message.run = wire.run;
+  message.state.tick = wire.tick;
+  message.state_hash = wire.state_hash;
+  message.last = wire.last;
+  message.paused = wire.paused;
+  message.edition = wire.edition;
+  message.world_edition = wire.world_edition;
+  message.fresh_edition = wire.fresh_edition;
+  const auto awaited = Elements(wire.awaited);
+  message.awaited.assign(awaited.begin(), awaited.end());
+  Status problem = StateFromWire(wire, message.state);
+  if (problem.ok()) problem = EventsFromWire(wire, message.state.robots.size(), message.events);
+  if (!problem.ok()) message = {};  // nothing can build on it
+  return problem;
+}
+
+}  // namespace troupe::dds

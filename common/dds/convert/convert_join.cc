@@ -1,0 +1,31 @@
+#include "common/dds/convert/convert_join.h"
+
+namespace troupe::dds {
+
+troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
+  troupe_wire_Join wire{};
+  wire.agent = message.agent;
+  wire.run = message.run;
+  wire.protocol_version = message.protocol_version;
+  wire.world_hash = message.world_hash;
+  wire.host = arena.Copy(message.host);
+  wire.pid = message.pid;
+  arena.FillStrings(wire.robots, message.robots);
+  wire.world_edition = message.world_edition;
+  return wire;
+}
+
+Result<JoinMessage> FromWire(const troupe_wire_Join& wire) {
+  JoinMessage message;
+  message.agent = wire.agent;
+  message.run = wire.run;
+  message.protocol_version = wire.protocol_version;
+  message.world_hash = wire.world_hash;
+  message.host = Text(wire.host);
+  message.pid = wire.pid;
+  message.robots = Strings(wire.robots);
+  message.world_edition = wire.world_edition;
+  return message;
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,123 @@
+#include "common/dds/tools/control_client.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/base/random_id.h"
+#include "common/dds/binding/condition.h"
+#include "common/dds/binding/wait_set.h"
+#include "common/dds/convert/convert_control.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/dds_connection.h"
+#include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/topics.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Deadline = std::chrono::time_point<Clock, std::chrono::duration<double>>;
+
+// s; a longer wait is several of these.
+constexpr double kLongestWait = 1.0;
+
+}  // namespace
+
+class ControlClient::Implementation {
+ public:
+  Implementation(const dds::DomainConfig& config, const std::string& session)
+      : session_(session),
+        connection_(config, session, {}),
+        request_topic_(connection_.participant, dds::topics::kControl),
+        reply_topic_(connection_.participant, dds::topics::kControlReply),
+        requests_(connection_.publisher, request_topic_, dds::qos_profiles::Control()),
+        replies_(connection_.subscriber, reply_topic_, dds::qos_profiles::ControlReply()),
+        answered_(replies_),
+        changes_(connection_.participant) {
+    dds::Check(dds_set_status_mask(requests_.handle(), DDS_PUBLICATION_MATCHED_STATUS), "watching a writer");
+    dds::Check(dds_set_status_mask(replies_.handle(), DDS_SUBSCRIPTION_MATCHED_STATUS), "watching a reader");
+    changes_.attach(answered_, 0);
+    changes_.attach(requests_, 1);
+    changes_.attach(replies_, 2);
+  }
+
+  Status WaitForService(double seconds) {
+    const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    while (!connected()) {
+      if (Clock::now() > deadline) return Failure("no world service found in session '" + session_ + "'");
+      WaitUntil(deadline);
+    }
+    return {};
+  }
+
+  Result<ControlReply> Call(ControlRequest request, double seconds) {
+    dds::WireArena arena;
+    const std::uint64_t number = ++number_;
+    request.client = client_;
+    request.number = number;
+    requests_.write(dds::ToWire(request, arena));
+    const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    for (;;) {
+      for (const auto sample : replies_.take()) {
+        if (!sample.info().valid()) continue;
+        Result<ControlReply> reply = dds::FromWire(sample.data());
+        if (reply.ok() && reply.value().client == client_ && reply.value().number == number) return reply;
+      }
+      if (!connected()) return Failure("the world service of session '" + session_ + "' is gone");
+      if (seconds > 0.0 && Clock::now() > deadline) {
+        return Failure("the world service of session '" + session_ + "' did not answer");
+      }
+      WaitUntil(seconds > 0.0 ? deadline : Deadline::max());
+    }
+  }
+
+ private:
+  // Reads both statuses each time, because reading clears them, and the wait set wakes for a new one only.
+  bool connected() const {
+    const auto offered = requests_.publication_matched_status();
+    const auto requested = replies_.subscription_matched_status();
+    return offered.current_count > 0 && requested.current_count > 0;
+  }
+
+  // Returns early when a reply arrives, or a service appears or disappears.
+  void WaitUntil(Deadline deadline) {
+    const std::chrono::duration<double> left = deadline - Clock::now();
+    changes_.wait(std::clamp(left.count(), 0.0, kLongestWait));
+  }
+
+  std::string session_;
+  dds::DdsConnection connection_;
+  dds::Topic<troupe_wire_Control> request_topic_;
+  dds::Topic<troupe_wire_ControlReply> reply_topic_;
+  dds::DataWriter<troupe_wire_Control> requests_;
+  dds::DataReader<troupe_wire_ControlReply> replies_;
+  dds::ReadCondition answered_;
+  dds::WaitSet changes_;
+  std::uint64_t client_ = MakeRandomId();
+  std::uint64_t number_ = 0;
+};
+
+ControlClient::ControlClient(std::uint32_t domain, const std::string& session, const std::string& network_interface,
+                             const std::string& service_address)
+    : implementation_(
+          std::make_unique<Implementation>(dds::ToolConfig(domain, network_interface, service_address), session)) {}
+
+ControlClient::~ControlClient() = default;
+
+Status ControlClient::WaitForService(double seconds) {
+  return implementation_->WaitForService(seconds);
+}
+
+Result<ControlReply> ControlClient::Call(ControlRequest request, double seconds) {
+  return implementation_->Call(std::move(request), seconds);
+}
+
+Result<ControlReply> ControlClient::Call(ControlCommand command, std::uint64_t ticks, double seconds) {
+  ControlRequest request;
+  request.command = command;
+  request.ticks = ticks;
+  return Call(std::move(request), seconds);
+}
+
+}  // namespace troupe

@@ -1,0 +1,59 @@
+// The world service's end of a DdsTransport.
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/dds_connection.h"
+#include "common/protocol/transport.h"
+
+namespace troupe::dds {
+
+class DdsServiceEndpoint : public ServiceEndpoint {
+ public:
+  explicit DdsServiceEndpoint(const DdsConnection& connection);  // which must outlive it
+  ~DdsServiceEndpoint() override;
+
+  void Start(ServiceHandler& handler) override;
+  void SendSession(const SessionMessage& session) override;
+  void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
+  void SendFrame(const FrameMessage& frame) override;
+  void SendStatus(const StatusMessage& status) override;
+  void SendControlReply(const ControlReply& reply) override;
+  void Flush(double seconds) override;
+
+ private:
+  void DrainJoins();
+  void DrainProposals();
+  void DrainControls();
+  void DrainSessions();
+  void DrainFrameRequests();
+  // REQUIRES: frame_mutex_ is locked, and there is a sent frame.
+  void SendWholeFrame();
+
+  Outbox<troupe_wire_Session> sessions_;
+  Outbox<troupe_wire_Admissions> admissions_;
+  Outbox<troupe_wire_Frame> frames_;
+  Outbox<troupe_wire_Frame> whole_frames_;  // to observers that have requested one
+  Outbox<troupe_wire_Status> statuses_;
+  Outbox<troupe_wire_ControlReply> control_replies_;
+  Inbox<troupe_wire_Join, JoinMessage> joins_;
+  Inbox<troupe_wire_Proposal, ProposalMessage> proposals_;
+  Inbox<troupe_wire_Control, ControlRequest> controls_;
+  Inbox<troupe_wire_FrameRequest, FrameRequest> frame_requests_;
+  Inbox<troupe_wire_Session, SessionMessage> rivals_;
+
+  std::mutex frame_mutex_;            // guards the members up to the next mutex; locked after mutex_ where both are
+  std::optional<FrameMessage> sent_;  // the newest frame
+  // When it went to the observers as a whole; nothing: not yet.
+  std::optional<std::chrono::steady_clock::time_point> sent_whole_at_;
+
+  std::mutex mutex_;  // locked while a handler runs; guards the members below it
+  ServiceHandler* handler_ = nullptr;
+  std::set<AgentId> agents_;  // that have sent a join and are not gone
+};
+
+}  // namespace troupe::dds

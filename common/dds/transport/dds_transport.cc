@@ -1,0 +1,122 @@
+#include "common/dds/transport/dds_transport.h"
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/base/check.h"
+#include "common/dds/transport/dds_agent_endpoint.h"
+#include "common/dds/transport/dds_observer_endpoint.h"
+#include "common/dds/transport/dds_service_endpoint.h"
+
+namespace troupe {
+namespace {
+
+using dds::DdsConnection;
+using dds::DomainConfig;
+
+constexpr std::uint32_t kServicesOfMachine = 100;  // that share a domain: their participant indices
+
+// A participant, for the endpoints of one role: its discovery suits no other one.
+class DdsTransport : public Transport {
+ public:
+  enum class Role { kService, kAgent, kObserver };
+
+  DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
+      : role_(role), connection_(config, options.session, options.on_problem) {}
+
+  std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
+    CheckRole(Role::kService, "making a service's endpoint of another one's transport");
+    return std::make_unique<dds::DdsServiceEndpoint>(connection_);
+  }
+  std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId) override {
+    CheckRole(Role::kAgent, "making an agent's endpoint of another one's transport");
+    return std::make_unique<dds::DdsAgentEndpoint>(connection_);
+  }
+  std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() override {
+    CheckRole(Role::kObserver, "making an observer's endpoint of another one's transport");
+    return std::make_unique<dds::DdsObserverEndpoint>(connection_);
+  }
+
+ private:
+  void CheckRole(Role role, const char* doing) const {
+    if (role != role_) throw dds::Exception(DDS_RETCODE_ILLEGAL_OPERATION, doing);
+  }
+
+  const Role role_;
+  const DdsConnection connection_;
+};
+
+// The partition is matched with wildcards, so a session's name must not hold any.
+void CheckSession(const std::string& session) {
+  if (session.find_first_of("*?[]") == std::string::npos) return;
+  throw dds::Exception(DDS_RETCODE_BAD_PARAMETER,
+                       "opening session '" + session + "' (expected a name without the wildcards * ? [ ])");
+}
+
+DomainConfig ConfigOf(const DdsOptions& options) {
+  DomainConfig config;
+  config.domain = options.domain;
+  config.network_interface = options.network_interface;
+  config.network = options.network_profile;
+  config.lease_seconds = options.lease_seconds;
+  return config;
+}
+
+// Of an agent or an observer. They discover the service and not each other: one that announced itself by multicast
+// would be discovered by every agent of the host, and discover all of them.
+DomainConfig PeerConfig(const DdsOptions& options) {
+  DomainConfig config = ConfigOf(options);
+  config.discovery_multicast = false;
+  config.peers = {options.service_address.empty() ? "127.0.0.1" : options.service_address};
+  return config;
+}
+
+bool IsFree(std::uint16_t port) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return true;  // DDS will report the cause
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const bool free = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  close(socket);
+  return free;
+}
+
+// A participant's data port is the one after its discovery port.
+bool PortsAreFree(std::uint16_t discovery_port) {
+  return IsFree(discovery_port) && IsFree(static_cast<std::uint16_t>(discovery_port + 1));
+}
+
+}  // namespace
+
+DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
+  CheckSession(options.session);
+  DomainConfig config = ConfigOf(options);
+  // The first free index, found by trying: Cyclone could find one itself, but does not tell which.
+  for (std::uint32_t index = 0; index < kServicesOfMachine; ++index) {
+    const std::uint16_t port = dds::DiscoveryPort(options.domain, index);
+    if (!PortsAreFree(port)) continue;
+    config.participant_index = index;
+    try {
+      return {std::make_unique<DdsTransport>(DdsTransport::Role::kService, options, config), port};
+    } catch (const dds::Exception&) {
+      if (PortsAreFree(port)) throw;  // otherwise another service was faster
+    }
+  }
+  throw dds::Exception(DDS_RETCODE_OUT_OF_RESOURCES,
+                       "looking for a free participant index in domain " + std::to_string(options.domain));
+}
+
+std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options) {
+  CheckSession(options.session);
+  return std::make_unique<DdsTransport>(DdsTransport::Role::kAgent, options, PeerConfig(options));
+}
+
+std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options) {
+  CheckSession(options.session);
+  return std::make_unique<DdsTransport>(DdsTransport::Role::kObserver, options, PeerConfig(options));
+}
+
+}  // namespace troupe

@@ -1,0 +1,74 @@
+#include "common/dds/transport/qos_profiles.h"
+
+namespace troupe::dds::qos_profiles {
+namespace {
+
+// s; a service discovers the client that it has answered long before.
+constexpr double kReplyLifespan = 10.0;
+
+Qos ReliableLatest() {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1);
+}
+
+// Messages with answers to joins that may be on their way at once.
+constexpr std::int32_t kAdmissionsKept = 16;
+
+// Frames that may wait in an observer's reader until its thread has read them.
+constexpr std::int32_t kObservedFramesKept = 64;
+
+Qos KeptForLatecomers() {
+  return ReliableLatest() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
+}
+
+}  // namespace
+
+Qos Session(const std::string& session) {
+  return Qos() << Partition{session};
+}
+
+Qos Description(double lease_seconds) {
+  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds);
+}
+
+Qos Join(double lease_seconds) {
+  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds);
+}
+
+Qos Admission() {
+  return ReliableLatest() << History::KeepLast(kAdmissionsKept);
+}
+
+Qos Frame() {
+  return ReliableLatest() << Durability::Volatile();
+}
+
+Qos ObservedFrame() {
+  return Qos() << Reliability::BestEffort() << History::KeepLast(kObservedFramesKept) << Durability::Volatile();
+}
+
+Qos WholeFrame() {
+  return ReliableLatest() << Durability::Volatile();
+}
+
+Qos FrameRequest() {
+  return Qos() << Reliability::BestEffort() << History::KeepLast(1) << Durability::Volatile();
+}
+
+Qos Proposal() {
+  return ReliableLatest() << Durability::Volatile();
+}
+
+Qos Control() {
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepAll() << WriterDataLifecycle{false};
+}
+
+Qos ControlReply() {
+  return Control() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)}
+                   << Lifespan{kReplyLifespan};
+}
+
+Qos Status() {
+  return KeptForLatecomers();
+}
+
+}  // namespace troupe::dds::qos_profiles

@@ -1,0 +1,13 @@
+// Interval: a closed range of numbers.
+#pragma once
+
+namespace troupe {
+
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+  double Clamp(double value) const { return value < min ? min : (value > max ? max : value); }
+  bool operator==(const Interval&) const = default;
+};
+
+}  // namespace troupe

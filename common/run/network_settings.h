@@ -1,0 +1,24 @@
+// NetworkSettings: how the processes of a run find each other, and when they consider each other lost.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace troupe {
+
+// Values of NetworkSettings::network_interface, beside the names and IPv4 addresses of interfaces.
+inline constexpr const char* kLoopbackInterface = "lo";     // this host only
+inline constexpr const char* kAutomaticInterface = "auto";  // the middleware chooses one
+inline constexpr std::uint32_t kMaxDomain = 230;            // the last domain whose ports are valid
+inline constexpr double kDefaultLeaseSeconds = 2.0;         // wall time
+
+struct NetworkSettings {
+  std::uint32_t domain = 42;  // DDS domain of the simulation, 0 to kMaxDomain; ROS 2 uses another one
+  std::string session;        // DDS partition: runs in different sessions are isolated; without '*' and '?'
+  std::string network_interface = kLoopbackInterface;  // a name, an IPv4 address, or "auto"
+  std::string network_profile;  // common/dds/binding/domain_config.h has the names; empty: chosen by the interface
+  std::string service_address;  // of the world service, "host" or "host:port"; empty: this host
+  double lease_seconds = kDefaultLeaseSeconds;  // a process that is silent for longer is lost
+};
+
+}  // namespace troupe

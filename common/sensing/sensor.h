@@ -1,0 +1,74 @@
+// Sensor: one sensor of one robot. A kind of sensor is one pair of files in this folder, registered in
+// sensor_registry.cc.
+//
+// A reading is a pure function of the world description (with its seed), the state and the tick: every process that
+// holds the state (agent, viewer, replay, picture) measures the same bits.
+//
+// Threads: a sensor is immutable; several threads may measure with it, each with a BodyIndex of its own.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/model/sensor_description.h"
+#include "common/sensing/sensor_reading.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+// A state of the world, prepared for measurements. `bodies` is an index of `scene`.
+struct SensedWorld {
+  const Scene& scene;
+  const BodyIndex& bodies;
+};
+
+// The place of a sensor in the world: number `index` of the sensors of `robot` (MountedSensors).
+struct SensorMount {
+  const Scene& scene;
+  RobotId robot;
+  std::size_t index;
+  const SensorDescription& description;
+};
+
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+  Sensor(const Sensor&) = delete;
+  Sensor& operator=(const Sensor&) = delete;
+
+  RobotId robot() const { return robot_; }
+  std::size_t index() const { return index_; }  // among the robot's sensors
+  const SensorDescription& description() const { return description_; }
+  bool IsDueAt(Tick tick) const { return tick % description_.period_ticks == 0; }
+
+  // The reading in the state that `world` holds, at `tick`, due or not.
+  // REQUIRES: the robot and its models have the same ids in `world` as in the scene that the sensor was made for.
+  SensorReading Measure(const SensedWorld& world, Tick tick) const;
+
+  // One JSON object a line, for a scan log: {"tick":12,"robot":"r0","sensor":"ranger:0.1", ...}, each with its line
+  // end. REQUIRES: `reading` is of this sensor and not empty.
+  virtual std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const = 0;
+
+ protected:
+  explicit Sensor(const SensorMount& mount);
+
+ private:
+  friend class SensorSuite;
+  // Replaces `reading` and reuses its memory: measurements of every tick allocate nothing for the reading.
+  virtual void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const = 0;
+
+  RobotId robot_;
+  std::size_t index_;
+  SensorDescription description_;
+};
+
+// The content of `reading` for a kind of sensor, made anew if it was of another kind. For MeasureInto.
+template <typename Content>
+Content& ContentOf(SensorReading& reading) {
+  if (Content* content = std::get_if<Content>(&reading.content)) return *content;
+  return reading.content.emplace<Content>();
+}
+
+}  // namespace troupe

@@ -1,0 +1,19 @@
+// From a WorldTree to a world: gives every property its meaning, in SI units, with Stage's defaults.
+#pragma once
+
+#include "common/base/result.h"
+#include "common/worldfile/build/loaded_world.h"
+#include "common/worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+struct BuildOptions {
+  bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk
+};
+
+// Every property of every node is either honoured or named in a warning with its place; models of types whose
+// behaviour is not simulated load as bodies, with a warning.
+Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
+                               const BuildOptions& options = {});
+
+}  // namespace troupe

@@ -1,0 +1,36 @@
+// LoadedWorld: the result of reading a file that names a world.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/model/world_description.h"
+#include "common/run/run_settings.h"
+
+namespace troupe {
+
+struct LoadedWorld {
+  WorldDescription world;
+  RunSettings settings;
+  std::vector<Warning> warnings;            // in the order of the file
+  std::vector<std::string> files;           // every file that was read
+  std::map<ModelId, ModelId> placed_alone;  // models without a parent, with their parent in the file
+  int map_width = 0;                        // pixels of the largest bitmap; 0 without one
+  int map_height = 0;
+};
+
+// Settings of a command line that change the description.
+struct LoadOverrides {
+  std::optional<std::uint64_t> seed;
+  std::optional<std::string> controller;  // for robots without one
+  // Checks the name and the parameters of every controller that a scenario names; this library knows no controllers.
+  // Nothing: they are not checked.
+  std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
+};
+
+}  // namespace troupe

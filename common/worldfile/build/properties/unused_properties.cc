@@ -1,0 +1,104 @@
+#include "common/worldfile/build/properties/unused_properties.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+
+#include "common/worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+struct NoEffect {
+  std::string_view name;
+  std::string_view reason;
+};
+
+constexpr std::string_view kWindow = "it only concerns Stage's window";
+constexpr std::string_view kEnergy = "energy is not simulated";
+constexpr std::string_view kNotInStage = "it has none in Stage either";
+constexpr std::string_view kFormer = "only older versions of Stage knew it";
+
+constexpr NoEffect kWorldProperties[] = {
+    {"confirm_on_quit", kWindow},
+    {"interval_real", kFormer},
+    {"paused", kWindow},
+    {"resolution", "geometry is exact, without cells"},
+    {"show_clock", kWindow},
+    {"show_clock_interval", kWindow},
+    {"speedup", "the command line sets the speed"},
+    {"test", kNotInStage},
+    {"threads", "each robot has its own process"},
+};
+
+constexpr NoEffect kModelProperties[] = {
+    {"alwayson", "a sensor is on while it has a reader"},
+    {"blob_return", kNotInStage},
+    {"debug", kNotInStage},
+    {"event_queue", kNotInStage},
+    {"fiducial_key", "fiducial finders are not simulated yet"},
+    {"friction", kNotInStage},
+    {"give_watts", kEnergy},
+    {"gui_grid", kWindow},
+    {"gui_move", kWindow},
+    {"gui_outline", kWindow},
+    {"joules", kEnergy},
+    {"joules_capacity", kEnergy},
+    {"kjoules", kEnergy},
+    {"kjoules_capacity", kEnergy},
+    {"laser_return", kFormer},
+    {"map_resolution", kNotInStage},
+    {"mass", kEnergy},
+    {"say", kWindow},
+    {"shape", kFormer},
+    {"sonar_return", kFormer},
+    {"take_watts", kEnergy},
+    {"trail_interval", kWindow},
+    {"trail_length", kWindow},
+    {"velocity", kNotInStage},
+    {"view", kFormer},
+    {"watts", kEnergy},
+};
+
+constexpr NoEffect kSensorProperties[] = {
+    {"color", kWindow},
+    {"color_rgba", kWindow},
+    {"view", kFormer},
+};
+
+std::string_view FindReason(std::span<const NoEffect> reasons, const std::string& name) {
+  const auto found =
+      std::find_if(reasons.begin(), reasons.end(), [&](const NoEffect& entry) { return entry.name == name; });
+  return found == reasons.end() ? std::string_view{} : found->reason;
+}
+
+// `otherwise` follows the name of a property without a reason in the list.
+void WarnOfUnused(PropertyReader& reader, std::span<const NoEffect> reasons, const std::string& otherwise) {
+  for (const Property* property : reader.Unused()) {
+    const std::string_view reason = FindReason(reasons, property->name);
+    const std::string ending = reason.empty() ? otherwise : ": " + std::string(reason);
+    reader.diagnostics().Warn(property->where, "property " + Quoted(property->name) + " has no effect" + ending);
+  }
+}
+
+}  // namespace
+
+void WarnOfUnusedInWorld(PropertyReader& reader) {
+  WarnOfUnused(reader, kWorldProperties, " in a 'world'");
+}
+
+void WarnOfUnusedInSensor(PropertyReader& reader) {
+  WarnOfUnused(reader, kSensorProperties, " in a 'sensor'");
+}
+
+void WarnOfUnusedInBlock(PropertyReader& reader) {
+  WarnOfUnused(reader, {}, " in a 'block'");
+}
+
+void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type, bool is_simulated) {
+  const std::string name = "'" + std::string(type) + "'";
+  WarnOfUnused(reader, kModelProperties,
+               is_simulated ? " in a " + name : ": " + name + " models are not simulated yet");
+}
+
+}  // namespace troupe

@@ -1,0 +1,17 @@
+// The registry of model types: from a type's name in a world file to its defaults and its reader.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/worldfile/build/types/model_type.h"
+
+namespace troupe {
+
+// Null for a type that does not exist. Valid for the program's life; any thread may call it.
+const ModelType* FindModelType(std::string_view name);
+
+// "found model type 'laser', ..., expected one of ..."
+std::string UnknownTypeMessage(const std::string& type);
+
+}  // namespace troupe

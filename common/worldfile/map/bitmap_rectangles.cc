@@ -1,0 +1,56 @@
+#include "common/worldfile/map/bitmap_rectangles.h"
+
+#include <algorithm>
+
+#include "common/worldfile/text/quote.h"
+
+namespace troupe {
+
+BitmapRectangles CoverOf(const Bitmap& bitmap) {
+  BitmapRectangles result;
+  result.width = bitmap.width();
+  result.height = bitmap.height();
+  result.rectangles = CoverByRectangles(bitmap);
+  if (result.rectangles.empty()) return result;
+  result.bounds = result.rectangles.front();
+  for (const PixelRectangle& rectangle : result.rectangles) {
+    result.bounds.x0 = std::min(result.bounds.x0, rectangle.x0);
+    result.bounds.y0 = std::min(result.bounds.y0, rectangle.y0);
+    result.bounds.x1 = std::max(result.bounds.x1, rectangle.x1);
+    result.bounds.y1 = std::max(result.bounds.y1, rectangle.y1);
+  }
+  return result;
+}
+
+Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const PixelRule& rule,
+                                                  const SourceLocation& where) {
+  const auto [begin, end] = by_path_.equal_range(path);
+  for (auto entry = begin; entry != end; ++entry) {
+    if (entry->second.rule == rule) return &entry->second.content;
+  }
+  const Result<Bitmap> bitmap = ReadBitmap(path, rule);
+  if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
+  return &by_path_.emplace(path, Entry{rule, CoverOf(bitmap.value())})->second.content;
+}
+
+std::vector<std::string> BitmapCache::Paths() const {
+  std::vector<std::string> paths;
+  for (const auto& [path, entry] : by_path_) {
+    if (paths.empty() || paths.back() != path) paths.push_back(path);
+  }
+  return paths;
+}
+
+std::pair<int, int> BitmapCache::LargestSize() const {
+  const auto pixels = [](const std::pair<int, int>& size) {
+    return static_cast<std::int64_t>(size.first) * static_cast<std::int64_t>(size.second);
+  };
+  std::pair<int, int> largest;
+  for (const auto& [path, entry] : by_path_) {
+    const std::pair<int, int> size(entry.content.width, entry.content.height);
+    if (pixels(size) > pixels(largest)) largest = size;
+  }
+  return largest;
+}
+
+}  // namespace troupe

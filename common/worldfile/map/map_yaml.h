@@ -1,0 +1,31 @@
+// ROS maps: the YAML files of map_server, which name an image and the rule to read it by.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/bitmap/image_file.h"
+#include "common/geometry/pose.h"
+#include "common/worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+struct MapYaml {
+  SourceLocation image_where;
+  std::string image;         // path, relative names resolved
+  double resolution = 0.05;  // m, width and height of a pixel
+  Pose origin;               // X_WM of the image's lower left corner; z is 0
+  PixelRule rule;            // occupied: the pixel's probability is at least occupied_thresh
+  double wall_height = 2.0;  // m
+  std::vector<Warning> warnings;
+};
+
+// A file that cannot be read is an error at `where`, which names it.
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where);
+Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path);
+
+// A world of one static model, "map", made from the YAML file at `path`.
+WorldTree MapYamlTree(const std::string& path);
+
+}  // namespace troupe

@@ -1,0 +1,90 @@
+// The content of a scenario, read and checked by itself, before its world is loaded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/polygon.h"
+#include "common/geometry/pose.h"
+#include "common/run/host_settings.h"
+#include "common/worldfile/build/loaded_world.h"
+#include "common/worldfile/scenario/json_document.h"
+#include "common/worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+// A text and where the scenario says it.
+struct PlacedText {
+  std::string text;
+  SourceLocation where;
+};
+
+struct ControllerEntry {
+  ControllerDescription controller;
+  SourceLocation where;
+};
+
+struct PoseEntry {
+  Pose pose;           // m, rad; frame: the parent's
+  bool has_z = false;  // z was said
+  SourceLocation where;
+};
+
+// An entry of "models" or "robots", or a child of one.
+struct ModelEntry {
+  std::optional<PlacedText> name;
+  std::optional<PlacedText> model;  // nothing: the robot of that name is in the world already
+  std::optional<PoseEntry> pose;
+  std::optional<ControllerEntry> controller;
+  std::vector<Property> properties;
+  std::vector<ModelEntry> children;
+  SourceLocation where;
+};
+
+struct SpawnEntry {
+  PlacedText model;
+  std::uint32_t count = 0;
+  Polygon region;                         // normalized, m, frame W; holds the origins of the models
+  double spacing = 0.0;                   // m between the origins of any two models of this rule
+  std::optional<std::uint64_t> seed;      // nothing: from the scenario's
+  std::optional<PlacedText> name_prefix;  // nothing: the model's name
+  std::optional<double> heading;          // rad; nothing: random
+  std::optional<ControllerEntry> controller;
+  SourceLocation where;
+};
+
+struct OverrideEntry {
+  std::optional<std::string> name;  // glob
+  std::optional<std::string> type;  // glob over base types and defines
+  std::vector<Property> properties;
+  SourceLocation where;  // of "match"
+};
+
+struct ScenarioFile {
+  std::optional<std::string> name;
+  std::optional<PlacedText> world;
+  std::vector<PlacedText> includes;
+  std::optional<std::uint64_t> seed;
+  RunSettings settings;
+  HostsOfScenario hosts;
+  std::optional<ControllerEntry> controller;
+  std::vector<Property> properties;  // of the world
+  std::vector<ModelEntry> models;
+  std::vector<ModelEntry> robots;
+  std::vector<SpawnEntry> spawns;
+  std::vector<OverrideEntry> overrides;
+  std::vector<Warning> warnings;
+};
+
+// Of all rules together: keeps a slip of the pen from filling the memory.
+inline constexpr std::uint32_t kMaxSpawned = 20'000;
+
+// REQUIRES: the document keeps to the schema. `directory` is where relative paths of bitmaps and controller libraries
+// start.
+Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
+                                      std::uint32_t max_spawned = kMaxSpawned);
+
+}  // namespace troupe

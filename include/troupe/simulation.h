@@ -1,0 +1,122 @@
+// Simulation: a world in one process. Load a file, step, read the state and any sensor, drive robots, save and restore
+// snapshots, save pictures. docs/library.md is a tour.
+//
+// The robots decide and the step moves them by the same code as in a distributed run, so that after the same number of
+// ticks the state hash is that of `troupe run` of the same file in lockstep, over any number of processes.
+//
+// Threads: a simulation has none of its own. One simulation is for one thread at a time; several are independent.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/result.h"
+#include "common/geometry/pose.h"
+#include "common/model/event.h"
+#include "common/model/world_description.h"
+#include "common/model/world_state.h"
+#include "common/picture/picture_options.h"
+#include "common/sensing/sensor_reading.h"
+#include "robot-agent/controller/controller.h"
+
+namespace troupe {
+
+struct SimulationOptions {
+  std::optional<std::uint64_t> seed;      // of all random numbers; nothing: the file's
+  std::optional<std::string> controller;  // for robots to which the file gives none; nothing: "idle"
+  // False: no robot has its controller; each stands still until it is driven.
+  bool run_controllers = true;
+};
+
+enum class PictureRays : std::uint8_t {
+  kHidden,
+  kDrawn,  // the readings of all rangers
+};
+
+// The whole of a simulation at one tick: the world's state, and for each robot its controller, its odometry, the
+// commands to its grippers and joints, and the last readings of its sensors. A value: copies share what never changes.
+class Snapshot {
+ public:
+  Tick tick() const;
+
+ private:
+  friend class Simulation;
+  struct Content;
+  explicit Snapshot(std::shared_ptr<const Content> content) : content_(std::move(content)) {}
+
+  std::shared_ptr<const Content> content_;  // never null
+};
+
+class Simulation {
+ public:
+  // Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml). The error names the place in the file, or
+  // the controller that cannot be made.
+  static Result<Simulation> Load(const std::string& file, const SimulationOptions& options = {});
+  // The same for a world that was built in memory; `options.seed` and `options.controller` do not count. The error is a
+  // description that is not valid, or a controller that cannot be made.
+  static Result<Simulation> Create(WorldDescription world, const SimulationOptions& options = {});
+
+  Simulation(Simulation&& other) noexcept;
+  Simulation& operator=(Simulation&& other) noexcept;
+  ~Simulation();
+
+  // Constant, until a snapshot is restored.
+  const WorldDescription& world() const;
+  std::optional<RobotId> FindRobot(const std::string& name) const;
+  // What the file's author should know; in the order of the file.
+  const std::vector<Warning>& warnings() const;
+
+  // Advances by `ticks` ticks of world().interval_seconds() each: every robot decides, then all move.
+  void Step(Tick ticks = 1);
+
+  Tick tick() const { return state().tick; }
+  double time() const;              // s, simulated
+  const WorldState& state() const;  // valid until the next Step or Restore
+  std::uint64_t state_hash() const;
+  // The events of the last tick: rejected proposals, then those of the step. Empty at tick 0.
+  const std::vector<Event>& events() const;
+  // One line for each controller that has failed so far; its robot stands still from then on.
+  const std::vector<std::string>& failures() const;
+
+  // The robot's pose in the world. REQUIRES: the id is of this world, here and below.
+  const Pose& pose(RobotId robot) const;
+  // The model that each gripper of the robot holds, in the order of RobotInfo::grippers.
+  std::vector<std::optional<ModelId>> HeldObjects(RobotId robot) const;
+  // The reading of one of the robot's sensors, by its place in RobotInfo::sensors, in the present state. Whether it is
+  // read changes nothing. REQUIRES: the sensor exists.
+  SensorReading Measure(RobotId robot, std::size_t sensor) const;
+
+  // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
+  // until the next Drive or Release; the commands to grippers and joints are executed once, after the controller's. The
+  // error is a number that is not finite, or a command to a gripper or joint that the robot cannot execute.
+  Status Drive(RobotId robot, Command command);
+  // Returns the robot to its controller.
+  void Release(RobotId robot);
+
+  // The error names a controller that cannot be copied (Controller::Clone).
+  Result<Snapshot> Save() const;
+  // Continues from `snapshot`, which may be of another simulation, and may be restored any number of times. The same
+  // steps from it give the same hashes. On an error, a controller that cannot be copied, nothing has changed.
+  Status Restore(const Snapshot& snapshot);
+
+  // Draws the present state; the ending of `file`, .png or .svg, sets the format in place of options.format. The
+  // error's code is kBadInput for options out of bounds and kFailure for a file that cannot be written.
+  Status SavePicture(const std::string& file, const PictureOptions& options = {},
+                     PictureRays rays = PictureRays::kHidden) const;
+
+ private:
+  struct Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
+  static Result<Simulation> Make(WorldDescription world, const SimulationOptions& options);
+  void StepOnce();
+
+  std::unique_ptr<Impl> impl_;  // null only after a move
+};
+
+}  // namespace troupe

@@ -1,0 +1,133 @@
+#include "launcher/commands/check_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/run_flags.h"
+#include "launcher/commands/check_controllers.h"
+#include "launcher/commands/command_failure.h"
+
+namespace troupe {
+namespace {
+
+const char* NameOf(DriveType type) {
+  switch (type) {
+    case DriveType::kDifferential:
+      return "differential";
+    case DriveType::kOmni:
+      return "omnidirectional";
+    case DriveType::kCar:
+      return "car";
+  }
+  return "";
+}
+
+// "1 ray", "2 rays"
+std::string Count(std::size_t number, const char* noun) {
+  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
+std::string DescribeRobot(const RobotDescription& robot) {
+  std::string text =
+      fmt::format("  {}: {} drive, controller {}", robot.name, NameOf(robot.drive.type), robot.controller.name);
+  for (const SensorDescription& sensor : robot.sensors) {
+    text += fmt::format(", {}", sensor.name);
+    const RangerParameters* const ranger = std::get_if<RangerParameters>(&sensor.parameters);
+    if (ranger == nullptr) continue;
+    std::size_t rays = 0;
+    for (const RaySensorDescription& ray_sensor : ranger->ray_sensors) rays += ray_sensor.samples;
+    text += fmt::format(" ({}, {})", Count(ranger->ray_sensors.size(), "sensor"), Count(rays, "ray"));
+  }
+  return text + "\n";
+}
+
+std::string DescribeJoint(const JointDescription& joint) {
+  const bool turns = joint.type == JointType::kRevolute;
+  return fmt::format("    joint {}: {} from {:g} to {:g} {}, at most {:g} {}/s\n", joint.name,
+                     turns ? "turns" : "shifts", joint.position.min, joint.position.max, turns ? "rad" : "m",
+                     joint.max_speed, turns ? "rad" : "m");
+}
+
+std::string DescribeGripper(const WorldDescription& world, const GripperDescription& gripper) {
+  return fmt::format("    gripper {}: fingers {} and {}, {}, {}{}\n", gripper.name, world.joint(gripper.left).name,
+                     world.joint(gripper.right).name,
+                     gripper.lift ? "lift " + world.joint(*gripper.lift).name : std::string("no lift"),
+                     Count(gripper.beams.size(), "beam"), gripper.autosnatch ? ", autosnatch" : "");
+}
+
+std::string DescribeManipulation(const WorldDescription& world, RobotId robot) {
+  std::string text;
+  for (const JointDescription& joint : world.joints) {
+    if (joint.robot == robot) text += DescribeJoint(joint);
+  }
+  for (const GripperDescription& gripper : world.grippers) {
+    if (gripper.robot == robot) text += DescribeGripper(world, gripper);
+  }
+  return text;
+}
+
+// Nothing for a world without objects.
+std::string DescribeObjects(const WorldDescription& world) {
+  if (world.objects.empty()) return "";
+  std::string text = fmt::format("objects: {} (gravity {} m/s^2)\n", world.objects.size(), world.gravity);
+  for (ModelId id : world.objects) {
+    const ModelDescription& model = world.model(id);
+    text += fmt::format("  {}: {:g} x {:g} x {:g} m\n", model.name, model.size_x, model.size_y, model.size_z);
+  }
+  return text;
+}
+
+std::string DescribeSettings(const LoadedWorld& loaded) {
+  const RunSettings& settings = loaded.settings;
+  std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
+  std::string speed = settings.speed ? fmt::format("{} x real time", *settings.speed) : "as fast as possible";
+  return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
+                     loaded.world.interval_seconds(), loaded.world.seed, ToString(settings.mode), speed,
+                     ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
+}
+
+int CheckCommand(const std::string& file) {
+  if (const Status status = CheckControllers(file, ""); !status.ok()) return Fail(status.error());
+  const Result<LoadedWorld> loaded = LoadWorld(file);
+  if (!loaded.ok()) return Fail(loaded.error());
+  fmt::print("{}", DescribeWorld(loaded.value()));
+  return kExitDone;
+}
+
+}  // namespace
+
+std::string DescribeWorld(const LoadedWorld& loaded) {
+  const WorldDescription& world = loaded.world;
+  std::size_t rectangles = 0;
+  std::size_t blocks = 0;
+  for (const ModelDescription& model : world.models) {
+    rectangles += world.shape(model.shape).rectangles.size();
+    blocks += world.shape(model.shape).blocks.size();
+  }
+  std::string text = fmt::format("world: {} ({})\n", world.name, Count(loaded.files.size(), "file"));
+  text += loaded.map_width == 0 ? std::string("map: none\n")
+                                : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
+  text += fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
+                      Count(rectangles, "rectangle"));
+  text += fmt::format("robots: {}\n", world.robots.size());
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
+  }
+  text += DescribeObjects(world);
+  text += DescribeSettings(loaded);
+  text += fmt::format("warnings: {}\n", loaded.warnings.size());
+  for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";
+  return text;
+}
+
+void AddCheckCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("check", "Load a world and describe it, without running it");
+  const auto file = std::make_shared<std::string>();
+  AddWorldFile(*command, *file);
+  command->final_callback([file, &exit_status] { exit_status = CheckCommand(*file); });
+}
+
+}  // namespace troupe

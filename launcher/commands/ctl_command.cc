@@ -1,0 +1,231 @@
+#include "launcher/commands/ctl_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "common/base/deterministic_math.h"
+#include "common/command_line/exit_status.h"
+#include "common/command_line/network_flags.h"
+#include "common/command_line/option_checks.h"
+#include "common/command_line/run_flags.h"
+#include "common/dds/tools/control_client.h"
+#include "common/dds/tools/session_monitor.h"
+#include "launcher/commands/command_failure.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kDiscoverySeconds = 5.0;
+
+struct CtlOptions {
+  NetworkSettings network;  // session empty: the only one
+  ControlRequest request;
+  double timeout_seconds = 0.0;  // 0: no limit
+  std::vector<double> pose;      // x, y, z in m, heading in degrees
+};
+
+const char* Word(RunState state) {
+  switch (state) {
+    case RunState::kStarting:
+      return "starting";
+    case RunState::kPlaying:
+      return "playing";
+    case RunState::kPaused:
+      return "paused";
+    case RunState::kOver:
+      return "over";
+  }
+  return "";
+}
+
+const char* Word(EntityKind kind) {
+  switch (kind) {
+    case EntityKind::kRobot:
+      return "robot";
+    case EntityKind::kObject:
+      return "object";
+    case EntityKind::kModel:
+      return "model";
+  }
+  return "";
+}
+
+// The name of the only session in the domain.
+Result<std::string> FindSession(const NetworkSettings& network) {
+  SessionMonitor monitor(network.domain, network.network_interface, network.service_address);
+  const auto deadline = Clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
+  while (Clock::now() < deadline) {
+    monitor.WaitForChange(0.1);
+    const std::vector<SessionInfo> sessions = monitor.Sessions();
+    if (sessions.size() == 1) return sessions.front().session;
+    if (sessions.empty()) continue;
+    std::string names;
+    for (const SessionInfo& info : sessions) names += (names.empty() ? "" : ", ") + info.session;
+    return Failure("found several sessions (" + names + "), expected --session NAME");
+  }
+  return Failure("found no session");
+}
+
+Result<ControlReply> SendRequest(const CtlOptions& options) {
+  const NetworkSettings& network = options.network;
+  std::string session = network.session;
+  if (session.empty()) {
+    Result<std::string> found = FindSession(network);
+    if (!found.ok()) return found.error();
+    session = std::move(found).value();
+  }
+  ControlClient client(network.domain, session, network.network_interface, network.service_address);
+  if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
+  return client.Call(options.request, options.timeout_seconds);
+}
+
+void Print(const EntityReport& entity) {
+  const Pose& X_WE = entity.X_WE;
+  fmt::print("{:<6} {:<24} {:<12} {:.3f},{:.3f},{:.3f},{:.2f}\n", Word(entity.kind), entity.name, entity.type, X_WE.x,
+             X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
+}
+
+void Print(ControlCommand command, const ControlReply& reply) {
+  if (command == ControlCommand::kSpawnables) {
+    for (const EntityReport& model : reply.entities) fmt::print("{:<24} {}\n", model.name, model.type);
+    return;
+  }
+  for (const EntityReport& entity : reply.entities) Print(entity);
+  if (command == ControlCommand::kEntities) return;
+  fmt::print("{} tick {} hash {:016x}", Word(reply.state), reply.tick, reply.state_hash);
+  if (reply.edition > 0) fmt::print(" edition {}", reply.edition);
+  fmt::print("\n");
+}
+
+// An absolute path if the source names a file: the service may have another working folder.
+std::string AbsolutePath(const std::string& source) {
+  const std::size_t end = std::min(source.rfind('#'), source.size());
+  const std::string ending = std::filesystem::path(source.substr(0, end)).extension().string();
+  if (ending != ".world" && ending != ".inc" && ending != ".json" && ending != ".yaml" && ending != ".yml")
+    return source;
+  return std::filesystem::absolute(source).lexically_normal().string();
+}
+
+int CtlCommand(CtlOptions options) {
+  options.request.source = AbsolutePath(options.request.source);
+  if (!options.pose.empty()) {
+    options.request.pose = {options.pose[0], options.pose[1], options.pose[2], DegreesToRadians(options.pose[3])};
+  }
+  try {
+    const Result<ControlReply> reply = SendRequest(options);
+    if (!reply.ok()) return Fail(reply.error());
+    if (!reply.value().done) return Fail(Failure(reply.value().problem));
+    Print(options.request.command, reply.value());
+    return kExitDone;
+  } catch (const std::exception& exception) {
+    return Fail(Failure(exception.what()));
+  }
+}
+
+// The options of one `troupe ctl`; its actions share them.
+using SharedOptions = std::shared_ptr<CtlOptions>;
+
+CLI::App* AddAction(CLI::App* command, const SharedOptions& options, const char* name, const char* help,
+                    ControlCommand request) {
+  CLI::App* action = command->add_subcommand(name, help)->fallthrough();
+  action->callback([options, request] { options->request.command = request; });
+  return action;
+}
+
+void AddName(CLI::App* action, const SharedOptions& options) {
+  action->add_option("NAME", options->request.name, "Name of a robot, an object or a model")->required();
+}
+
+CLI::Option* AddPose(CLI::App* action, const SharedOptions& options) {
+  return action->add_option("--pose", options->pose, "Pose in the world frame: metres, and degrees for the heading")
+      ->delimiter(',')
+      ->expected(4)
+      ->type_name("X,Y,Z,HEADING");
+}
+
+// Options of a reset of some parts only.
+void AddResetScopes(CLI::App* reset, const SharedOptions& options) {
+  const auto add = [&](const char* name, const char* help, std::uint8_t scope) {
+    reset->add_flag_callback(
+        name,
+        [options, scope] {
+          std::uint8_t& scopes = options->request.scopes;
+          scopes = static_cast<std::uint8_t>((scopes == kResetAll ? 0 : scopes) | scope);
+        },
+        help);
+  };
+  add("--time", "Reset the time to tick 0", kResetTime);
+  add("--state", "Reset the states of robots and objects", kResetState);
+  add("--spawned", "Delete all that was spawned", kResetSpawned);
+}
+
+void AddTimeActions(CLI::App* command, const SharedOptions& options) {
+  AddAction(command, options, "status", "Print the state of the run: playing or paused, tick, state hash",
+            ControlCommand::kStatus);
+  AddAction(command, options, "pause", "Pause the run at the end of the current tick", ControlCommand::kPause);
+  AddAction(command, options, "play", "Resume the run", ControlCommand::kPlay);
+  AddAction(command, options, "step", "Run a paused run for some ticks, and pause it again", ControlCommand::kStep)
+      ->add_option("TICKS", options->request.ticks, "Number of ticks (default: 1)")
+      ->check(WholeNumber(1));
+}
+
+void AddEditActions(CLI::App* command, const SharedOptions& options) {
+  AddResetScopes(AddAction(command, options, "reset",
+                           "Reset the run to the world as loaded, at tick 0; with options: the named parts only",
+                           ControlCommand::kReset),
+                 options);
+  AddWorldFile(*AddAction(command, options, "load", "Replace the world by that of a file", ControlCommand::kLoadWorld),
+               options->request.source);
+  CLI::App* const spawn =
+      AddAction(command, options, "spawn", "Add a robot, an object or a model to the world", ControlCommand::kSpawn);
+  spawn
+      ->add_option("SOURCE", options->request.source,
+                   "A model of the run's world file, a file with one model, or FILE#MODEL")
+      ->required();
+  spawn->add_option("--name", options->request.name, "Its name (default: derived from the model)")->type_name("NAME");
+  spawn->add_flag("--rename", options->request.rename, "Choose another name if this one is in use");
+  AddPose(spawn, options);
+  AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
+          options);
+  CLI::App* const set_pose =
+      AddAction(command, options, "set-pose", "Move a robot, an object or a model to a pose", ControlCommand::kSetPose);
+  AddName(set_pose, options);
+  AddPose(set_pose, options)->required();
+}
+
+void AddListActions(CLI::App* command, const SharedOptions& options) {
+  AddAction(command, options, "list", "List the robots and objects of the world with their poses",
+            ControlCommand::kEntities);
+  AddName(
+      AddAction(command, options, "get", "Print the pose of a robot, an object or a model", ControlCommand::kEntities),
+      options);
+  AddAction(command, options, "spawnables", "List the models of the run's world file", ControlCommand::kSpawnables);
+}
+
+}  // namespace
+
+void AddCtlCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("ctl", "Pause, resume or step a run, or edit its world");
+  const auto options = std::make_shared<CtlOptions>();
+  command->require_subcommand(1);
+  AddSessionFlag(*command, options->network, "Session of the run (default: the only one in the domain)");
+  AddToolNetworkFlags(*command, options->network);
+  command->add_option("--timeout", options->timeout_seconds, "Seconds to wait for the reply; 0: no limit (default)")
+      ->check(NumberFromZero())
+      ->type_name("SECONDS");
+  AddTimeActions(command, options);
+  AddEditActions(command, options);
+  AddListActions(command, options);
+  command->final_callback([options, &exit_status] { exit_status = CtlCommand(*options); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,95 @@
+#include "launcher/commands/export_map_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/option_checks.h"
+#include "common/command_line/run_flags.h"
+#include "common/spatial/occupancy_grid.h"
+#include "common/worldfile/load_world.h"
+#include "launcher/commands/command_failure.h"
+
+namespace troupe {
+namespace {
+
+struct ExportMapOptions {
+  std::string file;
+  std::string output;
+  double resolution = 0.05;
+  std::optional<double> height;
+};
+
+Status Write(const std::string& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary);
+  file << content;
+  file.close();
+  if (!file) return Failure("cannot write " + path);
+  return {};
+}
+
+// Rows from the largest y down, as pictures have them.
+std::string Pgm(const OccupancyGrid& grid) {
+  constexpr char kOccupied = 0;
+  constexpr char kFree = '\xfe';  // 254, as map_saver writes it
+  std::string image = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
+  for (std::uint32_t row = grid.height; row-- > 0;) {
+    for (std::uint32_t column = 0; column < grid.width; ++column) {
+      image += grid.occupied[std::size_t{row} * grid.width + column] ? kOccupied : kFree;
+    }
+  }
+  return image;
+}
+
+std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
+  return fmt::format(
+      "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
+      "0.25\n",
+      image, grid.resolution, grid.origin_x, grid.origin_y);
+}
+
+int ExportMapCommand(const ExportMapOptions& options) {
+  Result<LoadedWorld> loaded = LoadWorld(options.file, {});
+  if (!loaded.ok()) return Fail(loaded.error());
+  const Scene scene(std::move(loaded.value().world));
+  const double height = options.height.value_or(UsualMapHeight(scene));
+  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height);
+  if (grid.empty()) return Fail({{}, options.file + ": nothing in it stands still, so it has no map"});
+  const std::string image = options.output + ".pgm";
+  if (Status failure = Write(image, Pgm(grid)); !failure.ok()) return Fail(failure.error());
+  const std::string name = std::filesystem::path(image).filename().string();
+  if (Status failure = Write(options.output + ".yaml", Yaml(grid, name)); !failure.ok()) return Fail(failure.error());
+  fmt::print("{} x {} cells of {} m, at a height of {:.3g} m: {}.yaml\n", grid.width, grid.height, grid.resolution,
+             height, options.output);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddExportMapCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("export-map", "Write the map of a world as files for ROS's map_server");
+  auto options = std::make_shared<ExportMapOptions>();
+  AddWorldFile(*command, options->file);
+  command->add_option("-o,--output", options->output, "Name of the map: NAME.yaml and NAME.pgm are written")
+      ->required()
+      ->type_name("NAME");
+  command
+      ->add_option("--resolution", options->resolution,
+                   fmt::format("Side of a cell in metres (default: {})", options->resolution))
+      ->check(PositiveNumber())
+      ->type_name("METRES");
+  command
+      ->add_option("--height", options->height,
+                   "Height of the horizontal section that is written, in metres (default: that of the lowest ranger)")
+      ->check(NumberFromZero())
+      ->type_name("METRES");
+  command->final_callback([options, &exit_status] { exit_status = ExportMapCommand(*options); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,157 @@
+#include "launcher/commands/host_command.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/version.h"
+#include "common/command_line/exit_status.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/hosts/host_messages.h"
+#include "launcher/hosts/local_host.h"
+#include "launcher/process/line_pipe.h"
+#include "launcher/process/signal_watch.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kPieceOfFile = 16384;  // bytes in a message
+
+// A folder that is deleted with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code failure;
+    std::string pattern = (std::filesystem::temp_directory_path(failure) / "troupe-host-XXXXXX").string();
+    if (!failure && mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+class HostServer {
+ public:
+  int Serve();
+
+ private:
+  void Send(const HostMessage& message) { connected_ &= WriteAll(STDOUT_FILENO, ToLine(message)); }
+  void Execute(const HostMessage& request);
+  void Start(int id, const HostMessage& request);
+  void SendFile(const std::string& path);
+  void SendNews();
+
+  SignalWatch signals_;
+  TemporaryFolder folder_;
+  LocalHost host_;
+  std::map<int, std::unique_ptr<Child>> children_;
+  bool connected_ = true;
+};
+
+void HostServer::Start(int id, const HostMessage& request) {
+  Result<std::unique_ptr<Child>> child = host_.Start(
+      request.at("program"), request.at("arguments").get<std::vector<std::string>>(), request.value("reports", false));
+  if (!child.ok()) return Send({{"failed", id}, {"message", child.error().message}});
+  Send({{"started", id}, {"pid", child.value()->pid()}});
+  children_[id] = std::move(child).value();
+}
+
+void HostServer::SendFile(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return Send({{"file", path}, {"error", strerror(errno)}});
+  char data[kPieceOfFile];
+  ssize_t size = 0;
+  while (connected_ && (size = read(file, data, sizeof data)) > 0) {
+    Send({{"file", path}, {"data", ToHexadecimal(data, static_cast<std::size_t>(size))}});
+  }
+  if (size < 0) {
+    Send({{"file", path}, {"error", strerror(errno)}});
+  } else {
+    Send({{"file", path}, {"end", true}});
+  }
+  close(file);
+}
+
+void HostServer::Execute(const HostMessage& request) {
+  try {
+    if (request.contains("start")) {
+      Start(request["start"], request);
+    } else if (request.contains("signal")) {
+      const auto child = children_.find(request["signal"]);
+      if (child != children_.end()) child->second->Signal(request.at("number"));
+    } else if (request.contains("read")) {
+      SendFile(request["read"]);
+    }
+  } catch (const HostMessage::exception& fault) {
+    Send({{"output", std::string("error: a bad request: ") + fault.what()}});
+  }
+}
+
+void HostServer::SendNews() {
+  // Ends of processes are polled before the last lines are read, so that no line follows the end of its process.
+  std::vector<int> ended;
+  for (const auto& [id, child] : children_) {
+    if (child->Poll()) ended.push_back(id);
+  }
+  for (const std::string& line : host_.ReadOutput()) Send({{"output", line}});
+  for (const std::string& line : host_.ReadReports()) Send({{"report", line}});
+  for (int id : ended) {
+    const ProcessEnd& end = *children_[id]->end();
+    Send({{"ended", id},
+          {"exit_code", end.exit_code},
+          {"signal", end.signal},
+          {"peak_memory_mib", end.peak_memory_mib}});
+    children_.erase(id);
+  }
+}
+
+int HostServer::Serve() {
+  if (folder_.path().empty()) return Fail(Failure("cannot make a folder for temporary files"));
+  for (const char* program : {"world-service", "robot-agent"}) {
+    if (const Result<std::string> path = FindProgram(program); !path.ok()) return Fail(path.error());
+  }
+  Send({{"host", VersionText()},
+        {"folder", folder_.path()},
+        {"programs", std::filesystem::path(host_.ProgramPath("troupe")).parent_path().string()}});
+  LineReader requests(STDIN_FILENO);
+  while (connected_ && !requests.at_end()) {
+    std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
+    for (int descriptor : host_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
+    poll(waited.data(), waited.size(), -1);
+    if (signals_.ReadStopRequest()) break;
+    for (const std::string& line : requests.Read()) Execute(ParseHostMessage(line));
+    SendNews();
+  }
+  for (auto& [id, child] : children_) child->Kill();
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddHostCommand(CLI::App& app, int& exit_status) {
+  app.add_subcommand("host", "Start processes for a launcher on another host; started by that launcher")
+      ->final_callback([&exit_status] {
+        signal(SIGPIPE, SIG_IGN);
+        exit_status = HostServer().Serve();
+      });
+}
+
+}  // namespace troupe

@@ -1,0 +1,53 @@
+#include "launcher/commands/run_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "common/base/output_file.h"
+#include "launcher/commands/check_controllers.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/supervise/distributed_run.h"
+#include "launcher/supervise/in_process_run.h"
+#include "launcher/supervise/run_options.h"
+#include "launcher/supervise/summary.h"
+
+namespace troupe {
+namespace {
+
+Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
+  Result<OutputFile> file = OutputFile::Create(path);
+  if (!file.ok()) return file.error();
+  file.value().Append(SummaryJson(outcome));
+  if (Status failure = file.value().EndLine(); !failure.ok()) return failure;
+  return file.value().Close();
+}
+
+int RunCommand(RunOptions options) {
+  if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
+  if (const Status status = CheckControllers(options.file, options.load.controller.value_or("")); !status.ok()) {
+    return Fail(status.error());
+  }
+  const RunEnd end = options.in_process ? RunInProcess(options) : RunDistributed(options);
+  if (end.error) fmt::print(stderr, "{}\n", end.error->ToString());
+  if (!end.outcome) return end.exit_status;
+  fmt::print("{}", SummaryText(*end.outcome));
+  std::fflush(stdout);
+  if (!options.summary.empty()) {
+    if (const Status status = WriteSummary(options.summary, *end.outcome); !status.ok()) return Fail(status.error());
+  }
+  return end.exit_status;
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("run", "Run a world: a world service, and a process for each robot");
+  const auto options = std::make_shared<RunOptions>();
+  AddRunOptions(*command, *options);
+  command->final_callback([options, &exit_status] { exit_status = RunCommand(*options); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,104 @@
+#include "launcher/commands/snapshot_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/option_checks.h"
+#include "common/picture/picture_options.h"
+#include "launcher/commands/check_controllers.h"
+#include "launcher/commands/command_failure.h"
+#include "troupe/simulation.h"
+
+namespace troupe {
+namespace {
+
+// Opens without changing what is there, so that a run that fails later leaves an older picture alone.
+Status CheckWritable(const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "ab");
+  if (file == nullptr) return Error{{path, 0, 0}, std::string("cannot write: ") + std::strerror(errno)};
+  std::fclose(file);
+  return Status();
+}
+
+PictureOptions ToPictureOptions(const SnapshotOptions& options) {
+  PictureOptions picture;
+  picture.view = options.view == "side" ? PictureView::kSide : PictureView::kTop;
+  picture.width = options.width;
+  picture.meters = options.meters;
+  if (options.center.size() == 2) picture.center = Vec2(options.center[0], options.center[1]);
+  return picture;
+}
+
+}  // namespace
+
+void AddSnapshotCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("snapshot", "Draw a world at one tick");
+  const auto options = std::make_shared<SnapshotOptions>();  // lives as long as the command
+  command->add_option("FILE", options->file, "A Stage .world file, a JSON scenario or a ROS map .yaml")->required();
+  command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, says which kind")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--tick", options->tick, "Run to this tick first (default: 0, the world as loaded)")
+      ->check(WholeNumber(0))
+      ->type_name("N");
+  command->add_option("--view", options->view, "top, or side: seen along +y (default: top)")
+      ->check(OneOf({"top", "side"}))
+      ->type_name("VIEW");
+  command->add_flag("--rays", options->rays, "Draw what all rangers measure");
+
+  const char* part = "Part of the world";
+  command->add_option("--center", options->center, "Its middle, m (default: the world's middle)")
+      ->expected(2)
+      ->type_name("X Y")
+      ->group(part);
+  command->add_option("--meters", options->meters, "Its width, m; a side view shows as much to the front and back")
+      ->type_name("W")
+      ->group(part);
+  command->add_option("--width", options->width, "Width of the picture (default: up to 1000 pixels)")
+      ->check(WholeNumber(kMinPictureWidth, kMaxPictureWidth))
+      ->type_name("PIXELS")
+      ->group(part);
+
+  const char* run = "Run";
+  command->add_option("--seed", options->seed, "Seed of all random numbers")
+      ->check(WholeNumber(0))
+      ->type_name("S")
+      ->group(run);
+  command->add_option("--controller", options->controller, "Controller of the robots that the file gives none")
+      ->type_name("NAME")
+      ->group(run);
+  command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
+}
+
+int SnapshotCommand(const SnapshotOptions& options) {
+  if (const Result<PictureFormat> format = PictureFormatOf(options.output); !format.ok()) return Fail(format.error());
+  const PictureOptions picture_options = ToPictureOptions(options);
+  if (const Status problem = CheckPictureOptions(picture_options); !problem.ok()) return Fail(problem.error());
+
+  if (const Status problem = CheckControllers(options.file, options.controller); !problem.ok())
+    return Fail(problem.error());
+  SimulationOptions simulation_options;
+  simulation_options.seed = options.seed;
+  if (!options.controller.empty()) simulation_options.controller = options.controller;
+  simulation_options.run_controllers = options.tick > 0;
+  Result<Simulation> loaded = Simulation::Load(options.file, simulation_options);
+  if (!loaded.ok()) return Fail(loaded.error());
+  Simulation& simulation = loaded.value();
+  for (const Warning& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning.ToString());
+  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
+
+  simulation.Step(options.tick);
+  for (const std::string& failure : simulation.failures()) fmt::print(stderr, "warning: {}\n", failure);
+  const PictureRays rays = options.rays ? PictureRays::kDrawn : PictureRays::kHidden;
+  if (const Status problem = simulation.SavePicture(options.output, picture_options, rays); !problem.ok())
+    return Fail(problem.error());
+  return kExitDone;
+}
+
+}  // namespace troupe

@@ -1,0 +1,79 @@
+#include "launcher/commands/top_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/network_flags.h"
+#include "common/dds/tools/session_monitor.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/commands/session_table.h"
+#include "launcher/process/signal_watch.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kDiscoveryTime = std::chrono::milliseconds(1500);  // for the discovery of sessions and their status
+constexpr double kRefreshSeconds = 0.5;
+
+struct TopOptions {
+  NetworkSettings network;  // session empty: all sessions
+  bool once = false;        // print one table and end
+};
+
+// The sessions of that name; all for an empty name.
+std::vector<SessionInfo> SelectSessions(std::vector<SessionInfo> sessions, const std::string& name) {
+  if (!name.empty()) std::erase_if(sessions, [&](const SessionInfo& info) { return info.session != name; });
+  return sessions;
+}
+
+void PrintOnce(SessionMonitor& monitor, const TopOptions& options) {
+  for (auto end = Clock::now() + kDiscoveryTime; Clock::now() < end;) monitor.WaitForChange(0.1);
+  fmt::print("{}", SessionTable(SelectSessions(monitor.Sessions(), options.network.session)));
+}
+
+void PrintUntilStopped(SessionMonitor& monitor, const TopOptions& options, SignalWatch& signals) {
+  while (!signals.ReadStopRequest()) {
+    fmt::print("\033[H\033[J{}\nCtrl-C ends this.\n",
+               SessionTable(SelectSessions(monitor.Sessions(), options.network.session)));
+    std::fflush(stdout);
+    for (auto next = Clock::now() + std::chrono::duration<double>(kRefreshSeconds); Clock::now() < next;) {
+      monitor.WaitForChange(kRefreshSeconds);
+    }
+  }
+}
+
+int TopCommand(const TopOptions& options) {
+  SignalWatch signals;
+  try {
+    SessionMonitor monitor(options.network.domain, options.network.network_interface, options.network.service_address);
+    if (options.once) {
+      PrintOnce(monitor, options);
+    } else {
+      PrintUntilStopped(monitor, options, signals);
+    }
+  } catch (const std::exception& exception) {
+    return Fail(Failure(exception.what()));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddTopCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("top", "Show the running sessions, and the robots for which they wait");
+  const auto options = std::make_shared<TopOptions>();
+  AddSessionFlag(*command, options->network, "Show this session only (default: all sessions)");
+  AddToolNetworkFlags(*command, options->network);
+  command->add_flag("--once", options->once, "Print one table and exit");
+  command->final_callback([options, &exit_status] { exit_status = TopCommand(*options); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,55 @@
+// Host: starts processes of a run, on this host or on another one over a connection.
+#pragma once
+
+#include <sys/types.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "launcher/process/process.h"
+
+namespace troupe {
+
+// A process of the run on some host.
+class Child {
+ public:
+  virtual ~Child() = default;
+  virtual pid_t pid() const = 0;  // on its host; 0: unknown
+  virtual const std::optional<ProcessEnd>& end() const = 0;
+  // Checks for its end, without waiting. True once, when the end is found.
+  virtual bool Poll() = 0;
+  // No effect on a process that has ended.
+  virtual void Signal(int signal) = 0;
+  // Kills the process: it has ended, or its host ends it.
+  virtual void Kill() = 0;
+
+  bool running() const { return !end(); }
+};
+
+class Host {
+ public:
+  virtual ~Host() = default;
+
+  virtual const std::string& name() const = 0;  // empty: the host of the launcher
+  // The folder for output files of its processes; empty: they write to the paths that the user gave.
+  virtual const std::string& folder() const = 0;
+  virtual std::string ProgramPath(const std::string& program) const = 0;
+  // `reports`: the process writes reports for the launcher (docs/tick-protocol.md).
+  virtual Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
+                                               bool reports) = 0;
+
+  // Readable when there are new lines or ends of processes.
+  virtual std::vector<int> descriptors() const = 0;
+  // The lines since the last call: printed by the processes, and reported by them.
+  virtual std::vector<std::string> ReadOutput() = 0;
+  virtual std::vector<std::string> ReadReports() = 0;
+  // An error with the reason, once, when the connection is lost.
+  virtual Status PollLoss() { return Status(); }
+  // Copies the file `from` of this host to the path `to` on the launcher's host.
+  virtual Status Fetch(const std::string& from, const std::string& to) = 0;
+};
+
+}  // namespace troupe

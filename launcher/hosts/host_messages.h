@@ -1,0 +1,33 @@
+// The messages between a launcher and `troupe host` on another host: one JSON object a line.
+//
+// To the host, on its standard input; the end of the input terminates all processes that were started:
+//   {"start": id, "program": name, "arguments": [..], "reports": bool}    {"signal": id, "number": n}    {"read": path}
+// From the host, on its standard output:
+//   {"host": version, "folder": path, "programs": path}         first; the folder is for output, and is deleted at the
+//   end
+//   {"started": id, "pid": n}    {"failed": id, "message": text}
+//   {"output": line}    {"report": line}
+//   {"ended": id, "exit_code": n, "signal": n, "peak_memory_mib": x}      after all of its lines
+//   {"file": path, "data": hexadecimal}    {"file": path, "end": true}    {"file": path, "error": text}
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace troupe {
+
+using HostMessage = nlohmann::json;
+
+// One line with its end. Bytes that are not UTF-8 are replaced.
+std::string ToLine(const HostMessage& message);
+
+// The result is not an object if the line is not a message.
+HostMessage ParseHostMessage(const std::string& line);
+
+std::string ToHexadecimal(const char* data, std::size_t size);
+std::string FromHexadecimal(const std::string& text);
+
+// Writes all of the text, waiting if necessary. False: the reader has closed its end.
+bool WriteAll(int descriptor, const std::string& text);
+
+}  // namespace troupe

@@ -1,0 +1,225 @@
+#include "launcher/hosts/remote_host.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/version.h"
+#include "launcher/hosts/host_messages.h"
+#include "launcher/hosts/shell_words.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// BatchMode: a launcher cannot type a password. The ServerAlive options detect a dead network.
+constexpr const char* kDefaultStart =
+    "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=3 {address} "
+    "{command_text}";
+
+constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
+constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
+
+std::string ConnectingCommand(const HostSettings& host) {
+  std::string programs = host.programs;
+  if (programs.empty()) {
+    Result<std::string> here = FindProgram("troupe");
+    if (here.ok()) programs = std::filesystem::path(here.value()).parent_path().string();
+  }
+  const std::string command = ShellQuoted(std::vector<std::string>{programs + "/troupe", "host"});
+  return FillIn(host.start.empty() ? kDefaultStart : host.start, {{"command", command},
+                                                                  {"command_text", ShellQuoted(command)},
+                                                                  {"address", ShellQuoted(host.address)},
+                                                                  {"name", ShellQuoted(host.name)}});
+}
+
+void WaitFor(const std::vector<int>& descriptors, std::chrono::milliseconds timeout) {
+  std::vector<pollfd> waited;
+  for (int descriptor : descriptors) waited.push_back({descriptor, POLLIN, 0});
+  poll(waited.data(), waited.size(), static_cast<int>(timeout.count()));
+}
+
+}  // namespace
+
+class RemoteHost::RemoteChild : public Child {
+ public:
+  RemoteChild(RemoteHost& host, int id, std::shared_ptr<State> state)
+      : host_(host), id_(id), state_(std::move(state)) {}
+  pid_t pid() const override { return state_->pid; }
+  const std::optional<ProcessEnd>& end() const override { return state_->end; }
+  bool Poll() override { return state_->end && !std::exchange(state_->told, true); }
+  void Signal(int signal) override {
+    if (!state_->end) host_.Send(ToLine({{"signal", id_}, {"number", signal}}));
+  }
+  void Kill() override {
+    Signal(SIGKILL);
+    // The host may be unreachable; it kills the process when the connection ends.
+    if (!state_->end) state_->end = ProcessEnd{128 + SIGKILL, SIGKILL, 0.0};
+  }
+
+ private:
+  RemoteHost& host_;
+  const int id_;
+  const std::shared_ptr<State> state_;
+};
+
+RemoteHost::RemoteHost(const HostSettings& settings, std::string command)
+    : settings_(settings), command_(std::move(command)) {}
+
+Result<std::unique_ptr<RemoteHost>> RemoteHost::Connect(const HostSettings& settings) {
+  std::unique_ptr<RemoteHost> host(new RemoteHost(settings, ConnectingCommand(settings)));
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return Failure(std::string("cannot make a pipe: ") + strerror(errno));
+  host->requests_ = ends[1];
+  Result<Process> connection = Process::Start({"/bin/sh", "-c", host->command_},
+                                              {ends[0], host->messages_.writing_end(), host->errors_.writing_end()});
+  close(ends[0]);
+  host->messages_.CloseWritingEnd();
+  host->errors_.CloseWritingEnd();
+  if (!connection.ok()) return connection.error();
+  host->connection_ = std::move(connection).value();
+  return host;
+}
+
+RemoteHost::~RemoteHost() {
+  if (requests_ >= 0) close(requests_);
+  const auto deadline = Clock::now() + kDisconnectTimeout;
+  while (connection_ && connection_->running() && !connection_->Poll() && Clock::now() < deadline) {
+    WaitFor({messages_.at_end() ? -1 : messages_.reading_end()}, std::chrono::milliseconds(10));
+    messages_.Read();
+  }
+}
+
+void RemoteHost::Send(const std::string& line) {
+  if (requests_ < 0 || WriteAll(requests_, line)) return;
+  close(std::exchange(requests_, -1));
+}
+
+Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, const std::vector<std::string>& arguments,
+                                                 bool reports) {
+  const int id = static_cast<int>(children_.size());
+  auto state = std::make_shared<State>();
+  children_[id] = state;
+  std::vector<std::string> words = arguments;
+  Send(ToLine({{"start", id}, {"program", program}, {"arguments", words}, {"reports", reports}}));
+  return std::unique_ptr<Child>(std::make_unique<RemoteChild>(*this, id, std::move(state)));
+}
+
+std::vector<int> RemoteHost::descriptors() const {
+  std::vector<int> open;
+  if (!messages_.at_end()) open.push_back(messages_.reading_end());
+  if (!errors_.at_end()) open.push_back(errors_.reading_end());
+  return open;
+}
+
+void RemoteHost::ReadErrors() {
+  for (std::string& line : errors_.Read()) {
+    last_error_line_ = line;
+    output_.push_back(std::move(line));
+  }
+}
+
+void RemoteHost::Read() {
+  ReadErrors();
+  for (const std::string& line : messages_.Read()) HandleLine(line);
+  if (!messages_.at_end() || lost_) return;
+  const auto deadline = Clock::now() + std::chrono::seconds(1);  // the process ends just after its output
+  while (!connection_->Poll() && connection_->running() && Clock::now() < deadline) {
+    WaitFor({}, std::chrono::milliseconds(5));
+  }
+  ReadErrors();
+  Lose(connection_->end() ? connection_->end()->ToString() : "closed its output");
+}
+
+void RemoteHost::HandleLine(const std::string& line) try {
+  const HostMessage message = ParseHostMessage(line);
+  if (!message.is_object()) {
+    output_.push_back(line);  // for instance of a login script
+  } else if (message.contains("host")) {
+    if (message["host"] != VersionText()) {
+      return Lose("has version " + message["host"].get<std::string>() + " of Troupe, expected " +
+                  std::string(VersionText()));
+    }
+    folder_ = message.at("folder");
+    programs_ = message.at("programs");
+    ready_ = true;
+  } else if (message.contains("output")) {
+    output_.push_back(message["output"]);
+  } else if (message.contains("report")) {
+    reports_.push_back(message["report"]);
+  } else if (message.contains("started")) {
+    children_.at(message["started"])->pid = message.at("pid");
+  } else if (message.contains("failed")) {
+    output_.push_back("error: " + message.at("message").get<std::string>());
+    children_.at(message["failed"])->end = ProcessEnd{127, 0, 0.0};
+  } else if (message.contains("ended")) {
+    State& state = *children_.at(message["ended"]);
+    if (!state.end)
+      state.end = ProcessEnd{message.at("exit_code"), message.at("signal"), message.at("peak_memory_mib")};
+  } else if (message.contains("file") && fetch_ && message["file"] == fetch_->source) {
+    if (message.contains("data") && !WriteAll(fetch_->target, FromHexadecimal(message["data"]))) {
+      fetch_->error = strerror(errno);
+    }
+    if (message.contains("error")) fetch_->error = message["error"];
+    fetch_->complete = message.contains("end") || message.contains("error");
+  }
+} catch (const std::exception&) {
+  output_.push_back(line);
+}
+
+void RemoteHost::Lose(const std::string& reason) {
+  if (std::exchange(lost_, true)) return;
+  std::string text =
+      "host " + settings_.name + ": " + (ready_ ? "the connection is lost: " : "") + "`" + command_ + "` " + reason;
+  if (!ready_)
+    text += "; expected the programs of Troupe " + std::string(VersionText()) + " there, and a way to start them";
+  if (!ready_ && !last_error_line_.empty()) text += "; it said: " + last_error_line_;
+  loss_ = Error{ready_ ? SourceLocation{} : settings_.where, text, ErrorCode::kFailure};
+  for (auto& [id, state] : children_) {
+    if (!state->end) state->end = ProcessEnd{255, 0, 0.0};
+  }
+}
+
+std::vector<std::string> RemoteHost::ReadOutput() {
+  Read();
+  return std::exchange(output_, {});
+}
+
+std::vector<std::string> RemoteHost::ReadReports() {
+  Read();
+  return std::exchange(reports_, {});
+}
+
+Status RemoteHost::PollLoss() {
+  return std::exchange(loss_, Status());
+}
+
+Status RemoteHost::Fetch(const std::string& from, const std::string& to) {
+  const std::string context = "host " + name() + ": cannot fetch " + from + " to " + to + ": ";
+  const int target = open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (target < 0) return Failure(context + strerror(errno));
+  fetch_ = FileFetch{from, target, false, ""};
+  Send(ToLine({{"read", from}}));
+  while (!fetch_->complete && fetch_->error.empty()) {
+    const auto began = Clock::now();
+    WaitFor(descriptors(), kFetchTimeout);
+    if (Clock::now() - began >= kFetchTimeout) fetch_->error = "no data for 30 s";
+    Read();
+    if (lost_) fetch_->error = "the connection is lost";
+  }
+  std::string error = std::move(fetch_->error);
+  fetch_.reset();
+  if (close(target) != 0 && error.empty()) error = strerror(errno);
+  return error.empty() ? Status() : Failure(context + error);
+}
+
+}  // namespace troupe

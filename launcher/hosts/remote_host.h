@@ -1,0 +1,72 @@
+// RemoteHost: starts processes on another host, over a connection to a `troupe host` there. The end of the connection,
+// whatever its cause, terminates them.
+#pragma once
+
+#include <map>
+
+#include "common/run/host_settings.h"
+#include "launcher/hosts/host.h"
+#include "launcher/process/line_pipe.h"
+
+namespace troupe {
+
+class RemoteHost : public Host {
+ public:
+  // Starts the connection. ready() or PollLoss() tells its outcome later.
+  static Result<std::unique_ptr<RemoteHost>> Connect(const HostSettings& settings);
+  ~RemoteHost() override;  // terminates the processes and the connection
+
+  // The host has answered: its programs are present, and of this version.
+  bool ready() const { return ready_; }
+
+  const std::string& name() const override { return settings_.name; }
+  const std::string& folder() const override { return folder_; }
+  std::string ProgramPath(const std::string& program) const override { return programs_ + "/" + program; }
+  Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
+                                       bool reports) override;
+  std::vector<int> descriptors() const override;
+  std::vector<std::string> ReadOutput() override;
+  std::vector<std::string> ReadReports() override;
+  Status PollLoss() override;
+  Status Fetch(const std::string& from, const std::string& to) override;
+
+ private:
+  struct State {  // of a process
+    pid_t pid = 0;
+    std::optional<ProcessEnd> end;
+    bool told = false;  // Poll has returned true
+  };
+  struct FileFetch {
+    std::string source;  // path there
+    int target = -1;     // descriptor here
+    bool complete = false;
+    std::string error;
+  };
+  class RemoteChild;
+
+  RemoteHost(const HostSettings& settings, std::string command);
+  void Read();
+  void ReadErrors();
+  void HandleLine(const std::string& line);
+  void Lose(const std::string& reason);
+  void Send(const std::string& line);
+
+  const HostSettings settings_;
+  const std::string command_;  // opens the connection
+  LinePipe messages_;
+  LinePipe errors_;
+  int requests_ = -1;
+  std::optional<Process> connection_;
+  bool ready_ = false;
+  bool lost_ = false;
+  Status loss_;
+  std::string folder_;
+  std::string programs_;
+  std::map<int, std::shared_ptr<State>> children_;
+  std::vector<std::string> output_;
+  std::vector<std::string> reports_;
+  std::string last_error_line_;
+  std::optional<FileFetch> fetch_;  // during Fetch
+};
+
+}  // namespace troupe

@@ -1,0 +1,55 @@
+#include "launcher/process/line_pipe.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace troupe {
+
+LineReader::LineReader(int descriptor) : descriptor_(descriptor) {
+  fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
+}
+
+std::vector<std::string> LineReader::Read() {
+  char buffer[65536];
+  while (!at_end_) {
+    ssize_t size = read(descriptor_, buffer, sizeof buffer);
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) break;
+    at_end_ = size == 0;
+    partial_.append(buffer, static_cast<std::size_t>(size));
+  }
+  if (at_end_ && !partial_.empty() && partial_.back() != '\n') partial_ += '\n';
+  std::vector<std::string> lines;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = partial_.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    lines.push_back(partial_.substr(begin, end - begin));
+  }
+  partial_.erase(0, begin);
+  return lines;
+}
+
+LinePipe::Ends::Ends() {
+  int ends[2];
+  TROUPE_CHECK(pipe2(ends, O_CLOEXEC) == 0);
+  reading = ends[0];
+  writing = ends[1];
+}
+
+// Only the reading end is non-blocking; children inherit the writing end.
+LinePipe::LinePipe() : reader_(ends_.reading) {}
+
+LinePipe::~LinePipe() {
+  CloseWritingEnd();
+  close(ends_.reading);
+}
+
+void LinePipe::CloseWritingEnd() {
+  if (ends_.writing >= 0) close(std::exchange(ends_.writing, -1));
+}
+
+}  // namespace troupe

@@ -1,0 +1,117 @@
+#include "launcher/process/process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/personality.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+// Between fork and exec: only calls that are safe there.
+[[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept,
+                                Addresses addresses) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(127);  // the parent died before the line above
+  setpgid(0, 0);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  signal(SIGPIPE, SIG_DFL);
+  int input = streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (input > 0) dup2(input, STDIN_FILENO);
+  if (input == 0) fcntl(input, F_SETFD, 0);
+  dup2(streams.output, STDOUT_FILENO);
+  dup2(streams.error, STDERR_FILENO);
+  if (kept >= 0) fcntl(kept, F_SETFD, 0);
+  // Some containers forbid this; the process is then only slower.
+  if (addresses == Addresses::kSame) personality(static_cast<unsigned long>(personality(~0u)) | ADDR_NO_RANDOMIZE);
+  execv(arguments[0], arguments);
+  _exit(127);
+}
+
+}  // namespace
+
+std::string ProcessEnd::ToString() const {
+  if (signal != 0) return "was killed by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+  return "ended with exit status " + std::to_string(exit_code);
+}
+
+Result<Process> Process::Start(const std::vector<std::string>& command, const Streams& streams, int kept,
+                               Addresses addresses) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t parent = getpid();
+  pid_t pid = fork();
+  if (pid == 0) BecomeProgram(arguments.data(), parent, streams, kept, addresses);
+  if (pid < 0) return Failure("cannot start " + command[0] + ": " + strerror(errno));
+  setpgid(pid, pid);  // here too, so that the group exists before this returns
+  return Process(pid);
+}
+
+Process::Process(Process&& other) noexcept : pid_(std::exchange(other.pid_, -1)), end_(other.end_) {}
+
+Process& Process::operator=(Process&& other) noexcept {
+  if (this != &other) {
+    Kill();
+    pid_ = std::exchange(other.pid_, -1);
+    end_ = other.end_;
+  }
+  return *this;
+}
+
+Process::~Process() {
+  Kill();
+}
+
+bool Process::Poll() {
+  return running() && Wait(WNOHANG);
+}
+
+void Process::Signal(int signal) const {
+  if (running()) kill(pid_, signal);
+}
+
+void Process::Kill() {
+  if (!running()) return;
+  kill(-pid_, SIGKILL);
+  Wait(0);
+}
+
+bool Process::Wait(int options) {
+  int status = 0;
+  rusage usage{};
+  pid_t found = 0;
+  do {
+    found = wait4(pid_, &status, options, &usage);
+  } while (found < 0 && errno == EINTR);
+  if (found == 0) return false;
+  ProcessEnd end;
+  end.peak_memory_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+  end.exit_code = end.signal != 0 ? 128 + end.signal : WEXITSTATUS(status);
+  end_ = end;
+  return true;
+}
+
+Result<std::string> FindProgram(const std::string& name) {
+  std::error_code failure;
+  std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
+  if (failure) return Failure("cannot read /proc/self/exe: " + failure.message());
+  std::string path = (self.parent_path() / name).string();
+  if (access(path.c_str(), X_OK) != 0) {
+    return Failure("cannot start " + path + ": " + strerror(errno) + "; expected it beside the program troupe");
+  }
+  return path;
+}
+
+}  // namespace troupe

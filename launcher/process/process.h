@@ -1,0 +1,76 @@
+// Process: a child program that cannot outlive this one. The kernel sends it SIGKILL when the thread that started it
+// ends, whatever the cause, so REQUIRES: that thread lives as long as the program. The child has its own process group:
+// a terminal's Ctrl-C reaches only the parent, which then stops its children in order.
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace troupe {
+
+// How a child ended.
+struct ProcessEnd {
+  int exit_code = 0;             // 128 + signal if a signal ended it, as shells count
+  int signal = 0;                // 0: it ended by itself
+  double peak_memory_mib = 0.0;  // largest resident size
+
+  bool ok() const { return exit_code == 0; }
+  // "ended with exit status 3", "was killed by signal 9 (Killed)"
+  std::string ToString() const;
+};
+
+// The address layout of a program. The processor predicts branches by address, so many processes of one program that
+// run in turn are faster with equal addresses; docs/performance.md has figures. Random addresses make attacks harder,
+// so REQUIRES: kSame only where other hosts cannot send to the process.
+enum class Addresses : bool { kRandom, kSame };
+
+class Process {
+ public:
+  // Descriptors for a child.
+  struct Streams {
+    int input = -1;  // -1: empty
+    int output = -1;
+    int error = -1;
+  };
+
+  // Runs command[0] (a path) with the rest as arguments. Its standard input is empty; its standard output and
+  // standard error are connected to `output`. The descriptor `kept`, unless -1, stays open in the child.
+  static Result<Process> Start(const std::vector<std::string>& command, int output, int kept = -1,
+                               Addresses addresses = Addresses::kRandom) {
+    return Start(command, {-1, output, output}, kept, addresses);
+  }
+  static Result<Process> Start(const std::vector<std::string>& command, const Streams& streams, int kept = -1,
+                               Addresses addresses = Addresses::kRandom);
+
+  Process(Process&& other) noexcept;
+  Process& operator=(Process&& other) noexcept;
+  ~Process();  // kills it if it still runs
+
+  pid_t pid() const { return pid_; }
+  bool running() const { return pid_ > 0 && !end_; }
+  const std::optional<ProcessEnd>& end() const { return end_; }
+
+  // Checks for its end, without waiting. True once, when the end is found.
+  bool Poll();
+  // No effect on a process that has ended.
+  void Signal(int signal) const;
+  // Sends SIGKILL to its process group, and waits for its end.
+  void Kill();
+
+ private:
+  explicit Process(pid_t pid) : pid_(pid) {}
+  bool Wait(int options);
+
+  pid_t pid_ = -1;
+  std::optional<ProcessEnd> end_;
+};
+
+// The program `name` in the folder of the running program.
+Result<std::string> FindProgram(const std::string& name);
+
+}  // namespace troupe

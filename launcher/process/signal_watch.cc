@@ -1,0 +1,36 @@
+#include "launcher/process/signal_watch.h"
+
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <initializer_list>
+
+#include "common/base/check.h"
+
+namespace troupe {
+
+SignalWatch::SignalWatch() {
+  sigset_t watched;
+  sigemptyset(&watched);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&watched, signal);
+  pthread_sigmask(SIG_BLOCK, &watched, &before_);
+  descriptor_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
+  TROUPE_CHECK(descriptor_ >= 0);
+}
+
+SignalWatch::~SignalWatch() {
+  close(descriptor_);
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+bool SignalWatch::ReadStopRequest() {
+  bool stop = false;
+  signalfd_siginfo info;
+  while (read(descriptor_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
+    stop = stop || info.ssi_signo != static_cast<unsigned>(SIGCHLD);
+  }
+  stop_requested_ = stop_requested_ || stop;
+  return stop;
+}
+
+}  // namespace troupe

@@ -1,0 +1,30 @@
+// SignalWatch: makes this process's signals readable from a descriptor. During its lifetime SIGINT, SIGTERM, SIGHUP and
+// SIGCHLD have no other effect. REQUIRES: constructed before any other thread starts, so that all threads inherit the
+// signal mask.
+#pragma once
+
+#include <signal.h>
+
+namespace troupe {
+
+class SignalWatch {
+ public:
+  SignalWatch();
+  ~SignalWatch();
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+
+  // Readable when a signal is pending.
+  int descriptor() const { return descriptor_; }
+  // Consumes all pending signals. True if one of them requests a stop.
+  bool ReadStopRequest();
+  // Whether ReadStopRequest has ever returned true.
+  bool stop_requested() const { return stop_requested_; }
+
+ private:
+  sigset_t before_;
+  int descriptor_ = -1;
+  bool stop_requested_ = false;
+};
+
+}  // namespace troupe

@@ -1,0 +1,164 @@
+#include "launcher/supervise/agent_fleet.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/random.h"
+#include "common/command_line/trace_flags.h"
+#include "launcher/hosts/shell_words.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kMaxStartDelay = 0.5;  // s, with --shuffle-start
+
+// Limit of agents per host that are started and have not joined. docs/performance.md has figures.
+constexpr std::size_t kMaxStarting = 16;
+
+// The order in which `count` agents are started: by index, or shuffled (Fisher and Yates).
+std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::uint64_t>& shuffle) {
+  std::vector<std::size_t> order(count);
+  for (std::size_t i = 0; i < count; ++i) order[i] = i;
+  for (std::size_t i = count; shuffle && i > 1; --i) {
+    std::swap(order[i - 1], order[RandomBits({*shuffle, 0, i}) % i]);
+  }
+  return order;
+}
+
+// Robots that share a process.
+struct Group {
+  std::size_t site;
+  std::vector<std::string> robots;
+};
+
+// Groups consecutive robots of one site, so that the scan files of the groups are in the order of robots.
+std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot,
+                              std::size_t packing) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (groups.empty() || groups.back().site != site_of_robot[i] || groups.back().robots.size() == packing) {
+      groups.push_back({site_of_robot[i], {}});
+    }
+    groups.back().robots.push_back(robots[i]);
+  }
+  return groups;
+}
+
+}  // namespace
+
+AgentFleet::AgentFleet(const RunOptions& options)
+    : options_(options), scans_("--scans", options.scans), traces_("--trace", options.trace.file) {}
+
+Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
+                         const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot) {
+  sites_ = sites;
+  ready_ = ready;
+  service_address_ = service_address;
+  if (Status failure = Plan(ready.robots, site_of_robot); !failure.ok()) return failure;
+  return StartAfterJoins(0);
+}
+
+Status AgentFleet::StartAfterJoins(std::size_t agents) {
+  return StartUpTo(agents + kMaxStarting * sites_.size());
+}
+
+Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
+  if (Status failure = Plan(robots, site_of_robot); !failure.ok()) return failure;
+  return StartUpTo(size());
+}
+
+Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
+  const std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready_.robots_per_process));
+  std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
+  const std::size_t first = group_sites_.size();
+  for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
+  if (Status status = scans_.AddParts(groups.size()); !status.ok()) return status;
+  if (Status status = traces_.AddParts(groups.size()); !status.ok()) return status;
+  for (const std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
+    waiting_.push_back({first + index, std::move(groups[index].robots)});
+    if (options_.shuffle_start) {
+      waiting_.back().delay = kMaxStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
+    }
+  }
+  return Status();
+}
+
+Status AgentFleet::StartUpTo(std::size_t agents) {
+  while (agents_.size() < agents && !waiting_.empty()) {
+    WaitingAgent next = std::move(waiting_.front());
+    waiting_.pop_front();
+    if (Status failure = StartAgent(std::move(next)); !failure.ok()) return failure;
+  }
+  return Status();
+}
+
+Status AgentFleet::StartAgent(WaitingAgent agent) {
+  const AgentSite& site = *group_sites_[agent.group];
+  RunOptions options = options_;
+  options.network.network_interface = site.network_interface;
+  std::vector<std::string> arguments = AgentArguments(options, service_address_, agent.robots, ready_.ros);
+  if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
+  std::string restart_command = ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments);
+  if (!scans_.empty()) restart_command += " --keep-scans";
+  // Not in the restart command: the file has the trace of the lost agent.
+  if (!traces_.empty()) {
+    for (std::string& argument : TraceArguments(options_.trace, traces_.PathOn(*site.host, agent.group))) {
+      arguments.push_back(std::move(argument));
+    }
+  }
+  if (agent.delay > 0.0) arguments.push_back("--start-delay=" + std::to_string(agent.delay));
+  Result<std::unique_ptr<Child>> process = site.host->Start("robot-agent", arguments, false);
+  if (!process.ok()) return process.error();
+  agents_.push_back({std::move(process).value(), site.host, std::move(agent.robots), std::move(restart_command)});
+  ++running_;
+  return Status();
+}
+
+std::vector<const AgentProcess*> AgentFleet::PollEnded() {
+  std::vector<const AgentProcess*> ended;
+  for (AgentProcess& agent : agents_) {
+    if (!agent.process->Poll()) continue;
+    ended.push_back(&agent);
+    --running_;
+  }
+  return ended;
+}
+
+void AgentFleet::Signal(int signal) const {
+  for (const AgentProcess& agent : agents_) agent.process->Signal(signal);
+}
+
+void AgentFleet::Kill() {
+  for (AgentProcess& agent : agents_) agent.process->Kill();
+  running_ = 0;
+}
+
+double AgentFleet::peak_memory_mib() const {
+  double peak = 0.0;
+  for (const AgentProcess& agent : agents_) {
+    if (agent.process->end()) peak = std::max(peak, agent.process->end()->peak_memory_mib);
+  }
+  return peak;
+}
+
+std::map<std::string, std::string> AgentFleet::hosts() const {
+  std::map<std::string, std::string> hosts;
+  for (const AgentProcess& agent : agents_) {
+    if (agent.host->name().empty()) continue;
+    for (const std::string& robot : agent.robots) hosts[robot] = agent.host->name();
+  }
+  return hosts;
+}
+
+Status AgentFleet::FetchOutputs() {
+  Status first_failure;
+  for (const AgentOutput* output : {&scans_, &traces_}) {
+    for (std::size_t group = 0; group < output->files().size(); ++group) {
+      Status status = output->Fetch(*group_sites_[group]->host, group);
+      if (!status.ok() && first_failure.ok()) first_failure = status;
+    }
+  }
+  return first_failure;
+}
+
+}  // namespace troupe

@@ -1,0 +1,92 @@
+// AgentFleet: the agent processes of a run.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "launcher/hosts/host.h"
+#include "launcher/supervise/agent_output.h"
+#include "launcher/supervise/run_options.h"
+#include "launcher/supervise/service_report.h"
+
+namespace troupe {
+
+struct AgentProcess {
+  std::unique_ptr<Child> process;
+  const Host* host;
+  std::vector<std::string> robots;
+  std::string restart_command;  // for a shell
+};
+
+// Where agents run.
+struct AgentSite {
+  Host* host;
+  std::string network_interface;
+};
+
+class AgentFleet {
+ public:
+  // The options must outlive this.
+  explicit AgentFleet(const RunOptions& options);
+
+  // Plans an agent for every `robots_per_process` consecutive robots of one site; site_of_robot[i] is the index in
+  // `sites` of the site of ready.robots[i]. Starts a limited number of agents, and StartAfterJoins the others: hundreds
+  // of agents that join at the same time delay each other.
+  Status Start(const ReadyReport& ready, const std::string& service_address, const std::vector<AgentSite>& sites,
+               const std::vector<std::size_t>& site_of_robot);
+
+  // Starts further agents. `agents`: the number of those that have joined.
+  Status StartAfterJoins(std::size_t agents);
+
+  // Starts agents for new robots of the run, all at once. REQUIRES: Start was called.
+  Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
+
+  // The agents that ended since the last call.
+  std::vector<const AgentProcess*> PollEnded();
+  std::size_t size() const { return agents_.size() + waiting_.size(); }
+  bool all_ended() const { return running_ == 0; }
+  void Signal(int signal) const;
+  void Kill();
+
+  // The largest resident size of an agent that has ended; 0 without one.
+  double peak_memory_mib() const;
+  // The host names of the robots on remote hosts, by robot.
+  std::map<std::string, std::string> hosts() const;
+  // Copies the output files of agents on remote hosts into the files here.
+  Status FetchOutputs();
+  // The agents' scan files in the order of their robots; none without --scans.
+  const std::vector<std::string>& scan_files() const { return scans_.files(); }
+  // The trace files of the agents; none without --trace.
+  const std::vector<std::string>& trace_files() const { return traces_.files(); }
+
+ private:
+  // An agent that is still to be started.
+  struct WaitingAgent {
+    std::size_t group;  // in the order of robots
+    std::vector<std::string> robots;
+    double delay = 0.0;  // s
+  };
+
+  // Queues agents for the robots.
+  Status Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
+  // Starts waiting agents until `agents` have been started in all.
+  Status StartUpTo(std::size_t agents);
+  Status StartAgent(WaitingAgent agent);
+
+  const RunOptions& options_;
+  AgentOutput scans_;
+  AgentOutput traces_;
+  std::vector<AgentProcess> agents_;  // in the order of starting
+  std::deque<WaitingAgent> waiting_;
+  std::vector<const AgentSite*> group_sites_;  // in the order of robots
+  std::vector<AgentSite> sites_;
+  ReadyReport ready_;
+  std::string service_address_;
+  std::size_t running_ = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,263 @@
+#include "launcher/supervise/distributed_run.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/trace/trace_file.h"
+#include "launcher/process/signal_watch.h"
+#include "launcher/supervise/agent_fleet.h"
+#include "launcher/supervise/merge_scans.h"
+#include "launcher/supervise/progress.h"
+#include "launcher/supervise/run_hosts.h"
+#include "launcher/supervise/service_process.h"
+#include "launcher/supervise/service_report.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A process that has not ended this long after the request to stop is killed.
+constexpr auto kStopTimeout = std::chrono::seconds(10);
+// The same for agents after the end of the service: they leave at once unless they hang.
+constexpr auto kLeaveTimeout = std::chrono::seconds(5);
+
+class DistributedRun {
+ public:
+  explicit DistributedRun(const RunOptions& options)
+      : options_(options), hosts_(options), service_(options, hosts_), agents_(options) {}
+
+  RunEnd Run();
+
+ private:
+  void SuperviseUntilServiceEnds();
+  void AwaitAgents();
+  // Waits for events, at most until kill_at_, and reacts to them.
+  void ProcessEvents();
+  void WaitForEvents();
+  void ProcessReports();
+  void React(const ReadyReport& ready);
+  void React(const NewRobotsReport& report);
+  void React(const StartedReport&);
+  void React(const StatusMessage& status);
+  void React(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
+  void React(const RunSummary& summary) { summary_ = summary; }
+  void PrintOutput();
+  void ReactToEnd(const AgentProcess& agent);
+  Status CollectOutputs();
+  void Stop();
+  // Ends the run. Only the first failure counts.
+  void Fail(RunEnd end);
+  RunEnd End();
+  bool failed() const { return end_.exit_status != kExitDone && end_.exit_status != kExitInterrupted; }
+
+  const RunOptions& options_;
+  SignalWatch signals_;
+  RunHosts hosts_;
+  Progress progress_;
+  ServiceProcess service_;
+  AgentFleet agents_;
+  const Clock::time_point start_ = Clock::now();
+  std::optional<Clock::time_point> kill_at_;  // set by a request to stop
+  std::size_t robots_ = 0;
+  double startup_seconds_ = 0.0;
+  bool started_ = false;
+  bool error_printed_ = false;  // by a child
+  std::optional<RunSummary> summary_;
+  RunEnd end_;  // without the outcome
+};
+
+void DistributedRun::WaitForEvents() {
+  int timeout = -1;
+  if (kill_at_) {
+    auto left = std::chrono::duration_cast<std::chrono::milliseconds>(*kill_at_ - Clock::now());
+    timeout = std::max(0, static_cast<int>(left.count()) + 1);
+  }
+  std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
+  for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
+  poll(waited.data(), waited.size(), timeout);
+}
+
+void DistributedRun::ProcessEvents() {
+  WaitForEvents();
+  const bool second_request = signals_.stop_requested();
+  if (signals_.ReadStopRequest()) {
+    if (second_request) kill_at_ = Clock::now();
+    Stop();
+  }
+  // The end of the service is polled before its last lines are read, so that none are missed.
+  service_.process().Poll();
+  PrintOutput();
+  ProcessReports();
+  for (const AgentProcess* agent : agents_.PollEnded()) ReactToEnd(*agent);
+  if (kill_at_ && Clock::now() >= *kill_at_) {
+    service_.process().Kill();
+    agents_.Kill();
+  }
+}
+
+void DistributedRun::PrintOutput() {
+  for (const auto& host : hosts_.all()) {
+    for (const std::string& line : host->ReadOutput()) {
+      // Before the start, one error represents those of all agents, which usually have the same cause.
+      const bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
+      if (error && error_printed_ && !started_) continue;
+      error_printed_ = error_printed_ || error;
+      progress_.Tell(host->name().empty() ? line : host->name() + ": " + line);
+    }
+    if (Status loss = host->PollLoss(); !loss.ok() && !summary_) progress_.Tell(loss.error().ToString());
+  }
+}
+
+void DistributedRun::ProcessReports() {
+  for (const std::string& line : hosts_.service_host().ReadReports()) {
+    std::optional<ServiceReport> report = ParseServiceReport(line);
+    if (report) std::visit([this](const auto& content) { React(content); }, *report);
+  }
+}
+
+void DistributedRun::React(const ReadyReport& ready) {
+  if (kill_at_) return;
+  robots_ = ready.robots.size();
+  const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
+  if (!sites.ok()) return Fail(FailedRun(sites.error()));
+  const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
+  if (!started.ok()) Fail(FailedRun(started.error()));
+}
+
+// An error here does not end the run: the service waits for the agents, and reports those that do not join.
+void DistributedRun::React(const NewRobotsReport& report) {
+  if (kill_at_) return;
+  const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(report.robots);
+  if (!sites.ok()) return progress_.Tell(sites.error().ToString());
+  if (Status status = agents_.Add(report.robots, sites.value()); !status.ok()) {
+    progress_.Tell(status.error().ToString());
+  }
+}
+
+void DistributedRun::React(const StatusMessage& status) {
+  progress_.Update(status);
+  if (started_ || kill_at_) return;
+  if (Status started = agents_.StartAfterJoins(status.agents); !started.ok()) Fail(FailedRun(started.error()));
+}
+
+void DistributedRun::React(const StartedReport&) {
+  started_ = true;
+  startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
+  const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
+  progress_.Tell(fmt::format("session {}: {} robots in {} agent processes{}, ready after {:.2f} s",
+                             options_.network.session, robots_, agents_.size(), on_hosts, startup_seconds_));
+}
+
+void DistributedRun::ReactToEnd(const AgentProcess& agent) {
+  const ProcessEnd& end = *agent.process->end();
+  if (end.ok() || kill_at_ || summary_ || !service_.process().running()) return;
+  const std::string& host = agent.host->name();
+  const std::string text =
+      fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
+                  fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
+                  end.ToString());
+  if (started_) {
+    progress_.Tell(text + "; to start it again" + (host.empty() ? "" : " there") + ":\n  " + agent.restart_command);
+  } else if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
+    Fail({end.exit_code, std::nullopt, std::nullopt});
+  } else {
+    Fail(FailedRun(Failure(text + " before the run began")));
+  }
+}
+
+void DistributedRun::Fail(RunEnd end) {
+  if (failed()) return;
+  end_ = std::move(end);
+  Stop();
+}
+
+void DistributedRun::Stop() {
+  service_.process().Signal(SIGTERM);
+  if (!started_) agents_.Signal(SIGTERM);
+  if (!kill_at_) kill_at_ = Clock::now() + kStopTimeout;
+}
+
+void DistributedRun::SuperviseUntilServiceEnds() {
+  while (service_.process().running()) ProcessEvents();
+  ProcessReports();
+  if (failed()) return;
+  const ProcessEnd& end = *service_.process().end();
+  if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
+    end_ = {end.exit_code, std::nullopt, std::nullopt};
+  } else if (signals_.stop_requested()) {
+    end_ = {kExitInterrupted, std::nullopt, std::nullopt};
+  } else if (!end.ok() || !summary_) {
+    const std::string& host = hosts_.service_host().name();
+    end_ = FailedRun(Failure("the world service " + (host.empty() ? "" : "on host " + host + " ") + end.ToString()));
+  }
+}
+
+void DistributedRun::AwaitAgents() {
+  // After an orderly end of the service the agents leave by themselves, once they have written their files.
+  if (!summary_) agents_.Signal(SIGTERM);
+  kill_at_ = Clock::now() + kLeaveTimeout;
+  while (!agents_.all_ended()) ProcessEvents();
+  PrintOutput();
+}
+
+// Continues after a failure, and returns the first: the scans of a run that failed may show the cause.
+Status DistributedRun::CollectOutputs() {
+  Status first;
+  const auto keep = [&first](Status status) {
+    if (first.ok()) first = std::move(status);
+  };
+  if (!started_) return first;
+  if (!options_.hosts.empty()) {
+    const Status fetched = service_.FetchOutputs();
+    keep(fetched.ok() ? agents_.FetchOutputs() : fetched);
+  }
+  if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans));
+  if (!options_.trace.file.empty()) {
+    std::vector<std::string> parts = {service_.trace_file()};
+    parts.insert(parts.end(), agents_.trace_files().begin(), agents_.trace_files().end());
+    keep(MergeTraces(parts, options_.trace.file));
+  }
+  return first;
+}
+
+RunEnd DistributedRun::End() {
+  const Status collected = CollectOutputs();
+  if (failed()) return end_;
+  if (!collected.ok()) return FailedRun(collected.error());
+  if (!summary_) return end_;
+  RunOutcome outcome;
+  outcome.run = *summary_;
+  outcome.run.startup_seconds = startup_seconds_;
+  outcome.processes = static_cast<std::uint32_t>(agents_.size() + 1);
+  outcome.service_peak_memory_mib = service_.process().end()->peak_memory_mib;
+  outcome.hosts = agents_.hosts();
+  outcome.agent_peak_memory_mib = agents_.peak_memory_mib();
+  return {end_.exit_status, std::move(outcome), std::nullopt};
+}
+
+RunEnd DistributedRun::Run() {
+  if (const Status status = hosts_.Connect(signals_); !status.ok()) {
+    RunEnd end = FailedRun(status.error());
+    if (signals_.stop_requested()) end.exit_status = kExitInterrupted;
+    return end;
+  }
+  if (const Status status = service_.Start(); !status.ok()) return FailedRun(status.error());
+  SuperviseUntilServiceEnds();
+  AwaitAgents();
+  return End();
+}
+
+}  // namespace
+
+RunEnd RunDistributed(const RunOptions& options) {
+  signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost during a write
+  return DistributedRun(options).Run();
+}
+
+}  // namespace troupe

@@ -1,0 +1,264 @@
+#include "launcher/supervise/in_process_run.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/protocol/faulty_transport.h"
+#include "common/protocol/memory_transport.h"
+#include "common/spatial/scene.h"
+#include "common/trace/trace_file.h"
+#include "launcher/process/signal_watch.h"
+#include "launcher/supervise/merge_scans.h"
+#include "launcher/supervise/output_parts.h"
+#include "launcher/supervise/progress.h"
+#include "robot-agent/agent/agent_host.h"
+#include "robot-agent/ros/ros_gateway.h"
+#include "world-service/observers/recorder/recorder.h"
+#include "world-service/observers/ros/ros_world_gateway.h"
+#include "world-service/service/run_service.h"
+
+namespace troupe {
+namespace {
+
+// Agents for the robots that edits add to the world.
+class NewAgents {
+ public:
+  NewAgents(Transport& transport, AgentOptions options)
+      : transport_(transport), options_(std::move(options)), scan_parts_(options_.scan_log, "--scans") {
+    options_.trace = {};  // the first agent's
+  }
+  ~NewAgents() { Join(); }
+
+  void Start(const std::vector<std::string>& robots) {
+    AgentOptions options = options_;
+    options.agent = ++options_.agent;
+    options.robots = robots;
+    if (!options.scan_log.empty()) {
+      const Result<std::string> file = scan_parts_.Add();
+      if (!file.ok()) return Tell(file.error().ToString());
+      options.scan_log = file.value();
+      scan_files_.push_back(file.value());
+    }
+    threads_.emplace_back([this, options] {
+      const Result<AgentEnd> end = RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_);
+      if (!end.ok()) Tell("agent of " + options.robots.front() + ": " + end.error().ToString());
+    });
+  }
+
+  // Stops the agents that have not reached the end of the run.
+  void Join() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+
+  // Merges their scans into the file of the first agent. REQUIRES: Join was called.
+  Status MergeScans() {
+    if (scan_files_.empty()) return Status();
+    const Result<std::string> all = scan_parts_.Add();
+    if (!all.ok()) return all.error();
+    scan_files_.insert(scan_files_.begin(), options_.scan_log);
+    if (Status failure = troupe::MergeScans(scan_files_, all.value()); !failure.ok()) return failure;
+    std::error_code failure;
+    const auto overwrite = std::filesystem::copy_options::overwrite_existing;
+    std::filesystem::copy_file(all.value(), options_.scan_log, overwrite, failure);
+    if (failure) return Error{{options_.scan_log}, "cannot write scans: " + failure.message(), ErrorCode::kFailure};
+    return Status();
+  }
+
+ private:
+  static void Tell(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+  Transport& transport_;
+  AgentOptions options_;  // of the newest agent
+  OutputParts scan_parts_;
+  std::vector<std::string> scan_files_;
+  std::atomic<bool> stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+class ProgressObserver : public RunObserver {
+ public:
+  ProgressObserver(std::size_t robots, NewAgents& new_agents) : robots_(robots), new_agents_(new_agents) {}
+
+  void OnNewRobots(const std::vector<std::string>& robots) override { new_agents_.Start(robots); }
+
+  void OnStarted(double startup_seconds) override {
+    progress_.Tell(fmt::format("{} robots in this process, ready after {:.2f} s", robots_, startup_seconds));
+  }
+  void OnStatus(const StatusMessage& status) override { progress_.Update(status); }
+  void OnEvent(const Event& event, const std::string& text) override {
+    progress_.TellEvent(event.tick, ToString(event.type), text);
+  }
+  void OnNotice(const std::string& text) override { progress_.Tell(text); }
+
+ private:
+  std::size_t robots_;
+  NewAgents& new_agents_;
+  Progress progress_;
+};
+
+std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
+  std::unique_ptr<Transport> transport = MakeMemoryTransport();
+  if (faults.empty()) return transport;
+  return MakeFaultyTransport(std::move(transport), ParseFaults(faults).value());
+}
+
+// Waits until `done` is readable. The first stop request sets `stop`, the second ends the process.
+void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
+  pollfd waited[] = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
+  while (waited[1].revents == 0) {
+    poll(waited, 2, -1);
+    if (!signals.ReadStopRequest()) continue;
+    if (stop) std::_Exit(kExitInterrupted);
+    stop = true;
+  }
+}
+
+double PeakMemoryMib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+ServiceOptions MakeServiceOptions(const RunOptions& options, const RunSettings& settings) {
+  ServiceOptions service;
+  service.settings = settings;
+  options.run.ApplyTo(service.settings);
+  service.session = options.network.session;
+  service.lease_seconds = options.network.lease_seconds;
+  service.start_timeout_seconds = options.start_timeout_seconds;
+  service.start_paused = options.paused;
+  service.world_file = options.file;
+  service.overrides = options.load;
+  return service;
+}
+
+AgentOptions MakeAgentOptions(const RunOptions& options, bool ros) {
+  AgentOptions agent;
+  agent.agent = 1;
+  agent.scan_log = options.scans;
+  agent.threads = std::max(1u, std::thread::hardware_concurrency());
+  if (ros) agent.make_gateway = MakeRosGateway(options.ros);
+  return agent;
+}
+
+// The service and the first agent in threads of their own.
+class InProcessRun {
+ public:
+  // The observers must outlive this.
+  InProcessRun(std::shared_ptr<const Scene> scene, const std::string& faults, ServiceOptions service,
+               AgentOptions agent, RunObservers observers)
+      : scene_(std::move(scene)),
+        service_options_(std::move(service)),
+        agent_options_(std::move(agent)),
+        observers_(std::move(observers)),
+        transport_(MakeTransport(faults)),
+        new_agents_(*transport_, agent_options_) {}
+
+  // Runs until service and agents have ended, and merges the scans.
+  Result<RunSummary> Run(SignalWatch& signals) {
+    const int done = eventfd(0, EFD_CLOEXEC);
+    std::atomic<bool> stop = false;
+    std::atomic<bool> agent_stop = false;
+    Result<RunSummary> summary = Failure("the run did not end");
+    Result<AgentEnd> agent = AgentEnd::kStopped;
+    std::thread service_thread([&] {
+      ProgressObserver progress(scene_->world().robots.size(), new_agents_);
+      observers_.push_back(&progress);
+      summary = RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop);
+      eventfd_write(done, 1);
+    });
+    std::thread agent_thread([&] {
+      agent = RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop);
+      if (!agent.ok()) stop = true;  // without its only agent the run cannot continue
+    });
+    WaitForEnd(done, signals, stop);
+    service_thread.join();
+    if (!summary.ok()) agent_stop = true;
+    agent_thread.join();
+    new_agents_.Join();
+    close(done);
+    if (!summary.ok()) return summary.error();
+    if (!agent.ok()) return agent.error();
+    if (Status status = new_agents_.MergeScans(); !status.ok()) return status.error();
+    return summary;
+  }
+
+ private:
+  const std::shared_ptr<const Scene> scene_;
+  const ServiceOptions service_options_;
+  const AgentOptions agent_options_;
+  RunObservers observers_;
+  const std::unique_ptr<Transport> transport_;
+  NewAgents new_agents_;
+};
+
+// Gives the service and the agent a part of the trace each.
+Result<std::vector<std::string>> SplitTrace(const TraceOptions& trace, OutputParts& parts, TraceOptions& service,
+                                            TraceOptions& agent) {
+  std::vector<std::string> files;
+  if (trace.file.empty()) return files;
+  for (TraceOptions* part : {&service, &agent}) {
+    Result<std::string> file = parts.Add();
+    if (!file.ok()) return file.error();
+    *part = trace;
+    part->file = file.value();
+    files.push_back(std::move(file).value());
+  }
+  return files;
+}
+
+}  // namespace
+
+RunEnd RunInProcess(const RunOptions& options) {
+  Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
+  if (!loaded.ok()) return FailedRun(loaded.error());
+  for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
+
+  ServiceOptions service = MakeServiceOptions(options, loaded.value().settings);
+  AgentOptions agent = MakeAgentOptions(options, service.settings.ros);
+  OutputParts trace_parts(options.trace.file, "--trace");
+  const auto trace_files = SplitTrace(options.trace, trace_parts, service.trace, agent.trace);
+  if (!trace_files.ok()) return FailedRun(trace_files.error());
+
+  const auto scene = std::make_shared<const Scene>(std::move(loaded.value().world));
+  SignalWatch signals;
+  const OutputFiles outputs = {options.hash_log, options.poses, options.record};
+  const Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(scene->world(), outputs);
+  if (!recorder.ok()) return FailedRun(recorder.error());
+  std::unique_ptr<RunObserver> ros;
+  RunObservers observers;
+  if (service.settings.ros) {
+    ros = MakeRosWorldGateway(options.ros, scene);
+    observers.push_back(ros.get());
+  }
+  observers.push_back(recorder.value().get());
+
+  InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
+  const Result<RunSummary> summary = run.Run(signals);
+  if (!summary.ok()) return FailedRun(summary.error());
+  if (!options.trace.file.empty()) {
+    if (Status status = MergeTraces(trace_files.value(), options.trace.file); !status.ok()) {
+      return FailedRun(status.error());
+    }
+  }
+  RunOutcome outcome;
+  outcome.run = summary.value();
+  outcome.service_peak_memory_mib = PeakMemoryMib();
+  return {outcome.run.interrupted ? kExitInterrupted : kExitDone, outcome, std::nullopt};
+}
+
+}  // namespace troupe

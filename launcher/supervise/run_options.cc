@@ -1,0 +1,189 @@
+#include "launcher/supervise/run_options.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+
+#include "common/command_line/network_flags.h"
+#include "common/command_line/option_checks.h"
+#include "common/command_line/ros_flags.h"
+#include "common/command_line/run_flags.h"
+#include "common/command_line/trace_flags.h"
+#include "common/worldfile/scenario/scenario.h"
+
+namespace troupe {
+namespace {
+
+using NamedFile = std::pair<const char*, const std::string*>;
+
+std::vector<NamedFile> OutputsOf(const RunOptions& options) {
+  return {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},   {"--scans", &options.scans},
+          {"--summary", &options.summary},   {"--record", &options.record}, {"--trace", &options.trace.file}};
+}
+
+Status CheckWritable(const NamedFile& output) {
+  int file = open(output.second->c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) {
+    return Error{{}, std::string(output.first) + ": cannot write " + *output.second + ": " + strerror(errno)};
+  }
+  close(file);
+  return Status();
+}
+
+// Two outputs in one file would be mixed up. Devices may be shared.
+Status CheckDistinct(const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = i + 1; j < outputs.size(); ++j) {
+      const std::string& path = *outputs[i].second;
+      if (path != *outputs[j].second) continue;
+      if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) continue;
+      return Error{{}, std::string(outputs[i].first) + " and " + outputs[j].first + " name the same file, " + path};
+    }
+  }
+  return Status();
+}
+
+Status CheckOutputs(const RunOptions& options) {
+  std::vector<NamedFile> outputs = OutputsOf(options);
+  std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
+  if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
+  for (const NamedFile& output : outputs) {
+    if (Status failure = CheckWritable(output); !failure.ok()) return failure;
+  }
+  return Status();
+}
+
+// "<world>-<pid>", without the characters that a session name cannot contain.
+std::string OwnSession(const std::string& file) {
+  std::string name;
+  for (char c : std::filesystem::path(file).stem().string()) {
+    bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+    if (plain && name.size() < 40) name += c;
+  }
+  return (name.empty() ? "world" : name) + "-" + std::to_string(getpid());
+}
+
+void Append(std::vector<std::string>& arguments, const char* option, const std::string& value) {
+  if (!value.empty()) arguments.push_back(std::string(option) + "=" + value);
+}
+
+void Append(std::vector<std::string>& arguments, std::vector<std::string> more) {
+  for (std::string& argument : more) arguments.push_back(std::move(argument));
+}
+
+std::vector<std::string> NetworkArguments(const RunOptions& options) {
+  const NetworkSettings& network = options.network;
+  std::vector<std::string> arguments;
+  Append(arguments, "--session", network.session);
+  Append(arguments, "--domain", std::to_string(network.domain));
+  Append(arguments, "--interface", network.network_interface);
+  Append(arguments, "--network", network.network_profile);
+  Append(arguments, "--lease", fmt::format("{}", network.lease_seconds));
+  Append(arguments, "--faults", options.faults);
+  return arguments;
+}
+
+void AddOutputFlags(CLI::App& command, RunOptions& options) {
+  const char* group = "Output files";
+  AddServiceOutputFlags(command, options.hash_log, options.poses, options.record, group);
+  AddScansFlag(command, options.scans, group);
+  command.add_option("--summary", options.summary, "Write the summary of the run as a JSON object")
+      ->type_name("FILE")
+      ->group(group);
+  AddTraceFlags(command, options.trace, group);
+}
+
+}  // namespace
+
+void AddRunOptions(CLI::App& command, RunOptions& options) {
+  AddWorldFile(command, options.file);
+
+  const char* simulation = "Simulation";
+  AddRunFlags(command, options.run, simulation);
+  AddSeedFlag(command, options.load.seed, simulation);
+  AddControllerFlag(command, options.load.controller, simulation);
+  AddPausedFlag(command, options.paused, simulation);
+
+  const char* processes = "Processes and network";
+  command.add_flag("--in-process", options.in_process, "Run everything in this process, without DDS")->group(processes);
+  command
+      .add_option("--robots-per-process", options.robots_per_process,
+                  "Number of robots in one agent process (default: the scenario's, or 1)")
+      ->check(WholeNumber(1, 100000))
+      ->type_name("K")
+      ->group(processes);
+  AddSessionFlag(command, options.network,
+                 "Name of the run on the network (default: the world's name and the process id)", processes);
+  options.network.network_interface.clear();  // CompleteRunOptions chooses
+  AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts", processes);
+  AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
+  command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
+
+  AddRosFlags(command, options.run.ros, options.ros, "ROS 2");
+  AddOutputFlags(command, options);
+
+  AddFaultsFlag(command, options.faults);
+  command
+      .add_option("--shuffle-start", options.shuffle_start,
+                  "Start the agents in a random order, each after a random delay")
+      ->check(WholeNumber(0))
+      ->type_name("SEED")
+      ->group("Testing");
+}
+
+Status CompleteRunOptions(RunOptions& options) {
+  NetworkSettings& network = options.network;
+  if (network.session.empty()) network.session = OwnSession(options.file);
+  if (!options.in_process && options.file.ends_with(".json")) {
+    Result<HostsOfScenario> hosts = ReadHostsOfScenario(options.file);
+    if (!hosts.ok()) return hosts.error();
+    options.hosts = std::move(hosts.value().hosts);
+    if (network.network_profile.empty()) network.network_profile = hosts.value().network;
+  }
+  if (network.network_interface.empty()) {
+    network.network_interface = options.hosts.empty() ? kLoopbackInterface : kAutomaticInterface;
+  }
+  return CheckOutputs(options);
+}
+
+std::string InterfaceOf(const HostSettings& host) {
+  if (!host.network_interface.empty()) return host.network_interface;
+  in_addr address{};
+  return inet_pton(AF_INET, host.address.c_str(), &address) == 1 ? host.address : kAutomaticInterface;
+}
+
+std::vector<std::string> ServiceArguments(const RunOptions& options) {
+  std::vector<std::string> arguments = {options.file};
+  Append(arguments, RunArguments(options.run));
+  if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
+  if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
+  Append(arguments, NetworkArguments(options));
+  Append(arguments, "--start-timeout", fmt::format("{}", options.start_timeout_seconds));
+  Append(arguments, "--hash-log", options.hash_log);
+  Append(arguments, "--poses", options.poses);
+  Append(arguments, "--record", options.record);
+  if (!options.trace.file.empty()) Append(arguments, TraceArguments(options.trace, options.trace.file));
+  if (options.paused) arguments.emplace_back("--paused");
+  Append(arguments, RosArguments(options.ros));
+  return arguments;
+}
+
+std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
+                                        const std::vector<std::string>& robots, bool ros) {
+  std::vector<std::string> arguments = NetworkArguments(options);
+  Append(arguments, "--service", service_address);
+  for (const std::string& robot : robots) Append(arguments, "--robot", robot);
+  if (!ros) return arguments;
+  arguments.emplace_back("--ros");
+  Append(arguments, RosArguments(options.ros));
+  return arguments;
+}
+
+}  // namespace troupe

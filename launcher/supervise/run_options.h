@@ -1,0 +1,68 @@
+// RunOptions: the options of `troupe run`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/ros/ros_options.h"
+#include "common/run/host_settings.h"
+#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
+#include "common/trace/tick_trace.h"
+#include "common/worldfile/load_world.h"
+
+namespace CLI {
+class App;
+}
+
+namespace troupe {
+
+struct RunOptions {
+  std::string file;
+  RunOverrides run;    // of the scenario's settings
+  LoadOverrides load;  // of its seed and controllers
+
+  bool in_process = false;
+  std::optional<std::uint32_t> robots_per_process;  // nothing: the scenario's
+  NetworkSettings network;                          // session or interface empty: CompleteRunOptions chooses one
+  std::vector<HostSettings> hosts;                  // of the scenario; none: this host only
+  double start_timeout_seconds = kDefaultStartTimeoutSeconds;
+  bool paused = false;    // at the start
+  bool headless = false;  // no viewer exists yet: every run is headless
+  ros::RosOptions ros = ros::OptionsFromEnvironment();
+
+  // Files; empty: none.
+  std::string hash_log;
+  std::string poses;
+  std::string scans;
+  std::string summary;
+  std::string record;
+  TraceOptions trace;
+
+  // For tests.
+  std::string faults;  // text for ParseFaults (common/protocol/faulty_transport.h)
+  std::optional<std::uint64_t> shuffle_start;
+};
+
+// Declares the options, with the checks that need only their text. `options` must outlive the parsing.
+void AddRunOptions(CLI::App& command, RunOptions& options);
+
+// Fails if an output file cannot be written. Reads the hosts of a scenario; chooses a session name and a network
+// interface unless the options have them.
+Status CompleteRunOptions(RunOptions& options);
+
+// The arguments of the program world-service for this run, without the report's descriptor.
+std::vector<std::string> ServiceArguments(const RunOptions& options);
+
+// The arguments of the program robot-agent for these robots, without its output files. `service_address` is
+// "host:port"; `ros`: the run uses ROS 2.
+std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
+                                        const std::vector<std::string>& robots, bool ros);
+
+// The network interface for processes on a host.
+std::string InterfaceOf(const HostSettings& host);
+
+}  // namespace troupe

@@ -1,0 +1,53 @@
+#include "launcher/supervise/service_process.h"
+
+#include <filesystem>
+#include <utility>
+
+namespace troupe {
+
+ServiceProcess::ServiceProcess(const RunOptions& options, const RunHosts& hosts)
+    : options_(options), hosts_(hosts), trace_parts_(options.trace.file, "--trace") {}
+
+RunOptions ServiceProcess::OptionsThere() const {
+  RunOptions options = options_;
+  options.trace.file = trace_file_;
+  const HostSettings* settings = hosts_.service_settings();
+  if (settings == nullptr) return options;
+  options.network.network_interface = InterfaceOf(*settings);
+  options.file = std::filesystem::absolute(options.file).lexically_normal().string();
+  const std::string folder = hosts_.service_host().folder() + "/service-";
+  if (!options.hash_log.empty()) options.hash_log = folder + "hashes";
+  if (!options.poses.empty()) options.poses = folder + "poses";
+  if (!options.record.empty()) options.record = folder + "record";
+  if (!options.trace.file.empty()) options.trace.file = folder + "trace";
+  return options;
+}
+
+Status ServiceProcess::Start() {
+  if (!options_.trace.file.empty()) {
+    Result<std::string> part = trace_parts_.Add();
+    if (!part.ok()) return part.error();
+    trace_file_ = std::move(part).value();
+  }
+  Result<std::unique_ptr<Child>> process =
+      hosts_.service_host().Start("world-service", ServiceArguments(OptionsThere()), true);
+  if (!process.ok()) return process.error();
+  process_ = std::move(process).value();
+  return Status();
+}
+
+Status ServiceProcess::FetchOutputs() const {
+  if (hosts_.service_settings() == nullptr) return Status();
+  const RunOptions there = OptionsThere();
+  const std::pair<const std::string&, const std::string&> files[] = {{there.hash_log, options_.hash_log},
+                                                                     {there.poses, options_.poses},
+                                                                     {there.record, options_.record},
+                                                                     {there.trace.file, trace_file_}};
+  for (const auto& [from, to] : files) {
+    if (to.empty()) continue;
+    if (Status status = hosts_.service_host().Fetch(from, to); !status.ok()) return status;
+  }
+  return Status();
+}
+
+}  // namespace troupe

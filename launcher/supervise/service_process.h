@@ -1,0 +1,41 @@
+// ServiceProcess: the world service of a run, as a process on its host.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "launcher/hosts/host.h"
+#include "launcher/supervise/output_parts.h"
+#include "launcher/supervise/run_hosts.h"
+#include "launcher/supervise/run_options.h"
+
+namespace troupe {
+
+class ServiceProcess {
+ public:
+  // The options and the hosts must outlive this.
+  ServiceProcess(const RunOptions& options, const RunHosts& hosts);
+
+  Status Start();
+
+  // REQUIRES, for all below: Start has succeeded.
+  Child& process() const { return *process_; }
+  // Copies the service's output files from a remote host to the paths of the options.
+  Status FetchOutputs() const;
+  // The trace of the service on this host; empty: none.
+  const std::string& trace_file() const { return trace_file_; }
+
+ private:
+  // The options with the paths and the network interface of the service's host.
+  RunOptions OptionsThere() const;
+
+  const RunOptions& options_;
+  const RunHosts& hosts_;
+  OutputParts trace_parts_;
+  std::string trace_file_;
+  std::unique_ptr<Child> process_;
+};
+
+}  // namespace troupe

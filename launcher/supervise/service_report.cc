@@ -1,0 +1,104 @@
+#include "launcher/supervise/service_report.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+// Reads a field if it exists; throws Json::exception if it is of another type.
+template <typename T>
+void Get(const Json& object, const char* name, T& value) {
+  if (auto found = object.find(name); found != object.end()) found->get_to(value);
+}
+
+// A hash is written as hexadecimal text: JSON numbers lose bits beyond 2^53.
+void GetHash(const Json& object, const char* name, std::uint64_t& value) {
+  std::string text;
+  Get(object, name, text);
+  std::from_chars(text.data(), text.data() + text.size(), value, 16);
+}
+
+ReadyReport ParseReady(const Json& json) {
+  ReadyReport report;
+  Get(json, "robots", report.robots);
+  Get(json, "robots_per_process", report.robots_per_process);
+  Get(json, "port", report.port);
+  Get(json, "ros", report.ros);
+  return report;
+}
+
+StatusMessage ParseStatus(const Json& json) {
+  StatusMessage status;
+  Get(json, "tick", status.tick);
+  Get(json, "target_ticks", status.target_ticks);
+  Get(json, "sim_seconds", status.sim_seconds);
+  Get(json, "wall_seconds", status.wall_seconds);
+  Get(json, "real_time_factor", status.real_time_factor);
+  Get(json, "robots", status.robots);
+  Get(json, "agents", status.agents);
+  Get(json, "waiting_for", status.waiting_for);
+  Get(json, "waiting_seconds", status.waiting_seconds);
+  return status;
+}
+
+EventReport ParseEvent(const Json& json) {
+  EventReport report;
+  Get(json, "tick", report.tick);
+  Get(json, "event", report.event);
+  Get(json, "text", report.text);
+  return report;
+}
+
+RunSummary ParseEnd(const Json& json) {
+  RunSummary summary;
+  Get(json, "ticks", summary.ticks);
+  Get(json, "sim_seconds", summary.sim_seconds);
+  Get(json, "wall_seconds", summary.wall_seconds);
+  Get(json, "real_time_factor", summary.real_time_factor);
+  Get(json, "startup_seconds", summary.startup_seconds);
+  Get(json, "robots", summary.robots);
+  Get(json, "stalls", summary.stalls);
+  Get(json, "rejected", summary.rejected);
+  Get(json, "frames_repeated", summary.frames_repeated);
+  GetHash(json, "state_hash", summary.state_hash);
+  for (const Json& entry : json.value("slowest", Json::array())) {
+    SlowRobot slow;
+    Get(entry, "robot", slow.robot);
+    Get(entry, "times_last", slow.times_last);
+    Get(entry, "waited_seconds", slow.waited_seconds);
+    summary.slowest.push_back(slow);
+  }
+  Get(json, "lost", summary.lost);
+  Get(json, "interrupted", summary.interrupted);
+  return summary;
+}
+
+std::optional<ServiceReport> Parse(const Json& json) {
+  std::string type = json.value("type", "");
+  if (type == "ready") return ParseReady(json);
+  if (type == "robots") {
+    NewRobotsReport report;
+    Get(json, "robots", report.robots);
+    return report;
+  }
+  if (type == "started") return StartedReport{};
+  if (type == "status") return ParseStatus(json);
+  if (type == "event" || type == "notice") return ParseEvent(json);
+  if (type == "end") return ParseEnd(json);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
+  try {
+    return Parse(Json::parse(line));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,45 @@
+// The reports of a world service to its launcher on the descriptor of --report-fd: one JSON object a line, with a
+// "type".
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/protocol/messages.h"
+#include "world-service/service/run_summary.h"
+
+namespace troupe {
+
+// "ready": the world is loaded, and agents can join.
+struct ReadyReport {
+  std::vector<std::string> robots;  // in id order
+  std::uint32_t robots_per_process = 1;
+  std::uint16_t port = 0;  // UDP port at which agents find the service; 0: unknown
+  bool ros = false;        // the run uses ROS 2
+};
+
+// "robots": an edit has added robots that need agents.
+struct NewRobotsReport {
+  std::vector<std::string> robots;
+};
+
+// "started": all robots have joined.
+struct StartedReport {};
+
+// "event" or "notice": a line for the user.
+struct EventReport {
+  Tick tick = 0;
+  std::string event;  // as ToString(EventType); empty for a notice
+  std::string text;   // one line
+};
+
+// "status" is a StatusMessage, "end" a RunSummary: their fields by name.
+using ServiceReport = std::variant<ReadyReport, NewRobotsReport, StartedReport, StatusMessage, EventReport, RunSummary>;
+
+// Nothing for any other line; also for an "error", which the service prints on standard error, too.
+std::optional<ServiceReport> ParseServiceReport(const std::string& line);
+
+}  // namespace troupe

@@ -1,0 +1,26 @@
+// The summary of a run, as text and as JSON. docs/running.md has the format.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "world-service/service/run_summary.h"
+
+namespace troupe {
+
+struct RunOutcome {
+  RunSummary run;
+  std::uint32_t processes = 1;               // service and agents
+  std::map<std::string, std::string> hosts;  // by robot; empty: all on this host
+  double service_peak_memory_mib = 0.0;      // largest resident size; of the only process, if there is but one
+  double agent_peak_memory_mib = 0.0;        // of the largest agent; 0: no agent had its own process
+};
+
+// Several lines, each with its end.
+std::string SummaryText(const RunOutcome& outcome);
+
+// A JSON object over several lines, the last one without its end.
+std::string SummaryJson(const RunOutcome& outcome);
+
+}  // namespace troupe

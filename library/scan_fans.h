@@ -1,0 +1,16 @@
+// The readings of rangers as fans of a picture.
+#pragma once
+
+#include <vector>
+
+#include "common/model/world_state.h"
+#include "common/picture/draw_picture.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+// The readings of all rangers of all robots. REQUIRES: `bodies` holds `state`.
+std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
+
+}  // namespace troupe

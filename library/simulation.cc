@@ -1,0 +1,203 @@
+#include "troupe/simulation.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "common/model/state_hash.h"
+#include "common/picture/draw_picture.h"
+#include "common/sensing/sensor_registry.h"
+#include "common/worldfile/load_world.h"
+#include "library/scan_fans.h"
+#include "library/simulation_impl.h"
+#include "robot-agent/controller/create_controller.h"
+#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
+#include "world-service/core/validate_proposal.h"
+
+namespace troupe {
+namespace {
+
+Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
+  std::vector<std::unique_ptr<Robot>> robots;
+  for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(scene, RobotId(i), nullptr);
+    if (!robot.ok()) return robot.error();
+    robots.push_back(std::move(robot).value());
+  }
+  return robots;
+}
+
+Status WriteFile(const std::string& path, const std::string& bytes) {
+  const auto failure = [&] {
+    return Error{{path, 0, 0}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
+  };
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return failure();
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const bool closed = std::fclose(file) == 0;
+  if (!written || !closed) return failure();
+  return {};
+}
+
+}  // namespace
+
+Simulation::Impl::Impl(Snapshot::Content start) : now(std::move(start)), bodies(*now.scene) {
+  bodies.Assign(now.state);
+}
+
+void Simulation::Impl::Assign(Snapshot::Content content) {
+  const bool same_scene = content.scene == now.scene;
+  now = std::move(content);
+  if (!same_scene) bodies = BodyIndex(*now.scene);
+  bodies.Assign(now.state);
+}
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulation::Simulation(Simulation&& other) noexcept = default;
+Simulation& Simulation::operator=(Simulation&& other) noexcept = default;
+Simulation::~Simulation() = default;
+
+Result<Simulation> Simulation::Load(const std::string& file, const SimulationOptions& options) {
+  LoadOverrides overrides;
+  overrides.seed = options.seed;
+  overrides.controller = options.controller;
+  if (options.run_controllers) overrides.check_controller = CheckController;
+  Result<LoadedWorld> loaded = LoadWorld(file, overrides);
+  if (!loaded.ok()) return loaded.error();
+  Result<Simulation> simulation = Make(std::move(loaded.value().world), options);
+  if (simulation.ok()) simulation.value().impl_->warnings = std::move(loaded.value().warnings);
+  return simulation;
+}
+
+Result<Simulation> Simulation::Create(WorldDescription world, const SimulationOptions& options) {
+  if (const Status problem = Validate(world); !problem.ok()) return problem.error();
+  return Make(std::move(world), options);
+}
+
+Result<Simulation> Simulation::Make(WorldDescription world, const SimulationOptions& options) {
+  if (!options.run_controllers) {
+    for (RobotDescription& robot : world.robots) robot.controller = {};
+  }
+  auto scene = std::make_shared<const Scene>(std::move(world));
+  Result<std::vector<std::unique_ptr<Robot>>> robots = CreateRobots(*scene);
+  if (!robots.ok()) return robots.error();
+  Snapshot::Content start{scene, InitialState(*scene), {}, std::move(robots).value(), {}, {}};
+  start.commands.resize(start.robots.size());
+  return Simulation(std::make_unique<Impl>(std::move(start)));
+}
+
+const WorldDescription& Simulation::world() const {
+  return impl_->now.scene->world();
+}
+
+std::optional<RobotId> Simulation::FindRobot(const std::string& name) const {
+  return troupe::FindRobot(world(), name);
+}
+
+const std::vector<Warning>& Simulation::warnings() const {
+  return impl_->warnings;
+}
+
+void Simulation::Step(Tick ticks) {
+  for (Tick i = 0; i < ticks; ++i) StepOnce();
+}
+
+void Simulation::StepOnce() {
+  Snapshot::Content& now = impl_->now;
+  std::vector<Event> events;
+  impl_->proposals.clear();
+  for (std::size_t i = 0; i < now.robots.size(); ++i) {
+    Robot& robot = *now.robots[i];
+    const bool worked = robot.failure().empty();
+    Proposal proposal = robot.Decide(now.state, impl_->bodies, now.commands[i]);
+    now.commands[i].command.grippers.clear();
+    now.commands[i].command.joints.clear();
+    if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
+    const Status status = ValidateProposal(world(), now.state, proposal);
+    if (status.ok()) {
+      impl_->proposals.push_back(std::move(proposal));
+    } else {
+      events.push_back({.tick = now.state.tick + 1,
+                        .type = EventType::kProposalRejected,
+                        .robot = robot.id(),
+                        .detail = status.error().message});
+    }
+  }
+  StepResult next = troupe::Step(*now.scene, now.state, impl_->proposals, impl_->bodies);
+  now.state = std::move(next.state);
+  now.events = std::move(events);
+  now.events.insert(now.events.end(), std::make_move_iterator(next.events.begin()),
+                    std::make_move_iterator(next.events.end()));
+  impl_->bodies.Assign(now.state);
+}
+
+double Simulation::time() const {
+  return static_cast<double>(tick()) * static_cast<double>(world().interval_ns) / 1e9;
+}
+
+const WorldState& Simulation::state() const {
+  return impl_->now.state;
+}
+
+std::uint64_t Simulation::state_hash() const {
+  return StateHash(state());
+}
+
+const std::vector<Event>& Simulation::events() const {
+  return impl_->now.events;
+}
+
+const std::vector<std::string>& Simulation::failures() const {
+  return impl_->now.failures;
+}
+
+const Pose& Simulation::pose(RobotId robot) const {
+  return state().robots[robot.index()].X_WR;
+}
+
+std::vector<std::optional<ModelId>> Simulation::HeldObjects(RobotId robot) const {
+  std::vector<std::optional<ModelId>> held;
+  for (const GripperId gripper : impl_->now.scene->grippers_of(robot)) {
+    const std::optional<ObjectId> object = state().grippers[gripper.index()].clamped;
+    const bool holds = object && state().objects[object->index()].holder == gripper;
+    held.push_back(holds ? std::optional(world().objects[object->index()]) : std::nullopt);
+  }
+  return held;
+}
+
+SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
+  const Scene& scene = *impl_->now.scene;
+  return MakeSensors(scene, robot)[sensor]->Measure({scene, impl_->bodies}, tick());
+}
+
+Status Simulation::Drive(RobotId robot, Command command) {
+  if (!IsFinite(command.twist) || !std::isfinite(command.speed) || !std::isfinite(command.steering)) {
+    return Error{{}, "robot " + world().robot(robot).name + ": found a motion with a number that is not finite"};
+  }
+  if (Status problem = impl_->now.robots[robot.index()]->CheckCommand(command); !problem.ok()) return problem;
+  impl_->now.commands[robot.index()] = {std::move(command), true};
+  return {};
+}
+
+void Simulation::Release(RobotId robot) {
+  impl_->now.commands[robot.index()] = {};
+}
+
+Status Simulation::SavePicture(const std::string& file, const PictureOptions& options, PictureRays rays) const {
+  const Result<PictureFormat> format = PictureFormatOf(file);
+  if (!format.ok()) return format.error();
+  PictureOptions with_format = options;
+  with_format.format = format.value();
+  if (Status problem = CheckPictureOptions(with_format); !problem.ok()) return problem;
+  const std::vector<ScanFan> fans =
+      rays == PictureRays::kDrawn ? MeasureFans(*impl_->now.scene, impl_->bodies, state()) : std::vector<ScanFan>();
+  const Result<std::string> bytes = DrawPicture(world(), state(), fans, with_format);
+  if (!bytes.ok()) return Failure(bytes.error().message);
+  return WriteFile(file, bytes.value());
+}
+
+}  // namespace troupe

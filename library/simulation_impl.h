@@ -1,0 +1,44 @@
+// The members of a simulation and of a snapshot. Private to this folder.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/model/event.h"
+#include "common/model/proposal.h"
+#include "common/model/world_state.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+#include "robot-agent/robot/external_command.h"
+#include "robot-agent/robot/robot.h"
+#include "troupe/simulation.h"
+
+namespace troupe {
+
+// Never changes once it is in a snapshot.
+struct Snapshot::Content {
+  std::shared_ptr<const Scene> scene;  // shared by a simulation and its snapshots; robots point into it
+  WorldState state;
+  std::vector<Event> events;                   // of the last tick
+  std::vector<std::unique_ptr<Robot>> robots;  // by id
+  std::vector<ExternalCommand> commands;       // by id
+  std::vector<std::string> failures;
+
+  // The error is a controller that cannot be copied.
+  Result<Content> Copy() const;
+};
+
+struct Simulation::Impl {
+  explicit Impl(Snapshot::Content start);
+
+  // Replaces the present content; `bodies` follow.
+  void Assign(Snapshot::Content content);
+
+  Snapshot::Content now;
+  BodyIndex bodies;  // holds now.state between calls
+  std::vector<Warning> warnings;
+  std::vector<Proposal> proposals;  // of one step
+};
+
+}  // namespace troupe

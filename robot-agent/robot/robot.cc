@@ -1,0 +1,183 @@
+#include "robot-agent/robot/robot.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "common/base/random.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
+#include "robot-agent/controller/create_controller.h"
+#include "robot-agent/drive/drive.h"
+#include "robot-agent/robot/scan_log.h"
+
+namespace troupe {
+namespace {
+
+// Separates a controller's random numbers from the sensors', whose keys have the same seed and robot.
+constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
+
+double TimeOf(const WorldDescription& world, Tick tick) {
+  return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
+}
+
+}  // namespace
+
+Robot::Robot(const Scene& scene, RobotId id, ScanLog* scan_log)
+    : scene_(&scene),
+      id_(id),
+      scan_log_(scan_log),
+      odometry_(scene.world().robot(id).localization),
+      manipulator_(scene.world(), id),
+      sensors_(scene, id) {
+  for (const GripperInfo& gripper : manipulator_.grippers()) {
+    if (gripper.description->autosnatch && gripper.beams) sensors_.Subscribe(*gripper.beams);
+  }
+}
+
+Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, ScanLog* scan_log) {
+  std::unique_ptr<Robot> robot(new Robot(scene, id, scan_log));
+  if (const Status status = robot->StartController(); !status.ok()) {
+    Error error = status.error();
+    error.message = fmt::format("robot {}: {}", robot->description().name, error.message);
+    return error;
+  }
+  return robot;
+}
+
+Result<std::unique_ptr<Robot>> Robot::Clone() const {
+  std::unique_ptr<Robot> copy(new Robot(*scene_, id_, nullptr));
+  copy->odometry_ = odometry_;
+  copy->manipulator_ = manipulator_;
+  copy->sensors_.CopyReadings(sensors_);
+  copy->failure_ = failure_;
+  if (!failure_.empty()) return copy;  // its controller is never asked again
+  std::string problem = "cannot be copied";
+  try {
+    copy->controller_ = controller_->Clone();
+  } catch (const std::exception& exception) {
+    problem = exception.what();
+  } catch (...) {
+    problem = "threw something that is not a std::exception";
+  }
+  if (copy->controller_ != nullptr) return copy;
+  return Failure(
+      fmt::format("robot {}: controller {}: {}", description().name, description().controller.name, problem));
+}
+
+Status Robot::CheckCommand(const Command& command) const {
+  Manipulator trial = manipulator_;
+  const Status status = trial.Apply(command);
+  if (status.ok()) return {};
+  return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
+}
+
+void Robot::ChangeWorld(const Scene& scene) {
+  scene_ = &scene;
+  manipulator_.ChangeWorld(scene.world());
+}
+
+const RobotDescription& Robot::description() const {
+  return scene_->world().robot(id_);
+}
+
+Status Robot::StartController() {
+  RobotInfo info{.robot = &description(),
+                 .parameters = description().controller.parameters,
+                 .sensors = {},
+                 .joints = manipulator_.joints(),
+                 .grippers = manipulator_.grippers()};
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    const SensorDescription& sensor = sensors_.sensor(i).description();
+    info.sensors.push_back({&sensor, scene_->X_RM(sensor.model)});
+  }
+  Result<std::unique_ptr<Controller>> controller = CreateController(info);
+  if (!controller.ok()) return controller.error();
+  controller_ = std::move(controller).value();
+  return Subscribe();
+}
+
+Status Robot::Subscribe() {
+  const std::string& name = description().controller.name;
+  try {
+    for (const std::size_t sensor : controller_->Subscriptions()) {
+      if (sensor >= sensors_.size()) {
+        return Error{
+            {},
+            fmt::format("controller {} subscribes to sensor {}, but the robot has {}", name, sensor, sensors_.size())};
+      }
+      sensors_.Subscribe(sensor);
+    }
+  } catch (const std::exception& exception) {
+    return Error{{}, fmt::format("controller {}: {}", name, exception.what())};
+  } catch (...) {
+    return Error{{}, fmt::format("controller {} threw something that is not a std::exception", name)};
+  }
+  return {};
+}
+
+Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external,
+                       TraceLane* trace) {
+  const RobotState& own = state.robots[id_.index()];
+  odometry_.Update(own.X_WR);
+  Enter(trace, TickPhase::kSense, state.tick + 1, id_);
+  sensors_.Update({*scene_, bodies}, state.tick);
+  if (scan_log_ != nullptr) LogReadings(state.tick, bodies);
+  Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
+  manipulator_.Update(state, sensors_.readings());
+  // Called also while an external command overrides it: a controller sees every tick.
+  Command command = failure_.empty() ? AskController(state) : Command{};
+  if (external.drives) command = external.command;
+  static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
+  const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
+  // After a failure the joints stay, and grippers keep their objects.
+  return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{}};
+}
+
+const SensorReading& Robot::Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies) {
+  return sensors_.Measure(sensor, {*scene_, bodies}, tick);
+}
+
+// Sensors without a subscription are measured for the log alone: the controller decides the same with and without it.
+void Robot::LogReadings(Tick tick, const BodyIndex& bodies) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    const Sensor& sensor = sensors_.sensor(i);
+    if (sensor.IsDueAt(tick)) scan_log_->Write(sensor.JsonLines(scene_->world(), Measure(i, tick, bodies)));
+  }
+}
+
+Command Robot::AskController(const WorldState& state) {
+  const WorldDescription& world = scene_->world();
+  const RobotState& own = state.robots[id_.index()];
+  Observation observation;
+  observation.tick = state.tick;
+  observation.time = TimeOf(world, state.tick);
+  observation.interval = world.interval_seconds();
+  observation.pose_estimate = odometry_.estimate();
+  observation.twist = own.twist;
+  observation.stalled = own.stalled;
+  observation.sensors = sensors_.readings();
+  observation.joints = manipulator_.joint_readings();
+  observation.grippers = manipulator_.gripper_readings();
+  observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
+  Result<Command> command = RunController(observation);
+  if (command.ok()) return std::move(command).value();
+  failure_ = fmt::format("robot {}: controller {} failed at tick {}: {}", description().name,
+                         description().controller.name, state.tick, command.error().message);
+  return {};
+}
+
+Result<Command> Robot::RunController(const Observation& observation) {
+  try {
+    Command command = controller_->Update(observation);
+    if (const Status status = manipulator_.Apply(command); !status.ok()) return status.error();
+    return command;
+  } catch (const std::exception& exception) {
+    return Error{{}, exception.what()};
+  } catch (...) {
+    return Error{{}, "threw something that is not a std::exception"};
+  }
+}
+
+}  // namespace troupe

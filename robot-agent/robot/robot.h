@@ -1,0 +1,86 @@
+// Robot: one simulated robot inside its agent: sensors, odometry, controller, drive and gripper around a shared
+// replica.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/model/proposal.h"
+#include "common/model/world_state.h"
+#include "common/sensing/sensor_suite.h"
+#include "robot-agent/controller/controller.h"
+#include "robot-agent/drive/odometry.h"
+#include "robot-agent/gripper/manipulator.h"
+#include "robot-agent/robot/external_command.h"
+
+namespace troupe {
+
+class BodyIndex;
+class Scene;
+class ScanLog;
+class TraceLane;
+
+class Robot {
+ public:
+  // The scene must outlive the robot. `scan_log` may be null; with one, all sensors are measured and written there.
+  static Result<std::unique_ptr<Robot>> Create(const Scene& scene, RobotId id, ScanLog* scan_log);
+
+  // A robot that continues as this one would, in the same scene and without a scan log. The error is a controller that
+  // cannot be copied.
+  Result<std::unique_ptr<Robot>> Clone() const;
+
+  // Continues in an edited world that has the robot with the same ids and the same description.
+  // REQUIRES: the scene of Create still exists.
+  void ChangeWorld(const Scene& scene);
+
+  RobotId id() const { return id_; }
+
+  // Measures state n, asks the controller for a command, and returns the proposal for tick n + 1. Called once for each
+  // tick, in order; ticks may be missing after an absence of the agent. `trace` may be null.
+  Proposal Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {},
+                  TraceLane* trace = nullptr);
+
+  // The error is a gripper or joint command that the robot cannot execute; nothing is changed.
+  Status CheckCommand(const Command& command) const;
+
+  // Applies the pose that an edit has given to the robot: odometry does not count it as a motion.
+  void Relocate(const WorldState& state) { odometry_.Relocate(state.robots[id_.index()].X_WR); }
+  // Applies a state without a decision.
+  void UpdateOdometry(const WorldState& state) { odometry_.Update(state.robots[id_.index()].X_WR); }
+
+  const Pose& pose_estimate() const { return odometry_.estimate(); }
+
+  // The reading of a sensor in the state of the last Decide, with or without a subscription of the controller. Valid
+  // until the next call of this or of Decide. REQUIRES: `sensor` < sensor_count()
+  const SensorReading& Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies);
+  std::size_t sensor_count() const { return sensors_.size(); }
+
+  // The failure of the controller; empty while it works. After a failure the robot stands still.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  Robot(const Scene& scene, RobotId id, ScanLog* scan_log);
+
+  const RobotDescription& description() const;
+  // Makes the controller and subscribes to its sensors.
+  Status StartController();
+  Status Subscribe();
+  void LogReadings(Tick tick, const BodyIndex& bodies);
+  // Stores the controller's failure, if it fails.
+  Command AskController(const WorldState& state);
+  Result<Command> RunController(const Observation& observation);
+
+  const Scene* scene_;
+  RobotId id_;
+  ScanLog* scan_log_;
+  std::unique_ptr<Controller> controller_;
+  Odometry odometry_;
+  Manipulator manipulator_;
+  SensorSuite sensors_;
+  std::string failure_;
+};
+
+}  // namespace troupe

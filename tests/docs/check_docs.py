@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Compares the documents with the source tree: fails if a link leads nowhere, if the table of folders in
+docs/architecture.md differs from the rules in tests/architecture_test.cmake, or if a step of the walks there names a file
+or function that does not exist.
+
+usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
+"""
+import pathlib
+import re
+import sys
+
+WALKS = 5
+FEWEST_STEPS = 4  # of a walk
+
+
+def documents(root):
+    return [root / "README.md", *sorted((root / "docs").glob("*.md"))]
+
+
+def check_links(root):
+    """Problems of relative links; a fragment must be a heading of the page it leads to."""
+    problems = []
+    for page in documents(root):
+        text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+            if re.match(r"[a-z]+:", target):
+                continue
+            path, _, fragment = target.partition("#")
+            file = (page.parent / path).resolve() if path else page
+            if not file.exists():
+                problems.append(f"{page.relative_to(root)}: the link {target} leads to no file")
+            elif fragment and fragment not in anchors(file):
+                problems.append(f"{page.relative_to(root)}: the link {target} leads to no heading")
+    return problems
+
+
+def anchors(page):
+    headings = re.findall(r"^#+ +(.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def rules(root):
+    """By folder, in the order of the file: the folders that it may include."""
+    text = re.sub(r"#[^\n]*", "", (root / "tests/architecture_test.cmake").read_text())
+    return {folder: set(names.split()) for folder, names in re.findall(r"set\(may_include_(\S+?)(?:\s+([^)]*))?\)", text)}
+
+
+def reachable(folder, allowed):
+    found = set()
+    waiting = list(allowed.get(folder, ()))
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting += allowed.get(name, ())
+    return found
+
+
+def direct(folder, allowed):
+    """The dependencies of a folder without those that another of them has already."""
+    names = allowed[folder]
+    return sorted(name for name in names
+                  if not any(name in reachable(other, allowed) for other in names if other != name))
+
+
+def table_rows(text):
+    """(line number, folder, contents, dependencies) of the table of folders."""
+    rows = []
+    for number, line in enumerate(text.split("\n")):
+        match = re.match(r"\| `([^`]+)` \| (.*) \| (.*) \|$", line)
+        if match and line.count(" | ") == 2 and not match.group(1).endswith((".h", ".md")):
+            rows.append((number, *match.groups()))
+    return rows
+
+
+def check_table(root, write):
+    allowed = rules(root)
+    page = root / "docs/architecture.md"
+    text = page.read_text()
+    lines = text.split("\n")
+    problems = []
+    found = set()
+    for number, folder, contents, dependencies in table_rows(text):
+        found.add(folder)
+        if folder not in allowed:
+            problems.append(f"docs/architecture.md: no rule for the folder {folder} in tests/architecture_test.cmake")
+            continue
+        expected = ", ".join(direct(folder, allowed)) or "-"
+        if dependencies != expected:
+            problems.append(f"docs/architecture.md: {folder} depends on {expected}, found {dependencies}")
+            lines[number] = f"| `{folder}` | {contents} | {expected} |"
+    problems += [f"docs/architecture.md: the table of folders has no row for {folder}, "
+                 f"expected | `{folder}` | ... | {', '.join(direct(folder, allowed)) or '-'} |"
+                 for folder in allowed if folder not in found]
+    if write:
+        page.write_text("\n".join(lines))
+    return problems
+
+
+def check_walks(root):
+    """Each numbered step of a walk names a file and a function, as in: 1. `a/b.cc` `Class::Function`: ..."""
+    text = (root / "docs/architecture.md").read_text()
+    section = re.search(r"^## Walks through the code$(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    if section is None:
+        return ["docs/architecture.md: expected a section 'Walks through the code'"]
+    problems = []
+    walks = re.split(r"^### ", section.group(1), flags=re.MULTILINE)[1:]
+    if len(walks) != WALKS:
+        problems.append(f"docs/architecture.md: found {len(walks)} walks, expected {WALKS}")
+    for walk in walks:
+        title = walk.split("\n", 1)[0]
+        steps = re.findall(r"^\d+\. (.*)$", walk, re.MULTILINE)
+        if len(steps) < FEWEST_STEPS:
+            problems.append(f"docs/architecture.md: {title}: found {len(steps)} steps, expected at least {FEWEST_STEPS}")
+        for step in steps:
+            match = re.match(r"`([^`]+)` `([^`]+)`", step)
+            if match is None:
+                problems.append(f"docs/architecture.md: {title}: expected a file and a function in: {step}")
+                continue
+            file, function = match.groups()
+            if not (root / file).is_file():
+                problems.append(f"docs/architecture.md: {title}: no file {file}")
+            elif not re.search(rf"(?<!\w){re.escape(function)}\(", (root / file).read_text()):
+                problems.append(f"docs/architecture.md: {title}: no function {function} in {file}")
+    return problems
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    root = pathlib.Path(sys.argv[1]).resolve()
+    problems = check_links(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
+    for problem in problems:
+        print(problem)
+    sys.exit(1 if problems else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,194 @@
+// Observers over DDS: the conversation on the wire, and processes that are killed.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/convert.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/dds_transport.h"
+#include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/topics.h"
+#include "tests/contract/collecting_handlers.h"
+#include "tests/support/dds_domain.h"
+#include "tests/unit/dds/child_process.h"
+
+namespace troupe {
+namespace {
+
+using test::ChildProcess;
+using test::Eventually;
+
+constexpr double kPatience = 20.0;  // s
+
+FrameMessage FrameOf(Tick tick) {
+  FrameMessage frame;
+  frame.run = 1;
+  frame.state.tick = tick;
+  frame.state.robots.resize(3);
+  frame.state.robots[1].X_WR.x = 0.1 * static_cast<double>(tick);
+  return frame;
+}
+
+SessionMessage SomeSession(Edition world_edition) {
+  SessionMessage session;
+  session.run = 1;
+  session.world.name = "a world";
+  session.world_edition = world_edition;
+  return session;
+}
+
+class DdsObserverTest : public testing::Test {
+ protected:
+  DdsObserverTest() {
+    options_.domain = test::TestDomain();
+    options_.session = test::TestSession(testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
+  DdsOptions options_;
+};
+
+// A service that sends exactly what a test says.
+class ScriptedService {
+ public:
+  explicit ScriptedService(const std::string& session)
+      : participant_(test::TestConfig()),
+        publisher_(participant_, dds::qos_profiles::Session(session)),
+        subscriber_(participant_, dds::qos_profiles::Session(session)) {}
+
+  void SendSession(const SessionMessage& session) {
+    dds::WireArena arena;
+    sessions_.write(dds::ToWire(session, arena));
+  }
+  void SendWhole(const FrameMessage& frame) {
+    dds::WireArena arena;
+    whole_frames_.write(dds::ToWire(frame, arena));
+  }
+  void SendChanges(Tick tick) {
+    dds::WireArena arena;
+    const FrameMessage before = FrameOf(tick - 1);
+    frames_.write(dds::ToWire(FrameOf(tick), &before.state, arena));
+  }
+  std::size_t ReadRequests() {
+    std::size_t count = 0;
+    for (const auto sample : requests_.take()) count += sample.info().valid() ? 1 : 0;
+    return count;
+  }
+  bool IsFound() const {
+    return whole_frames_.publication_matched_status().current_count > 0 &&
+           frames_.publication_matched_status().current_count > 0;
+  }
+
+ private:
+  dds::DomainParticipant participant_;
+  dds::Publisher publisher_;
+  dds::Subscriber subscriber_;
+  dds::Topic<troupe_wire_Session> session_topic_{participant_, dds::topics::kSession};
+  dds::Topic<troupe_wire_Frame> frame_topic_{participant_, dds::topics::kFrame};
+  dds::Topic<troupe_wire_Frame> whole_frame_topic_{participant_, dds::topics::kWholeFrame};
+  dds::Topic<troupe_wire_FrameRequest> request_topic_{participant_, dds::topics::kFrameRequest};
+  dds::DataWriter<troupe_wire_Session> sessions_{publisher_, session_topic_, dds::qos_profiles::Description(2.0)};
+  dds::DataWriter<troupe_wire_Frame> frames_{publisher_, frame_topic_, dds::qos_profiles::Frame()};
+  dds::DataWriter<troupe_wire_Frame> whole_frames_{publisher_, whole_frame_topic_, dds::qos_profiles::WholeFrame()};
+  dds::DataReader<troupe_wire_FrameRequest> requests_{subscriber_, request_topic_, dds::qos_profiles::FrameRequest()};
+};
+
+class Observer {
+ public:
+  explicit Observer(const DdsOptions& options)
+      : transport_(MakeDdsObserverTransport(options)), endpoint_(transport_->MakeObserverEndpoint()) {
+    endpoint_->Start(handler);
+  }
+  bool Sees(Tick tick) const {
+    return handler.frames.WaitFor(kPatience,
+                                  [tick](const FrameMessage& frame) { return frame.state == FrameOf(tick).state; });
+  }
+  std::vector<Tick> SeenTicks() const {
+    std::vector<Tick> ticks;
+    for (const FrameMessage& frame : handler.frames.items()) ticks.push_back(frame.state.tick);
+    return ticks;
+  }
+
+  test::CollectingObserver handler;
+
+ private:
+  std::unique_ptr<Transport> transport_;
+  std::unique_ptr<ObserverEndpoint> endpoint_;
+};
+
+TEST_F(DdsObserverTest, AGapIsClosedByAWholeFrameOnRequest) {
+  ScriptedService service(options_.session);
+  const Observer observer(options_);
+  service.SendSession(SomeSession(0));
+  ASSERT_TRUE(observer.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
+  ASSERT_TRUE(Eventually([&] { return service.IsFound(); }));
+  // It joins: it asks until it is answered.
+  ASSERT_TRUE(Eventually([&] { return service.ReadRequests() > 0; }));
+  service.SendWhole(FrameOf(1));
+  ASSERT_TRUE(observer.Sees(1));
+  service.SendChanges(2);
+  ASSERT_TRUE(observer.Sees(2));
+  service.ReadRequests();
+  // The frame of tick 3 is lost.
+  service.SendChanges(4);
+  ASSERT_TRUE(Eventually([&] { return service.ReadRequests() > 0; }));
+  service.SendChanges(5);
+  service.SendWhole(FrameOf(5));
+  ASSERT_TRUE(observer.Sees(5));
+  service.SendChanges(6);
+  ASSERT_TRUE(observer.Sees(6));
+  EXPECT_EQ(observer.SeenTicks(), (std::vector<Tick>{1, 2, 5, 6}));
+}
+
+TEST_F(DdsObserverTest, AFrameWaitsForTheWorldThatItBelongsTo) {
+  ScriptedService service(options_.session);
+  const Observer observer(options_);
+  service.SendSession(SomeSession(0));
+  ASSERT_TRUE(observer.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
+  ASSERT_TRUE(Eventually([&] { return service.IsFound(); }));
+  service.SendWhole(FrameOf(1));
+  ASSERT_TRUE(observer.Sees(1));
+  FrameMessage edited = FrameOf(2);
+  edited.world_edition = 7;
+  edited.edition = 7;
+  service.SendWhole(edited);
+  EXPECT_FALSE(observer.handler.frames.WaitFor(0.1, [](const FrameMessage& frame) { return frame.edition == 7; }));
+  service.SendSession(SomeSession(7));
+  EXPECT_TRUE(observer.handler.frames.WaitFor(kPatience, [](const FrameMessage& frame) { return frame.edition == 7; }));
+}
+
+TEST_F(DdsObserverTest, AKilledObserverDelaysNothing) {
+  // The requests tell when the process has joined.
+  const dds::DomainParticipant participant(test::TestConfig());
+  const dds::Subscriber subscriber(participant, dds::qos_profiles::Session(options_.session));
+  const dds::Topic<troupe_wire_FrameRequest> topic(participant, dds::topics::kFrameRequest);
+  dds::DataReader<troupe_wire_FrameRequest> requests(subscriber, topic, dds::qos_profiles::FrameRequest());
+
+  const auto transport = MakeDdsServiceTransport(options_).transport;
+  test::CollectingService service;
+  const auto service_end = transport->MakeServiceEndpoint();
+  service_end->Start(service);
+  service_end->SendSession(SomeSession(0));
+  ChildProcess killed({TROUPE_TEST_PEER, "observer", std::to_string(options_.domain), options_.session, "1", "10"});
+  const Observer survivor(options_);
+  ASSERT_TRUE(survivor.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
+  std::set<std::uint64_t> requesting;
+  ASSERT_TRUE(Eventually([&] {
+    for (const auto sample : requests.take()) {
+      if (sample.info().valid()) requesting.insert(sample.data().observer);
+    }
+    return requesting.size() == 2;
+  }));
+  service_end->SendFrame(FrameOf(1));
+  ASSERT_TRUE(survivor.Sees(1));
+  killed.End(SIGKILL);
+  // Long before its lease ends: a write that waits for room takes half a second.
+  const auto start = std::chrono::steady_clock::now();
+  for (Tick tick = 2; tick <= 500; ++tick) service_end->SendFrame(FrameOf(tick));
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5.0);
+  EXPECT_TRUE(survivor.Sees(500));
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,113 @@
+// One measurement, the same bits everywhere: in the agent's scan log, from a robot, from a sensor by itself, in a
+// picture.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/sensing/sensor_registry.h"
+#include "common/worldfile/load_world.h"
+#include "library/scan_fans.h"
+#include "robot-agent/robot/robot.h"
+#include "robot-agent/robot/scan_log.h"
+#include "world-service/core/step.h"
+
+namespace troupe {
+namespace {
+
+constexpr Tick kTicks = 20;
+
+class SameReadingsTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    const char* const source = std::getenv("TROUPE_SOURCE_DIR");
+    if (source == nullptr) GTEST_SKIP() << "TROUPE_SOURCE_DIR is not set";
+    Result<LoadedWorld> loaded = LoadWorld(std::string(source) + "/worlds/scenarios/" + GetParam() + ".json");
+    ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+    scene_ = std::make_unique<Scene>(std::move(loaded).value().world);
+    bodies_ = std::make_unique<BodyIndex>(*scene_);
+    Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(path_);
+    ASSERT_TRUE(log.ok()) << log.error().ToString();
+    log_ = std::move(log).value();
+    for (std::size_t i = 0; i < scene_->world().robots.size(); ++i) {
+      Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, RobotId(i), log_.get());
+      ASSERT_TRUE(robot.ok()) << robot.error().ToString();
+      robots_.push_back(std::move(robot).value());
+      sensors_.push_back(MakeSensors(*scene_, RobotId(i)));
+    }
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  std::vector<Proposal> Decide(const WorldState& state) {
+    bodies_->Assign(state);
+    std::vector<Proposal> proposals;
+    for (const auto& robot : robots_) proposals.push_back(robot->Decide(state, *bodies_));
+    return proposals;
+  }
+
+  // The lines that a log of this tick has, from sensors by themselves, which robots measure alike.
+  std::string Lines(const WorldState& state) {
+    std::string lines;
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      for (const auto& sensor : sensors_[i]) {
+        const SensorReading reading = sensor->Measure({*scene_, *bodies_}, state.tick);
+        EXPECT_EQ(robots_[i]->Measure(sensor->index(), state.tick, *bodies_), reading);
+        if (sensor->IsDueAt(state.tick)) lines += sensor->JsonLines(scene_->world(), reading);
+      }
+    }
+    return lines;
+  }
+
+  void ExpectSameFans(const WorldState& state) {
+    BodyIndex bodies(*scene_);
+    bodies.Assign(state);
+    const std::vector<ScanFan> fans = MeasureFans(*scene_, bodies, state);
+    auto fan = fans.begin();
+    for (const auto& of_robot : sensors_) {
+      for (const auto& sensor : of_robot) {
+        const SensorReading reading = sensor->Measure({*scene_, *bodies_}, state.tick);
+        if (reading.ranger() == nullptr) continue;
+        for (const RangeScan& scan : reading.ranger()->scans) {
+          ASSERT_NE(fan, fans.end());
+          EXPECT_EQ(fan->ranges, scan.ranges);
+          for (std::size_t i = 0; i < scan.fan.count; ++i) EXPECT_EQ(fan->bearings[i], scan.fan.Bearing(i));
+          ++fan;
+        }
+      }
+    }
+    EXPECT_EQ(fan, fans.end());
+  }
+
+  std::string path_ = ::testing::TempDir() + "/troupe_same_readings_" + std::to_string(getpid());
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<BodyIndex> bodies_;
+  std::unique_ptr<ScanLog> log_;
+  std::vector<std::unique_ptr<Robot>> robots_;
+  std::vector<std::vector<std::unique_ptr<const Sensor>>> sensors_;  // by robot
+};
+
+TEST_P(SameReadingsTest, InTheAgentAPictureAndASensorByItself) {
+  WorldState state = PlacedState(scene_->world());
+  std::string expected;
+  while (state.tick < kTicks) {
+    const std::vector<Proposal> proposals = Decide(state);
+    expected += Lines(state);
+    ExpectSameFans(state);
+    state = Step(*scene_, state, proposals).state;
+  }
+  ASSERT_TRUE(log_->Flush().ok());
+  std::stringstream logged;
+  logged << std::ifstream(path_).rdbuf();
+  EXPECT_EQ(logged.str(), expected);
+  EXPECT_FALSE(expected.empty());
+}
+
+// Scanners and sonars, with scripts and with controllers that read them; grippers with break beams.
+INSTANTIATE_TEST_SUITE_P(Worlds, SameReadingsTest, ::testing::Values("demo", "lab", "relay"),
+                         [](const auto& scenario) { return std::string(scenario.param); });
+
+}  // namespace
+}  // namespace troupe

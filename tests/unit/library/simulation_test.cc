@@ -1,0 +1,185 @@
+#include "troupe/simulation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "tests/support/gripper_world.h"
+#include "tests/support/small_world.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+
+Simulation Create(const WorldDescription& world, const SimulationOptions& options = {}) {
+  Result<Simulation> simulation = Simulation::Create(world, options);
+  if (!simulation.ok()) ADD_FAILURE() << simulation.error().ToString();
+  return std::move(simulation).value();
+}
+
+// One robot with one ray, 2.5 m in front of a wall.
+class SimulationTest : public ::testing::Test {
+ protected:
+  SimulationTest() {
+    robot_ = world_.AddRobot("r0", {});
+    world_.AddRanger(robot_, {}, {OneRay()});
+    world_.AddBox("wall", 3.0, 0.0, 1.0, 9.0, {0.0, 1.0});
+    world_.SetController(robot_, "script", R"({"commands": [{"at": 0, "vx": 0.5}]})");
+  }
+
+  SmallWorld world_;
+  RobotId robot_;
+};
+
+TEST_F(SimulationTest, StepsByTicksAndTellsTimePoseAndEvents) {
+  Simulation simulation = Create(world_.world());
+  EXPECT_EQ(simulation.tick(), 0u);
+  EXPECT_EQ(simulation.pose(robot_), Pose());
+  simulation.Step(10);
+  EXPECT_EQ(simulation.tick(), 10u);
+  EXPECT_DOUBLE_EQ(simulation.time(), 1.0);
+  EXPECT_NEAR(simulation.pose(robot_).x, 0.5, 1e-9);
+  EXPECT_TRUE(simulation.events().empty());
+  while (simulation.events().empty() && simulation.tick() < 100) simulation.Step();
+  ASSERT_EQ(simulation.events().size(), 1u);  // of the last tick alone
+  EXPECT_EQ(simulation.events()[0].type, EventType::kStallBegan);
+  EXPECT_EQ(simulation.events()[0].tick, simulation.tick());
+  EXPECT_NEAR(simulation.pose(robot_).x, 2.3, 2e-3);
+  simulation.Step();
+  EXPECT_TRUE(simulation.events().empty());
+}
+
+TEST_F(SimulationTest, MeasuresThePresentStateWithoutChangingTheRun) {
+  Simulation read = Create(world_.world());
+  Simulation unread = Create(world_.world());
+  for (int i = 0; i < 20; ++i) {
+    const SensorReading reading = read.Measure(robot_, 0);
+    EXPECT_EQ(reading.tick, read.tick());
+    EXPECT_NEAR(reading.ranger()->scans.at(0).ranges.at(0), 2.5 - read.pose(robot_).x, 1e-9);
+    read.Step();
+    unread.Step();
+    ASSERT_EQ(read.state_hash(), unread.state_hash());
+  }
+}
+
+TEST_F(SimulationTest, ACommandFromOutsideReplacesTheControllersUntilItIsReleased) {
+  Simulation simulation = Create(world_.world());
+  ASSERT_TRUE(simulation.Drive(robot_, {.twist = {-0.2, 0.0, 0.0}}).ok());
+  simulation.Step(10);
+  EXPECT_NEAR(simulation.pose(robot_).x, -0.2, 1e-9);
+  simulation.Release(robot_);
+  simulation.Step(10);
+  EXPECT_NEAR(simulation.pose(robot_).x, 0.3, 1e-9);
+}
+
+TEST_F(SimulationTest, RejectsCommandsThatTheRobotCannotExecute) {
+  Simulation simulation = Create(world_.world());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const struct {
+    Command command;
+    const char* message;
+  } cases[] = {
+      {{.twist = {nan, 0.0, 0.0}}, "robot r0: found a motion with a number that is not finite"},
+      {{.steering = INFINITY}, "robot r0: found a motion with a number that is not finite"},
+      {{.grippers = {{.gripper = 0, .fingers = FingerCommand::kClose}}}, "robot r0: commands gripper 0"},
+      {{.joints = {{.joint = 2, .position = 0.0}}}, "robot r0: commands joint 2"},
+  };
+  for (const auto& c : cases) {
+    const Status status = simulation.Drive(robot_, c.command);
+    ASSERT_FALSE(status.ok()) << c.message;
+    EXPECT_THAT(status.error().message, HasSubstr(c.message));
+  }
+  simulation.Step(10);
+  EXPECT_NEAR(simulation.pose(robot_).x, 0.5, 1e-9) << "a rejected command changed something";
+}
+
+TEST_F(SimulationTest, WithoutControllersARobotStandsUntilItIsDriven) {
+  world_.SetController(robot_, "/no/such/library.so");
+  EXPECT_FALSE(Simulation::Create(world_.world()).ok());
+  Simulation simulation = Create(world_.world(), {.seed = {}, .controller = {}, .run_controllers = false});
+  simulation.Step(5);
+  EXPECT_EQ(simulation.pose(robot_), Pose());
+  ASSERT_TRUE(simulation.Drive(robot_, {.twist = {0.1, 0.0, 0.0}}).ok());
+  simulation.Step(10);
+  EXPECT_NEAR(simulation.pose(robot_).x, 0.1, 1e-9);
+}
+
+TEST_F(SimulationTest, ReportsAControllerThatFailedOnce) {
+  world_.SetController(robot_, TEST_LIBRARY_FOLDER "/libcontroller_throws_later.so");
+  Simulation simulation = Create(world_.world());
+  simulation.Step(3);
+  EXPECT_TRUE(simulation.failures().empty());
+  simulation.Step(10);
+  ASSERT_EQ(simulation.failures().size(), 1u);
+  EXPECT_THAT(simulation.failures()[0], HasSubstr("failed at tick 3: out of ideas"));
+}
+
+TEST_F(SimulationTest, RefusesADescriptionThatIsNotValid) {
+  world_.world().robots[0].root = ModelId(99);
+  EXPECT_FALSE(Simulation::Create(world_.world()).ok());
+}
+
+TEST(SimulationLoad, NamesThePlaceInABadFile) {
+  EXPECT_THAT(Simulation::Load("missing.world").error().ToString(), HasSubstr("missing.world"));
+  const std::string file = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid()) + ".world";
+  std::ofstream(file) << "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" pose [0 0 0 zero] )\n";
+  EXPECT_THAT(Simulation::Load(file).error().ToString(), HasSubstr(file + ":2:"));
+  std::filesystem::remove(file);
+}
+
+TEST(SimulationLoad, OptionsReplaceSeedAndMissingControllers) {
+  const std::string file = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid()) + ".world";
+  std::ofstream(file) << "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" )\n";
+  const Result<Simulation> simulation = Simulation::Load(file, {.seed = 77, .controller = "wander"});
+  std::filesystem::remove(file);
+  ASSERT_TRUE(simulation.ok()) << simulation.error().ToString();
+  EXPECT_EQ(simulation.value().world().seed, 77u);
+  ASSERT_EQ(simulation.value().world().robots.size(), 1u);
+  EXPECT_EQ(simulation.value().world().robots[0].controller.name, "wander");
+}
+
+TEST(SimulationObjects, TellsWhatAGripperHolds) {
+  test::GripperWorld yard;
+  const test::GripperRobot robot = yard.AddGripperRobot({});
+  yard.AddObject({0.35, 0.0, 0.0, 0.0});
+  Simulation simulation = Create(yard.world);
+  EXPECT_THAT(simulation.HeldObjects(robot.robot), testing::ElementsAre(std::nullopt));
+  ASSERT_TRUE(simulation.Drive(robot.robot, {.grippers = {{.fingers = FingerCommand::kClose}}}).ok());
+  simulation.Step(40);
+  EXPECT_THAT(simulation.HeldObjects(robot.robot), testing::ElementsAre(yard.world.objects[0]));
+}
+
+TEST_F(SimulationTest, SavesPicturesByTheFilesEnding) {
+  Simulation simulation = Create(world_.world());
+  const std::string stem = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid());
+  const auto read = [](const std::string& file) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(file).rdbuf();
+    std::filesystem::remove(file);
+    return bytes.str();
+  };
+  ASSERT_TRUE(simulation.SavePicture(stem + ".png").ok());
+  EXPECT_THAT(read(stem + ".png"), HasSubstr("PNG"));
+  ASSERT_TRUE(simulation.SavePicture(stem + ".svg").ok());
+  const std::string plain = read(stem + ".svg");
+  EXPECT_THAT(plain, HasSubstr("<svg"));
+  ASSERT_TRUE(simulation.SavePicture(stem + ".svg", {}, PictureRays::kDrawn).ok());
+  EXPECT_NE(read(stem + ".svg"), plain);
+
+  EXPECT_EQ(simulation.SavePicture(stem + ".gif").error().code, ErrorCode::kBadInput);
+  EXPECT_EQ(simulation.SavePicture("/no/such/folder/x.png").error().code, ErrorCode::kFailure);
+  PictureOptions narrow;
+  narrow.width = 3;
+  EXPECT_EQ(simulation.SavePicture(stem + ".png", narrow).error().code, ErrorCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "world-service/observers/status/reporter.h"
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+
+class LauncherReporterTest : public testing::Test {
+ protected:
+  LauncherReporterTest() {
+    EXPECT_EQ(pipe(ends_), 0);
+    reading_ = fdopen(ends_[0], "r");
+    reporter_ = MakeLauncherReporter(ends_[1]);
+  }
+  ~LauncherReporterTest() override {
+    std::fclose(reading_);
+    close(ends_[1]);
+  }
+  json Next() {
+    char line[4096] = "";
+    EXPECT_NE(std::fgets(line, sizeof line, reading_), nullptr);
+    return json::parse(line);
+  }
+
+  int ends_[2] = {-1, -1};
+  std::FILE* reading_ = nullptr;
+  std::unique_ptr<Reporter> reporter_;
+};
+
+TEST_F(LauncherReporterTest, TellsWhichRobotsNeedAgents) {
+  LoadedWorld loaded;
+  loaded.settings.robots_per_process = 3;
+  loaded.world.robots.resize(2);
+  loaded.world.robots[0].name = "r0";
+  loaded.world.robots[1].name = "bad \xff bytes";
+  reporter_->Ready(loaded, 7410);
+  const json report = Next();
+  EXPECT_EQ(report["type"], "ready");
+  EXPECT_EQ(report["robots"].size(), 2u);
+  EXPECT_EQ(report["robots"][0], "r0");
+  EXPECT_EQ(report["robots_per_process"], 3);
+  EXPECT_EQ(report["port"], 7410);
+}
+
+TEST_F(LauncherReporterTest, TellsWhichRobotsAnEditHasBrought) {
+  reporter_->OnNewRobots({"late", "later"});
+  const json report = Next();
+  EXPECT_EQ(report["type"], "robots");
+  EXPECT_EQ(report["robots"], (std::vector<std::string>{"late", "later"}));
+}
+
+TEST_F(LauncherReporterTest, TellsHowTheRunGoesAndEnds) {
+  reporter_->OnStarted(0.5);
+  EXPECT_EQ(Next()["type"], "started");
+  StatusMessage status;
+  status.tick = 7;
+  status.waiting_for = {"r1"};
+  reporter_->OnStatus(status);
+  const json told = Next();
+  EXPECT_EQ(told["type"], "status");
+  EXPECT_EQ(told["tick"], 7);
+  EXPECT_EQ(told["waiting_for"], json({"r1"}));
+  reporter_->OnEvent({7, EventType::kLeft, RobotId(0), std::nullopt, ""}, "a text");
+  EXPECT_EQ(Next(), json::parse(R"({"type":"event","tick":7,"event":"left","text":"a text"})"));
+  reporter_->OnNotice("a notice");
+  EXPECT_EQ(Next()["text"], "a notice");
+  RunSummary summary;
+  summary.ticks = 9;
+  summary.state_hash = 0xabc;
+  summary.slowest = {{"r1", 3, 0.25}};
+  reporter_->Ended(summary);
+  const json end = Next();
+  EXPECT_EQ(end["type"], "end");
+  EXPECT_EQ(end["ticks"], 9);
+  EXPECT_EQ(end["state_hash"], "0000000000000abc");
+  EXPECT_EQ(end["slowest"][0]["times_last"], 3);
+}
+
+TEST_F(LauncherReporterTest, TellsWhyTheRunFailed) {
+  testing::internal::CaptureStderr();
+  reporter_->Failed({{"file"}, "why"});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "file: error: why\n");
+  EXPECT_EQ(Next(), json::parse(R"({"type":"error","message":"file: error: why"})"));
+}
+
+}  // namespace
+}  // namespace troupe

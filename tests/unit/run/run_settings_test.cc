@@ -1,0 +1,60 @@
+#include "common/run/run_settings.h"
+
+#include <gtest/gtest.h>
+
+namespace troupe {
+namespace {
+
+TEST(RunSettings, ConvertsEveryWordToItsValueAndBack) {
+  EXPECT_EQ(ParseMode("lockstep"), Mode::kLockstep);
+  EXPECT_EQ(ParseMode("realtime"), Mode::kRealtime);
+  EXPECT_EQ(ParseOnAgentLoss("freeze"), OnAgentLoss::kFreeze);
+  EXPECT_EQ(ParseOnAgentLoss("pause"), OnAgentLoss::kPause);
+  EXPECT_EQ(ParseOnAgentLoss("abort"), OnAgentLoss::kAbort);
+  for (const std::string_view word : kModeWords) EXPECT_EQ(ToString(*ParseMode(word)), word);
+  for (const std::string_view word : kOnAgentLossWords) EXPECT_EQ(ToString(*ParseOnAgentLoss(word)), word);
+  for (const char* word : {"", "Lockstep", "fast", "lockstep "}) {
+    EXPECT_FALSE(ParseMode(word)) << word;
+    EXPECT_FALSE(ParseOnAgentLoss(word)) << word;
+  }
+}
+
+TEST(RunSettings, ConvertsSpeedsWithoutLoss) {
+  EXPECT_EQ(ParseSpeed("max").value(), std::nullopt);
+  EXPECT_EQ(ToString(Speed()), "max");
+  for (const double factor : {1.0, 0.1, 1.0 / 3.0, 1e6, 12.5}) {
+    EXPECT_EQ(ParseSpeed(ToString(Speed(factor))).value(), factor);
+  }
+  for (const char* text : {"", "0", "-1", "nan", "inf", "2x", " 2", "Max"}) {
+    const Result<Speed> speed = ParseSpeed(text);
+    ASSERT_FALSE(speed.ok()) << text;
+    EXPECT_EQ(speed.error().message,
+              "found '" + std::string(text) + "', expected a multiple of real time above 0, or max");
+  }
+}
+
+TEST(RunOverrides, ReplaceOnlyTheSettingsGiven) {
+  RunSettings settings;
+  settings.ticks = 7;
+  settings.speed = 3.0;
+  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunOverrides().ApplyTo(settings);
+  EXPECT_EQ(settings.ticks, 7u);
+  EXPECT_EQ(settings.speed, 3.0);
+  EXPECT_EQ(settings.on_agent_loss, OnAgentLoss::kPause);
+
+  RunOverrides overrides;
+  overrides.speed.emplace(std::nullopt);
+  overrides.mode = Mode::kRealtime;
+  overrides.robots_per_process = 4;
+  overrides.ros = true;
+  overrides.ApplyTo(settings);
+  EXPECT_EQ(settings.ticks, 7u);
+  EXPECT_EQ(settings.speed, std::nullopt);
+  EXPECT_EQ(settings.mode, Mode::kRealtime);
+  EXPECT_EQ(settings.robots_per_process, 4u);
+  EXPECT_TRUE(settings.ros);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,76 @@
+// LiveRunTest: a run without a coordinator, for tests of its parts. Time passes only when a test says so.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "common/base/version.h"
+#include "tests/support/fake_service_endpoint.h"
+#include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/live_run.h"
+#include "world-service/service/tick_engine.h"
+
+namespace troupe::test {
+
+class LiveRunTest : public testing::Test {
+ protected:
+  static constexpr RunId kRun = 1000;
+
+  // A plane with two robots; agent i + 1 is that of robot i.
+  LiveRunTest() { options_.run = kRun; }
+
+  // Makes the run and its engine.
+  void Make() {
+    const auto scene = std::make_shared<const Scene>(PlaneWorld(2));
+    run_.reset(new LiveRun{.options = options_,
+                           .endpoint = endpoint_,
+                           .observers = observers_,
+                           .created_at = now_,
+                           .scene = scene,
+                           .members = Membership(scene->world(), options_.lease_seconds)});
+    engine_ = std::make_unique<TickEngine>(*run_, now_);
+  }
+  // Makes them, admits both agents and begins.
+  void MakeAndBegin() {
+    Make();
+    for (AgentId agent = 1; agent <= 2; ++agent) Join(agent);
+    engine_->Begin(now_);
+  }
+
+  void Join(AgentId agent) {
+    JoinMessage join;
+    join.run = kRun;
+    join.agent = agent;
+    join.protocol_version = kProtocolVersion;
+    join.world_hash = Hash(run_->world());
+    join.world_edition = run_->frame.world_edition;
+    join.robots = {"r" + std::to_string(agent - 1)};
+    const JoinDecision decision = run_->members.Join(join, run_->next_tick(), now_);
+    ASSERT_EQ(decision.outcome, JoinDecision::Outcome::kAdmitted) << decision.reason;
+    engine_->AddMember(*decision.member, now_);
+  }
+  // The answer of an agent to the newest frame.
+  ProposalMessage AnswerOf(AgentId agent) const {
+    ProposalMessage message{kRun, agent, run_->next_tick(), {}, {}};
+    message.paused = run_->frame.paused;
+    message.edition = run_->frame.edition;
+    if (!message.paused) message.proposals = {{RobotId(agent - 1), {1.0, 0.0, 0.0}}};
+    return message;
+  }
+  void Answer(AgentId agent) { engine_->OnProposal(AnswerOf(agent), now_); }
+  void AnswerBoth() {
+    // Made first: the second answer may be followed by the next frame.
+    const ProposalMessage answers[] = {AnswerOf(1), AnswerOf(2)};
+    for (const ProposalMessage& answer : answers) engine_->OnProposal(answer, now_);
+  }
+
+  CoordinatorOptions options_;  // change before Make
+  RunObservers observers_;      // likewise
+  double now_ = 50.0;
+  FakeServiceEndpoint endpoint_;
+  std::unique_ptr<LiveRun> run_;
+  std::unique_ptr<TickEngine> engine_;
+};
+
+}  // namespace troupe::test

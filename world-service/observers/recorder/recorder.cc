@@ -1,0 +1,290 @@
+#include "world-service/observers/recorder/recorder.h"
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/version.h"
+#include "common/model/model_poses.h"
+#include "world-service/service/event_json.h"
+
+namespace troupe {
+namespace {
+
+std::string QuoteForCsv(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+nlohmann::json RecordedEvent(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = EventJson(world, event);
+  // The detail of a join names the process, which differs from run to run; recordings of one simulation are equal.
+  if (!event.detail.empty() && event.type != EventType::kJoined) json["detail"] = event.detail;
+  return json;
+}
+
+const char* NameOf(ObjectMode mode) {
+  switch (mode) {
+    case ObjectMode::kPlaced:
+      return "placed";
+    case ObjectMode::kResting:
+      return "resting";
+    case ObjectMode::kFalling:
+      return "falling";
+    case ObjectMode::kHeld:
+      return "held";
+  }
+  return "";
+}
+
+// The model that holds or supports an object; nothing on the ground.
+std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object) {
+  return object.holder ? world.gripper(*object.holder).model : object.support;
+}
+
+// Nothing for an empty path.
+Result<std::optional<OutputFile>> CreateIfNamed(const std::string& path) {
+  if (path.empty()) return std::optional<OutputFile>();
+  Result<OutputFile> created = OutputFile::Create(path);
+  if (!created.ok()) return created.error();
+  return std::optional(std::move(created).value());
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Recorder>> Recorder::Create(const WorldDescription& world, const OutputFiles& files) {
+  std::unique_ptr<Recorder> recorder(new Recorder(world));
+  const std::pair<const std::string&, std::optional<OutputFile>&> wanted[] = {
+      {files.hash_log, recorder->hash_log_}, {files.poses, recorder->poses_}, {files.record, recorder->record_}};
+  for (const auto& [path, file] : wanted) {
+    Result<std::optional<OutputFile>> created = CreateIfNamed(path);
+    if (!created.ok()) return created.error();
+    file = std::move(created).value();
+  }
+  recorder->QuoteNames();
+  if (recorder->poses_) {
+    if (Status error = recorder->WritePosesHeading(); !error.ok()) return error.error();
+  }
+  if (recorder->record_) {
+    if (Status error = recorder->WriteRecordHeader({}); !error.ok()) return error.error();
+  }
+  return recorder;
+}
+
+void Recorder::QuoteNames() {
+  csv_names_.clear();
+  json_names_.clear();
+  for (const ModelDescription& model : world_->models) {
+    if (poses_) csv_names_.push_back(QuoteForCsv(model.name));
+    if (record_ && manipulates()) json_names_.push_back(JsonLine(model.name));
+  }
+}
+
+void Recorder::OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition) {
+  scene_ = scene;
+  world_ = &scene->world();
+  QuoteNames();
+  if (record_) (void)WriteRecordHeader(edition);  // the file keeps its error
+}
+
+Status Recorder::WritePosesHeading() {
+  wide_poses_ = manipulates();
+  poses_->Append("tick,robot,x,y,z,heading,stalled");
+  if (wide_poses_) poses_->Append(",kind,position,mode,on");
+  return poses_->EndLine();
+}
+
+Status Recorder::WriteRecordHeader(std::optional<Edition> edition) {
+  nlohmann::json robots = nlohmann::json::array();
+  // A removed model keeps its place in each line.
+  const auto name_of = [&](ModelId id) {
+    const ModelDescription& model = world_->model(id);
+    return model.removed ? nlohmann::json() : nlohmann::json(model.name);
+  };
+  for (const RobotDescription& robot : world_->robots) robots.push_back(name_of(robot.root));
+  nlohmann::json header = {{"troupe", VersionText()},
+                           {"world", world_->name},
+                           {"seed", world_->seed},
+                           {"interval_ns", world_->interval_ns},
+                           {"robots", std::move(robots)}};
+  if (edition) header["edition"] = *edition;
+  if (manipulates()) {
+    for (const char* part : {"joints", "grippers", "objects"}) header[part] = nlohmann::json::array();
+    for (const JointDescription& joint : world_->joints) header["joints"].push_back(name_of(joint.model));
+    for (const GripperDescription& gripper : world_->grippers) {
+      header["grippers"].push_back(name_of(gripper.model));
+    }
+    for (ModelId object : world_->objects) header["objects"].push_back(name_of(object));
+  }
+  record_->Append(JsonLine(header));
+  return record_->EndLine();
+}
+
+Status Recorder::Write(const FrameMessage& frame) {
+  if (hash_log_) {
+    if (Status error = WriteHash(frame); !error.ok()) return error;
+  }
+  if (poses_) {
+    if (Status error = WritePoses(frame); !error.ok()) return error;
+  }
+  if (record_) return WriteRecord(frame);
+  return Status();
+}
+
+Status Recorder::WriteHash(const FrameMessage& frame) {
+  hash_log_->Append(frame.state.tick);
+  hash_log_->Append(" ");
+  hash_log_->AppendHex(frame.state_hash);
+  return hash_log_->EndLine();
+}
+
+Status Recorder::WritePoses(const FrameMessage& frame) {
+  Status error;
+  for (std::size_t i = 0; i < frame.state.robots.size() && error.ok(); ++i) {
+    if (!IsThere(*world_, RobotId(i))) continue;
+    const RobotState& robot = frame.state.robots[i];
+    AppendPose(frame.state.tick, world_->robots[i].root, robot.X_WR, robot.stalled);
+    if (wide_poses_) poses_->Append(",robot,,,");
+    error = poses_->EndLine();
+  }
+  if (!wide_poses_) return error;
+  if (error.ok()) error = WriteObjectPoses(frame.state);
+  if (error.ok()) error = WriteJointPoses(frame.state);
+  return error;
+}
+
+void Recorder::AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag) {
+  poses_->Append(tick);
+  poses_->Append(",");
+  poses_->Append(csv_names_[model.index()]);
+  for (double number : {X_WM.x, X_WM.y, X_WM.z, X_WM.heading}) {
+    poses_->Append(",");
+    poses_->Append(number);
+  }
+  poses_->Append(flag ? ",1" : ",0");
+}
+
+Status Recorder::WriteObjectPoses(const WorldState& state) {
+  Status error;
+  for (std::size_t i = 0; i < state.objects.size() && error.ok(); ++i) {
+    if (world_->model(world_->objects[i]).removed) continue;
+    const ObjectState& object = state.objects[i];
+    AppendPose(state.tick, world_->objects[i], object.X_WO, false);
+    poses_->Append(",object,,");
+    poses_->Append(NameOf(object.mode));
+    poses_->Append(",");
+    const std::optional<ModelId> on = CarrierOf(*world_, object);
+    if (on) poses_->Append(csv_names_[on->index()]);
+    error = poses_->EndLine();
+  }
+  return error;
+}
+
+Status Recorder::WriteJointPoses(const WorldState& state) {
+  if (state.joints.empty()) return Status();
+  const std::vector<Pose> X_WM = ModelPoses(*world_, state);
+  Status error;
+  for (std::size_t i = 0; i < state.joints.size() && error.ok(); ++i) {
+    const ModelId model = world_->joints[i].model;
+    if (world_->model(model).removed) continue;
+    AppendPose(state.tick, model, X_WM[model.index()], state.joints[i].blocked);
+    poses_->Append(",joint,");
+    poses_->Append(state.joints[i].position);
+    poses_->Append(",,");
+    error = poses_->EndLine();
+  }
+  return error;
+}
+
+Status Recorder::WriteRecord(const FrameMessage& frame) {
+  record_->Append(R"({"tick":)");
+  record_->Append(frame.state.tick);
+  record_->Append(R"(,"hash":")");
+  record_->AppendHex(frame.state_hash);
+  record_->Append(R"(","robots":[)");
+  const char* separator = "[";
+  for (const RobotState& robot : frame.state.robots) {
+    for (double number : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
+      record_->Append(separator);
+      record_->Append(number);
+      separator = ",";
+    }
+    record_->Append(robot.stalled ? ",1]" : ",0]");
+    separator = ",[";
+  }
+  record_->Append("]");
+  if (manipulates()) {
+    AppendJoints(frame.state);
+    AppendGrippers(frame.state);
+    AppendObjects(frame.state);
+  }
+  if (!frame.events.empty()) {
+    nlohmann::json events = nlohmann::json::array();
+    for (const Event& event : frame.events) events.push_back(RecordedEvent(*world_, event));
+    record_->Append(R"(,"events":)");
+    record_->Append(JsonLine(events));
+  }
+  record_->Append("}");
+  return record_->EndLine();
+}
+
+void Recorder::AppendJoints(const WorldState& state) {
+  record_->Append(R"(,"joints":[)");
+  const char* separator = "[";
+  for (const JointState& joint : state.joints) {
+    record_->Append(separator);
+    record_->Append(joint.position);
+    record_->Append(",");
+    record_->Append(joint.velocity);
+    record_->Append(joint.blocked ? ",1]" : ",0]");
+    separator = ",[";
+  }
+  record_->Append("]");
+}
+
+void Recorder::AppendGrippers(const WorldState& state) {
+  record_->Append(R"(,"grippers":[)");
+  const char* separator = "[";
+  for (const GripperState& gripper : state.grippers) {
+    std::optional<ModelId> clamped;
+    if (gripper.clamped) clamped = world_->objects[gripper.clamped->index()];
+    for (const std::optional<ModelId>& model : {gripper.left_contact, gripper.right_contact, clamped}) {
+      record_->Append(separator);
+      record_->Append(model ? json_names_[model->index()] : "null");
+      separator = ",";
+    }
+    separator = "],[";
+  }
+  record_->Append(state.grippers.empty() ? "]" : "]]");
+}
+
+void Recorder::AppendObjects(const WorldState& state) {
+  record_->Append(R"(,"objects":[)");
+  const char* separator = "[";
+  for (const ObjectState& object : state.objects) {
+    for (double number : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) {
+      record_->Append(separator);
+      record_->Append(number);
+      separator = ",";
+    }
+    record_->Append(",\"");
+    record_->Append(NameOf(object.mode));
+    record_->Append("\",");
+    const std::optional<ModelId> on = CarrierOf(*world_, object);
+    record_->Append(on ? json_names_[on->index()] : "null");
+    separator = "],[";
+  }
+  record_->Append(state.objects.empty() ? "]" : "]]");
+}
+
+Status Recorder::OnEnd() {
+  Status first;
+  for (std::optional<OutputFile>* file : {&hash_log_, &poses_, &record_}) {
+    if (!*file) continue;
+    const Status error = (*file)->Close();
+    if (first.ok()) first = error;
+  }
+  return first;
+}
+
+}  // namespace troupe

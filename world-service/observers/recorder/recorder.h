@@ -1,0 +1,63 @@
+// Recorder: an observer that writes the output files of a run, one line or more for each frame. A frame after an edit
+// has the tick of the one before, or an earlier one.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/output_file.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+// Files to write while running; empty: none. docs/running.md has their formats.
+struct OutputFiles {
+  std::string hash_log;  // "tick hash" a line
+  std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
+  std::string record;    // JSON lines: header, then a line for each tick
+};
+
+class Recorder final : public RunObserver {
+ public:
+  // Creates the files. The world outlives the recorder. The error names the file that cannot be written.
+  static Result<std::unique_ptr<Recorder>> Create(const WorldDescription& world, const OutputFiles& files);
+
+  // The error is the first one of a file (a full disk); later frames are not written to it.
+  Status OnTick(const CommittedTick& tick) override { return Write(tick.frame); }
+  // The record gets a header for the new description.
+  void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition) override;
+  // Closes the files.
+  Status OnEnd() override;
+
+ private:
+  explicit Recorder(const WorldDescription& world) : world_(&world) {}
+  Status Write(const FrameMessage& frame);
+  Status WriteRecordHeader(std::optional<Edition> edition);
+  void QuoteNames();
+  Status WriteHash(const FrameMessage& frame);
+  Status WritePosesHeading();
+  Status WritePoses(const FrameMessage& frame);
+  Status WriteObjectPoses(const WorldState& state);
+  Status WriteJointPoses(const WorldState& state);
+  // tick,name,x,y,z,heading,flag
+  void AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag);
+  Status WriteRecord(const FrameMessage& frame);
+  void AppendJoints(const WorldState& state);
+  void AppendGrippers(const WorldState& state);
+  void AppendObjects(const WorldState& state);
+  // The world has joints or objects, and the files say so; the poses, if the first world had.
+  bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
+
+  const WorldDescription* world_;
+  std::shared_ptr<const Scene> scene_;   // of world_, after an edit
+  bool wide_poses_ = false;              // with the columns for joints and objects
+  std::vector<std::string> csv_names_;   // by model, quoted where CSV needs it
+  std::vector<std::string> json_names_;  // by model, quoted; empty without joints and objects
+  std::optional<OutputFile> hash_log_;
+  std::optional<OutputFile> poses_;
+  std::optional<OutputFile> record_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,34 @@
+#include "world-service/observers/ros/entity_pose.h"
+
+#include <cmath>
+
+#include "common/base/deterministic_math.h"
+#include "common/dds/binding/wire.h"
+#include "common/ros/names.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kMostTilt = 1e-3;  // of a unit quaternion's x and y: room for rounding
+
+}  // namespace
+
+Result<Pose> PoseFromRos(const char* frame, const ros::PoseMessage& pose) {
+  const std::string name = dds::Text(frame);
+  if (!name.empty() && name != ros::kMapFrame && name != "world") {
+    return Error{{}, "found a pose in frame '" + name + "', expected one in '" + ros::kMapFrame + "'"};
+  }
+  const auto& q = pose.orientation;
+  const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!std::isfinite(norm) || !std::isfinite(pose.position.x) || !std::isfinite(pose.position.y) ||
+      !std::isfinite(pose.position.z)) {
+    return Error{{}, "found a pose that is not finite"};
+  }
+  if (norm < 1e-6) return Error{{}, "found an orientation of zeros, expected a quaternion"};
+  if (std::abs(q.x) > kMostTilt * norm || std::abs(q.y) > kMostTilt * norm) {
+    return Error{{}, "found a tilted pose, expected one that is upright"};
+  }
+  return Pose{pose.position.x, pose.position.y, pose.position.z, WrapAngle(2.0 * Atan2(q.z, q.w))};
+}
+
+}  // namespace troupe

@@ -1,0 +1,14 @@
+// Poses of entities in ROS requests.
+#pragma once
+
+#include "common/base/result.h"
+#include "common/geometry/pose.h"
+#include "common/ros/messages.h"
+
+namespace troupe {
+
+// X_WE of an entity E. `frame`: "map" or "world", which are one frame; "" means map. Fails on another frame, on a
+// number that is not finite, on a quaternion of zeros, and on a pose that is tilted about x or y.
+Result<Pose> PoseFromRos(const char* frame, const ros::PoseMessage& pose);
+
+}  // namespace troupe

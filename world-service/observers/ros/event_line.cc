@@ -1,0 +1,16 @@
+#include "world-service/observers/ros/event_line.h"
+
+#include <nlohmann/json.hpp>
+
+#include "world-service/service/event_json.h"
+
+namespace troupe {
+
+std::string EventLine(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = EventJson(world, event);
+  json["tick"] = event.tick;
+  json["detail"] = event.detail;
+  return JsonLine(json);
+}
+
+}  // namespace troupe

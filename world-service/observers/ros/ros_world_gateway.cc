@@ -1,0 +1,109 @@
+#include "world-service/observers/ros/ros_world_gateway.h"
+
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "common/ros/convert.h"
+#include "common/ros/convert_world.h"
+#include "common/ros_dds/parameter_services.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "world-service/observers/ros/event_line.h"
+#include "world-service/observers/ros/simulation_services.h"
+#include "world-service/observers/ros/world_pictures.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kClockDepth = 10;
+constexpr std::int32_t kEventDepth = 100;
+constexpr const char* kNodeName = "world";
+
+class RosWorldGateway final : public RunObserver {
+ public:
+  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene)
+      : options_(options),
+        scene_(std::move(scene)),
+        participant_(options),
+        node_(ros::MakeNode(participant_, "/", kNodeName)),
+        clock_(node_, "/clock", ros::Stream(kClockDepth)),
+        events_(node_, "/events", ros::Stream(kEventDepth)),
+        objects_(node_, "/objects", ros::Latched()),
+        pictures_(node_, options, scene_),
+        parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}) {
+    participant_.Announce();
+  }
+
+  Status OnBegin(const RunStart& start) override {
+    ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
+    participant_.Announce();
+    return Status();
+  }
+  Status OnEnd() override {
+    ExchangeServices(nullptr);
+    return Status();
+  }
+
+  void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition) override {
+    scene_ = scene;
+    shown_objects_.clear();
+    objects_replaced_ = true;
+    pictures_.ChangeWorld(scene);
+    const std::lock_guard lock(mutex_);
+    if (simulation_) simulation_->ChangeWorld(scene);
+  }
+
+  Status OnTick(const CommittedTick& tick) override {
+    const FrameMessage& frame = tick.frame;
+    {
+      const std::lock_guard lock(mutex_);
+      if (simulation_) simulation_->Publish(frame);
+    }
+    if (clock_.wanted()) clock_.Write({ros::ToTime(frame.state.tick, scene_->world().interval_ns)});
+    if (!frame.events.empty() && events_.wanted()) {
+      for (const Event& event : frame.events) {
+        dds::WireArena arena;
+        events_.Write({arena.Copy(EventLine(scene_->world(), event))});
+      }
+    }
+    if ((objects_replaced_ || frame.state.objects != shown_objects_) && objects_.wanted()) {
+      shown_objects_ = frame.state.objects;
+      dds::WireArena arena;
+      objects_.Write(ros::MakeObjectMarkers(*scene_, frame.state, arena, std::exchange(objects_replaced_, false)));
+    }
+    return Status();
+  }
+
+ private:
+  // Puts `services` in the place of the ones before, and ends those.
+  void ExchangeServices(std::unique_ptr<SimulationServices> services) {
+    {
+      const std::lock_guard lock(mutex_);
+      services.swap(simulation_);
+    }
+    services.reset();  // without the lock: their requests may be waiting for a world that is being changed
+  }
+
+  const ros::RosOptions options_;
+  std::shared_ptr<const Scene> scene_;
+  ros::RosParticipant participant_;
+  ros::RosNode node_;
+  ros::RosWriter<ros::Clock> clock_;
+  ros::RosWriter<ros::String> events_;
+  ros::RosWriter<ros::MarkerArray> objects_;
+  std::vector<ObjectState> shown_objects_;
+  bool objects_replaced_ = false;  // viewers may show markers of the world before
+  WorldPictures pictures_;
+  ros::ParameterServices parameters_;
+  std::mutex mutex_;                                // guards the pointer
+  std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd
+};
+
+}  // namespace
+
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene) {
+  return std::make_unique<RosWorldGateway>(options, std::move(scene));
+}
+
+}  // namespace troupe

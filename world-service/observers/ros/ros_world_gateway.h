@@ -1,0 +1,15 @@
+// The gateway of the world to ROS 2: clock, map, markers and events. docs/ros2.md lists the topics.
+#pragma once
+
+#include <memory>
+
+#include "common/ros/ros_options.h"
+#include "common/spatial/scene.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+// Throws std::exception if it cannot.
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene);
+
+}  // namespace troupe

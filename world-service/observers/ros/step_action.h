@@ -1,0 +1,29 @@
+// StepAction: the action simulation_interfaces/SimulateSteps. A goal lets a paused run make a number of ticks and pause
+// again, with feedback after each tick.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/protocol/messages.h"
+#include "common/ros_dds/ros_participant.h"
+
+namespace troupe {
+
+class SimulationContext;
+
+class StepAction {
+ public:
+  // `name`: of the action.
+  StepAction(const ros::RosNode& node, const std::string& name, std::shared_ptr<const SimulationContext> context);
+  ~StepAction();  // no answer is sent after it returns
+
+  // Counts a committed tick, and sends feedback.
+  void Publish(const FrameMessage& frame);
+
+ private:
+  class Server;
+  std::shared_ptr<Server> server_;  // shared with requests that wait for their answer
+};
+
+}  // namespace troupe

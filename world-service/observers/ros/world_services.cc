@@ -1,0 +1,79 @@
+#include "world-service/observers/ros/world_services.h"
+
+#include "world-service/observers/ros/resource_path.h"
+
+namespace troupe {
+namespace {
+
+using ros::RosCaller;
+
+// Of LoadWorld.
+constexpr std::uint8_t kUnsupportedWorldFormat = 101;
+constexpr std::uint8_t kNoWorldResource = 102;
+
+ControlRequest ResetRequest(std::uint8_t scopes) {
+  ControlRequest request;
+  request.command = ControlCommand::kReset;
+  request.scopes = scopes;
+  return request;
+}
+
+}  // namespace
+
+void WorldServices::Open(const ros::RosNode& node, const std::string& prefix) {
+  load_.Open(node, prefix + "load_world", Bind(&WorldServices::OnLoad));
+  reset_.Open(node, prefix + "reset_simulation", Bind(&WorldServices::OnReset));
+  plain_reset_.Open(node, "/reset", Bind(&WorldServices::OnPlainReset));
+}
+
+void WorldServices::Close() {
+  load_.Close();
+  reset_.Close();
+  plain_reset_.Close();
+}
+
+void WorldServices::AnswerLoad(const RosCaller& caller, std::uint8_t code, const std::string& problem,
+                               const std::string& world, const std::string& path) {
+  dds::WireArena arena;
+  simulation_interfaces_srv_dds__LoadWorld_Response_ response{};
+  response.result = MakeResult(code, problem, arena);
+  response.world.name = arena.Copy(world);
+  response.world.world_resource.uri = arena.Copy(path);
+  load_.Respond(caller, response);
+}
+
+void WorldServices::OnLoad(const RosCaller& caller, const simulation_interfaces_srv_dds__LoadWorld_Request_& request) {
+  ControlRequest load;
+  load.command = ControlCommand::kLoadWorld;
+  load.source = ResourcePath(request.uri);
+  if (load.source.empty()) {
+    const bool has_text = !dds::Text(request.resource_string).empty();
+    return AnswerLoad(caller, has_text ? kUnsupportedWorldFormat : kNoWorldResource, "found no uri, expected a file",
+                      "", "");
+  }
+  Ask(load, [caller, path = load.source](WorldServices& self, const ControlReply& reply) {
+    self.AnswerLoad(caller, static_cast<std::uint8_t>(CodeOf(reply)), reply.problem,
+                    reply.done ? self.context().scene()->world().name : "", path);
+  });
+}
+
+void WorldServices::OnReset(const RosCaller& caller,
+                            const simulation_interfaces_srv_dds__ResetSimulation_Request_& request) {
+  const std::uint8_t scopes = request.scope == 0 ? kResetAll : request.scope;
+  Ask(ResetRequest(scopes), [caller](WorldServices& self, const ControlReply& reply) {
+    dds::WireArena arena;
+    simulation_interfaces_srv_dds__ResetSimulation_Response_ response{};
+    response.result = MakeResult(reply, arena);
+    self.reset_.Respond(caller, response);
+  });
+}
+
+// std_srvs/Empty has no field for a failure.
+void WorldServices::OnPlainReset(const RosCaller& caller, const std_srvs_srv_dds__Empty_Request_&) {
+  Ask(ResetRequest(kResetAll), [caller](WorldServices& self, const ControlReply&) {
+    std_srvs_srv_dds__Empty_Response_ response{};
+    self.plain_reset_.Respond(caller, response);
+  });
+}
+
+}  // namespace troupe

@@ -1,0 +1,37 @@
+// WorldServices: the services of package simulation_interfaces that load and reset the whole world, and std_srvs/Empty
+// /reset. docs/ros2.md lists them.
+#pragma once
+
+#include <string>
+
+#include "world-service/observers/ros/service_group.h"
+#include "world-service/observers/ros/service_slot.h"
+
+namespace troupe {
+
+class WorldServices : public ServiceGroup<WorldServices> {
+ public:
+  explicit WorldServices(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+
+  // `prefix`: of the services' names, with a slash at its end.
+  void Open(const ros::RosNode& node, const std::string& prefix);
+  // No service answers after it returns.
+  void Close();
+
+ private:
+  void OnLoad(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__LoadWorld_Request_& request);
+  void OnReset(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__ResetSimulation_Request_& request);
+  void OnPlainReset(const ros::RosCaller& caller, const std_srvs_srv_dds__Empty_Request_& request);
+
+  void AnswerLoad(const ros::RosCaller& caller, std::uint8_t code, const std::string& problem, const std::string& world,
+                  const std::string& path);
+
+  ServiceSlot<simulation_interfaces_srv_dds__LoadWorld_Request_, simulation_interfaces_srv_dds__LoadWorld_Response_>
+      load_;
+  ServiceSlot<simulation_interfaces_srv_dds__ResetSimulation_Request_,
+              simulation_interfaces_srv_dds__ResetSimulation_Response_>
+      reset_;
+  ServiceSlot<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> plain_reset_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "world-service/observers/status/reporter.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::uint32_t kStatusesPerLine = 10;  // while no robot begins or ends to be late
+constexpr std::size_t kNamesListed = 5;
+
+std::string WaitingText(const StatusMessage& status) {
+  if (status.waiting_for.empty()) return "";
+  std::string text = fmt::format("; waiting {:.1f} s for", status.waiting_seconds);
+  for (std::size_t i = 0; i < status.waiting_for.size() && i < kNamesListed; ++i) text += " " + status.waiting_for[i];
+  if (status.waiting_for.size() > kNamesListed)
+    text += fmt::format(" and {} more", status.waiting_for.size() - kNamesListed);
+  return text;
+}
+
+class ConsoleReporter final : public Reporter {
+ public:
+  void Ready(const LoadedWorld& loaded, std::uint16_t port) override {
+    fmt::print(stderr, "{}: {} robots; waiting for their agents", loaded.world.name, loaded.world.robots.size());
+    if (port != 0) fmt::print(stderr, " (port {})", port);
+    fmt::print(stderr, "\n");
+  }
+  void OnStarted(double startup_seconds) override {
+    fmt::print(stderr, "all robots have agents after {:.1f} s\n", startup_seconds);
+  }
+  void OnStatus(const StatusMessage& status) override {
+    const bool news = status.waiting_for != waiting_for_;
+    if (!news && ++statuses_ % kStatusesPerLine != 0) return;
+    waiting_for_ = status.waiting_for;
+    fmt::print(stderr, "tick {}, {:.1f} s simulated, {:.2f} x real time{}\n", status.tick, status.sim_seconds,
+               status.real_time_factor, WaitingText(status));
+  }
+  void OnEvent(const Event& event, const std::string& text) override {
+    // Robots stall all the time; the summary counts them.
+    if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
+    fmt::print(stderr, "{}\n", text);
+  }
+  void OnNewRobots(const std::vector<std::string>& robots) override {
+    for (const std::string& robot : robots) fmt::print(stderr, "robot {} is new and needs an agent\n", robot);
+  }
+  void OnNotice(const std::string& text) override { fmt::print(stderr, "{}\n", text); }
+  void Ended(const RunSummary& summary) override {
+    fmt::print(stderr, "{} ticks, {:.1f} s simulated in {:.1f} s ({:.2f} x real time), {} stalls, state hash {:016x}\n",
+               summary.ticks, summary.sim_seconds, summary.wall_seconds, summary.real_time_factor, summary.stalls,
+               summary.state_hash);
+    for (const SlowRobot& slow : summary.slowest) {
+      fmt::print(stderr, "  {}: last {} times, waited {:.2f} s\n", slow.robot, slow.times_last, slow.waited_seconds);
+    }
+    for (const std::string& robot : summary.lost) fmt::print(stderr, "  {}: no agent at the end\n", robot);
+  }
+  void Failed(const Error& error) override { fmt::print(stderr, "{}\n", error.ToString()); }
+
+ private:
+  std::uint32_t statuses_ = 0;
+  std::vector<std::string> waiting_for_;  // as last printed
+};
+
+}  // namespace
+
+std::unique_ptr<Reporter> MakeConsoleReporter() {
+  return std::make_unique<ConsoleReporter>();
+}
+
+}  // namespace troupe

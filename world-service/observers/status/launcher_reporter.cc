@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "world-service/observers/status/reporter.h"
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+class LauncherReporter final : public Reporter {
+ public:
+  explicit LauncherReporter(int descriptor) : descriptor_(descriptor) {}
+
+  void Ready(const LoadedWorld& loaded, std::uint16_t port) override {
+    Json robots = Json::array();
+    for (const RobotDescription& robot : loaded.world.robots) robots.push_back(robot.name);
+    Send({{"type", "ready"},
+          {"robots", std::move(robots)},
+          {"robots_per_process", loaded.settings.robots_per_process},
+          {"port", port},
+          {"ros", loaded.settings.ros}});
+  }
+  void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
+  void OnNewRobots(const std::vector<std::string>& robots) override { Send({{"type", "robots"}, {"robots", robots}}); }
+  void OnStatus(const StatusMessage& status) override {
+    Send({{"type", "status"},
+          {"tick", status.tick},
+          {"target_ticks", status.target_ticks},
+          {"sim_seconds", status.sim_seconds},
+          {"wall_seconds", status.wall_seconds},
+          {"real_time_factor", status.real_time_factor},
+          {"robots", status.robots},
+          {"agents", status.agents},
+          {"waiting_for", status.waiting_for},
+          {"waiting_seconds", status.waiting_seconds}});
+  }
+  void OnEvent(const Event& event, const std::string& text) override {
+    Send({{"type", "event"}, {"tick", event.tick}, {"event", ToString(event.type)}, {"text", text}});
+  }
+  void OnNotice(const std::string& text) override { Send({{"type", "notice"}, {"text", text}}); }
+  void Ended(const RunSummary& summary) override {
+    Json slowest = Json::array();
+    for (const SlowRobot& slow : summary.slowest) {
+      slowest.push_back(
+          {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
+    }
+    Send({{"type", "end"},
+          {"ticks", summary.ticks},
+          {"sim_seconds", summary.sim_seconds},
+          {"wall_seconds", summary.wall_seconds},
+          {"real_time_factor", summary.real_time_factor},
+          {"startup_seconds", summary.startup_seconds},
+          {"robots", summary.robots},
+          {"stalls", summary.stalls},
+          {"rejected", summary.rejected},
+          {"frames_repeated", summary.frames_repeated},
+          {"state_hash", fmt::format("{:016x}", summary.state_hash)},
+          {"slowest", std::move(slowest)},
+          {"lost", summary.lost},
+          {"interrupted", summary.interrupted}});
+  }
+  void Failed(const Error& error) override {
+    Send({{"type", "error"}, {"message", error.ToString()}});
+    fmt::print(stderr, "{}\n", error.ToString());
+  }
+
+ private:
+  // Reports are dropped once the launcher has died: the run continues until it is stopped.
+  void Send(const Json& report) {
+    const std::string line = report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    for (std::size_t sent = 0; sent < line.size();) {
+      const ssize_t written = write(descriptor_, line.data() + sent, line.size() - sent);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return;
+      sent += static_cast<std::size_t>(written);
+    }
+  }
+
+  const int descriptor_;
+};
+
+}  // namespace
+
+std::unique_ptr<Reporter> MakeLauncherReporter(int descriptor) {
+  return std::make_unique<LauncherReporter>(descriptor);
+}
+
+}  // namespace troupe

@@ -1,0 +1,29 @@
+// Reporter: an observer that reports the progress of a run to people or to a launcher.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/worldfile/load_world.h"
+#include "world-service/service/run_observer.h"
+#include "world-service/service/run_summary.h"
+
+namespace troupe {
+
+class Reporter : public RunObserver {
+ public:
+  // The world is loaded, and agents may join at UDP port `port`; 0: not known.
+  virtual void Ready(const LoadedWorld& loaded, std::uint16_t port) = 0;
+  virtual void Ended(const RunSummary& summary) = 0;
+  virtual void Failed(const Error& error) = 0;
+};
+
+// Lines on standard error.
+std::unique_ptr<Reporter> MakeConsoleReporter();
+
+// JSON objects, one a line, on a descriptor that stays open. docs/tick-protocol.md has their fields.
+std::unique_ptr<Reporter> MakeLauncherReporter(int descriptor);
+
+}  // namespace troupe

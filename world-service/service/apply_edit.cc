@@ -1,0 +1,75 @@
+#include "world-service/service/apply_edit.h"
+
+#include <string>
+#include <utility>
+
+#include "world-service/core/initial_state.h"
+
+namespace troupe {
+namespace {
+
+Result<EditedWorld> Reset(std::uint8_t scopes, const std::shared_ptr<const Scene>& original,
+                          const std::shared_ptr<const Scene>& scene, const WorldState& state) {
+  constexpr std::uint8_t kKnown = kResetTime | kResetState | kResetSpawned;
+  if (scopes == kResetAll) return ResetWorld(original, scene, state, {});
+  if (scopes == 0 || (scopes & ~kKnown) != 0) {
+    return Error{{}, "found the scopes " + std::to_string(scopes) + ", expected 1 to 7, or 255"};
+  }
+  return ResetWorld(original, scene, state,
+                    {.time = (scopes & kResetTime) != 0,
+                     .state = (scopes & kResetState) != 0,
+                     .spawned = (scopes & kResetSpawned) != 0,
+                     .deleted = false});
+}
+
+EditedWorld Load(const WorldDescription& world) {
+  EditedWorld loaded;
+  loaded.scene = std::make_shared<const Scene>(world);
+  loaded.state = InitialState(*loaded.scene);
+  loaded.fresh = true;
+  return loaded;
+}
+
+}  // namespace
+
+bool IsEdit(ControlCommand command) {
+  switch (command) {
+    case ControlCommand::kReset:
+    case ControlCommand::kLoadWorld:
+    case ControlCommand::kSpawn:
+    case ControlCommand::kDelete:
+    case ControlCommand::kSetPose:
+      return true;
+    case ControlCommand::kStatus:
+    case ControlCommand::kPause:
+    case ControlCommand::kPlay:
+    case ControlCommand::kStep:
+    case ControlCommand::kEntities:
+    case ControlCommand::kSpawnables:
+      return false;
+  }
+  return false;
+}
+
+Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,
+                              const std::shared_ptr<const Scene>& scene, const WorldState& state) {
+  const ControlRequest& request = edit.request;
+  switch (request.command) {
+    case ControlCommand::kReset:
+      return Reset(request.scopes, original, scene, state);
+    case ControlCommand::kSetPose:
+      return SetPose(scene, state, request.name, request.pose);
+    case ControlCommand::kDelete:
+      return DeleteEntity(scene, state, request.name);
+    case ControlCommand::kSpawn:
+      if (edit.world == nullptr) return Error{{}, "found nothing to spawn"};
+      return SpawnEntity(scene, state, *edit.world, request.name, request.pose);
+    case ControlCommand::kLoadWorld:
+      if (edit.world == nullptr) return Error{{}, "found no world"};
+      return Load(*edit.world);
+    default:
+      return Error{{}, "found no edit"};
+  }
+}
+
+}  // namespace troupe

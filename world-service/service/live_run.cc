@@ -1,0 +1,34 @@
+#include "world-service/service/live_run.h"
+
+#include "common/base/version.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kNamesListed = 10;
+
+}  // namespace
+
+void AnnounceSession(const LiveRun& run) {
+  SessionMessage session;
+  session.run = run.options.run;
+  session.protocol_version = kProtocolVersion;
+  session.host = run.options.host;
+  session.pid = run.options.pid;
+  session.lease_seconds = run.options.lease_seconds;
+  session.begun = run.started_at.has_value();
+  session.world = run.world();
+  session.world_edition = run.frame.world_edition;
+  run.endpoint.SendSession(session);
+}
+
+std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots) {
+  std::string list;
+  for (std::size_t i = 0; i < robots.size() && i < kNamesListed; ++i) {
+    list += (i == 0 ? "" : ", ") + world.robot(robots[i]).name;
+  }
+  if (robots.size() > kNamesListed) list += " and " + std::to_string(robots.size() - kNamesListed) + " more";
+  return list;
+}
+
+}  // namespace troupe

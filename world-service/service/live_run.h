@@ -1,0 +1,76 @@
+// LiveRun: the part of a run's state that the parts of the coordinator share. A plain struct; each member names the one
+// class that writes it (all of them may read). Used by one thread at a time.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/transport.h"
+#include "common/run/run_settings.h"
+#include "common/spatial/scene.h"
+#include "common/trace/tick_trace.h"
+#include "world-service/service/event_log.h"
+#include "world-service/service/membership.h"
+#include "world-service/service/notice_list.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+struct CoordinatorOptions {
+  RunSettings settings;
+  RunId run = 0;  // random; of two services that gather agents in one session, the one with the lower id remains
+  double lease_seconds = 2.0;
+  double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
+  bool start_paused = false;            // at tick 0
+  TraceLane* trace = nullptr;           // outlives the coordinator; null: none
+  std::string host;                     // of this process, for the session
+  std::uint32_t pid = 0;
+};
+
+enum class RunPhase : std::uint8_t {
+  kGathering,  // waiting for an agent for every robot
+  kRunning,    // ticking
+  kEnding,     // the last frame is out; waiting for the agents to leave
+  kOver,
+};
+
+struct LiveRun {
+  // Constant.
+  const CoordinatorOptions options;
+  ServiceEndpoint& endpoint;
+  const RunObservers observers;
+  const double created_at;  // wall time, s
+
+  // Written by TickEngine.
+  RunPhase phase = RunPhase::kGathering;
+  std::optional<double> started_at = {};      // wall time of frame 0, s, once it is sent
+  Status error = {};                          // of a run that failed
+  bool interrupted = false;                   // by Stop
+  std::vector<std::string> lost_robots = {};  // without an agent at the end
+
+  // Written by TickEngine, and by WorldEditor when an edit is applied.
+  std::shared_ptr<const Scene> scene;
+  FrameMessage frame = {};  // the newest; before the run begins, the first
+
+  // Written by TickEngine (presence, answers) and TickCoordinator (joins).
+  Membership members;
+
+  // Written by all parts.
+  EventLog events = {};
+  NoticeList notices = {};
+
+  const WorldDescription& world() const { return scene->world(); }
+  bool realtime() const { return options.settings.mode == Mode::kRealtime; }
+  Tick next_tick() const { return frame.state.tick + 1; }
+};
+
+// Sends the session: the process of the service and its world.
+void AnnounceSession(const LiveRun& run);
+
+// "r0, r1 and 5 more": the names of at most ten robots.
+std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots);
+
+}  // namespace troupe

@@ -1,0 +1,67 @@
+// ResendTimer: when to resend a frame that an agent seems to have missed. It learns how long answers take, from those
+// that arrived before a resend. Times in s, of any clock.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace troupe {
+
+class ResendTimer {
+ public:
+  static constexpr double kShortestWait = 0.004;
+  static constexpr double kLongestFirstWait = 0.05;  // also before anything was learned
+  static constexpr double kLongestWait = 1.0;
+
+  // A frame was sent for the first time; the one before is answered. The first resend is due after the wait that was
+  // learned, each later one after twice the wait before.
+  void Start(double now) {
+    if (heard_) Learn(longest_);
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, kLongestFirstWait));
+  }
+  // The same with a wait of the caller's choice; nothing is learned from it.
+  void Start(double now, double first_wait) {
+    heard_ = resent_ = false;
+    longest_ = 0.0;
+    last_ = now;
+    wait_ = first_wait;
+    due_ = now + wait_;
+  }
+  // An answer arrived. While answers arrive, the other agents are probably busy, and more frames would delay them.
+  void Answered(double now) {
+    if (!resent_) {
+      heard_ = true;
+      longest_ = std::max(longest_, now - last_);
+      last_ = now;
+    }
+    due_ = now + wait_;
+  }
+  void Resent(double now) {
+    resent_ = true;
+    wait_ = std::min(2.0 * wait_, kLongestWait);
+    due_ = now + wait_;
+  }
+  // An answer arrived twice: a resend was needless, so answers take longer than was learned.
+  void AnsweredTwice() { mean_ = std::min(1.25 * mean_ + 0.001, kLongestFirstWait); }
+  double due() const { return due_; }
+
+ private:
+  // As TCP learns its round-trip time.
+  void Learn(double longest) {
+    const double surprise = longest - mean_;
+    mean_ += surprise / 8.0;
+    deviation_ += (std::abs(surprise) - deviation_) / 4.0;
+  }
+
+  double mean_ = kLongestFirstWait;  // of the longest silence in a tick
+  double deviation_ = 0.0;
+  double wait_ = 0.0;
+  double due_ = 0.0;
+  // Of the tick that is open.
+  double last_ = 0.0;     // time of the newest answer, or the begin
+  double longest_ = 0.0;  // silence
+  bool heard_ = false;
+  bool resent_ = false;
+};
+
+}  // namespace troupe

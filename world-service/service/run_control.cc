@@ -1,0 +1,206 @@
+#include "world-service/service/run_control.h"
+
+#include <string>
+#include <utility>
+
+#include "world-service/core/edit_world.h"
+#include "world-service/service/apply_edit.h"
+#include "world-service/service/entities.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMostOpen = 1000;  // requests; a hostile tool may send any number
+
+Error Refusal(std::string reason) {
+  return {{}, std::move(reason)};
+}
+
+bool IsOver(const LiveRun& run) {
+  return run.phase == RunPhase::kEnding || run.phase == RunPhase::kOver;
+}
+
+}  // namespace
+
+void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, RequestedWorld world, double now) {
+  OpenRequest open{request, std::move(reply), std::move(world)};
+  if (request.command == ControlCommand::kStatus) return Accept(open);
+  if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
+  if (queue_.size() + awaiting_pause_.size() >= kMostOpen) {
+    return Reply(open, Refusal("too many requests are waiting"));
+  }
+  if (IsEdit(request.command)) return EnqueueEdit(std::move(open), now);
+  switch (request.command) {
+    case ControlCommand::kPlay:
+      return Play(open, now);
+    case ControlCommand::kPause:
+      return Pause(std::move(open));
+    case ControlCommand::kStep:
+      return EnqueueStep(std::move(open), now);
+    case ControlCommand::kEntities:
+      return Reply(open, Entities(request.name));
+    default:
+      return Reply(open, Refusal("the service cannot read files here"));
+  }
+}
+
+void RunControl::Pause(OpenRequest pause) {
+  play_after_edits_ = false;
+  if (quiescent() && queue_.empty()) return Accept(pause);
+  if (!run_.frame.paused) engine_.SetTicksToPause(run_.started_at ? 1 : 0);
+  awaiting_pause_.push_back(std::move(pause));
+}
+
+void RunControl::Play(const OpenRequest& play, double now) {
+  const Error superseded = Refusal("the run was set to play");
+  for (const OpenRequest& waiting : std::exchange(awaiting_pause_, {})) Reply(waiting, superseded);
+  std::erase_if(queue_, [&](const OpenRequest& waiting) {
+    if (waiting.request.command != ControlCommand::kStep) return false;
+    Reply(waiting, superseded);
+    return true;
+  });
+  play_after_edits_ = edit_ || !queue_.empty();
+  if (play_after_edits_) {
+    if (!run_.frame.paused) engine_.SetTicksToPause(1);
+  } else {
+    engine_.SetTicksToPause(std::nullopt);
+    if (run_.frame.paused) engine_.Resume(now);
+  }
+  Accept(play);
+}
+
+void RunControl::EnqueueStep(OpenRequest step, double now) {
+  if (step.request.ticks == 0) return Reply(step, Refusal("found 0 ticks to step, expected at least 1"));
+  if (playing()) return Reply(step, Refusal("the run is playing; only a paused one can step"));
+  Enqueue(std::move(step), now);
+}
+
+void RunControl::EnqueueEdit(OpenRequest edit, double now) {
+  if (run_.phase == RunPhase::kGathering) {
+    return Reply(edit, Refusal("the run has not begun; nothing can be changed before"));
+  }
+  if (!engine_.ticks_to_pause()) {
+    play_after_edits_ = true;
+    engine_.SetTicksToPause(1);
+  }
+  Enqueue(std::move(edit), now);
+}
+
+void RunControl::Enqueue(OpenRequest open, double now) {
+  queue_.push_back(std::move(open));
+  if (quiescent()) StartQueued(now);
+}
+
+void RunControl::Advance(double now) {
+  if (IsOver(run_)) return RefuseAll(Refusal("the run is over"));
+  if (!quiescent()) return;
+  ReplyToWaiting();
+  ReplyToEdit();
+  StartQueued(now);
+}
+
+void RunControl::ReplyToWaiting() {
+  for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) {
+    const std::uint64_t made = run_.frame.state.tick - step_begun_;
+    if (open.request.command == ControlCommand::kStep && made < open.request.ticks) {
+      Reply(open,
+            Refusal("paused after " + std::to_string(made) + " of " + std::to_string(open.request.ticks) + " ticks"));
+    } else {
+      Accept(open);
+    }
+  }
+}
+
+void RunControl::ReplyToEdit() {
+  const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
+  if (!edit) return;
+  const bool spawned = edit->request.command == ControlCommand::kSpawn;
+  Reply(*edit, spawned ? Entities(edit->request.name) : std::vector<EntityReport>());
+}
+
+void RunControl::StartQueued(double now) {
+  while (!queue_.empty() && quiescent()) {
+    OpenRequest next = std::move(queue_.front());
+    queue_.pop_front();
+    if (next.request.command == ControlCommand::kStep) return StartStep(std::move(next), now);
+    StartEdit(std::move(next), now);
+    if (edit_ && quiescent()) return Advance(now);  // no agent has to answer
+  }
+  if (!queue_.empty() || edit_ || !play_after_edits_) return;
+  play_after_edits_ = false;
+  engine_.SetTicksToPause(std::nullopt);
+  if (run_.phase == RunPhase::kRunning) engine_.Resume(now);
+}
+
+void RunControl::StartStep(OpenRequest step, double now) {
+  engine_.SetTicksToPause(step.request.ticks);
+  step_begun_ = run_.frame.state.tick;
+  awaiting_pause_.push_back(std::move(step));
+  engine_.Resume(now);
+}
+
+void RunControl::StartEdit(OpenRequest edit, double now) {
+  Result<ControlRequest> applied = editor_.Apply(edit.request, edit.world.get(), now);
+  if (!applied.ok()) return Reply(edit, applied.error());
+  edit.request = std::move(applied).value();
+  edit_ = std::move(edit);
+}
+
+void RunControl::GiveUpNewRobots(const Error& error, double now) {
+  const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
+  if (!edit) return;
+  Reply(*edit, error);
+  if (edit->request.command == ControlCommand::kSpawn) editor_.RevokeSpawn(edit->request.name, now);
+}
+
+Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name) const {
+  std::vector<EntityReport> entities = ListEntities(run_.world(), run_.frame.state);
+  if (name.empty()) return entities;
+  const Result<ModelId> root = FindEntity(run_.world(), name);
+  if (!root.ok()) return root.error();
+  std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
+  return entities;
+}
+
+void RunControl::Reply(const ControlRequest& request, const ControlReplyTo& reply,
+                       const Result<std::vector<EntityReport>>& outcome) const {
+  ControlReply content;
+  content.client = request.client;
+  content.number = request.number;
+  content.done = outcome.ok();
+  if (outcome.ok()) {
+    content.entities = outcome.value();
+  } else {
+    content.problem = outcome.error().message;
+  }
+  content.tick = run_.frame.state.tick;
+  content.state_hash = run_.frame.state_hash;
+  content.edition = run_.frame.edition;
+  content.state = State();
+  reply(content);
+}
+
+void RunControl::Reply(const OpenRequest& open, const Result<std::vector<EntityReport>>& outcome) const {
+  Reply(open.request, open.reply, outcome);
+}
+
+RunState RunControl::State() const {
+  switch (run_.phase) {
+    case RunPhase::kGathering:
+      return RunState::kStarting;
+    case RunPhase::kRunning:
+      return run_.frame.paused && !play_after_edits_ ? RunState::kPaused : RunState::kPlaying;
+    case RunPhase::kEnding:
+    case RunPhase::kOver:
+      break;
+  }
+  return RunState::kOver;
+}
+
+void RunControl::RefuseAll(const Error& error) {
+  for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) Reply(open, error);
+  for (const OpenRequest& open : std::exchange(queue_, {})) Reply(open, error);
+  if (const auto edit = std::exchange(edit_, std::nullopt)) Reply(*edit, error);
+}
+
+}  // namespace troupe

@@ -1,0 +1,77 @@
+// RunControl: executes the requests of tools: pause, play, step, edits and queries. It keeps the open requests, in the
+// order in which they came, and replies to each once. docs/tick-protocol.md describes the pause.
+//
+// A pause is quiescent when every member has answered the paused frame and no robot of an edit waits for its agent.
+// Edits and steps start in a quiescent pause only. Passive, as TickEngine.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "world-service/service/live_run.h"
+#include "world-service/service/tick_engine.h"
+#include "world-service/service/world_control.h"
+#include "world-service/service/world_editor.h"
+
+namespace troupe {
+
+// Read from a file for a request: the world to load, or one whose only entity is to be spawned.
+using RequestedWorld = std::shared_ptr<const WorldDescription>;
+
+class RunControl {
+ public:
+  // All of them outlive the control.
+  RunControl(const LiveRun& run, TickEngine& engine, WorldEditor& editor)
+      : run_(run), engine_(engine), editor_(editor) {}
+
+  // Calls `reply` once, now or in a later call. `world`: for kLoadWorld and kSpawn.
+  void Execute(const ControlRequest& request, ControlReplyTo reply, RequestedWorld world, double now);
+  // Replies to a request that was executed elsewhere, or failed there.
+  void Reply(const ControlRequest& request, const ControlReplyTo& reply,
+             const Result<std::vector<EntityReport>>& outcome) const;
+
+  // Replies to the requests whose pause is quiescent, and starts the next; refuses all once the run is over. Call it
+  // when proposals have arrived, members were lost or the phase has changed.
+  void Advance(double now);
+  // Robots of the newest edit have no agent in time.
+  void GiveUpNewRobots(const Error& error, double now);
+
+ private:
+  // A request without a reply.
+  struct OpenRequest {
+    ControlRequest request;
+    ControlReplyTo reply;
+    RequestedWorld world = nullptr;
+  };
+
+  bool quiescent() const { return engine_.pause_answered() && editor_.robots_without_agent().empty(); }
+  bool playing() const { return !engine_.ticks_to_pause() || play_after_edits_; }
+  void Pause(OpenRequest pause);
+  void Play(const OpenRequest& play, double now);
+  void Enqueue(OpenRequest open, double now);
+  void EnqueueStep(OpenRequest step, double now);
+  void EnqueueEdit(OpenRequest edit, double now);
+  void StartQueued(double now);
+  void StartStep(OpenRequest step, double now);
+  void StartEdit(OpenRequest edit, double now);
+  void ReplyToWaiting();
+  void ReplyToEdit();
+  void RefuseAll(const Error& error);
+  void Reply(const OpenRequest& open, const Result<std::vector<EntityReport>>& outcome) const;
+  void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
+  Result<std::vector<EntityReport>> Entities(const std::string& name) const;
+  RunState State() const;
+
+  const LiveRun& run_;
+  TickEngine& engine_;
+  WorldEditor& editor_;
+  std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
+  std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
+  Tick step_begun_ = 0;                      // the tick at which the step among them began
+  std::optional<OpenRequest> edit_;          // applied; for a reply in the next quiescent pause
+  bool play_after_edits_ = false;            // the pause is only for edits
+};
+
+}  // namespace troupe

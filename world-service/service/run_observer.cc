@@ -1,0 +1,29 @@
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+Status RunObserver::OnBegin(const RunStart&) {
+  return Status();
+}
+
+Status RunObserver::OnEnd() {
+  return Status();
+}
+
+Status RunObserver::OnTick(const CommittedTick&) {
+  return Status();
+}
+
+void RunObserver::OnWorldChange(const std::shared_ptr<const Scene>&, Edition) {}
+
+void RunObserver::OnStarted(double) {}
+
+void RunObserver::OnStatus(const StatusMessage&) {}
+
+void RunObserver::OnEvent(const Event&, const std::string&) {}
+
+void RunObserver::OnNewRobots(const std::vector<std::string>&) {}
+
+void RunObserver::OnNotice(const std::string&) {}
+
+}  // namespace troupe

@@ -1,0 +1,70 @@
+// RunObserver: follows a run of the world service. A run has a list of observers, several of a kind if need be; none of
+// them can change a result. An observer overrides the calls that it needs.
+//
+// Threads: OnBegin, OnEnd and the progress reports come from the thread of RunService, one at a time. OnTick and
+// OnWorldChange come from any thread, one at a time, between OnBegin and OnEnd.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/messages.h"
+#include "common/run/run_settings.h"
+#include "common/spatial/scene.h"
+#include "world-service/service/world_control.h"
+
+namespace troupe {
+
+// The begin of a run.
+struct RunStart {
+  RunId run = 0;
+  const RunSettings& settings;
+  const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which holds the seed
+  WorldControl& control;                      // valid until OnEnd returns
+};
+
+// An edit that was applied: with the description that the frame before has, it determines the next state.
+struct AppliedEdit {
+  const ControlRequest& request;  // with the name that a spawned entity was given
+  const WorldDescription* world =
+      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. Else null.
+};
+
+// A committed state, with the inputs that led to it. The references are valid during the call.
+struct CommittedTick {
+  const FrameMessage& frame;            // tick, edition, state, its hash, the ordered events
+  std::span<const Proposal> proposals;  // that entered the step, in robot-id order; empty for tick 0 and after an edit
+  const AppliedEdit* edit = nullptr;    // null: the frame is tick 0 of the loaded world, or the result of a step
+};
+
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+
+  // Before the first agent is admitted. An error ends the run before it begins.
+  virtual Status OnBegin(const RunStart& start);
+  // After the last tick, once for each OnBegin that succeeded. An error makes the run fail.
+  virtual Status OnEnd();
+
+  // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
+  // error ends the run, and makes it fail.
+  virtual Status OnTick(const CommittedTick& tick);
+  // The frames from the next one on are of another description, after an edit. As OnTick. An error is the business of
+  // the OnTick that follows.
+  virtual void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition);
+
+  // Progress reports. Ticks do not wait for these.
+  virtual void OnStarted(double startup_seconds);      // all robots have agents; the first tick follows
+  virtual void OnStatus(const StatusMessage& status);  // twice a second; before the first tick, at each join, too
+  virtual void OnEvent(const Event& event, const std::string& text);  // text: one line for people
+  virtual void OnNewRobots(const std::vector<std::string>& robots);   // of an edit; agents have to be started for them
+  virtual void OnNotice(const std::string& text);  // any other line for people, for instance of a controller
+};
+
+// The observers of a run, in the order in which they are called. Each outlives the run.
+using RunObservers = std::vector<RunObserver*>;
+
+}  // namespace troupe

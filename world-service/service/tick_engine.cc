@@ -1,0 +1,293 @@
+#include "world-service/service/tick_engine.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "common/model/state_hash.h"
+#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
+
+namespace troupe {
+namespace {
+
+// Wall times, s.
+constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
+constexpr double kLongestEnd = 1.0;          // for agents to leave
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+std::optional<double> SpeedOf(const RunSettings& settings) {
+  if (settings.mode == Mode::kRealtime) return settings.speed.value_or(1.0);
+  return settings.speed;
+}
+
+}  // namespace
+
+TickEngine::TickEngine(LiveRun& run, double now)
+    : run_(run),
+      bodies_(*run.scene),
+      proposals_(run.world(), run.options.settings.mode),
+      pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
+      committed_at_(now),
+      arrived_at_(now) {
+  if (run_.options.start_paused) ticks_to_pause_ = 0;
+  run_.frame.run = run_.options.run;
+  run_.frame.state = InitialState(*run_.scene);
+  run_.frame.state_hash = StateHash(run_.frame.state);
+}
+
+void TickEngine::AddMember(Member& member, double now) {
+  member.silent_since = now;
+  barrier_.AddMember(member.id);
+  for (RobotId robot : member.robots) {
+    run_.events.Add(EventType::kJoined, run_.frame.state.tick, robot, Describe(member));
+  }
+}
+
+void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
+  if (run_.phase != RunPhase::kRunning) return;
+  const FrameMessage& frame = run_.frame;
+  if (proposal.run != run_.options.run) return Reject("a proposal for another run", now);
+  Member* const member = run_.members.Find(proposal.agent);
+  if (member == nullptr) return Reject("a proposal of an agent that has not joined", now);
+  if (proposal.edition < frame.edition) return;  // of the world before an edit
+  if (proposal.edition > frame.edition) {
+    return Reject("a proposal of " + Describe(*member) + " for edition " + std::to_string(proposal.edition) +
+                      ", expected " + std::to_string(frame.edition),
+                  now);
+  }
+  if (proposal.tick > run_.next_tick()) {
+    return Reject("a proposal of " + Describe(*member) + " for tick " + std::to_string(proposal.tick) + ", expected " +
+                      std::to_string(run_.next_tick()),
+                  now);
+  }
+  if (proposal.tick < run_.next_tick()) {
+    // Usually the answer to a resent frame. In realtime mode it may be new, and is the robot's last command.
+    const bool late = run_.realtime() && proposal.tick == frame.state.tick && proposal.tick > member->last_answered;
+    if (late && member->present) Collect(*member, proposal, now);
+    return;
+  }
+  if (proposal.paused != frame.paused) return;  // answers the frame as it was before
+  if (!member->present) {
+    run_.members.Restore(*member);
+    AddMember(*member, now);
+  }
+  if (!barrier_.Arrive(proposal.agent)) return resend_timer_.AnsweredTwice();
+  if (proposal.paused) {
+    member->silent_since.reset();
+    resend_timer_.Answered(now);
+    return;
+  }
+  Collect(*member, proposal, now);
+  if (barrier_.complete()) {
+    ++member->times_last;
+    member->waited_seconds += now - arrived_at_;
+  }
+  arrived_at_ = now;
+  resend_timer_.Answered(now);
+  if (ReadyToCommit(now)) Commit(now);
+}
+
+void TickEngine::Collect(Member& member, const ProposalMessage& message, double now) {
+  member.last_answered = message.tick;
+  member.silent_since.reset();
+  for (const Rejection& rejection : proposals_.Collect(member, message, run_.frame.state)) {
+    run_.events.Reject(run_.frame.state.tick, rejection.robot, rejection.reason, now);
+  }
+  for (const std::string& report : message.reports) run_.notices.AddFromPeer(Describe(member) + ": " + report);
+}
+
+void TickEngine::Reject(std::string reason, double now) {
+  run_.events.Reject(run_.frame.state.tick, std::nullopt, std::move(reason), now);
+}
+
+void TickEngine::OnAgentGone(AgentId agent, double now) {
+  Member* const member = run_.members.Find(agent);
+  if (member == nullptr || !member->present) return;
+  Lose(*member, "it ended, or its lease ran out", now);
+}
+
+void TickEngine::Lose(Member& member, const std::string& reason, double now) {
+  run_.members.Lose(member);
+  barrier_.RemoveMember(member.id);
+  const bool none_left = run_.members.present_members() == 0;
+  if (none_left) halted_since_ = now;
+  if (run_.phase == RunPhase::kEnding) {
+    if (none_left) run_.phase = RunPhase::kOver;
+    return;
+  }
+  for (RobotId robot : member.robots) {
+    run_.events.Add(EventType::kLeft, run_.frame.state.tick, robot, Describe(member) + ": " + reason);
+  }
+  if (run_.phase != RunPhase::kRunning) return;
+  if (run_.options.settings.on_agent_loss == OnAgentLoss::kAbort) {
+    return Fail(Failure("the agent of " + ListNames(run_.world(), member.robots) + " (" + Describe(member) +
+                        ") is lost: " + reason),
+                now);
+  }
+  if (ReadyToCommit(now)) Commit(now);
+}
+
+void TickEngine::LoseSilentMembers(double now) {
+  const double deadline = run_.options.settings.agent_deadline_seconds;
+  if (run_.phase != RunPhase::kRunning || deadline <= 0.0 || barrier_.complete()) return;
+  for (AgentId agent : barrier_.Missing()) {
+    Member* const member = run_.members.Find(agent);
+    const double silent = now - member->silent_since.value_or(committed_at_);
+    if (silent < deadline) continue;
+    Lose(*member, "it was silent for " + std::to_string(static_cast<int>(silent)) + " s", now);
+    if (run_.phase != RunPhase::kRunning) return;
+  }
+}
+
+bool TickEngine::halted() const {
+  if (run_.members.all_robots_present()) return false;
+  return run_.options.settings.on_agent_loss == OnAgentLoss::kPause || run_.members.present_members() == 0;
+}
+
+bool TickEngine::ReadyToCommit(double now) const {
+  const bool due = ticks_to_pause_.has_value() || now >= pacer_.Due(run_.next_tick());  // steps set their own pace
+  return run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) && due &&
+         !halted();
+}
+
+void TickEngine::Begin(double now) {
+  run_.phase = RunPhase::kRunning;
+  std::vector<AdmissionMessage> admissions;
+  for (const AgentId agent : run_.members.PresentMembers()) admissions.push_back({run_.options.run, agent, true, {}});
+  run_.endpoint.SendAdmissions(admissions);
+  run_.started_at = now;
+  pacer_.Start(now);
+  run_.frame.events = run_.events.CompleteFrame(0, {});
+  run_.frame.paused = ticks_to_pause_ == 0U;
+  Publish({}, nullptr, now);
+}
+
+void TickEngine::Commit(double now) {
+  if (run_.realtime()) {
+    for (AgentId agent : barrier_.Missing()) {
+      std::optional<double>& since = run_.members.Find(agent)->silent_since;
+      if (!since) since = committed_at_;
+    }
+  }
+  FrameMessage& frame = run_.frame;
+  Enter(run_.options.trace, TickPhase::kStep, run_.next_tick());
+  ++steps_;
+  const std::span<const Proposal> proposals = proposals_.ForStep(frame.state);
+  StepResult next = Step(*run_.scene, frame.state, proposals, bodies_);
+  frame.state = std::move(next.state);
+  frame.state_hash = StateHash(frame.state);
+  frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(next.events));
+  if (ticks_to_pause_) --*ticks_to_pause_;
+  frame.paused = ticks_to_pause_ == 0U;
+  pacer_.Committed(frame.state.tick, now);
+  Publish(proposals, nullptr, now);
+}
+
+void TickEngine::Resume(double now) {
+  run_.frame.paused = false;
+  run_.endpoint.SendFrame(run_.frame);
+  committed_at_ = arrived_at_ = now;
+  pacer_.Resume(run_.frame.state.tick, now);
+  barrier_.Open(run_.next_tick());
+  resend_timer_.Start(now);
+}
+
+void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
+  bodies_ = BodyIndex(*run_.scene);
+  for (const AgentId agent : removed) barrier_.RemoveMember(agent);
+  pacer_.SetInterval(run_.world().interval_seconds());
+}
+
+void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now) {
+  proposals_.ChangeWorld(run_.world());
+  if (run_.members.present_members() == 0) halted_since_ = now;
+  FrameMessage& frame = run_.frame;
+  frame.state = std::move(state);
+  frame.state_hash = StateHash(frame.state);
+  frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
+  frame.paused = true;
+  ticks_to_pause_ = 0;
+  Publish({}, &edit, now);
+}
+
+void TickEngine::Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now) {
+  FrameMessage& frame = run_.frame;
+  frame.awaited.clear();
+  frame.last = run_.options.settings.ticks && frame.state.tick >= *run_.options.settings.ticks;
+  if (frame.last) frame.paused = false;
+  Enter(run_.options.trace, TickPhase::kPublish, frame.state.tick);
+  run_.endpoint.SendFrame(frame);  // first, so that the agents work meanwhile
+  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
+  committed_at_ = arrived_at_ = now;
+  barrier_.Open(run_.next_tick());
+  resend_timer_.Start(now);
+  Status failure;
+  for (RunObserver* observer : run_.observers) {
+    const Status outcome = observer->OnTick({frame, proposals, edit});
+    if (failure.ok()) failure = outcome;
+  }
+  if (!failure.ok()) return Fail(failure.error(), now);
+  if (frame.last) return End(now);
+  Enter(run_.options.trace, TickPhase::kWait, run_.next_tick());
+}
+
+void TickEngine::Stop(double now) {
+  if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
+  run_.interrupted = true;
+  run_.frame.last = true;
+  run_.endpoint.SendFrame(run_.frame);
+  End(now);
+}
+
+void TickEngine::Fail(Error error, double now) {
+  if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
+  run_.error = std::move(error);
+  run_.frame.last = true;
+  run_.endpoint.SendFrame(run_.frame);
+  End(now);
+}
+
+void TickEngine::End(double now) {
+  for (RobotId robot : run_.members.AbsentRobots()) run_.lost_robots.push_back(run_.world().robot(robot).name);
+  run_.phase = run_.members.present_members() == 0 ? RunPhase::kOver : RunPhase::kEnding;
+  end_at_ = now + kLongestEnd;
+  resend_timer_.Start(now, kFirstResendOfLast);
+}
+
+void TickEngine::Poll(double now) {
+  if (ReadyToCommit(now)) return Commit(now);
+  if (run_.phase == RunPhase::kEnding && now >= end_at_) run_.phase = RunPhase::kOver;
+  if (run_.phase == RunPhase::kOver) return;
+  const double timeout = run_.options.start_timeout_seconds;
+  if (run_.phase == RunPhase::kRunning && run_.members.present_members() == 0 && halted() && timeout > 0.0 &&
+      now - halted_since_ >= timeout) {
+    return Fail(Failure("every agent is lost, and none has rejoined"), now);
+  }
+  const bool unanswered = run_.phase == RunPhase::kEnding || !barrier_.complete();
+  if (unanswered && now >= resend_timer_.due()) {
+    ResendFrame();
+    ++frames_resent_;
+    resend_timer_.Resent(now);
+  }
+}
+
+void TickEngine::ResendFrame() {
+  std::vector<AgentId>& awaited = run_.frame.awaited;
+  awaited.clear();
+  // The last frame is for all: an agent that leaves does not answer.
+  if (run_.phase == RunPhase::kRunning && 2 * barrier_.missing() <= barrier_.members()) awaited = barrier_.Missing();
+  run_.endpoint.SendFrame(run_.frame);
+  awaited.clear();
+}
+
+double TickEngine::NextPoll() const {
+  if (run_.phase == RunPhase::kEnding) return std::min(end_at_, resend_timer_.due());
+  if (run_.phase != RunPhase::kRunning) return run_.created_at;
+  const bool can_step = (run_.realtime() || barrier_.complete()) && !halted() && !run_.frame.paused;
+  const double due = ticks_to_pause_ ? committed_at_ : pacer_.Due(run_.next_tick());
+  const double step = can_step ? due : kNever;
+  return barrier_.complete() ? step : std::min(step, resend_timer_.due());
+}
+
+}  // namespace troupe

@@ -1,0 +1,92 @@
+// TickEngine: advances a run tick by tick. It collects the proposals of the members, steps when the barrier is
+// complete, publishes the frame, resends a frame that was not answered, and applies the settings when an agent is lost.
+//
+// Passive: it acts only inside the calls below, and knows the time only from `now`: wall time in s, of a clock that
+// never goes back. So the call that delivers the last proposal of a tick also makes the step.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/protocol/tick_barrier.h"
+#include "common/spatial/body_index.h"
+#include "world-service/service/live_run.h"
+#include "world-service/service/pacer.h"
+#include "world-service/service/proposal_collector.h"
+#include "world-service/service/resend_timer.h"
+
+namespace troupe {
+
+class TickEngine {
+ public:
+  // The run outlives the engine. Makes its first frame.
+  TickEngine(LiveRun& run, double now);
+
+  // The barrier waits for the member from now on.
+  void AddMember(Member& member, double now);
+  void OnProposal(const ProposalMessage& proposal, double now);
+  void OnAgentGone(AgentId agent, double now);
+
+  // Publishes the first frame. REQUIRES: the phase is kGathering.
+  void Begin(double now);
+  // Both end the run in order; after the run has ended by itself they change nothing.
+  void Stop(double now);
+  void Fail(Error error, double now);
+
+  // Time that passes, in the phases after kGathering: call both at NextPoll(), or earlier.
+  void LoseSilentMembers(double now);
+  void Poll(double now);
+  double NextPoll() const;
+
+  // Ticks until the run pauses, 0 in a pause; nothing: no pause is planned.
+  const std::optional<std::uint64_t>& ticks_to_pause() const { return ticks_to_pause_; }
+  void SetTicksToPause(std::optional<std::uint64_t> ticks) { ticks_to_pause_ = ticks; }
+  // Every member has answered the paused frame.
+  bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
+  // Resends the frame without `paused`, so that the agents propose. REQUIRES: the frame is paused.
+  void Resume(double now);
+
+  // The scene of the run is another one; `removed` members have no robots in it.
+  void ChangeWorld(std::span<const AgentId> removed);
+  // Publishes the state after an edit, in a pause.
+  void PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now);
+
+  // A robot has no agent, and no tick can follow.
+  bool halted() const;
+  std::vector<AgentId> MissingMembers() const { return barrier_.Missing(); }
+  double committed_at() const { return committed_at_; }  // wall time of the newest frame, s
+  std::uint64_t steps() const { return steps_; }
+  std::uint64_t frames_resent() const { return frames_resent_; }
+
+ private:
+  void Collect(Member& member, const ProposalMessage& message, double now);
+  void Reject(std::string reason, double now);
+  void Lose(Member& member, const std::string& reason, double now);
+  bool ReadyToCommit(double now) const;
+  void Commit(double now);
+  // The proposals or the edit led to the frame.
+  void Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now);
+  void End(double now);
+  void ResendFrame();
+
+  LiveRun& run_;
+  BodyIndex bodies_;  // of the run's scene: the steps' own
+  TickBarrier barrier_;
+  ProposalCollector proposals_;
+  Pacer pacer_;
+  ResendTimer resend_timer_;
+  std::optional<std::uint64_t> ticks_to_pause_;
+  std::uint64_t steps_ = 0;
+  std::uint64_t frames_resent_ = 0;
+
+  // Wall times, s.
+  double committed_at_ = 0.0;  // of the newest frame
+  double arrived_at_ = 0.0;    // of the newest answer, or the frame
+  double halted_since_ = 0.0;  // since no agent is left
+  double end_at_ = 0.0;        // when the last frame need not be resent any more
+};
+
+}  // namespace troupe

@@ -1,0 +1,107 @@
+#include "world-service/service/world_editor.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "world-service/service/apply_edit.h"
+#include "world-service/service/entities.h"
+#include "world-service/service/event_text.h"
+
+namespace troupe {
+namespace {
+
+// "scout" of "scout", "robots/scout.inc" or "robots.inc#scout".
+std::string NameOfSource(const std::string& source) {
+  const std::size_t hash = source.rfind('#');
+  if (hash != std::string::npos) return source.substr(hash + 1);
+  return std::filesystem::path(source).stem().string();
+}
+
+// The name of the entity that a request spawns.
+std::string SpawnName(const WorldDescription& world, const ControlRequest& request) {
+  if (request.name.empty()) return FreeName(world, NameOfSource(request.source));
+  return request.rename ? FreeName(world, request.name) : request.name;
+}
+
+std::string NoticeOf(const ControlRequest& request) {
+  switch (request.command) {
+    case ControlCommand::kReset:
+      return "the world is reset";
+    case ControlCommand::kLoadWorld:
+      return "the world is replaced by " + request.source;
+    case ControlCommand::kSpawn:
+      return "'" + request.name + "' is spawned";
+    case ControlCommand::kDelete:
+      return "'" + request.name + "' is deleted";
+    case ControlCommand::kSetPose:
+      return "the pose of '" + request.name + "' is set";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
+  if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
+  const AppliedEdit edit{request, world};
+  Result<EditedWorld> edited = ApplyEdit(edit, original_, run_.scene, run_.frame.state);
+  if (!edited.ok()) return edited.error();
+  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
+  if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
+  Commit(std::move(edited).value(), edit, now);
+  return request;
+}
+
+void WorldEditor::RevokeSpawn(const std::string& name, double now) {
+  ControlRequest removal;
+  removal.command = ControlCommand::kDelete;
+  removal.name = name;
+  const AppliedEdit edit{removal};
+  Result<EditedWorld> without = ApplyEdit(edit, original_, run_.scene, run_.frame.state);
+  if (without.ok()) Commit(std::move(without).value(), edit, now);
+}
+
+void WorldEditor::Commit(EditedWorld edited, const AppliedEdit& edit, double now) {
+  ++run_.frame.edition;
+  if (edited.fresh) run_.frame.fresh_edition = run_.frame.edition;
+  if (edited.scene != run_.scene) ChangeWorld(std::move(edited.scene), edited.fresh);
+  newcomers_since_ = now;
+  engine_.PublishEdit(std::move(edited.state), std::move(edited.events), edit, now);
+}
+
+void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh) {
+  const std::shared_ptr<const Scene> before = std::exchange(run_.scene, std::move(scene));
+  const WorldDescription& world = run_.world();
+  run_.frame.world_edition = run_.frame.edition;
+  if (fresh) {
+    // Ids of events mean other things from now on.
+    for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(before->world(), event));
+    run_.events.DiscardPending();
+  }
+  Membership::WorldChange change = run_.members.ChangeWorld(world, run_.frame.edition, fresh);
+  engine_.ChangeWorld(change.gone);
+  for (const RobotId robot : change.newcomers) new_robots_.push_back(world.robot(robot).name);
+  newcomers_ = std::move(change.newcomers);
+  for (RunObserver* observer : run_.observers) observer->OnWorldChange(run_.scene, run_.frame.edition);
+  AnnounceSession(run_);
+}
+
+void WorldEditor::OnJoined(const std::vector<RobotId>& robots) {
+  for (const RobotId robot : robots) std::erase(newcomers_, robot);
+}
+
+Status WorldEditor::CheckTimeout(double now) {
+  const double timeout = run_.options.start_timeout_seconds;
+  if (newcomers_.empty() || timeout <= 0.0 || now - newcomers_since_ < timeout) return Status();
+  const std::string problem = "no agent joined for " + ListNames(run_.world(), std::exchange(newcomers_, {})) +
+                              " within " + std::to_string(static_cast<int>(timeout)) + " s";
+  run_.notices.Add(problem);
+  return Failure(problem);
+}
+
+std::vector<std::string> WorldEditor::DrainNewRobots() {
+  return std::exchange(new_robots_, {});
+}
+
+}  // namespace troupe

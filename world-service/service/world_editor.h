@@ -1,0 +1,50 @@
+// WorldEditor: applies edits to the world of a run, one after another: the next edition, the members that an edit
+// concerns, and the agents that new robots need. docs/tick-protocol.md describes editions.
+//
+// Passive, as TickEngine.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "world-service/core/edit_world.h"
+#include "world-service/service/live_run.h"
+#include "world-service/service/tick_engine.h"
+
+namespace troupe {
+
+class WorldEditor {
+ public:
+  // Both outlive the editor.
+  WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(engine), original_(run.scene) {}
+
+  // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
+  // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
+  Result<ControlRequest> Apply(ControlRequest request, const WorldDescription* world, double now);
+  // Deletes an entity whose spawn has failed.
+  void RevokeSpawn(const std::string& name, double now);
+
+  // An agent has joined for robots.
+  void OnJoined(const std::vector<RobotId>& robots);
+  // Robots of an edit that have no agent yet; the pause is not quiescent before they have.
+  const std::vector<RobotId>& robots_without_agent() const { return newcomers_; }
+  // Does not wait for these any longer once the start timeout has passed since the edit; the error names them.
+  Status CheckTimeout(double now);
+  // Names of new robots, not returned before, for which agents have to be started.
+  std::vector<std::string> DrainNewRobots();
+
+ private:
+  void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
+  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh);
+
+  LiveRun& run_;
+  TickEngine& engine_;
+  std::shared_ptr<const Scene> original_;  // of the world as loaded
+  std::vector<RobotId> newcomers_;
+  double newcomers_since_ = 0.0;  // wall time of the newest edit, s
+  std::vector<std::string> new_robots_;
+};
+
+}  // namespace troupe
