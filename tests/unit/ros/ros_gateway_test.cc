@@ -190,8 +190,10 @@ TEST_F(RosGatewayTest, PublishesScansAndRanges) {
       frames.emplace_back(range.header.frame_id);
       EXPECT_FLOAT_EQ(range.range, 2.8F);
     });
-    return frames.size() >= 2;
+    return frames.size() >= 3;
   }));
+  // The writer may have discovered the reader between the two sonars.
+  if (frames[0] == "a/sonar_1") frames.erase(frames.begin());
   EXPECT_EQ(frames[0], "a/sonar_0");
   EXPECT_EQ(frames[1], "a/sonar_1");
 }
