@@ -5,7 +5,7 @@
 
 namespace troupe {
 
-TickCoordinator::TickCoordinator(std::shared_ptr<const Scene> scene, const CoordinatorOptions& options,
+TickCoordinator::TickCoordinator(const std::shared_ptr<const Scene>& scene, const CoordinatorOptions& options,
                                  ServiceEndpoint& endpoint, RunObservers observers, double now)
     : run_{.options = options,
            .endpoint = endpoint,

@@ -26,8 +26,8 @@ class TickCoordinator {
 
   // The endpoint and the observers outlive the coordinator. The observers are told of every tick and world change; all
   // other calls of theirs are RunService's.
-  TickCoordinator(std::shared_ptr<const Scene> scene, const CoordinatorOptions& options, ServiceEndpoint& endpoint,
-                  RunObservers observers, double now);
+  TickCoordinator(const std::shared_ptr<const Scene>& scene, const CoordinatorOptions& options,
+                  ServiceEndpoint& endpoint, RunObservers observers, double now);
   TickCoordinator(const TickCoordinator&) = delete;  // its parts refer to each other
   TickCoordinator& operator=(const TickCoordinator&) = delete;
 
