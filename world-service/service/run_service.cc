@@ -46,12 +46,12 @@ RunId MakeRunId() {
 // Serializes the transport's threads and the one that waits for time to pass at one coordinator.
 class Driver final : public WorldControl, private ServiceHandler {
  public:
-  Driver(std::shared_ptr<const Scene> scene, const ServiceOptions& service, const CoordinatorOptions& options,
+  Driver(const std::shared_ptr<const Scene>& scene, const ServiceOptions& service, const CoordinatorOptions& options,
          std::unique_ptr<ServiceEndpoint> endpoint, const RunObservers& observers, TickTrace* trace)
       : service_(service),
         observers_(observers),
         trace_(trace),
-        coordinator_(std::move(scene), options, *endpoint, observers, Now()),
+        coordinator_(scene, options, *endpoint, observers, Now()),
         endpoint_(std::move(endpoint)) {}
 
   void Start() {
