@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
+
 namespace troupe::ros {
 namespace {
 
@@ -50,7 +52,7 @@ std::string GripperJson(const WorldDescription& world, GripperId gripper, const 
     json["lift"] = state.joints[lift->index()].position;
     json["lift_blocked"] = state.joints[lift->index()].blocked;
   }
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return JsonText(json);
 }
 
 }  // namespace troupe::ros

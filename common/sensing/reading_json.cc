@@ -3,6 +3,8 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
+
 namespace troupe {
 
 std::string LineStart(Tick tick, const std::string& robot, const std::string& sensor) {
@@ -10,7 +12,7 @@ std::string LineStart(Tick tick, const std::string& robot, const std::string& se
 }
 
 std::string JsonString(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return JsonText(nlohmann::json(text));
 }
 
 std::string JsonNumbers(std::span<const double> values) {

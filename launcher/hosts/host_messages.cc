@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "common/base/json_text.h"
+
 namespace troupe {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr std::string_view kDigits = "0123456789abcdef";
 }  // namespace
 
 std::string ToLine(const HostMessage& message) {
-  return message.dump(-1, ' ', false, HostMessage::error_handler_t::replace) + "\n";
+  return JsonText(message) + "\n";
 }
 
 HostMessage ParseHostMessage(const std::string& line) {

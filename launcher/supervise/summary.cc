@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
+
 namespace troupe {
 namespace {
 
@@ -72,7 +74,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"lost", run.lost},
       {"interrupted", run.interrupted},
   };
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return JsonText(json, {.indent = 2});
 }
 
 }  // namespace troupe

@@ -12,8 +12,4 @@ nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
   return json;
 }
 
-std::string JsonLine(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 }  // namespace troupe

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 
 #include "common/model/event.h"
 #include "common/model/world_description.h"
@@ -12,8 +11,5 @@ namespace troupe {
 // {"event": "stall_began", "robot": "r0", "other": "wall"}: the type of the event and the names of its participants, as
 // far as it has them. Without its tick and detail. REQUIRES: the event's ids are of this world.
 nlohmann::json EventJson(const WorldDescription& world, const Event& event);
-
-// In one line. Bytes that are not UTF-8 are replaced.
-std::string JsonLine(const nlohmann::json& json);
 
 }  // namespace troupe

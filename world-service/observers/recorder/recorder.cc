@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
 #include "common/base/version.h"
 #include "common/model/model_poses.h"
 #include "world-service/service/event_json.h"
@@ -76,7 +77,7 @@ void Recorder::QuoteNames() {
   json_names_.clear();
   for (const ModelDescription& model : world_->models) {
     if (poses_) csv_names_.push_back(QuoteForCsv(model.name));
-    if (record_ && manipulates()) json_names_.push_back(JsonLine(model.name));
+    if (record_ && manipulates()) json_names_.push_back(JsonText(nlohmann::json(model.name)));
   }
 }
 
@@ -116,7 +117,7 @@ Status Recorder::WriteRecordHeader(std::optional<Edition> edition) {
     }
     for (ModelId object : world_->objects) header["objects"].push_back(name_of(object));
   }
-  record_->Append(JsonLine(header));
+  record_->Append(JsonText(header));
   return record_->EndLine();
 }
 
@@ -222,7 +223,7 @@ Status Recorder::WriteRecord(const FrameMessage& frame) {
     nlohmann::json events = nlohmann::json::array();
     for (const Event& event : frame.events) events.push_back(RecordedEvent(*world_, event));
     record_->Append(R"(,"events":)");
-    record_->Append(JsonLine(events));
+    record_->Append(JsonText(events));
   }
   record_->Append("}");
   return record_->EndLine();

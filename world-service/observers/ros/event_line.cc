@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
 #include "world-service/service/event_json.h"
 
 namespace troupe {
@@ -10,7 +11,7 @@ std::string EventLine(const WorldDescription& world, const Event& event) {
   nlohmann::json json = EventJson(world, event);
   json["tick"] = event.tick;
   json["detail"] = event.detail;
-  return JsonLine(json);
+  return JsonText(json);
 }
 
 }  // namespace troupe

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
 #include "world-service/observers/status/reporter.h"
 
 namespace troupe {
@@ -72,7 +73,7 @@ class LauncherReporter final : public Reporter {
  private:
   // Reports are dropped once the launcher has died: the run continues until it is stopped.
   void Send(const Json& report) {
-    const std::string line = report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string line = JsonText(report) + "\n";
     for (std::size_t sent = 0; sent < line.size();) {
       const ssize_t written = write(descriptor_, line.data() + sent, line.size() - sent);
       if (written < 0 && errno == EINTR) continue;
