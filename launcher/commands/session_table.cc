@@ -5,19 +5,12 @@
 #include <algorithm>
 #include <array>
 
+#include "common/protocol/waiting_text.h"
+
 namespace troupe {
 namespace {
 
 using Row = std::array<std::string, 8>;
-
-std::string WaitingText(const StatusMessage& status) {
-  if (status.waiting_for.empty()) return "-";
-  constexpr std::size_t kShown = 3;
-  std::vector<std::string> names = status.waiting_for;
-  std::string more = names.size() > kShown ? fmt::format(" +{}", names.size() - kShown) : "";
-  names.resize(std::min(names.size(), kShown));
-  return fmt::format("{}{} ({:.1f} s)", fmt::join(names, ", "), more, status.waiting_seconds);
-}
 
 Row RowOf(const SessionInfo& session) {
   Row row = {session.session,
@@ -35,7 +28,7 @@ Row RowOf(const SessionInfo& session) {
   row[4] = fmt::format("{:.1f}", status.sim_seconds);
   row[5] = fmt::format("{:.2f}", status.real_time_factor);
   row[6] = fmt::format("{}/{}", status.agents, status.robots);
-  row[7] = WaitingText(status);
+  if (!status.waiting_for.empty()) row[7] = WaitingText(status);
   return row;
 }
 

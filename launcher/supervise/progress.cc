@@ -7,19 +7,12 @@
 #include <cstdio>
 
 #include "common/model/event.h"
+#include "common/protocol/waiting_text.h"
 
 namespace troupe {
 namespace {
 
 constexpr auto kTimeBetweenLines = std::chrono::seconds(5);
-constexpr std::size_t kNamesShown = 4;
-
-std::string NamesText(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < kNamesShown; ++i) text += (i == 0 ? "" : ", ") + names[i];
-  if (names.size() > kNamesShown) text += fmt::format(" and {} more", names.size() - kNamesShown);
-  return text;
-}
 
 // A longer line would wrap, and the next one would not cover it.
 std::size_t TerminalWidth() {
@@ -34,9 +27,7 @@ std::string StatusText(const StatusMessage& status) {
   if (status.target_ticks > 0) text += fmt::format("/{}", status.target_ticks);
   text += fmt::format(", {:.1f} s, {:.1f} x real time, {} robots", status.sim_seconds, status.real_time_factor,
                       status.robots);
-  if (!status.waiting_for.empty()) {
-    text += fmt::format(", waiting for {} ({:.1f} s)", NamesText(status.waiting_for), status.waiting_seconds);
-  }
+  if (!status.waiting_for.empty()) text += ", waiting for " + WaitingText(status);
   return text;
 }
 

@@ -79,7 +79,7 @@ TEST(SessionTable, HasALineForEachSession) {
   SessionInfo starting{"lab", 2, "host", 7, "lab", 3, std::nullopt};
   std::string table = SessionTable({running, starting});
   EXPECT_THAT(table, HasSubstr("WAITING FOR\n"));
-  EXPECT_THAT(table, HasSubstr("312/600  31.2         12.34        99/100         a, b, c +3 (1.2 s)\n"));
+  EXPECT_THAT(table, HasSubstr("312/600  31.2         12.34        99/100         a, b, c, d and 2 more (1.2 s)\n"));
   EXPECT_THAT(table, HasSubstr("lab      lab    host:7"));
   EXPECT_EQ(SessionTable({}).find('\n'), SessionTable({}).size() - 1);
 }

@@ -2,22 +2,13 @@
 
 #include <cstdio>
 
+#include "common/protocol/waiting_text.h"
 #include "world-service/observers/status/reporter.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::uint32_t kStatusesPerLine = 10;  // while no robot begins or ends to be late
-constexpr std::size_t kNamesListed = 5;
-
-std::string WaitingText(const StatusMessage& status) {
-  if (status.waiting_for.empty()) return "";
-  std::string text = fmt::format("; waiting {:.1f} s for", status.waiting_seconds);
-  for (std::size_t i = 0; i < status.waiting_for.size() && i < kNamesListed; ++i) text += " " + status.waiting_for[i];
-  if (status.waiting_for.size() > kNamesListed)
-    text += fmt::format(" and {} more", status.waiting_for.size() - kNamesListed);
-  return text;
-}
 
 class ConsoleReporter final : public Reporter {
  public:
@@ -33,8 +24,8 @@ class ConsoleReporter final : public Reporter {
     const bool news = status.waiting_for != waiting_for_;
     if (!news && ++statuses_ % kStatusesPerLine != 0) return;
     waiting_for_ = status.waiting_for;
-    fmt::print(stderr, "tick {}, {:.1f} s simulated, {:.2f} x real time{}\n", status.tick, status.sim_seconds,
-               status.real_time_factor, WaitingText(status));
+    fmt::print(stderr, "tick {}, {:.1f} s simulated, {:.2f} x real time{}{}\n", status.tick, status.sim_seconds,
+               status.real_time_factor, status.waiting_for.empty() ? "" : "; waiting for ", WaitingText(status));
   }
   void OnEvent(const Event& event, const std::string& text) override {
     // Robots stall all the time; the summary counts them.
