@@ -15,12 +15,14 @@
 
 namespace troupe {
 
+inline constexpr std::uint32_t kMaxRaySamples = 100'000;  // of one ray sensor
+
 // One fan of rays. Frame S: the sensor; rays leave from its origin, at its height.
 struct RaySensorDescription {
   Pose X_MS;                        // in the ranger model's frame
   Interval range{0.0, 5.0};         // m
   double fov = 0.1;                 // rad; the fan spans -fov/2 .. +fov/2, both ends included
-  std::uint32_t samples = 1;        // 1: a single ray straight ahead
+  std::uint32_t samples = 1;        // 1 to kMaxRaySamples; 1: a single ray straight ahead
   double noise_variance = 0.0;      // m^2, added to a hit's range
   double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
   double noise_angle = 0.0;         // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage

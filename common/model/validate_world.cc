@@ -10,7 +10,6 @@
 namespace troupe {
 namespace {
 
-constexpr std::uint32_t kMaxSamples = 1'000'000;
 constexpr std::int64_t kMaxInterval_ns = 1'000'000'000'000;
 
 bool AreUsable(std::initializer_list<double> numbers) {
@@ -89,7 +88,9 @@ Status CheckRaySensor(const RaySensorDescription& sensor) {
   if (!IsUsable(sensor.range) || sensor.range.min < 0.0)
     return Problem("the range of a sensor is not an interval from 0 up");
   if (!AreUsable({sensor.fov}) || sensor.fov < 0.0) return Problem("the fov of a sensor is not finite or negative");
-  if (sensor.samples < 1 || sensor.samples > kMaxSamples) return Problem("a sensor does not have 1 to 1000000 samples");
+  if (sensor.samples < 1 || sensor.samples > kMaxRaySamples) {
+    return Problem("a sensor does not have 1 to " + std::to_string(kMaxRaySamples) + " samples");
+  }
   if (!AreUsable({sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) ||
       sensor.noise_variance < 0.0) {
     return Problem("the noise of a sensor is not finite or its variance negative");

@@ -94,9 +94,9 @@ TEST(Validate, NamesTheFault) {
       {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
        "robot 0 'm1': ranger 'ranger:0': the fov of a sensor is not finite or negative"},
       {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
-       "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 1000000 samples"},
-      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 4'000'000'000; },
-       "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 1000000 samples"},
+       "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
+      {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 100'001; },
+       "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
       {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
        "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
   };

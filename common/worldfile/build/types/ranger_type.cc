@@ -10,7 +10,6 @@
 namespace troupe {
 namespace {
 
-constexpr std::int64_t kMaxSamples = 100'000;
 constexpr double kDefaultSensorHeight = 0.02;  // m
 
 double ReadFov(PropertyReader& reader, double otherwise) {
@@ -64,7 +63,7 @@ RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const U
   }
   sensor.range = ReadRange(reader, sensor.range);
   sensor.fov = ReadFov(reader, sensor.fov);
-  sensor.samples = static_cast<std::uint32_t>(reader.Integer("samples", 1, 1, kMaxSamples));
+  sensor.samples = static_cast<std::uint32_t>(reader.Integer("samples", 1, 1, kMaxRaySamples));
   const Noise noise = ReadNoise(reader);
   sensor.noise_variance = noise.variance;
   sensor.noise_proportional = noise.proportional;
