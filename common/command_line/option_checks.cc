@@ -78,6 +78,10 @@ CLI::Validator OneOf(std::vector<std::string> words) {
   return CLI::Validator(check, "");
 }
 
+CLI::Validator NotEmpty() {
+  return CLI::Validator([](const std::string& text) { return text.empty() ? Mismatch(text, "a name") : ""; }, "");
+}
+
 CLI::Validator SessionName() {
   auto check = [](const std::string& text) -> std::string {
     bool good = !text.empty() && text.size() <= 64;

@@ -23,6 +23,8 @@ CLI::Validator SpeedValue();
 
 CLI::Validator OneOf(std::vector<std::string> words);
 
+CLI::Validator NotEmpty();
+
 // 1 to 64 letters, digits, '.', '-' and '_': a DDS partition without wildcards.
 CLI::Validator SessionName();
 

@@ -40,12 +40,14 @@ void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, co
   app.add_option("--controller", controller,
                  "Controller of the robots without one in the file: idle (default), wander, expand, or the path of a "
                  "shared library")
+      ->check(NotEmpty())
       ->type_name("NAME")
       ->group(group);
 }
 
 void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group) {
-  app.add_option("--ticks", overrides.ticks, "Stop after N ticks (default: the scenario's, or run until stopped)")
+  app.add_option("--ticks", overrides.ticks,
+                 "Stop after N ticks, from 1 (default: the scenario's, or run until stopped)")
       ->check(WholeNumber(1))
       ->type_name("N")
       ->group(group);

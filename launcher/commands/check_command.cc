@@ -90,7 +90,7 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
 }
 
 int CheckCommand(const std::string& file) {
-  if (const Status status = CheckControllers(file, ""); !status.ok()) return Fail(status.error());
+  if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   const Result<LoadedWorld> loaded = LoadWorld(file);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));

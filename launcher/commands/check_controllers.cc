@@ -5,9 +5,9 @@
 
 namespace troupe {
 
-Status CheckControllers(const std::string& file, const std::string& controller) {
-  if (!controller.empty()) {
-    if (const Status status = CheckController(controller, "{}"); !status.ok()) {
+Status CheckControllers(const std::string& file, const std::optional<std::string>& controller) {
+  if (controller) {
+    if (const Status status = CheckController(*controller, "{}"); !status.ok()) {
       return Error{{}, "option --controller: " + status.error().message};
     }
   }

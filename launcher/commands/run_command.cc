@@ -27,7 +27,7 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
-  if (const Status status = CheckControllers(options.file, options.load.controller.value_or("")); !status.ok()) {
+  if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());
   }
   const RunEnd end = options.in_process ? RunInProcess(options) : RunDistributed(options);

@@ -71,6 +71,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->type_name("S")
       ->group(run);
   command->add_option("--controller", options->controller, "Controller of the robots that the file gives none")
+      ->check(NotEmpty())
       ->type_name("NAME")
       ->group(run);
   command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
@@ -85,7 +86,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
     return Fail(problem.error());
   SimulationOptions simulation_options;
   simulation_options.seed = options.seed;
-  if (!options.controller.empty()) simulation_options.controller = options.controller;
+  simulation_options.controller = options.controller;
   simulation_options.run_controllers = options.tick > 0;
   Result<Simulation> loaded = Simulation::Load(options.file, simulation_options);
   if (!loaded.ok()) return Fail(loaded.error());

@@ -24,7 +24,7 @@ struct SnapshotOptions {
   std::vector<double> center;    // x and y, m
   std::optional<double> meters;  // m
   std::optional<std::uint64_t> seed;
-  std::string controller;
+  std::optional<std::string> controller;
 };
 
 // Declares the command; it sets `exit_status` when it is run.

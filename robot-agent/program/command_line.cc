@@ -15,14 +15,11 @@
 namespace troupe {
 namespace {
 
-CLI::Validator NotEmpty() {
-  return CLI::Validator([](std::string& text) { return std::string(text.empty() ? "found nothing" : ""); }, "NAME");
-}
-
 void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
   AddSessionFlag(app, line.network, "Name of the run to join")->required();
   app.add_option("--robot", line.agent.robots, "Name of a robot to simulate; repeatable")
       ->check(NotEmpty())
+      ->type_name("NAME")
       ->required()
       ->allow_extra_args(false);
   AddServiceAddressFlag(app, line.network, "Address of the world service (default: this host)");

@@ -36,6 +36,8 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
       {{"run", pen, "--on-agent-loss", "weep"}, "error: --on-agent-loss: found 'weep', expected one of freeze"},
       {{"run", pen, "--faults", "gremlins"}, "error: --faults: "},
       {{"run", pen, "--ros", "--ros-distro", "foxy"}, "error: --ros-distro: found 'foxy', expected one of humble"},
+      {{"run", pen, "--controller", ""}, "error: --controller: found '', expected a name"},
+      {{"snapshot", pen, "-o", "pen.png", "--controller", ""}, "error: --controller: found '', expected a name"},
       {{"run", pen, "--fast"}, "error: "},
       {{"run", pen, pen}, "error: "},
       {{"run", pen, "--poses", "/no/such/folder/poses"},

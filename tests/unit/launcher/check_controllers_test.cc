@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-std::string Fault(const std::string& file, const std::string& controller) {
+std::string Fault(const std::string& file, const std::optional<std::string>& controller = {}) {
   const Status fault = CheckControllers(file, controller);
   return !fault.ok() ? fault.error().ToString() : "";
 }
@@ -15,21 +15,22 @@ std::string Fault(const std::string& file, const std::string& controller) {
 TEST(CheckControllers, NamesTheLineOfAScenariosController) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << "{\"robots\": [\n  {\"model\": \"position\", \"controller\": \"wonder\"}]}";
-  EXPECT_EQ(Fault(path, ""), path +
-                                 ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, idle, "
-                                 "script, wander, or the path of a shared library (.so)");
+  EXPECT_EQ(Fault(path), path +
+                             ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, idle, "
+                             "script, wander, or the path of a shared library (.so)");
 }
 
 TEST(CheckControllers, ChecksParametersToo) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << R"({"controller": {"name": "script", "parameters": {"commands": []}}})";
-  EXPECT_EQ(Fault(path, "").substr(path.size()),
+  EXPECT_EQ(Fault(path).substr(path.size()),
             ":1:16: error: script: 'commands' is missing or empty, expected a list of {\"at\": seconds, ...}");
 }
 
 TEST(CheckControllers, ChecksTheOption) {
   EXPECT_EQ(Fault("some.world", "idle"), "");
   EXPECT_EQ(Fault("some.world", "wonder").substr(0, 52), "error: option --controller: unknown controller 'wond");
+  EXPECT_EQ(Fault("some.world", "").substr(0, 49), "error: option --controller: unknown controller ''");
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ TEST(RunOptions, StatesTheExpectedValueOfAnOption) {
       {{"--lease", "0"}, "expected a number above 0"},
       {{"--start-timeout", "-1"}, "expected a number from 0"},
       {{"--faults", "loss=2"}, "--faults: "},
+      {{"--controller", ""}, "--controller: found '', expected a name"},
       {{"--ticks"}, "--ticks"},
       {{"--no-such-option"}, "--no-such-option"},
       {{"second.world"}, "second.world"},

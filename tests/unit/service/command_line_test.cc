@@ -100,6 +100,8 @@ TEST(ServiceCommandLine, SaysWhatIsWrongInOneLine) {
       {{}, "FILE is required"},
       {{"a", "b"}, "b"},
       {{"a", "--what"}, "--what"},
+      {{"a", "--controller", ""}, "--controller: found '', expected a name"},
+      {{"a", "--ticks", "0"}, "found '0', expected a whole number from 1"},
       {{"a", "--ticks", "-1"}, "found '-1', expected a whole number"},
       {{"a", "--ticks", "1e3"}, "found '1e3', expected a whole number"},
       {{"a", "--ticks", "99999999999999999999"}, "expected a whole number"},
