@@ -24,6 +24,12 @@ void Report(const AgentCommandLine& line, const std::string& text) {
   fmt::print(stderr, "agent of {}{}: {}\n", robots.front(), others, text);
 }
 
+// Reports why the program ends; returns its exit status.
+int FailedAgent(const AgentCommandLine& line, const Error& error) {
+  Report(line, error.ToString());
+  return ExitStatusOf(error);
+}
+
 // False if `stop` became true meanwhile.
 bool Wait(double seconds, const std::atomic<bool>& stop) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -50,8 +56,7 @@ int Run(const AgentCommandLine& line) {
   if (line.ros_on.value_or(false)) options.make_gateway = MakeRosGateway(line.ros);
   const Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, signals.requested());
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;
-  Report(line, end.error().ToString());
-  return end.error().code == ErrorCode::kBadInput ? kExitBadInput : kExitFailed;
+  return FailedAgent(line, end.error());
 }
 
 int Main(int argc, const char* const* argv) {
@@ -62,8 +67,7 @@ int Main(int argc, const char* const* argv) {
   try {
     return Run(line);
   } catch (const std::exception& exception) {
-    Report(line, std::string("error: ") + exception.what());
-    return kExitFailed;
+    return FailedAgent(line, Failure(exception.what()));
   }
 }
 
