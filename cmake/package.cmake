@@ -1,7 +1,7 @@
 # The Debian package: `scripts/package`, or `cmake --build --preset release --target package`.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)
-set(CPACK_PACKAGE_CONTACT "Troupe's maintainers <troupe@localhost>")
+set(CPACK_PACKAGE_CONTACT "Troupe maintainers <maintainers@troupe.invalid>")
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
