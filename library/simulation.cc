@@ -9,7 +9,6 @@
 
 #include "common/model/state_hash.h"
 #include "common/picture/draw_picture.h"
-#include "common/sensing/sensor_registry.h"
 #include "common/worldfile/load_world.h"
 #include "library/scan_fans.h"
 #include "library/simulation_impl.h"
@@ -170,8 +169,7 @@ std::vector<std::optional<ModelId>> Simulation::HeldObjects(RobotId robot) const
 }
 
 SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
-  const Scene& scene = *impl_->now.scene;
-  return MakeSensors(scene, robot)[sensor]->Measure({scene, impl_->bodies}, tick());
+  return impl_->now.robots[robot.index()]->Measure(sensor, tick(), impl_->bodies);
 }
 
 Status Simulation::Drive(RobotId robot, Command command) {

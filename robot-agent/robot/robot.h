@@ -53,8 +53,9 @@ class Robot {
 
   const Pose& pose_estimate() const { return odometry_.estimate(); }
 
-  // The reading of a sensor in the state of the last Decide, with or without a subscription of the controller. Valid
-  // until the next call of this or of Decide. REQUIRES: `sensor` < sensor_count()
+  // The reading of a sensor in the state that `bodies` holds, with or without a subscription of the controller. Valid
+  // until the next call of this or of Decide.
+  // REQUIRES: `sensor` < sensor_count(); the state is that of the last Decide, or of another tick.
   const SensorReading& Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies);
   std::size_t sensor_count() const { return sensors_.size(); }
 

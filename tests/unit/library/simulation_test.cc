@@ -70,6 +70,24 @@ TEST_F(SimulationTest, MeasuresThePresentStateWithoutChangingTheRun) {
   }
 }
 
+TEST_F(SimulationTest, MeasuresASensorThatTheControllerReadsInThePresentState) {
+  world_.SetController(robot_, "wander", "{}");
+  Simulation simulation = Create(world_.world());
+  const auto measure = [this, &simulation] {
+    const SensorReading reading = simulation.Measure(robot_, 0);
+    EXPECT_EQ(reading.tick, simulation.tick());
+    return reading.ranger()->scans.at(0).ranges.at(0);
+  };
+  EXPECT_NEAR(measure(), 2.5, 1e-9);
+  const Result<Snapshot> start = simulation.Save();
+  ASSERT_TRUE(start.ok());
+  simulation.Step(10);
+  EXPECT_GT(simulation.pose(robot_).x, 0.1);
+  EXPECT_NEAR(measure(), 2.5 - simulation.pose(robot_).x, 1e-9);
+  ASSERT_TRUE(simulation.Restore(start.value()).ok());
+  EXPECT_NEAR(measure(), 2.5, 1e-9);
+}
+
 TEST_F(SimulationTest, ACommandFromOutsideReplacesTheControllersUntilItIsReleased) {
   Simulation simulation = Create(world_.world());
   ASSERT_TRUE(simulation.Drive(robot_, {.twist = {-0.2, 0.0, 0.0}}).ok());
