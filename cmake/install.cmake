@@ -8,15 +8,14 @@ install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 
 # Public headers, and the headers of the tree that these include. Those keep their paths below include/troupe, so that the
 # same #include lines work here and there. The test public_headers_test finds one that is missing.
-set(TROUPE_PUBLIC_HEADERS simulation.h version.h)
+set(TROUPE_PUBLIC_HEADERS controller.h parameters.h sensor.h simulation.h version.h)
 set(TROUPE_INCLUDED_HEADERS
   common/base/check.h common/base/deterministic_math.h common/base/ids.h common/base/random.h common/base/result.h
   common/geometry/polygon.h common/geometry/pose.h common/geometry/rectangle.h common/geometry/vec2.h
   common/geometry/z_range.h
   common/model/event.h common/model/interval.h common/model/sensor_description.h common/model/world_description.h
   common/model/world_state.h
-  common/picture/picture_options.h common/sensing/ray_fan.h common/sensing/sensor_reading.h
-  robot-agent/controller/controller.h robot-agent/controller/manipulation.h)
+  common/picture/picture_options.h)
 list(TRANSFORM TROUPE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/troupe/ OUTPUT_VARIABLE headers)
 install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/troupe)
 foreach(header IN LISTS TROUPE_INCLUDED_HEADERS)

@@ -11,7 +11,7 @@
 #include "common/model/world_state.h"
 #include "common/ros/messages.h"
 #include "common/ros/odometry_error.h"
-#include "common/sensing/sensor_reading.h"
+#include "troupe/sensor.h"
 
 namespace troupe::ros {
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "common/model/sensor_description.h"
-#include "common/sensing/sensor_reading.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/sensor.h"
 
 namespace troupe {
 

@@ -1,9 +1,11 @@
 // Drives the first robot of a world by its ranger, prints its poses and saves a picture:
 //   hello_world /usr/share/troupe/worlds/office.world office.png
+#include <troupe/controller.h>
+#include <troupe/sensor.h>
+#include <troupe/simulation.h>
+
 #include <algorithm>
 #include <cstdio>
-
-#include "troupe/simulation.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "usage: hello_world WORLD PICTURE\n"), 2;

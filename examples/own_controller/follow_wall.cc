@@ -1,23 +1,21 @@
 // follow_wall: keeps a wall at its left. A complete controller of one's own, in one file.
 //
 // Parameters: {"speed": m/s, "distance": m from the robot's ranger to the wall}
-#include <algorithm>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <troupe/controller.h>
 
-#include "common/base/deterministic_math.h"
-#include "robot-agent/controller/controller.h"
+#include <algorithm>
+#include <stdexcept>
 
 namespace {
 
 class FollowWall final : public troupe::Controller {
  public:
   explicit FollowWall(const troupe::RobotInfo& info) {
-    const nlohmann::json parameters = nlohmann::json::parse(info.parameters);
-    speed_ = parameters.value("speed", 0.3);
-    distance_ = parameters.value("distance", 0.8);
-    if (!(speed_ > 0.0) || !(distance_ > 0.0)) {
-      throw std::invalid_argument("speed and distance have to be above 0");  // the error of the run
+    troupe::Parameters parameters("follow_wall", info.parameters);
+    speed_ = parameters.ReadNumber("speed", {0.01, 10.0}).value_or(speed_);
+    distance_ = parameters.ReadNumber("distance", {0.1, 5.0}).value_or(distance_);
+    if (const troupe::Status status = parameters.Finish(); !status.ok()) {
+      throw std::invalid_argument(status.error().message);  // the error of the run
     }
     while (ranger_ < info.sensors.size() && !IsRanger(*info.sensors[ranger_].description)) ++ranger_;
     if (ranger_ == info.sensors.size()) throw std::invalid_argument("the robot has no ranger");
@@ -57,8 +55,8 @@ class FollowWall final : public troupe::Controller {
     return nearest;
   }
 
-  double speed_;
-  double distance_;
+  double speed_ = 0.3;      // m/s
+  double distance_ = 0.8;   // m
   std::size_t ranger_ = 0;  // in RobotInfo::sensors: the first ranger
 };
 

@@ -22,8 +22,8 @@
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 #include "common/picture/picture_options.h"
-#include "common/sensing/sensor_reading.h"
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
+#include "troupe/sensor.h"
 
 namespace troupe {
 

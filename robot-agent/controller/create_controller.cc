@@ -6,7 +6,7 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/library_controller.h"
-#include "robot-agent/controller/parameters.h"
+#include "troupe/parameters.h"
 
 namespace troupe {
 namespace {

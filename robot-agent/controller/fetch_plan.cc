@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/base/deterministic_math.h"
-#include "robot-agent/controller/parameters.h"
+#include "robot-agent/controller/nested_parameters.h"
 
 namespace troupe {
 namespace {
@@ -35,7 +35,7 @@ Error PlanError(std::string message) {
 // Translates steps into actions.
 class Planner {
  public:
-  explicit Planner(Parameters& reader) : reader_(reader) {}
+  explicit Planner(NestedParameters& reader) : reader_(reader) {}
 
   // The plan is complete unless the reader has an error.
   FetchPlan Read() {
@@ -183,7 +183,7 @@ class Planner {
     if (action == FetchAction::kLift) plan_.needs_lift = true;
   }
 
-  Parameters& reader_;
+  NestedParameters& reader_;
   FetchPlan plan_;
   std::map<std::string, Place> places_;
   double reach_ = 0.4;     // m, from the robot's origin to the centre of the object
@@ -195,7 +195,7 @@ class Planner {
 }  // namespace
 
 Result<FetchPlan> ParseFetchPlan(const std::string& parameters) {
-  Parameters reader("fetch", parameters);
+  NestedParameters reader("fetch", parameters);
   FetchPlan plan = Planner(reader).Read();
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return plan;

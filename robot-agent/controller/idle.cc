@@ -1,6 +1,6 @@
 // idle: stands still.
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/parameters.h"
+#include "troupe/parameters.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/result.h"
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

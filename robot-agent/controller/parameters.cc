@@ -1,4 +1,4 @@
-#include "robot-agent/controller/parameters.h"
+#include "troupe/parameters.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+
+#include "common/base/json_text.h"
+#include "robot-agent/controller/nested_parameters.h"
 
 namespace troupe {
 namespace {
@@ -15,7 +18,7 @@ using nlohmann::json;
 // A value for a message: one line of at most 40 characters.
 std::string Shown(const json& value) {
   if (value.is_structured()) return value.is_object() ? "an object" : "a list";
-  std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
+  std::string text = JsonText(value, {.ascii = true});
   if (text.size() > 40) text = text.substr(0, 37) + "...";
   return text;
 }
@@ -29,26 +32,33 @@ std::string Expected(const Interval& allowed) {
 
 }  // namespace
 
+struct Parameters::Content {
+  // Null if the key is missing.
+  const json* Find(const char* key) {
+    known.emplace_back(key);
+    const auto found = object.find(key);
+    return found == object.end() ? nullptr : &*found;
+  }
+
+  std::string place;
+  json object = json::object();
+  std::vector<std::string> known = {};  // keys that were read
+  std::optional<std::string> error = {};
+};
+
 Parameters::Parameters(std::string place, const std::string& text)
-    : place_(std::move(place)), object_(std::make_unique<json>(json::parse(text, nullptr, false))) {
-  if (object_->is_discarded()) {
-    *object_ = json::object();
+    : content_(std::make_unique<Content>(Content{std::move(place)})) {
+  json parsed = json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) {
     Fail("the parameters are not JSON");
-  } else if (!object_->is_object()) {
-    const std::string found = Shown(*object_);
-    *object_ = json::object();
-    Fail(fmt::format("found {} as parameters, expected a JSON object", found));
+  } else if (!parsed.is_object()) {
+    Fail(fmt::format("found {} as parameters, expected a JSON object", Shown(parsed)));
+  } else {
+    content_->object = std::move(parsed);
   }
 }
 
-Parameters::Parameters(std::string place, const json& object)
-    : place_(std::move(place)), object_(std::make_unique<json>(object)) {
-  if (!object.is_object()) {
-    *object_ = json::object();
-    Fail(fmt::format("found {}, expected a JSON object", Shown(object)));
-  }
-}
-
+Parameters::Parameters(std::unique_ptr<Content> content) : content_(std::move(content)) {}
 Parameters::~Parameters() = default;
 
 std::optional<double> Parameters::ReadNumber(const char* key, const Interval& allowed) {
@@ -57,7 +67,7 @@ std::optional<double> Parameters::ReadNumber(const char* key, const Interval& al
 
 std::optional<double> Parameters::ReadNumberOrName(const char* key, const Interval& allowed,
                                                    const std::vector<NamedNumber>& names) {
-  const json* found = Find(key);
+  const json* found = content_->Find(key);
   if (found == nullptr) return std::nullopt;
   std::vector<std::string> expected;
   if (allowed.min <= allowed.max) expected.push_back(Expected(allowed));
@@ -72,23 +82,59 @@ std::optional<double> Parameters::ReadNumberOrName(const char* key, const Interv
 }
 
 std::optional<bool> Parameters::ReadBool(const char* key) {
-  const json* found = Find(key);
+  const json* found = content_->Find(key);
   if (found == nullptr) return std::nullopt;
   if (found->is_boolean()) return found->get<bool>();
   Fail(fmt::format("'{}' is {}, expected true or false", key, Shown(*found)));
   return std::nullopt;
 }
 
-std::vector<json> Parameters::ReadArray(const char* key) {
-  const json* found = Find(key);
+std::optional<std::string> Parameters::ReadText(const char* key) {
+  const json* found = content_->Find(key);
+  if (found == nullptr) return std::nullopt;
+  if (found->is_string()) return found->get<std::string>();
+  Fail(fmt::format("'{}' is {}, expected a text", key, Shown(*found)));
+  return std::nullopt;
+}
+
+void Parameters::Fail(const std::string& message) {
+  if (!content_->error) content_->error = content_->place + ": " + message;
+}
+
+Status Parameters::status() const {
+  return content_->error ? Status(Error{{}, *content_->error}) : Status();
+}
+
+Status Parameters::Finish() {
+  std::vector<std::string>& known = content_->known;
+  for (const auto& [key, value] : content_->object.items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    std::sort(known.begin(), known.end());
+    Fail(fmt::format("unknown parameter {}, expected {}", Shown(json(key)),
+                     known.empty() ? "none" : fmt::format("one of: {}", fmt::join(known, ", "))));
+  }
+  return status();
+}
+
+NestedParameters::NestedParameters(std::string place, const json& object)
+    : Parameters(std::make_unique<Content>(Content{std::move(place)})) {
+  if (object.is_object()) {
+    content_->object = object;
+  } else {
+    Fail(fmt::format("found {}, expected a JSON object", Shown(object)));
+  }
+}
+
+std::vector<json> NestedParameters::ReadArray(const char* key) {
+  const json* found = content_->Find(key);
   if (found == nullptr) return {};
   if (found->is_array()) return *found;
   Fail(fmt::format("'{}' is {}, expected a list", key, Shown(*found)));
   return {};
 }
 
-std::vector<std::pair<std::string, json>> Parameters::ReadObject(const char* key) {
-  const json* found = Find(key);
+std::vector<std::pair<std::string, json>> NestedParameters::ReadObject(const char* key) {
+  const json* found = content_->Find(key);
   if (found == nullptr) return {};
   std::vector<std::pair<std::string, json>> members;
   if (!found->is_object()) {
@@ -97,26 +143,6 @@ std::vector<std::pair<std::string, json>> Parameters::ReadObject(const char* key
   }
   for (const auto& [name, value] : found->items()) members.emplace_back(name, value);
   return members;
-}
-
-void Parameters::Fail(const std::string& message) {
-  if (!error_) error_ = place_ + ": " + message;
-}
-
-Status Parameters::Finish() {
-  for (const auto& [key, value] : object_->items()) {
-    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    std::sort(known_.begin(), known_.end());
-    Fail(fmt::format("unknown parameter {}, expected {}", Shown(json(key)),
-                     known_.empty() ? "none" : fmt::format("one of: {}", fmt::join(known_, ", "))));
-  }
-  return status();
-}
-
-const json* Parameters::Find(const char* key) {
-  known_.emplace_back(key);
-  const auto found = object_->find(key);
-  return found == object_->end() ? nullptr : &*found;
 }
 
 }  // namespace troupe

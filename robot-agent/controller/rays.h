@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "robot-agent/controller/parameters.h"
+#include "robot-agent/controller/nested_parameters.h"
 
 namespace troupe {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr Interval kAny{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 constexpr Interval kFromZero{0.0, kAny.max};
 
-void ReadMotion(Parameters& reader, ScriptCommand& command) {
+void ReadMotion(NestedParameters& reader, ScriptCommand& command) {
   Command& motion = command.motion;
   for (const auto& [key, value] :
        {std::pair<const char*, double*>{"vx", &motion.twist.vx}, {"vy", &motion.twist.vy}, {"wz", &motion.twist.wz}}) {
@@ -36,7 +36,7 @@ void ReadMotion(Parameters& reader, ScriptCommand& command) {
 }
 
 // Keys `gripper` and `lift`; nothing if both are missing.
-std::optional<ScriptGripper> ReadGripper(Parameters& reader, const std::string& name) {
+std::optional<ScriptGripper> ReadGripper(NestedParameters& reader, const std::string& name) {
   ScriptGripper gripper{.name = name};
   if (const std::optional<double> close =
           reader.ReadNumberOrName("gripper", {1.0, 0.0}, {{"open", 0.0}, {"close", 1.0}})) {
@@ -47,15 +47,15 @@ std::optional<ScriptGripper> ReadGripper(Parameters& reader, const std::string& 
 }
 
 // An error of a part becomes one of the whole.
-void Merge(const Status& part, Parameters& whole) {
+void Merge(const Status& part, NestedParameters& whole) {
   if (!part.ok()) whole.Fail(part.error().message);
 }
 
-void ReadManipulation(Parameters& reader, ScriptCommand& command) {
+void ReadManipulation(NestedParameters& reader, ScriptCommand& command) {
   const std::optional<ScriptGripper> only = ReadGripper(reader, "");
   if (only) command.grippers.push_back(*only);
   for (const auto& [name, value] : reader.ReadObject("grippers")) {
-    Parameters inner(fmt::format("gripper '{}'", name), value);
+    NestedParameters inner(fmt::format("gripper '{}'", name), value);
     const std::optional<ScriptGripper> gripper = ReadGripper(inner, name);
     if (!gripper) inner.Fail("nothing to do, expected 'gripper' or 'lift'");
     Merge(inner.Finish(), reader);
@@ -66,15 +66,15 @@ void ReadManipulation(Parameters& reader, ScriptCommand& command) {
     reader.Fail("gives both 'grippers' and, for a robot's only gripper, 'gripper' or 'lift', expected one of them");
   }
   for (const auto& [name, value] : reader.ReadObject("joints")) {
-    Parameters inner("joints", nlohmann::json{{name, value}});
+    NestedParameters inner("joints", nlohmann::json{{name, value}});
     command.joints.push_back({name, inner.ReadNumber(name.c_str(), kAny).value_or(0.0)});
     Merge(inner.Finish(), reader);
   }
 }
 
-ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, double earliest, Parameters& script) {
+ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, double earliest, NestedParameters& script) {
   ScriptCommand command;
-  Parameters reader(fmt::format("command {}", number), entry);
+  NestedParameters reader(fmt::format("command {}", number), entry);
   const std::optional<double> at = reader.ReadNumber("at", kFromZero);
   if (!at) reader.Fail("'at' is missing, expected a time in seconds");
   command.at = at.value_or(0.0);
@@ -92,7 +92,7 @@ ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, doub
 
 Result<ScriptParameters> ParseScript(const std::string& text) {
   ScriptParameters p;
-  Parameters reader("script", text);
+  NestedParameters reader("script", text);
   for (const nlohmann::json& command : reader.ReadArray("commands")) {
     const double earliest = p.commands.empty() ? 0.0 : p.commands.back().at;
     p.commands.push_back(ParseCommand(command, p.commands.size() + 1, earliest, reader));

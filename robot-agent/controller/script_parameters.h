@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -4,8 +4,8 @@
 
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/parameters.h"
 #include "robot-agent/controller/rays.h"
+#include "troupe/parameters.h"
 
 namespace troupe {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/model/world_description.h"
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

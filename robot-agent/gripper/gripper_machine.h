@@ -5,8 +5,8 @@
 
 #include <optional>
 
-#include "robot-agent/controller/manipulation.h"
 #include "robot-agent/gripper/joint_motor.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

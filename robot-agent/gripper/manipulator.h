@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "robot-agent/controller/controller.h"
 #include "robot-agent/gripper/gripper_machine.h"
 #include "robot-agent/gripper/joint_motor.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -1,7 +1,7 @@
 // A command from outside of the simulation for one robot and tick.
 #pragma once
 
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

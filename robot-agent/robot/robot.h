@@ -11,10 +11,10 @@
 #include "common/model/proposal.h"
 #include "common/model/world_state.h"
 #include "common/sensing/sensor_suite.h"
-#include "robot-agent/controller/controller.h"
 #include "robot-agent/drive/odometry.h"
 #include "robot-agent/gripper/manipulator.h"
 #include "robot-agent/robot/external_command.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -8,8 +8,8 @@
 
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
-#include "robot-agent/controller/controller.h"
 #include "robot-agent/ros/refusals.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -8,9 +8,9 @@
 
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/spatial/scene.h"
-#include "robot-agent/controller/controller.h"
 #include "robot-agent/ros/gripper_action.h"
 #include "robot-agent/ros/position_input.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -5,7 +5,7 @@
 
 #include "common/model/world_description.h"
 #include "common/ros/messages.h"
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace troupe {
 

@@ -1,7 +1,7 @@
 // Controllers in shared libraries, good and bad; the build picks one by a definition.
 #include <stdexcept>
 
-#include "robot-agent/controller/controller.h"
+#include "troupe/controller.h"
 
 namespace {
 

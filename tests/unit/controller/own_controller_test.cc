@@ -51,7 +51,8 @@ TEST_F(OwnControllerTest, BuildsOutsideTheTreeAndRuns) {
   const RobotDescription bad = MakeRobot(folder_ + "/follow_wall.so", R"({"speed": -1})", {MakeScanner()});
   const Result<std::unique_ptr<Controller>> refused = CreateFor(bad);
   ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.error().message, ::testing::EndsWith("speed and distance have to be above 0"));
+  EXPECT_THAT(refused.error().message,
+              ::testing::EndsWith("follow_wall: 'speed' is -1, expected a number between 0.01 and 10"));
 }
 
 }  // namespace

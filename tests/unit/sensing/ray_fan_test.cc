@@ -1,6 +1,6 @@
-#include "common/sensing/ray_fan.h"
-
 #include <gtest/gtest.h>
+
+#include "troupe/sensor.h"
 
 namespace troupe {
 namespace {
