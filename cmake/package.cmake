@@ -9,8 +9,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # The text below the first line, which is the project's description.
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "A world service arbitrates all collisions and grasps; each robot is a process of its own, on this or another machine,
- and exchanges its state over DDS in lockstep ticks. The package holds the programs, the library libtroupe with its
- headers and CMake package, worlds, configurations and manual pages.")
+and exchanges its state over DDS in lockstep ticks. The package holds the programs, the library libtroupe with its
+headers and CMake package, worlds, configurations and manual pages.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # The headers need Eigen's, and pictures a font.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), fonts-dejavu-core")
