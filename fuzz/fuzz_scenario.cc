@@ -21,7 +21,8 @@ bot ( pose [ -2 0 0 0 ] )
 
 troupe::ScenarioTools MakeTools() {
   troupe::ScenarioTools tools;
-  tools.read_world = [world = troupe::ParseStageText(kWorld, "fuzz/w.world")](const std::string&) { return world; };
+  tools.read_world = [world = troupe::ParseStageText(kWorld, "fuzz/w.world")](
+                         const std::string&, const troupe::AllowedPaths&) { return world; };
   tools.build.without_bitmaps = true;
   tools.max_spawned = 20;
   tools.max_spawn_draws = 50;

@@ -23,7 +23,7 @@ namespace {
 Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
   std::vector<std::unique_ptr<Robot>> robots;
   for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(scene, RobotId(i), nullptr);
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(scene, RobotId(i), {nullptr, AllowedPaths::All()});
     if (!robot.ok()) return robot.error();
     robots.push_back(std::move(robot).value());
   }

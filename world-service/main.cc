@@ -33,6 +33,7 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   options.settings = loaded.value().settings;
   options.world_file = line.file;
   options.overrides = line.overrides;
+  RestrictRequests(line.permissions, loaded.value(), options);
   const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;

@@ -45,6 +45,24 @@ void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, co
       ->group(group);
 }
 
+void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {
+  app.add_option("--allow-controllers", paths,
+                 "Controller library, or a folder with such, that a world loaded during the run may name; repeatable. "
+                 "The libraries of the run's own file are allowed")
+      ->type_name("PATH")
+      ->group(group)
+      ->allow_extra_args(false);
+}
+
+void AddAllowFilesFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {
+  app.add_option("--allow-files", paths,
+                 "World file, or a folder with such, that may be loaded or spawned from during the run, by troupe ctl "
+                 "or ROS 2; repeatable. The folder of the run's own file and the installed worlds are allowed")
+      ->type_name("PATH")
+      ->group(group)
+      ->allow_extra_args(false);
+}
+
 void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group) {
   app.add_option("--ticks", overrides.ticks,
                  "Stop after N ticks, from 1 (default: the scenario's, or run until stopped)")

@@ -23,6 +23,12 @@ void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::s
 // --controller NAME
 void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group = "Options");
 
+// --allow-controllers PATH, repeatable
+void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group = "Options");
+
+// --allow-files PATH, repeatable
+void AddAllowFilesFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group = "Options");
+
 // --ticks, --mode, --speed, --on-agent-loss
 void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group = "Options");
 

@@ -4,6 +4,10 @@
 
 namespace troupe {
 
+bool NamesLibrary(const std::string& controller) {
+  return controller.find('/') != std::string::npos || controller.ends_with(".so");
+}
+
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
   std::optional<ModelId> at = model;
   while (at && *at != root) at = world.model(*at).parent;

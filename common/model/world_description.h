@@ -152,6 +152,9 @@ struct ControllerDescription {
   bool operator==(const ControllerDescription&) const = default;
 };
 
+// True if a controller of this name is a shared library: the name contains a slash or ends in ".so".
+bool NamesLibrary(const std::string& controller);
+
 struct RobotDescription {
   std::string name;  // the root model's name
   ModelId root;

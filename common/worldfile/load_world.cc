@@ -13,7 +13,7 @@ namespace troupe {
 namespace {
 
 Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides& overrides) {
-  const Result<WorldTree> tree = ParseStageWorld(path);
+  const Result<WorldTree> tree = ParseStageWorld(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
   return BuildWorld(tree.value(), overrides);
 }

@@ -26,7 +26,8 @@ bool IsFile(const std::string& source) {
 // The defines of models, and the controller of robots without one.
 Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrides& overrides) {
   if (EndingOf(path) == ".json") return ReadScenarioWorld(path, overrides);
-  Result<WorldTree> tree = EndingOf(path) == ".inc" ? ParseStageWorld(path) : ReadWorldTree(path);
+  Result<WorldTree> tree =
+      EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
   ScenarioWorld world;
   world.tree = std::move(tree).value();
@@ -62,15 +63,15 @@ Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, c
 
 Result<LoadedWorld> LoadFile(const std::string& path, const LoadOverrides& overrides) {
   if (EndingOf(path) != ".inc") return LoadWorld(path, overrides);
-  const Result<WorldTree> tree = ParseStageWorld(path);
+  const Result<WorldTree> tree = ParseStageWorld(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
   return BuildWorld(tree.value(), overrides);
 }
 
 }  // namespace
 
-Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file) {
-  const Result<ScenarioWorld> definitions = ReadDefinitions(world_file, {});
+Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides) {
+  const Result<ScenarioWorld> definitions = ReadDefinitions(world_file, overrides);
   if (!definitions.ok()) return definitions.error();
   const WorldTree& tree = definitions.value().tree;
   std::vector<Spawnable> found;

@@ -96,7 +96,8 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   const AgentSite& site = *group_sites_[agent.group];
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
-  std::vector<std::string> arguments = AgentArguments(options, service_address_, agent.robots, ready_.ros);
+  std::vector<std::string> arguments =
+      AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
   std::string restart_command = ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments);
   if (!scans_.empty()) restart_command += " --keep-scans";

@@ -133,9 +133,9 @@ double PeakMemoryMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-ServiceOptions MakeServiceOptions(const RunOptions& options, const RunSettings& settings) {
+ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded) {
   ServiceOptions service;
-  service.settings = settings;
+  service.settings = loaded.settings;
   options.run.ApplyTo(service.settings);
   service.session = options.network.session;
   service.lease_seconds = options.network.lease_seconds;
@@ -143,15 +143,17 @@ ServiceOptions MakeServiceOptions(const RunOptions& options, const RunSettings& 
   service.start_paused = options.paused;
   service.world_file = options.file;
   service.overrides = options.load;
+  RestrictRequests(options.permissions, loaded, service);
   return service;
 }
 
-AgentOptions MakeAgentOptions(const RunOptions& options, bool ros) {
+AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& service) {
   AgentOptions agent;
   agent.agent = 1;
   agent.scan_log = options.scans;
   agent.threads = std::max(1u, std::thread::hardware_concurrency());
-  if (ros) agent.make_gateway = MakeRosGateway(options.ros);
+  agent.libraries = service.libraries;
+  if (service.settings.ros) agent.make_gateway = MakeRosGateway(options.ros);
   return agent;
 }
 
@@ -228,8 +230,8 @@ RunEnd RunInProcess(const RunOptions& options) {
   if (!loaded.ok()) return FailedRun(loaded.error());
   for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
 
-  ServiceOptions service = MakeServiceOptions(options, loaded.value().settings);
-  AgentOptions agent = MakeAgentOptions(options, service.settings.ros);
+  ServiceOptions service = MakeServiceOptions(options, loaded.value());
+  AgentOptions agent = MakeAgentOptions(options, service);
   OutputParts trace_parts(options.trace.file, "--trace");
   const auto trace_files = SplitTrace(options.trace, trace_parts, service.trace, agent.trace);
   if (!trace_files.ok()) return FailedRun(trace_files.error());

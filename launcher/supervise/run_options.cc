@@ -111,6 +111,10 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddControllerFlag(command, options.load.controller, simulation);
   AddPausedFlag(command, options.paused, simulation);
 
+  const char* requests = "Requests during the run";
+  AddAllowFilesFlag(command, options.permissions.files, requests);
+  AddAllowControllersFlag(command, options.permissions.controllers, requests);
+
   const char* processes = "Processes and network";
   command.add_flag("--in-process", options.in_process, "Run everything in this process, without DDS")->group(processes);
   command
@@ -165,6 +169,8 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
   if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
   Append(arguments, NetworkArguments(options));
+  for (const std::string& path : options.permissions.files) Append(arguments, "--allow-files", path);
+  for (const std::string& path : options.permissions.controllers) Append(arguments, "--allow-controllers", path);
   Append(arguments, "--start-timeout", fmt::format("{}", options.start_timeout_seconds));
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
@@ -176,10 +182,13 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
 }
 
 std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
-                                        const std::vector<std::string>& robots, bool ros) {
+                                        const std::vector<std::string>& robots,
+                                        const std::vector<std::string>& libraries, bool ros) {
   std::vector<std::string> arguments = NetworkArguments(options);
   Append(arguments, "--service", service_address);
   for (const std::string& robot : robots) Append(arguments, "--robot", robot);
+  for (const std::string& library : libraries) Append(arguments, "--allow-controllers", library);
+  for (const std::string& path : options.permissions.controllers) Append(arguments, "--allow-controllers", path);
   if (!ros) return arguments;
   arguments.emplace_back("--ros");
   Append(arguments, RosArguments(options.ros));

@@ -13,6 +13,7 @@
 #include "common/run/run_settings.h"
 #include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
+#include "world-service/service/owner_permissions.h"
 
 namespace CLI {
 class App;
@@ -24,6 +25,7 @@ struct RunOptions {
   std::string file;
   RunOverrides run;    // of the scenario's settings
   LoadOverrides load;  // of its seed and controllers
+  OwnerPermissions permissions;
 
   bool in_process = false;
   std::optional<std::uint32_t> robots_per_process;  // nothing: the scenario's
@@ -58,9 +60,10 @@ Status CompleteRunOptions(RunOptions& options);
 std::vector<std::string> ServiceArguments(const RunOptions& options);
 
 // The arguments of the program robot-agent for these robots, without its output files. `service_address` is
-// "host:port"; `ros`: the run uses ROS 2.
+// "host:port"; `libraries` are the controllers of the run's own file; `ros`: the run uses ROS 2.
 std::vector<std::string> AgentArguments(const RunOptions& options, const std::string& service_address,
-                                        const std::vector<std::string>& robots, bool ros);
+                                        const std::vector<std::string>& robots,
+                                        const std::vector<std::string>& libraries, bool ros);
 
 // The network interface for processes on a host.
 std::string InterfaceOf(const HostSettings& host);

@@ -24,6 +24,7 @@ void GetHash(const Json& object, const char* name, std::uint64_t& value) {
 ReadyReport ParseReady(const Json& json) {
   ReadyReport report;
   Get(json, "robots", report.robots);
+  Get(json, "libraries", report.libraries);
   Get(json, "robots_per_process", report.robots_per_process);
   Get(json, "port", report.port);
   Get(json, "ros", report.ros);

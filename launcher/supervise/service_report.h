@@ -15,7 +15,8 @@ namespace troupe {
 
 // "ready": the world is loaded, and agents can join.
 struct ReadyReport {
-  std::vector<std::string> robots;  // in id order
+  std::vector<std::string> robots;     // in id order
+  std::vector<std::string> libraries;  // controllers of robots
   std::uint32_t robots_per_process = 1;
   std::uint16_t port = 0;  // UDP port at which agents find the service; 0: unknown
   bool ros = false;        // the run uses ROS 2

@@ -191,8 +191,8 @@ Status AgentHost::MakeReplica(std::unique_ptr<SessionMessage> session) {
                    .robots = {},
                    .world_edition = session->world_edition};
   Result<std::unique_ptr<Replica>> replica =
-      Replica::Create(std::move(session->world), options_.robots, scan_log_.get(), options_.threads,
-                      options_.make_gateway, trace_.get());
+      Replica::Create(std::move(session->world), options_.robots, {scan_log_.get(), options_.libraries},
+                      options_.threads, options_.make_gateway, trace_.get());
   if (!replica.ok()) return replica.error();
   const std::lock_guard lock(mutex_);
   if (stage_ != Stage::kPreparing) return {};  // the run ended meanwhile

@@ -67,17 +67,17 @@ class View final : public RobotView {
 
 }  // namespace
 
-Replica::Replica(WorldDescription world, ScanLog* scan_log, const MakeGateway& make_gateway)
-    : scene_(std::make_shared<const Scene>(std::move(world))), scan_log_(scan_log), make_gateway_(make_gateway) {}
+Replica::Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway)
+    : scene_(std::make_shared<const Scene>(std::move(world))), options_(options), make_gateway_(make_gateway) {}
 
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log, std::size_t threads,
+                                                 const RobotOptions& options, std::size_t threads,
                                                  const MakeGateway& make_gateway, TickTrace* trace) {
   const Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
-  std::unique_ptr<Replica> replica(new Replica(std::move(world), scan_log, make_gateway));
+  std::unique_ptr<Replica> replica(new Replica(std::move(world), options, make_gateway));
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
-  if (scan_log != nullptr) threads = 1;
+  if (options.scan_log != nullptr) threads = 1;
   threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
   replica->ResetIndices(threads);
   if (threads > 1) replica->threads_.emplace(threads);
@@ -92,7 +92,7 @@ Status Replica::MakeRobots(const std::vector<RobotId>& ids) {
   robots_.clear();
   robots_scene_ = scene_;
   for (const RobotId id : ids) {
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id, scan_log_);
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id, options_);
     if (!robot.ok()) return robot.error();
     robots_.push_back(std::move(robot).value());
   }
@@ -128,7 +128,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   ResetIndices(indices_.size());
   NameRobotsInTrace();
   if (fresh) {
-    if (scan_log_ != nullptr) scan_log_->Restart(edition);
+    if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
     if (Status status = MakeRobots(ids); !status.ok()) return status;
   } else {
     std::erase_if(robots_, [&](const auto& robot) { return !IsThere(scene_->world(), robot->id()); });
@@ -144,7 +144,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
 }
 
 Status Replica::Renew(Edition edition) {
-  if (scan_log_ != nullptr) scan_log_->Restart(edition);
+  if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
   if (Status status = MakeRobots(Ids()); !status.ok()) return status;
   if (gateway_ == nullptr) return {};
   if (GatewayFits(true)) {

@@ -24,12 +24,12 @@ namespace troupe {
 
 class Replica {
  public:
-  // `robots`: names; empty: every robot. `scan_log` and `trace` may be null, and `make_gateway` empty. `threads`: at
-  // most this many divide the robots, one for each 16; with a scan log, one. The error is a robot that is unknown or
-  // named twice, or a controller that cannot be made. Throws the exceptions of `make_gateway`. REQUIRES:
-  // Validate(world) succeeded.
+  // `robots`: names; empty: every robot. `options` are those of each robot. `threads`: at most this many divide the
+  // robots, one for each 16; with a scan log, one. `make_gateway` may be empty, and `trace` null. The error is a robot
+  // that is unknown or named twice, or a controller that cannot be made. Throws the exceptions of `make_gateway`.
+  // REQUIRES: Validate(world) succeeded.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 ScanLog* scan_log, std::size_t threads = 1,
+                                                 const RobotOptions& options = {}, std::size_t threads = 1,
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
@@ -64,7 +64,7 @@ class Replica {
   void Publish(const WorldState& state);
 
  private:
-  Replica(WorldDescription world, ScanLog* scan_log, const MakeGateway& make_gateway);
+  Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway);
   Status MakeRobots(const std::vector<RobotId>& ids);
   std::vector<RobotId> Ids() const;
   void MakeNewGateway();
@@ -79,7 +79,7 @@ class Replica {
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Scene> robots_scene_;
   std::shared_ptr<const Scene> gateway_scene_;
-  ScanLog* scan_log_;
+  RobotOptions options_;
   TickTrace* trace_ = nullptr;  // may be null
   MakeGateway make_gateway_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id

@@ -15,10 +15,6 @@ std::array<BuiltInController, 5> BuiltIns() {
   return {Expand(), Fetch(), Idle(), Script(), Wander()};
 }
 
-bool IsLibrary(const std::string& name) {
-  return name.find('/') != std::string::npos || name.ends_with(".so");
-}
-
 Error UnknownName(const std::string& name) {
   return {{},
           fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so)", name,
@@ -33,9 +29,9 @@ std::vector<std::string> BuiltInControllers() {
   return names;
 }
 
-Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, const AllowedPaths& libraries) {
   const std::string& name = info.robot->controller.name;
-  if (IsLibrary(name)) return CreateLibraryController(name, info);
+  if (NamesLibrary(name)) return CreateLibraryController(name, info, libraries);
   for (const BuiltInController& built_in : BuiltIns()) {
     if (name == built_in.name) return built_in.create(info);
   }
@@ -43,7 +39,7 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info) {
 }
 
 Status CheckController(const std::string& name, const std::string& parameters) {
-  if (IsLibrary(name)) {
+  if (NamesLibrary(name)) {
     // The library alone knows its keys.
     return Parameters(fmt::format("controller library {}", name), parameters).status();
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "troupe/controller.h"
 
@@ -14,8 +15,9 @@ namespace troupe {
 // Names of the built-in controllers, sorted.
 std::vector<std::string> BuiltInControllers();
 
-// The error names the controller: its name is unknown, its parameters are wrong, or its library cannot be used.
-Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info);
+// The error names the controller: its name is unknown, its parameters are wrong, or its library cannot be used or is
+// not among the `libraries`.
+Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, const AllowedPaths& libraries = {});
 
 // Checks name and parameters without making a controller; a library is not opened.
 Status CheckController(const std::string& name, const std::string& parameters);

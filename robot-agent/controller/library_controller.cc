@@ -16,10 +16,18 @@ Error LibraryError(const std::string& path, const std::string& message) {
 
 }  // namespace
 
-Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info) {
+Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info,
+                                                            const AllowedPaths& allowed) {
+  // The path comes with the description of the world, which another process may have sent.
+  const std::optional<std::string> resolved = allowed.Resolve(path);
+  if (!resolved) {
+    return LibraryError(path,
+                        "is not allowed, expected a library that the owner of the run has allowed "
+                        "(--allow-controllers)");
+  }
   // dlopen would search the system's library folders for a bare name.
   std::error_code ignored;
-  const std::string absolute = std::filesystem::absolute(path, ignored).string();
+  const std::string absolute = std::filesystem::absolute(*resolved, ignored).string();
   if (!std::filesystem::exists(absolute, ignored)) return LibraryError(path, "no such file: " + absolute);
   void* library = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) return LibraryError(path, fmt::format("cannot be opened: {}", dlerror()));

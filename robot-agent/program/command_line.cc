@@ -30,6 +30,7 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
                              line.agent.session_timeout_seconds))
       ->check(NumberFromZero())
       ->type_name("SECONDS");
+  AddAllowControllersFlag(app, line.libraries);
   AddScansFlag(app, line.agent.scan_log);
   app.add_flag("--keep-scans", line.agent.keep_scan_log,
                "Append to the file of --scans, for a robot whose agent is started again");

@@ -14,7 +14,8 @@ namespace troupe {
 
 struct AgentCommandLine {
   NetworkSettings network;
-  AgentOptions agent;  // without its id and its gateway
+  AgentOptions agent;  // without its id, its gateway and its libraries
+  std::vector<std::string> libraries;
   std::optional<bool> ros_on;
   ros::RosOptions ros = ros::OptionsFromEnvironment();
   Faults faults;                   // for tests

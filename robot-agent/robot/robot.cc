@@ -36,9 +36,9 @@ Robot::Robot(const Scene& scene, RobotId id, ScanLog* scan_log)
   }
 }
 
-Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, ScanLog* scan_log) {
-  std::unique_ptr<Robot> robot(new Robot(scene, id, scan_log));
-  if (const Status status = robot->StartController(); !status.ok()) {
+Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, const RobotOptions& options) {
+  std::unique_ptr<Robot> robot(new Robot(scene, id, options.scan_log));
+  if (const Status status = robot->StartController(options.libraries); !status.ok()) {
     Error error = status.error();
     error.message = fmt::format("robot {}: {}", robot->description().name, error.message);
     return error;
@@ -82,7 +82,7 @@ const RobotDescription& Robot::description() const {
   return scene_->world().robot(id_);
 }
 
-Status Robot::StartController() {
+Status Robot::StartController(const AllowedPaths& libraries) {
   RobotInfo info{.robot = &description(),
                  .parameters = description().controller.parameters,
                  .sensors = {},
@@ -92,7 +92,7 @@ Status Robot::StartController() {
     const SensorDescription& sensor = sensors_.sensor(i).description();
     info.sensors.push_back({&sensor, scene_->X_RM(sensor.model)});
   }
-  Result<std::unique_ptr<Controller>> controller = CreateController(info);
+  Result<std::unique_ptr<Controller>> controller = CreateController(info, libraries);
   if (!controller.ok()) return controller.error();
   controller_ = std::move(controller).value();
   return Subscribe();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/model/proposal.h"
 #include "common/model/world_state.h"
@@ -23,10 +24,15 @@ class Scene;
 class ScanLog;
 class TraceLane;
 
+struct RobotOptions {
+  ScanLog* scan_log = nullptr;  // not null: all sensors are measured and written there
+  AllowedPaths libraries;       // that may be a robot's controller
+};
+
 class Robot {
  public:
-  // The scene must outlive the robot. `scan_log` may be null; with one, all sensors are measured and written there.
-  static Result<std::unique_ptr<Robot>> Create(const Scene& scene, RobotId id, ScanLog* scan_log);
+  // The scene must outlive the robot.
+  static Result<std::unique_ptr<Robot>> Create(const Scene& scene, RobotId id, const RobotOptions& options = {});
 
   // A robot that continues as this one would, in the same scene and without a scan log. The error is a controller that
   // cannot be copied.
@@ -67,7 +73,7 @@ class Robot {
 
   const RobotDescription& description() const;
   // Makes the controller and subscribes to its sensors.
-  Status StartController();
+  Status StartController(const AllowedPaths& libraries);
   Status Subscribe();
   void LogReadings(Tick tick, const BodyIndex& bodies);
   // Stores the controller's failure, if it fails.

@@ -19,6 +19,8 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddRunFlags(app, line.run);
   AddSeedFlag(app, line.overrides.seed);
   AddControllerFlag(app, line.overrides.controller);
+  AddAllowControllersFlag(app, line.permissions.controllers);
+  AddAllowFilesFlag(app, line.permissions.files);
   AddPausedFlag(app, line.service.start_paused);
   line.network.session = "troupe";
   AddSessionFlag(app, line.network, "Name of the run, by which agents join (default: " + line.network.session + ")");

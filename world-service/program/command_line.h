@@ -12,6 +12,7 @@
 #include "common/run/run_settings.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/observers/recorder/recorder.h"
+#include "world-service/service/owner_permissions.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
@@ -21,6 +22,7 @@ struct ServiceCommandLine {
   LoadOverrides overrides;
   RunOverrides run;  // of the settings of the file
   NetworkSettings network;
+  OwnerPermissions permissions;
   ServiceOptions service;  // without the settings
   OutputFiles outputs;
   ros::RosOptions ros = ros::OptionsFromEnvironment();

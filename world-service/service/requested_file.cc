@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/worldfile/spawnable.h"
+#include "world-service/service/owner_permissions.h"
 
 namespace troupe {
 namespace {
@@ -18,7 +19,7 @@ Error FlattenPlace(const Error& error) {
 }
 
 Result<RequestedFile> ListModels(const ServiceOptions& options) {
-  const Result<std::vector<Spawnable>> models = ListSpawnables(options.world_file);
+  const Result<std::vector<Spawnable>> models = ListSpawnables(options.world_file, options.overrides);
   if (!models.ok()) return FlattenPlace(models.error());
   RequestedFile file;
   for (const Spawnable& model : models.value()) {
@@ -34,6 +35,8 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
                                    ? LoadWorld(request.source, options.overrides)
                                    : LoadSpawnable(options.world_file, request.source, options.overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
+  if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
+    return status.error();
   return RequestedFile{std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}};
 }
 

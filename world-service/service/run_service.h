@@ -29,6 +29,7 @@ struct ServiceOptions {
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere
   LoadOverrides overrides;                                     // for worlds and models that are loaded during the run
+  AllowedPaths libraries;                                      // controllers that those may name
 };
 
 // Runs until the settings' number of ticks, `stop`, or a failure. The error is for people: agents that did not join

@@ -54,7 +54,7 @@ std::optional<std::uint64_t> ReadTicks(PropertyReader& reader, std::int64_t inte
 }  // namespace
 
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides, const BuildOptions& options) {
-  BuildContext context(tree);
+  BuildContext context(tree, overrides.allowed);
   context.without_bitmaps = options.without_bitmaps;
   context.default_controller = overrides.controller;
   PropertyReader reader(tree.world, context.units, context.diagnostics);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/model/world_description.h"
 #include "common/run/run_settings.h"
@@ -24,13 +25,14 @@ struct LoadedWorld {
   int map_height = 0;
 };
 
-// Settings of a command line that change the description.
+// Settings of the program that loads a world.
 struct LoadOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;  // for robots without one
   // Checks the name and the parameters of every controller that a scenario names; this library knows no controllers.
   // Nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
+  AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
 };
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/worldfile/text/quote.h"
+#include "common/worldfile/text/text_file.h"
 
 namespace troupe {
 
@@ -28,7 +29,9 @@ Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const
   for (auto entry = begin; entry != end; ++entry) {
     if (entry->second.rule == rule) return &entry->second.content;
   }
-  const Result<Bitmap> bitmap = ReadBitmap(path, rule);
+  const std::optional<std::string> resolved = allowed_.Resolve(path);
+  if (!resolved) return Error{where, "bitmap: " + NotAllowed(path, allowed_)};
+  const Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
   if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
   return &by_path_.emplace(path, Entry{rule, CoverOf(bitmap.value())})->second.content;
 }

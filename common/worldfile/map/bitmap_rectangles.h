@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/bitmap/image_file.h"
 #include "common/bitmap/rectangle_cover.h"
@@ -23,6 +24,9 @@ BitmapRectangles CoverOf(const Bitmap& bitmap);
 
 class BitmapCache {
  public:
+  // Images are read from these files only.
+  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All()) : allowed_(std::move(allowed)) {}
+
   // The bitmap at `path` by `rule`. Errors are placed at `where`, which names it. Valid as long as the cache.
   Result<const BitmapRectangles*> Load(const std::string& path, const PixelRule& rule, const SourceLocation& where);
 
@@ -36,6 +40,7 @@ class BitmapCache {
     PixelRule rule;
     BitmapRectangles content;
   };
+  AllowedPaths allowed_;
   std::multimap<std::string, Entry> by_path_;
 };
 

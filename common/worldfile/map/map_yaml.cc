@@ -203,8 +203,8 @@ Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path
   return MapYamlReader(path).Read(text);
 }
 
-Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where) {
-  const Result<std::string> text = ReadTextFile(path, where);
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where, const AllowedPaths& allowed) {
+  const Result<std::string> text = ReadTextFile(path, where, allowed);
   if (!text.ok()) return text.error();
   return ReadMapYamlText(text.value(), path);
 }

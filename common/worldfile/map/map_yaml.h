@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/bitmap/image_file.h"
 #include "common/geometry/pose.h"
@@ -22,7 +23,8 @@ struct MapYaml {
 };
 
 // A file that cannot be read is an error at `where`, which names it.
-Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where);
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where,
+                            const AllowedPaths& allowed = AllowedPaths::All());
 Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path);
 
 // A world of one static model, "map", made from the YAML file at `path`.

@@ -17,19 +17,22 @@ namespace troupe {
 namespace {
 
 // Reads a file that the scenario names. If it cannot be opened at all, the scenario's line is to blame.
-Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const ScenarioTools& tools) {
-  Result<WorldTree> tree = tools.read_world((std::filesystem::path(directory) / name.text).lexically_normal().string());
+Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const AllowedPaths& allowed,
+                            const ScenarioTools& tools) {
+  const std::string path = (std::filesystem::path(directory) / name.text).lexically_normal().string();
+  Result<WorldTree> tree = tools.read_world(path, allowed);
   if (!tree.ok() && tree.error().where.line == 0) return Error{name.where, tree.error().message};
   return tree;
 }
 
-Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const ScenarioTools& tools) {
+Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const AllowedPaths& allowed,
+                           const ScenarioTools& tools) {
   const std::string directory = DirectoryOf(path);
-  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, tools) : ParseStageText("", path);
+  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, allowed, tools) : ParseStageText("", path);
   if (!tree.ok()) return tree;
   if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
   for (const PlacedText& include : file.includes) {
-    Result<WorldTree> included = ReadNamed(include, directory, tools);
+    Result<WorldTree> included = ReadNamed(include, directory, allowed, tools);
     if (!included.ok()) return included;
     tree = Merged(std::move(tree).value(), std::move(included).value(), include.where);
   }
@@ -75,23 +78,23 @@ std::optional<ControllerDescription> DefaultController(const ScenarioFile& file,
 
 }  // namespace
 
-Result<WorldTree> ReadWorldTree(const std::string& path) {
+Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
   const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path);
+  if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
   // The tree only names the map: whether it can be read would show too late to blame the right line.
-  const Result<MapYaml> map = ReadMapYaml(path, {path});
+  const Result<MapYaml> map = ReadMapYaml(path, {path}, allowed);
   if (!map.ok()) return map.error();
   return MapYamlTree(path);
 }
 
 Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& overrides) {
-  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
   return LoadScenarioText(text.value(), path, overrides);
 }
 
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
-  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
   const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, ScenarioTools{});
   if (!file.ok()) return file.error();
@@ -100,11 +103,11 @@ Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
 
 Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides) {
   const ScenarioTools tools;
-  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
   const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, tools);
   if (!file.ok()) return file.error();
-  Result<WorldTree> tree = ReadTree(file.value(), path, tools);
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();
   for (const Property& property : file.value().properties) tree.value().world.Set(property);
   return ScenarioWorld{std::move(tree).value(), DefaultController(file.value(), overrides)};
@@ -124,11 +127,12 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   if (!read.ok()) return read.error();
   const ScenarioFile& file = read.value();
 
-  Result<WorldTree> tree = ReadTree(file, path, tools);
+  Result<WorldTree> tree = ReadTree(file, path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();
   const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
   if (!plan.ok()) return plan.error();
   LoadOverrides build;
+  build.allowed = overrides.allowed;
   build.seed = overrides.seed ? overrides.seed : file.seed;
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;

@@ -35,13 +35,13 @@ Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverr
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path);
 
 // The tree of a Stage world or include file, or (by its ending) of a ROS map.
-Result<WorldTree> ReadWorldTree(const std::string& path);
+Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
 // The means of loading a scenario, for callers that load many or must not touch the disk.
 struct ScenarioTools {
   ScenarioSchema schema;
   // Reads the files that "world" and "include" name.
-  std::function<Result<WorldTree>(const std::string& path)> read_world = ReadWorldTree;
+  std::function<Result<WorldTree>(const std::string& path, const AllowedPaths& allowed)> read_world = ReadWorldTree;
   BuildOptions build;
   std::uint32_t max_spawned = kMaxSpawned;
   std::uint64_t max_spawn_draws = kMaxSpawnDraws;

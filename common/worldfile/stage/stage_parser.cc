@@ -237,7 +237,7 @@ Result<WorldTree> ParseStageText(const std::string& text, const std::string& pat
   tree.world.type = "world";
   tree.world.where = {path, 1, 1};
   tree.directory = DirectoryOf(path);
-  TokenSource source(options.memory_files);
+  TokenSource source(options.memory_files, options.allowed);
   source.Open(text, path);
   if (Status error = Parser(source, tree, options.max_items).ParseFile(); !error.ok()) return error.error();
   tree.files = source.files();
@@ -245,10 +245,12 @@ Result<WorldTree> ParseStageText(const std::string& text, const std::string& pat
   return tree;
 }
 
-Result<WorldTree> ParseStageWorld(const std::string& path) {
-  Result<std::string> text = ReadTextFile(path, {path});
+Result<WorldTree> ParseStageWorld(const std::string& path, const AllowedPaths& allowed) {
+  Result<std::string> text = ReadTextFile(path, {path}, allowed);
   if (!text.ok()) return text.error();
-  return ParseStageText(text.value(), path);
+  ParseOptions options;
+  options.allowed = allowed;
+  return ParseStageText(text.value(), path, options);
 }
 
 Result<WorldNode> Instantiate(const WorldTree& tree, const std::string& name, const SourceLocation& where) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/worldfile/stage/macro_expander.h"
 #include "common/worldfile/stage/world_tree.h"
@@ -14,11 +15,12 @@ namespace troupe {
 struct ParseOptions {
   // If not null: the only files that includes find, by name. The disk is not touched.
   const std::map<std::string, std::string>* memory_files = nullptr;
+  AllowedPaths allowed = AllowedPaths::All();  // files that includes may open
   std::size_t max_items = kMaxItems;
 };
 
-// Reads `path` and all that it includes.
-Result<WorldTree> ParseStageWorld(const std::string& path);
+// Reads `path` and all that it includes, if allowed.
+Result<WorldTree> ParseStageWorld(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
 // The same from text; `path` names it in messages; relative includes start at its folder.
 Result<WorldTree> ParseStageText(const std::string& text, const std::string& path, const ParseOptions& options = {});

@@ -78,7 +78,7 @@ Status TokenSource::Include(const Token& name) {
 }
 
 Result<std::string> TokenSource::Load(const std::string& path, const SourceLocation& where) const {
-  if (memory_files_ == nullptr) return ReadTextFile(path, where);
+  if (memory_files_ == nullptr) return ReadTextFile(path, where, allowed_);
   const auto found = memory_files_->find(path);
   if (found == memory_files_->end())
     return Error{where, "cannot read " + QuotedPath(path) + ", expected a file that exists"};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/worldfile/stage/stage_lexer.h"
 
@@ -13,8 +14,10 @@ namespace troupe {
 
 class TokenSource {
  public:
-  // `memory_files`: if not null, the only files that includes find, by name; else they are looked up on disk.
-  explicit TokenSource(const std::map<std::string, std::string>* memory_files) : memory_files_(memory_files) {}
+  // `memory_files`: if not null, the only files that includes find, by name; else they are looked up on disk, among
+  // the `allowed` ones, which must outlive this.
+  TokenSource(const std::map<std::string, std::string>* memory_files, const AllowedPaths& allowed)
+      : memory_files_(memory_files), allowed_(allowed) {}
 
   // Starts with this text. REQUIRES: called once, before anything else.
   void Open(std::string text, const std::string& path);
@@ -40,6 +43,7 @@ class TokenSource {
   void Push(std::string path, std::string text);
 
   const std::map<std::string, std::string>* memory_files_;
+  const AllowedPaths& allowed_;
   std::list<File> opened_;          // all of them: tokens point into their texts
   std::vector<const File*> open_;   // the files being read, the innermost last
   std::vector<StageLexer> lexers_;  // of those

@@ -1,5 +1,8 @@
 #include "common/worldfile/text/text_file.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -16,7 +19,16 @@ std::string NotReadable(const std::string& path, const std::string& reason) {
 
 }  // namespace
 
-Result<std::string> ReadTextFile(const std::string& path, const SourceLocation& where) {
+std::string NotAllowed(const std::string& path, const AllowedPaths& allowed) {
+  return fmt::format(
+      "found {}, expected a file that the owner of the run has allowed (--allow-files), below one of: {}",
+      QuotedPath(path), fmt::join(allowed.paths(), ", "));
+}
+
+Result<std::string> ReadTextFile(const std::string& named, const SourceLocation& where, const AllowedPaths& allowed) {
+  const std::optional<std::string> resolved = allowed.Resolve(named);
+  if (!resolved) return Error{where, NotAllowed(named, allowed)};
+  const std::string& path = *resolved;
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {

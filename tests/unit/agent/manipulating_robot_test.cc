@@ -23,7 +23,7 @@ class ManipulatingRobotTest : public testing::Test {
     scene_ = std::make_unique<Scene>(world_.world);
     bodies_ = std::make_unique<BodyIndex>(*scene_);
     if (state_.robots.empty()) state_ = PlacedState(world_.world);
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, parts_.robot, nullptr);
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, parts_.robot, {nullptr, AllowedPaths::All()});
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
   }

@@ -32,7 +32,7 @@ class RobotTest : public ::testing::Test {
     }
     scene_ = std::make_unique<Scene>(world_.world());
     index_ = std::make_unique<BodyIndex>(*scene_);
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, log_.get());
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, {log_.get(), {}});
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
     state_ = PlacedState(world_.world());
@@ -139,7 +139,7 @@ TEST_F(RobotTest, DecidesTheSameWithAndWithoutAScanLog) {
 TEST_F(RobotTest, AnErrorNamesTheRobot) {
   world_.SetController(id_, "fly");
   const Scene scene(world_.world());
-  const auto robot = Robot::Create(scene, id_, nullptr);
+  const auto robot = Robot::Create(scene, id_);
   ASSERT_FALSE(robot.ok());
   EXPECT_THAT(robot.error().message, ::testing::StartsWith("robot r0: unknown controller 'fly'"));
 }

@@ -33,7 +33,7 @@ class SameReadingsTest : public ::testing::TestWithParam<const char*> {
     ASSERT_TRUE(log.ok()) << log.error().ToString();
     log_ = std::move(log).value();
     for (std::size_t i = 0; i < scene_->world().robots.size(); ++i) {
-      Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, RobotId(i), log_.get());
+      Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, RobotId(i), {log_.get(), {}});
       ASSERT_TRUE(robot.ok()) << robot.error().ToString();
       robots_.push_back(std::move(robot).value());
       sensors_.push_back(MakeSensors(*scene_, RobotId(i)));

@@ -7,6 +7,7 @@
 
 #include "common/base/json_text.h"
 #include "world-service/observers/status/reporter.h"
+#include "world-service/service/owner_permissions.h"
 
 namespace troupe {
 namespace {
@@ -22,6 +23,7 @@ class LauncherReporter final : public Reporter {
     for (const RobotDescription& robot : loaded.world.robots) robots.push_back(robot.name);
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
+          {"libraries", LibrariesOf(loaded.world)},
           {"robots_per_process", loaded.settings.robots_per_process},
           {"port", port},
           {"ros", loaded.settings.ros}});

@@ -15,11 +15,13 @@
 namespace troupe {
 
 struct BuildContext {
-  explicit BuildContext(const WorldTree& the_tree) : tree(the_tree), shapes(world.shapes) {}
+  BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed)
+      : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed) {}
   BuildContext(const BuildContext&) = delete;  // `shapes` refers to `world`
   BuildContext& operator=(const BuildContext&) = delete;
 
   const WorldTree& tree;
+  const AllowedPaths& allowed;                    // files that maps and bitmaps may open
   bool without_bitmaps = false;                   // a bitmap is an error
   std::optional<std::string> default_controller;  // of robots for which the file names none
   Units units;

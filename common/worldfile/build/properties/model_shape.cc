@@ -120,7 +120,7 @@ std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) 
     return std::nullopt;
   }
   const std::string path = FindFile(reader.Text("map_yaml", ""), context.tree.directory, where.file);
-  const Result<MapYaml> yaml = ReadMapYaml(path, where);
+  const Result<MapYaml> yaml = ReadMapYaml(path, where, context.allowed);
   if (!yaml.ok()) {
     reader.diagnostics().Fail(yaml.error().where, yaml.error().message);
     return std::nullopt;

@@ -1,0 +1,52 @@
+#include "world-service/service/owner_permissions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/installed_folder.h"
+#include "common/worldfile/text/file_lookup.h"
+
+namespace troupe {
+
+void RestrictRequests(const OwnerPermissions& permissions, const LoadedWorld& loaded, ServiceOptions& options) {
+  AllowedPaths files;
+  files.Add(DirectoryOf(options.world_file));
+  for (const std::string& file : loaded.files) files.Add(file);
+  if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) files.Add(worlds);
+  for (const std::string& path : permissions.files) files.Add(path);
+  options.overrides.allowed = files;
+
+  AllowedPaths libraries;
+  for (const std::string& library : LibrariesOf(loaded.world)) libraries.Add(library);
+  if (options.overrides.controller && NamesLibrary(*options.overrides.controller)) {
+    libraries.Add(*options.overrides.controller);
+  }
+  for (const std::string& path : permissions.controllers) libraries.Add(path);
+  options.libraries = libraries;
+}
+
+std::vector<std::string> LibrariesOf(const WorldDescription& world) {
+  std::vector<std::string> libraries;
+  for (const RobotDescription& robot : world.robots) {
+    const std::string& name = robot.controller.name;
+    if (NamesLibrary(name) && std::find(libraries.begin(), libraries.end(), name) == libraries.end()) {
+      libraries.push_back(name);
+    }
+  }
+  return libraries;
+}
+
+Status CheckLibraries(const WorldDescription& world, const AllowedPaths& libraries) {
+  for (const RobotDescription& robot : world.robots) {
+    const std::string& name = robot.controller.name;
+    if (!NamesLibrary(name) || libraries.Resolve(name)) continue;
+    return Error{{},
+                 fmt::format("robot {}: controller library {} is not allowed, expected a library that the owner of the "
+                             "run has allowed (--allow-controllers)",
+                             robot.name, name)};
+  }
+  return Status();
+}
+
+}  // namespace troupe
