@@ -27,7 +27,11 @@ class ScriptedService {
 
   // Runs an agent on a thread of its own, and waits until it listens.
   void StartAgent(std::vector<std::string> robots = {}, const std::string& scan_log = "", double timeout = 30.0) {
-    options_ = {.agent = 7, .robots = std::move(robots), .scan_log = scan_log, .session_timeout_seconds = timeout};
+    options_ = {.agent = 7,
+                .robots = std::move(robots),
+                .scan_log = scan_log,
+                .libraries = AllowedPaths::All(),
+                .session_timeout_seconds = timeout};
     thread_ = std::thread([this] {
       Result<AgentEnd> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_);
       const std::lock_guard lock(mutex_);

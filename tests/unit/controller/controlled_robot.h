@@ -42,7 +42,7 @@ inline RobotDescription MakeRobot(const std::string& controller, const std::stri
 inline Result<std::unique_ptr<Controller>> CreateFor(const RobotDescription& robot) {
   RobotInfo info{.robot = &robot, .parameters = robot.controller.parameters};
   for (const SensorDescription& sensor : robot.sensors) info.sensors.push_back({&sensor, {}});
-  return CreateController(info);
+  return CreateController(info, AllowedPaths::All());
 }
 
 // The reading of a ranger when `range` gives the distance at each bearing (rad, of the ranger).

@@ -139,13 +139,16 @@ TEST(RunOptions, OverridesOnlyTheGivenSettings) {
 }
 
 TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
-  RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5"}).options;
+  RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5",
+                              "--allow-files", "worlds", "--allow-controllers", "more"})
+                           .options;
   std::vector<std::string> service = ServiceArguments(options);
   EXPECT_EQ(service.front(), "w.world");
-  EXPECT_THAT(service, testing::IsSupersetOf({"--ticks=9", "--session=s", "--domain=42", "--poses=p", "--lease=0.5"}));
-  std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"}, false);
-  EXPECT_THAT(agent, testing::IsSupersetOf(
-                         {"--session=s", "--service=127.0.0.1:7", "--robot=r 0", "--robot=-r", "--lease=0.5"}));
+  EXPECT_THAT(service, testing::IsSupersetOf({"--ticks=9", "--session=s", "--domain=42", "--poses=p", "--lease=0.5",
+                                              "--allow-files=worlds", "--allow-controllers=more"}));
+  std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"}, {"own.so"}, false);
+  EXPECT_THAT(agent, testing::IsSupersetOf({"--session=s", "--service=127.0.0.1:7", "--robot=r 0", "--robot=-r",
+                                            "--lease=0.5", "--allow-controllers=own.so", "--allow-controllers=more"}));
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ticks"))));
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ros"))));
 }
@@ -165,7 +168,7 @@ TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
                                           "--ros-tf=namespaced",
                                           "--no-ros-map-odom"};
   EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));
-  EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, true), testing::IsSupersetOf(words));
+  EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, {}, true), testing::IsSupersetOf(words));
   RunSettings settings;
   options.run.ApplyTo(settings);
   EXPECT_TRUE(settings.ros);
