@@ -21,7 +21,7 @@ struct AgentOptions {
   std::vector<std::string> robots;  // names; empty: every robot of the world
   std::string scan_log;             // file for the readings of all sensors; empty: none
   bool keep_scan_log = false;       // append to the file
-  AllowedPaths libraries;           // that may be a robot's controller
+  AllowedPaths libraries = {};      // that may be a robot's controller
   TraceOptions trace = {};
   std::size_t threads = 1;              // that divide the robots; one with a scan log, for the order of its lines
   double session_timeout_seconds = 60;  // to wait for a session; 0: without limit

@@ -26,7 +26,7 @@ class TraceLane;
 
 struct RobotOptions {
   ScanLog* scan_log = nullptr;  // not null: all sensors are measured and written there
-  AllowedPaths libraries;       // that may be a robot's controller
+  AllowedPaths libraries = {};  // that may be a robot's controller
 };
 
 class Robot {
