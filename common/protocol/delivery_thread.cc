@@ -47,7 +47,7 @@ void DeliveryThread::WaitUntilIdle(double seconds) {
   done_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return now_.empty() && !running_; });
 }
 
-void DeliveryThread::TakeDue() {
+void DeliveryThread::QueueDue() {
   if (later_.empty()) return;
   const auto end = later_.upper_bound(Clock::now());
   for (auto due = later_.begin(); due != end; ++due) now_.push_back(std::move(due->second));
@@ -57,7 +57,7 @@ void DeliveryThread::TakeDue() {
 void DeliveryThread::Run() {
   std::unique_lock lock(mutex_);
   while (!ending_) {
-    TakeDue();
+    QueueDue();
     if (now_.empty()) {
       done_.notify_all();
       if (later_.empty()) {
@@ -73,7 +73,7 @@ void DeliveryThread::Run() {
     running_ = next.target;
     lock.unlock();
     next.call();
-    next.call = nullptr;  // what the call holds goes while its target is still there
+    next.call = nullptr;  // destroys the function and its captures while the target still exists
     lock.lock();
     running_.reset();
     done_.notify_all();

@@ -22,12 +22,13 @@ class DeliveryThread {
   using Target = std::uint64_t;
 
   DeliveryThread();
-  ~DeliveryThread();  // what is still queued is dropped
+  ~DeliveryThread();  // drops the queued calls
   DeliveryThread(const DeliveryThread&) = delete;
   DeliveryThread& operator=(const DeliveryThread&) = delete;
 
   Target AddTarget();
-  // Drops what is queued for the target; none of its calls runs any more when this returns (but one that calls this).
+  // Drops the calls queued for the target. When it returns, none of the target's calls runs, but the one that calls
+  // this.
   void RemoveTarget(Target target);
 
   void Post(Target target, std::function<void()> call, double delay_seconds = 0.0);
@@ -43,8 +44,8 @@ class DeliveryThread {
   };
 
   void Run();
-  // Moves what is due from later_ to now_.
-  void TakeDue();
+  // Moves the calls that are due from later_ to now_.
+  void QueueDue();
 
   std::mutex mutex_;
   std::condition_variable work_;  // something was posted, or it is time to end
@@ -52,10 +53,10 @@ class DeliveryThread {
   std::deque<Call> now_;
   std::multimap<Clock::time_point, Call> later_;
   std::set<Target> targets_;
-  std::optional<Target> running_;  // whose call is running
+  std::optional<Target> running_;  // the target of the running call
   Target next_target_ = 1;
   bool ending_ = false;
-  std::thread thread_;  // last, so that it starts when everything else is there
+  std::thread thread_;  // last, so that it starts when all other members exist
 };
 
 }  // namespace troupe

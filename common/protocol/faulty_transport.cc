@@ -15,12 +15,12 @@
 namespace troupe {
 namespace {
 
-// The faults of each observer are a stream of random numbers of its own, from here on; those of an agent are its id's.
+// The stream of random numbers of the first observer; the others follow. An agent's stream has its id.
 constexpr std::uint64_t kFirstObserverStream = std::uint64_t{1} << 63;
 
 enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kProposal, kStatus };
 
-// The faults on the way to one endpoint. Called from one thread at a time.
+// The faults of the messages to one endpoint. Called from one thread at a time.
 class FaultyLine {
  public:
   FaultyLine(DeliveryThread& delivery, const Faults& faults, std::uint64_t stream)
@@ -29,7 +29,7 @@ class FaultyLine {
   // No delivery runs any more when it returns.
   void Close() { delivery_.RemoveTarget(target_); }
 
-  // Delivers in some time, or not, or twice.
+  // Delivers now or later, once, twice or not at all.
   void Pass(Kind kind, std::function<void()> deliver) {
     if (Happens(faults_.loss)) return;
     if (Happens(faults_.duplicate)) delivery_.Post(target_, deliver, Delay());

@@ -1,4 +1,4 @@
-// FaultyTransport: another transport, made worse, for tests: it loses, delays, doubles and reorders what it delivers.
+// FaultyTransport: wraps another transport, for tests, and loses, delays, duplicates and reorders its messages.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct Faults {
   double reorder = 0.0;  // delivered after the next message of its kind
   double delay_probability = 0.0;
   double delay_seconds = 0.0;    // a delayed message waits uniform(0, this)
-  double latency_seconds = 0.0;  // every message is this late, ...
-  double latency_jitter = 0.0;   // ... give or take this part of it
+  double latency_seconds = 0.0;  // mean delay of every message
+  double latency_jitter = 0.0;   // largest deviation from it, as a part of it
   std::uint64_t seed = 1;
 
   bool any() const { return loss > 0 || duplicate > 0 || reorder > 0 || delay_probability > 0 || latency_seconds > 0; }

@@ -1,4 +1,4 @@
-// MemoryTransport: messages between endpoints of one process. One thread of its own delivers everything, in the order
+// MemoryTransport: messages between endpoints of one process. One thread of its own delivers all messages, in the order
 // in which it was sent, so that a whole run needs no hand-over between threads.
 #pragma once
 

@@ -1,5 +1,5 @@
-// What the world service and its agents say to each other: plain values, independent of how they travel. The IDL files
-// in idl/ give the same on the wire; common/dds converts.
+// The messages between the world service, its agents and tools: plain values, independent of the transport. The files
+// in idl/ define their layout on the wire; common/dds/convert converts.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ using AgentId = std::uint64_t;
 // Frames are ordered by edition, then tick.
 using Edition = std::uint32_t;
 
-// Service to agents and tools, kept for latecomers: the world, and who runs it.
+// Service to agents and tools, kept for latecomers: the run of a session, its service and its world.
 struct SessionMessage {
   RunId run = 0;
   std::uint32_t protocol_version = 0;
@@ -31,20 +31,20 @@ struct SessionMessage {
   double lease_seconds = 0.0;  // an agent that is silent for longer is lost
   bool begun = false;          // the run ticks already
   WorldDescription world;
-  Edition world_edition = 0;  // that the world came with
+  Edition world_edition = 0;  // that made this world
   bool operator==(const SessionMessage&) const = default;
 };
 
-// Agent to service: takes up robots by name. Repeated until answered.
+// Agent to service: requests the control of robots, by name. Resent until answered.
 struct JoinMessage {
   RunId run = 0;
   AgentId agent = 0;
   std::uint32_t protocol_version = 0;
-  std::uint64_t world_hash = 0;  // Hash of the description that the agent works with
+  std::uint64_t world_hash = 0;  // hash of the agent's description
   std::string host;
   std::uint32_t pid = 0;
   std::vector<std::string> robots;
-  Edition world_edition = 0;  // of the description that the agent works with
+  Edition world_edition = 0;  // of the agent's description
   bool operator==(const JoinMessage&) const = default;
 };
 
@@ -53,23 +53,23 @@ struct AdmissionMessage {
   RunId run = 0;
   AgentId agent = 0;
   bool admitted = false;
-  std::string reason;  // why not
+  std::string reason;  // of a refusal; empty when admitted
   bool operator==(const AdmissionMessage&) const = default;
 };
 
-// Service to all: tick n is committed. Holds the whole state, so that any single frame brings any replica up to date.
-// A repeated frame is equal to the first one, but for `last` (a run that is stopped repeats its frame with it set) and
-// `awaited`.
+// Service to agents and observers: tick n is committed. Contains the whole state, so that any single frame brings any
+// replica up to date. A resent frame equals the first one, but for `last` (a run that is stopped resends its newest
+// frame with it set) and `awaited`.
 struct FrameMessage {
   RunId run = 0;
   WorldState state;
   std::uint64_t state_hash = 0;  // StateHash(state)
-  bool last = false;             // the run is over: answer nothing, leave
+  bool last = false;             // the run is over: agents leave without an answer
   std::vector<Event> events;     // of this tick
-  // Time stands still: show the state to those who look at the robots, and answer with a held proposal. The same frame
-  // comes again without `paused` when the run goes on.
+  // The run is paused: agents publish the state (ROS 2) and answer with a paused proposal. When the run resumes, the
+  // same frame is sent again without `paused`.
   bool paused = false;
-  // Of a repeated frame: who has not answered; the others need not answer again. Empty: all are to answer.
+  // In a resent frame: the agents that have not answered; the others need not answer again. Empty: all are to answer.
   std::vector<AgentId> awaited;
   Edition edition = 0;
   Edition world_edition = 0;  // the session of this edition has the world that the state belongs to
@@ -77,7 +77,7 @@ struct FrameMessage {
   bool operator==(const FrameMessage&) const = default;
 };
 
-// Observer to service: send the newest frame again, whole.
+// Observer to service: resend the newest frame, whole.
 struct FrameRequest {
   std::uint64_t observer = 0;  // random; tells observers apart
   bool operator==(const FrameRequest&) const = default;
@@ -90,17 +90,17 @@ struct ProposalMessage {
   Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
   std::vector<Proposal> proposals;   // in robot-id order
   std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
-  bool paused = false;               // answers a paused frame: asks for nothing
+  bool paused = false;               // answers a paused frame: no proposals
   Edition edition = 0;               // of the frame that it answers
   bool operator==(const ProposalMessage&) const = default;
 };
 
 enum class ControlCommand : std::uint8_t {
   kStatus = 0,
-  kPause = 1,  // after the tick that is under way; answered when everybody holds
+  kPause = 1,  // after the open tick; answered when the pause is quiescent
   kPlay = 2,
-  kStep = 3,  // from a pause: `ticks` ticks, and pause again; answered when everybody holds
-  // Edits, each in a pause of its own if the run plays; answered when everybody has the edited world.
+  kStep = 3,  // from a pause: `ticks` ticks, and pause again; answered when that pause is quiescent
+  // Edits, each in a pause of its own if the run plays; answered when all agents have the edited world.
   kReset = 4,      // by `scopes`
   kLoadWorld = 5,  // the file `source`
   kSpawn = 6,      // `source`, as `name`, at `pose`
@@ -112,23 +112,23 @@ enum class ControlCommand : std::uint8_t {
 };
 inline constexpr ControlCommand kLastControlCommand = ControlCommand::kSpawnables;
 
-// What a reset concerns; a sum of these.
+// The scopes of a reset; a sum of these.
 inline constexpr std::uint8_t kResetTime = 1;     // back to tick 0
-inline constexpr std::uint8_t kResetState = 2;    // robots and objects as they were at first, robots begin anew
-inline constexpr std::uint8_t kResetSpawned = 4;  // what was spawned goes
-inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded: what was deleted comes back
+inline constexpr std::uint8_t kResetState = 2;    // robots and objects back to their first state; controllers restart
+inline constexpr std::uint8_t kResetSpawned = 4;  // deletes the spawned entities
+inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded, with the entities deleted since
 
-// A tool to the service: what to do with time, or with the world.
+// Tool to service: pause, play and step, edits of the world, and queries.
 struct ControlRequest {
   std::uint64_t client = 0;  // random; tells tools apart
-  std::uint64_t number = 0;  // of the request, in the answer again
+  std::uint64_t number = 0;  // of the request; repeated in the reply
   ControlCommand command = ControlCommand::kStatus;
   std::uint64_t ticks = 1;  // kStep
-  std::string name = {};    // of an entity; spawn without one: after the source
+  std::string name = {};    // of an entity; a spawn without one is named after the source
   std::string source = {};
   Pose pose = {};  // in W
   std::uint8_t scopes = kResetAll;
-  bool rename = false;  // kSpawn: take another name if this one is in use
+  bool rename = false;  // kSpawn: choose another name if this one is in use
   bool operator==(const ControlRequest&) const = default;
 };
 
@@ -136,11 +136,11 @@ enum class RunState : std::uint8_t { kStarting = 0, kPlaying = 1, kPaused = 2, k
 
 enum class EntityKind : std::uint8_t {
   kRobot = 0,
-  kObject = 1,  // grippers may take it
-  kModel = 2,   // stands still
+  kObject = 1,  // grippers can hold it
+  kModel = 2,   // never moves
 };
 
-// What edits name: a model without a parent, with everything below it.
+// The unit of edits: a model without a parent, with its whole tree.
 struct EntityReport {
   std::string name;
   std::string type;  // as in the world file
@@ -150,12 +150,12 @@ struct EntityReport {
   bool operator==(const EntityReport&) const = default;
 };
 
-// The service to that tool.
+// Service to the tool that sent the request.
 struct ControlReply {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
   bool done = false;
-  std::string problem;  // why not
+  std::string problem;  // reason of a refusal or failure; empty when done
   RunState state = RunState::kStarting;
   Tick tick = 0;
   std::uint64_t state_hash = 0;
@@ -164,7 +164,7 @@ struct ControlReply {
   bool operator==(const ControlReply&) const = default;
 };
 
-// Service to tools, now and then: how the run goes.
+// Service to tools, twice a second: the progress of the run.
 struct StatusMessage {
   RunId run = 0;
   Tick tick = 0;
@@ -174,7 +174,7 @@ struct StatusMessage {
   double real_time_factor = 0.0;  // over the last period
   std::uint32_t robots = 0;
   std::uint32_t agents = 0;
-  std::vector<std::string> waiting_for;  // robots whose proposals are missing for longer than a moment
+  std::vector<std::string> waiting_for;  // robots whose proposals have been missing for a while, by name
   double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
   Edition edition = 0;
   bool operator==(const StatusMessage&) const = default;

@@ -1,11 +1,11 @@
-// ObserverQueue: calls an ObserverHandler on a thread of its own, so that a slow observer delays nobody else. Made for
-// transports, whose observer endpoints post to it.
+// ObserverQueue: calls an ObserverHandler on a thread of its own, so that a slow observer delays neither the service
+// nor any agent. The observer endpoints of transports post to it.
 //
 // A message that finds the queue empty waits a moment for others: to wake a thread for every frame of a fast run would
 // cost more than its handler.
 //
 // Invariant: messages are delivered in the order in which they were posted. At most kFramesQueued frames and one status
-// wait; the oldest gives way to the newest. Any thread may post, also from inside a handler call.
+// wait; the newest replaces the oldest. Any thread may post, also from inside a handler call.
 #pragma once
 
 #include <condition_variable>

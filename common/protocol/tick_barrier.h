@@ -1,4 +1,4 @@
-// TickBarrier: collects one proposal message from each member for the next tick, and knows who is missing.
+// TickBarrier: collects one proposal message from each member for the next tick, and knows the missing members.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@ namespace troupe {
 
 class TickBarrier {
  public:
-  // Adding a member or removing a stranger twice changes nothing. A new member is waited for at once.
+  // Adding a member, or removing an agent that is none, changes nothing. The open tick waits for a new member too.
   void AddMember(AgentId agent);
   void RemoveMember(AgentId agent);
 
-  // Forgets all answers and waits for those of `tick`.
+  // Drops all answers and waits for those of `tick`.
   void Open(Tick tick);
   Tick tick() const { return tick_; }
 

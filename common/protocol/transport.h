@@ -3,7 +3,7 @@
 // another one and loses, delays, duplicates and reorders messages, for tests).
 //
 // Messages may be lost, late, duplicated or out of order in any of them; the tick protocol (docs/tick-protocol.md)
-// tolerates that. The handler of an endpoint is called by one thread at a time, which the transport chooses; sending
+// tolerates that. The handler of an endpoint is called on one thread at a time, which the transport chooses; sending
 // from inside a handler call is allowed. A handler must not destroy its endpoint.
 #pragma once
 
@@ -19,15 +19,15 @@ class ServiceHandler {
   virtual ~ServiceHandler() = default;
   virtual void OnJoin(const JoinMessage& join) = 0;
   virtual void OnProposal(const ProposalMessage& proposal) = 0;
-  // The agent is gone (it left, or its lease ran out).
+  // The agent has left, or its lease has expired.
   virtual void OnAgentGone(AgentId agent) = 0;
-  // Another service of the same session was seen.
+  // Another service of the same session was discovered.
   virtual void OnRivalService(const SessionMessage& rival) = 0;
   // The request of a tool. SendControlReply answers it, now or later.
   virtual void OnControl(const ControlRequest& request) { (void)request; }
 };
 
-// The world service's end. It keeps the newest frame, and answers the frame requests of observers by itself.
+// The world service's end. It keeps the newest frame, and answers the frame requests of observers itself.
 class ServiceEndpoint {
  public:
   virtual ~ServiceEndpoint() = default;  // no handler call runs any more when it returns
@@ -37,7 +37,7 @@ class ServiceEndpoint {
   virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendStatus(const StatusMessage& status) = 0;
-  // Without effect in transports that no tool can reach.
+  // No effect in transports without tools.
   virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
   // Waits until the agents have received all messages that were sent, at most `seconds`.
   virtual void Flush(double seconds) = 0;
@@ -49,7 +49,7 @@ class AgentHandler {
   virtual void OnSession(const SessionMessage& session) = 0;
   virtual void OnAdmission(const AdmissionMessage& admission) = 0;  // of any agent
   virtual void OnFrame(const FrameMessage& frame) = 0;
-  // The service is gone (it ended, or its lease ran out).
+  // The service has ended, or its lease has expired.
   virtual void OnServiceGone() = 0;
 };
 
@@ -63,30 +63,30 @@ class AgentEndpoint {
   virtual void SendProposal(const ProposalMessage& proposal) = 0;
 };
 
-// A tool that follows a run without taking part in it: a viewer, a monitor.
+// A tool that follows a run without influence on it: a viewer, a monitor.
 class ObserverHandler {
  public:
   virtual ~ObserverHandler() = default;
   // The world of a run: before its first frame, and again after each edit that changed it.
   virtual void OnSession(const SessionMessage& session) = 0;
-  // A committed tick with its whole state and its events. Frames may be missing; a frame may come twice. Its world is
+  // A committed tick with its whole state and its events. Frames may be missing or arrive twice. Its world is
   // that of the session message with the same run and world_edition. `awaited` means nothing here.
   virtual void OnFrame(const FrameMessage& frame) = 0;
   virtual void OnStatus(const StatusMessage& status) = 0;
-  // The service is gone (it ended, or its lease ran out). A later run of the session begins with OnSession.
+  // The service has ended, or its lease has expired. A later run of the session begins with OnSession.
   virtual void OnServiceGone() = 0;
 };
 
-// An observer's end. It joins a session at any time and sees its newest frame, then each following one. The handler has
-// a thread of its own: a slow handler loses frames, and neither the service nor any agent or other observer waits for
-// it.
+// An observer's end. It joins a session at any time and receives its newest frame, then each following one. The handler
+// has a thread of its own: a slow handler loses frames, and neither the service nor any agent or other observer waits
+// for it.
 class ObserverEndpoint {
  public:
   virtual ~ObserverEndpoint() = default;  // no handler call runs any more when it returns
   // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
   virtual void Start(ObserverHandler& handler) = 0;
-  // Asks the service for its newest frame, which OnFrame gets again even if it is known. The endpoint asks by itself on
-  // joining and after a gap; this is for a caller to which a frame was lost. REQUIRES: started.
+  // Requests the newest frame from the service; OnFrame receives it even if it is known. The endpoint does so itself
+  // when it joins and after a gap; a caller needs it only when its own queue has lost a frame. REQUIRES: started.
   virtual void RequestFrame() = 0;
 };
 

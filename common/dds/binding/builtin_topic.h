@@ -1,4 +1,4 @@
-// What discovery tells about another participant's writer.
+// The properties of another participant's writer, as discovered.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Conditions: what a WaitSet waits for.
+// Conditions, one or more of which a WaitSet waits for.
 #pragma once
 
 #include "common/dds/binding/data_reader.h"
@@ -8,7 +8,7 @@
 
 namespace troupe::dds {
 
-// True while the reader holds samples that were not read.
+// True while the reader has samples that were not read.
 class ReadCondition {
  public:
   template <typename T>
@@ -22,7 +22,7 @@ class ReadCondition {
   Entity entity_;
 };
 
-// True while the program says so: to wake a waiting thread.
+// Set and cleared by the program, to wake a waiting thread.
 class GuardCondition {
  public:
   explicit GuardCondition(const DomainParticipant& participant)

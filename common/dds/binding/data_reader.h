@@ -27,11 +27,12 @@ class DataReader {
 
   // At most LoanedSamples<T>::kMaxSamples samples; call again until it is empty. take() removes them from the reader,
   // read() leaves them there.
-  LoanedSamples<T> take() { return Get(dds_take, "taking samples"); }
-  LoanedSamples<T> read() { return Get(dds_read, "reading samples"); }
+  LoanedSamples<T> take() { return Loan(dds_take, "taking samples"); }
+  LoanedSamples<T> read() { return Loan(dds_read, "reading samples"); }
 
-  // Takes into `buffer`, in place of what it held. If it is full then, more may be waiting.
-  void take(SampleBuffer<T>& buffer) { buffer.TakeFrom(entity_.handle()); }
+  // Replaces the contents of `buffer` by samples, which are removed from the reader. A full buffer: more may be
+  // waiting.
+  void take(SampleBuffer<T>& buffer) { buffer.FillFrom(entity_.handle()); }
 
   SubscriptionMatchedStatus subscription_matched_status() const {
     SubscriptionMatchedStatus status;
@@ -49,7 +50,7 @@ class DataReader {
     return status;
   }
 
-  // Data that came before is not announced again: take() once after setting a listener.
+  // Data that arrived before is not announced again: call take() once after setting a listener.
   void set_listener(DataReaderListener listener) {
     auto next = std::make_unique<DataReaderListener>(std::move(listener));
     SetListener(entity_.handle(), *next);
@@ -62,7 +63,7 @@ class DataReader {
 
  private:
   template <typename Function>
-  LoanedSamples<T> Get(Function function, const char* doing) {
+  LoanedSamples<T> Loan(Function function, const char* doing) {
     typename LoanedSamples<T>::Data data{};  // a null pointer first asks for a loan
     typename LoanedSamples<T>::Infos infos;
     const auto size = static_cast<std::uint32_t>(data.size());

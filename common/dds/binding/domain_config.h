@@ -13,12 +13,13 @@ struct DomainConfig {
   std::uint32_t domain = 0;              // 0..230
   std::string network_interface = "lo";  // a name or an IPv4 address; "auto": Cyclone's choice
   std::string network;                   // a profile: "one-host", "lan", "unicast"; empty: by the interface
-  // A number fixes the ports, so that others can name this participant as a peer; without one it takes any free port.
+  // A number fixes the ports, so that others can name this participant as a peer; without one it uses any free port.
   std::optional<std::uint32_t> participant_index;
   bool data_multicast = true;       // to many readers at once
-  bool discovery_multicast = true;  // announce itself to everybody; otherwise only to the peers
-  // Its multicast reaches others on this machine. Without, they and it meet only when they announce themselves to it,
-  // and many participants that are all without do not meet each other. The loopback interface ignores this.
+  bool discovery_multicast = true;  // announces itself by multicast; otherwise to the peers only
+  // Its multicast reaches other participants of this machine. Without, these discover it only if they announce
+  // themselves to it, and participants that are all without do not discover each other. The loopback interface ignores
+  // this.
   bool heard_on_own_machine = true;
   std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
   double lease_seconds = 10.0;     // others forget a participant that is silent for longer

@@ -9,7 +9,7 @@ namespace troupe::dds {
 
 class DomainParticipant {
  public:
-  // Throws Exception: no such network interface, ports taken, out of resources.
+  // Throws Exception: no such network interface, ports in use, out of resources.
   explicit DomainParticipant(const DomainConfig& config, const Qos& qos = Qos());
 
   dds_entity_t handle() const { return participant_.handle(); }

@@ -9,7 +9,7 @@ namespace troupe::dds {
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();  // s
 
-// Negative durations are zero; what does not fit is infinite.
+// Negative durations become zero, durations beyond the range of DDS infinite.
 inline dds_duration_t ToDuration(double seconds) {
   if (!(seconds < 9.0e9)) return DDS_INFINITY;
   return seconds > 0.0 ? static_cast<dds_duration_t>(seconds * 1e9) : 0;

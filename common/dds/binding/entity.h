@@ -1,4 +1,4 @@
-// Entity: owner of a handle of Cyclone DDS. Deleting it deletes what was created from it. Move-only.
+// Entity: owner of a handle of Cyclone DDS. Deleting it deletes the entities that were created from it. Move-only.
 #pragma once
 
 #include <dds/dds.h>

@@ -1,4 +1,4 @@
-// Exception: a DDS call failed. Says what was being done and the return code in words.
+// Exception: a DDS call failed. The text names the operation, and the return code in words.
 #pragma once
 
 #include <dds/dds.h>

@@ -67,7 +67,7 @@ using ListenerHandle = std::unique_ptr<dds_listener_t, Delete>;
 
 void SetListener(dds_entity_t entity, const DataReaderListener& listener) {
   ListenerHandle handle(dds_create_listener(const_cast<DataReaderListener*>(&listener)));
-  // Only what somebody wants to hear: a status with a listener costs a call each time.
+  // Only the statuses with a function: Cyclone calls the listener for each change of a status that it has.
   if (listener.on_data_available) dds_lset_data_available(handle.get(), OnDataAvailable);
   if (listener.on_subscription_matched) dds_lset_subscription_matched(handle.get(), OnSubscriptionMatched);
   if (listener.on_liveliness_changed) dds_lset_liveliness_changed(handle.get(), OnLivelinessChanged);

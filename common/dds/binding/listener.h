@@ -1,7 +1,8 @@
-// Listeners: functions that Cyclone calls on a thread of its own when something happened. Inside one, writing and
-// taking are allowed; creating or deleting entities is not.
+// Listeners: functions that Cyclone calls on a thread of its own when a status has changed. Inside one, write() and
+// take() are allowed; creating or deleting entities is not.
 //
-// An exception never reaches Cyclone, which is C: it goes to on_exception, or to standard error if that is empty.
+// An exception never reaches Cyclone, which is C: it is passed to on_exception, or printed on standard error if that is
+// empty.
 #pragma once
 
 #include <dds/dds.h>

@@ -1,4 +1,4 @@
-// LoanedSamples<T>: samples that a reader lends; they go back when it ends. Move-only; must not outlive its reader.
+// LoanedSamples<T>: samples that a reader lends; its destructor returns them. Move-only; must not outlive its reader.
 #pragma once
 
 #include <dds/dds.h>
@@ -9,13 +9,13 @@
 
 namespace troupe::dds {
 
-// What is known about a sample.
+// The state of a sample and its instance.
 class SampleInfo {
  public:
   SampleInfo() = default;
   explicit SampleInfo(const dds_sample_info_t& info) : info_(info) {}
 
-  // False: the sample only tells that the instance's state changed, and only the key fields of its data mean anything.
+  // False: the sample only reports a change of the instance's state, and only the key fields of its data are valid.
   bool valid() const { return info_.valid_data; }
   // The instance was disposed, or no live writer is left.
   bool instance_alive() const { return info_.instance_state == DDS_IST_ALIVE; }
@@ -58,7 +58,7 @@ class LoanedSamples {
     std::size_t index_;
   };
 
-  // Takes over `count` samples that `reader` lent. For DataReader.
+  // Owns `count` samples that `reader` lent. For DataReader.
   using Data = std::array<void*, kMaxSamples>;
   using Infos = std::array<dds_sample_info_t, kMaxSamples>;
   LoanedSamples(dds_entity_t reader, const Data& data, const Infos& infos, std::size_t count)

@@ -11,17 +11,17 @@ NetworkLog::NetworkLog(Tell tell) : tell_(std::move(tell)), second_began_(std::c
       [](void* self, const dds_log_data_t* entry) {
         std::string line(entry->message, entry->size);
         while (!line.empty() && line.back() == '\n') line.pop_back();
-        static_cast<NetworkLog*>(self)->Take(std::move(line));
+        static_cast<NetworkLog*>(self)->Add(std::move(line));
       },
       this);
 }
 
 NetworkLog::~NetworkLog() {
-  dds_set_log_sink(nullptr, nullptr);  // waits for calls that are under way
+  dds_set_log_sink(nullptr, nullptr);  // waits for calls that have begun
   TellSum();
 }
 
-void NetworkLog::Take(const std::string& line) {
+void NetworkLog::Add(const std::string& line) {
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
   if (now - second_began_ >= std::chrono::seconds(1)) {

@@ -1,5 +1,6 @@
-// NetworkLog: what Cyclone DDS has to say of the network, for instance of samples that are not laid out as their type
-// says. All is counted; of much in a second only the first lines are told, so that a hostile peer cannot fill a disk.
+// NetworkLog: the messages of Cyclone DDS about the network, for instance about samples whose layout is not that of
+// their type. Only the first lines of each second are reported, the others as a count, so that a hostile peer cannot
+// fill a disk.
 #pragma once
 
 #include <chrono>
@@ -10,27 +11,27 @@
 
 namespace troupe::dds {
 
-// One for a process, made before its participants and gone after them. Without one, all goes to standard error.
+// One for a process, which outlives its participants. Without one, Cyclone prints to standard error.
 class NetworkLog {
  public:
   static constexpr int kLinesInASecond = 5;
 
-  // Gets lines, from any thread, one at a time.
+  // Receives the lines, on any thread, one at a time.
   using Tell = std::function<void(const std::string& line)>;
 
   explicit NetworkLog(Tell tell);
-  ~NetworkLog();  // tells how many lines were left out and not told yet
+  ~NetworkLog();  // reports the count of the lines left out since the last report
   NetworkLog(const NetworkLog&) = delete;
   NetworkLog& operator=(const NetworkLog&) = delete;
 
  private:
-  void Take(const std::string& line);
+  void Add(const std::string& line);
   void TellSum();
 
   const Tell tell_;
-  std::mutex mutex_;  // for what follows
+  std::mutex mutex_;  // guards the members below
   std::chrono::steady_clock::time_point second_began_;
-  int told_ = 0;  // since then
+  int told_ = 0;  // lines since then
   std::uint64_t left_out_ = 0;
 };
 

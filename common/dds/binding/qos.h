@@ -33,12 +33,12 @@ struct History {
   static History KeepAll() { return {DDS_HISTORY_KEEP_ALL, 0}; }
 };
 
-// What a transient-local writer keeps for latecomers.
+// The samples that a transient-local writer keeps for latecomers.
 struct DurabilityService {
   History history;
 };
 
-// How long a sample is of use; then it is forgotten everywhere.
+// The time for which a sample is valid; then all caches drop it.
 struct Lifespan {
   double seconds;
 };

@@ -1,5 +1,5 @@
-// SampleBuffer<T>: samples in memory of the program's own that the next take uses again. Where samples come at a high
-// rate, this saves what allocating and freeing the sequences of a loan costs.
+// SampleBuffer<T>: samples in memory of the program's own that each take() reuses. At a high rate of samples this saves
+// the time to allocate and free the sequences of a loan.
 #pragma once
 
 #include <dds/dds.h>
@@ -30,7 +30,7 @@ class SampleBuffer {
   const T& data(std::size_t index) const { return samples_[index]; }
   SampleInfo info(std::size_t index) const { return SampleInfo(infos_[index]); }
 
-  // Forgets the samples and gives their memory back.
+  // Removes the samples and frees their memory.
   void clear() {
     for (T& sample : samples_) {
       dds_sample_free(&sample, TopicTraits<T>::descriptor(), DDS_FREE_CONTENTS);
@@ -40,7 +40,7 @@ class SampleBuffer {
   }
 
   // Replaces the samples by up to kCapacity others, which are removed from the reader. For DataReader.
-  void TakeFrom(dds_entity_t reader) {
+  void FillFrom(dds_entity_t reader) {
     const auto result = dds_take(reader, data_.data(), infos_.data(), kCapacity, kCapacity);
     count_ = result > 0 ? static_cast<std::size_t>(result) : 0;
     Check(result, "taking samples");

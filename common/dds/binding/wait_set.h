@@ -16,7 +16,7 @@ class WaitSet {
   explicit WaitSet(const DomainParticipant& participant)
       : entity_(Check(dds_create_waitset(participant.handle()), "creating a wait set")) {}
 
-  // `token` is what wait() returns when the condition is true; choose different ones.
+  // wait() returns `token` when the condition is true. REQUIRES: each condition has a token of its own.
   template <typename Condition>
   void attach(const Condition& condition, int token) {
     Check(dds_waitset_attach(entity_.handle(), condition.handle(), token), "attaching a condition");

@@ -23,7 +23,7 @@ class WireArena {
   // A string of its own, ended by a zero.
   char* Copy(std::string_view text);
 
-  // Gives `sequence` room for `count` elements and returns the first. They are zero.
+  // Allocates `count` elements for `sequence`, all zero, and returns the first.
   template <typename Sequence>
   auto* Fill(Sequence& sequence, std::size_t count) {
     using Element = std::remove_reference_t<decltype(*sequence._buffer)>;
@@ -52,8 +52,8 @@ auto Elements(const Sequence& sequence) {
   return std::span<const Element>(sequence._buffer, sequence._buffer == nullptr ? 0 : sequence._length);
 }
 
-// False if a message cannot be read because it builds on another one than the last. Converters of such messages
-// overload it.
+// False if a message cannot be read because it has the changes since a message that is not the last one. Converters of
+// such messages overload it.
 template <typename Wire, typename Message>
 bool CanRead(const Wire&, const Message&) {
   return true;

@@ -1,4 +1,4 @@
-// All converters between messages (common/protocol/messages.h) and what travels (idl/).
+// All converters between messages (common/protocol/messages.h) and the types on the wire (idl/).
 #pragma once
 
 #include "common/dds/convert/convert_admission.h"

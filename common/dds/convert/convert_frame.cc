@@ -21,7 +21,7 @@ std::int32_t ToWire(const std::optional<Id>& id) {
   return id ? static_cast<std::int32_t>(id->index()) : kNone;
 }
 
-// REQUIRES: it is kNone or more.
+// REQUIRES: id >= kNone
 template <typename Id>
 std::optional<Id> FromWire(std::int32_t id) {
   if (id == kNone) return std::nullopt;
@@ -33,8 +33,8 @@ bool IsIdBelow(std::int32_t id, std::size_t count) {
   return id >= kNone && (id == kNone || static_cast<std::size_t>(id) < count);
 }
 
-// A value of a row as it travels: Get gives it, Set takes it and says whether it is one that may come. `field` gives
-// the row's own.
+// Conversions of one field of a row, which `field` returns, to its value on the wire and back. Set returns false if the
+// value is not a valid one.
 template <typename Field>
 struct Number {
   Field field;
@@ -66,7 +66,7 @@ struct Flag {
 template <typename Field>
 struct OptionalId {
   Field field;
-  std::size_t count;  // how many there are
+  std::size_t count;  // valid ids are below it
   template <typename Row>
   std::int32_t Get(const Row& row) const {
     return ToWire(field(row));
@@ -139,7 +139,7 @@ void VisitObjects(Wire& wire, std::size_t grippers, Visit& visit) {
 
 #undef TROUPE_FIELD
 
-// By their bits: -0.0 is not 0.0, and a replica must not differ in that either.
+// Compares bits: -0.0 differs from 0.0, because a replica must have the same bits.
 template <typename Value>
 bool IsSame(Value a, Value b) {
   if constexpr (std::is_same_v<Value, double>) {
@@ -153,7 +153,7 @@ bool IsSame(Value a, Value b) {
 template <typename Row>
 class ChangeFinder {
  public:
-  // `before`: as many rows; null if all are to be taken for changed.
+  // `before`: as many rows; null: all rows and columns count as changed.
   ChangeFinder(const std::vector<Row>& now, const std::vector<Row>* before)
       : now_(now), before_(before), row_changed_(now.size(), before == nullptr) {}
 
@@ -184,7 +184,7 @@ class ChangeFinder {
   std::vector<bool> column_changed_;  // in the order of the visits
 };
 
-// Fills the columns with what a ChangeFinder found.
+// Fills the columns with the changes that a ChangeFinder has found.
 template <typename Row>
 class ColumnWriter {
  public:
@@ -223,7 +223,7 @@ void RowsToWire(const std::vector<Row>& now, const std::vector<Row>* before, Seq
   visit_columns(writer);
 }
 
-// Puts columns into rows.
+// Copies columns into rows.
 template <typename Row>
 class ColumnReader {
  public:
@@ -269,7 +269,7 @@ class ColumnReader {
 };
 
 Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
-  // What ids refer to may come later in the frame.
+  // Counted first, because grippers refer to objects, which follow them in the frame.
   const std::size_t objects = wire.whole ? Elements(wire.object_x).size() : state.objects.size();
   const std::size_t grippers = wire.whole ? Elements(wire.gripper_left_contact).size() : state.grippers.size();
   ColumnReader robot_reader("robots", wire.whole, Elements(wire.robot_row), state.robots);
@@ -286,7 +286,9 @@ Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     if ((state.objects[i].mode == ObjectMode::kHeld) != state.objects[i].holder.has_value()) {
-      return Error{{}, "frame with object " + std::to_string(i) + " held by nobody, or by somebody but not held"};
+      return Error{{},
+                   "frame with object " + std::to_string(i) +
+                       (state.objects[i].holder ? " that has a holder but is not held" : " held without a holder")};
     }
   }
   return {};
@@ -393,7 +395,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.awaited.assign(awaited.begin(), awaited.end());
   Status problem = StateFromWire(wire, message.state);
   if (problem.ok()) problem = EventsFromWire(wire, message.state.robots.size(), message.events);
-  if (!problem.ok()) message = {};  // nothing can build on it
+  if (!problem.ok()) message = {};  // changes since it would have no base
   return problem;
 }
 

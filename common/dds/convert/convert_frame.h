@@ -8,12 +8,12 @@
 
 namespace troupe::dds {
 
-// Valid while the message and the arena live. With `before`, the state of the tick before, a frame of the changes
-// since. REQUIRES: `before` is null or has as many robots, joints, grippers and objects.
+// Valid while the message and the arena live. With `before`, the state of the tick before, the frame has only the
+// changes since. REQUIRES: `before` is null or has as many robots, joints, grippers and objects.
 troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, WireArena& arena);
 troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena);  // a whole one
 
-// False if the frame holds the changes since another frame than `message`.
+// False if the frame has the changes since a frame that is not `message`.
 bool CanRead(const troupe_wire_Frame& wire, const FrameMessage& message);
 // Brings `message`, the last frame, up to this one. An error when the sample breaks the contract of idl/frame.idl;
 // `message` is then empty. REQUIRES: CanRead(wire, message)

@@ -21,7 +21,7 @@ class ControlClient {
   // Waits for the service, at most `seconds`. The error is for people.
   Status WaitForService(double seconds);
 
-  // Asks, and waits for the answer: at most `seconds`; 0: for ever. The error is that none came.
+  // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived.
   Result<ControlReply> Call(ControlRequest request, double seconds);
   Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
 

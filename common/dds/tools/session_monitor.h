@@ -28,7 +28,7 @@ class SessionMonitor {
   SessionMonitor(std::uint32_t domain, const std::string& network_interface, const std::string& service_address = "");
   ~SessionMonitor();
 
-  // What is known now, by session name and run. A session takes a moment to be discovered, and leaves the list when its
+  // The sessions known now, by name and run. A session is discovered after a moment, and leaves the list when its
   // service ends.
   std::vector<SessionInfo> Sessions();
 

@@ -40,11 +40,11 @@ void DdsAgentEndpoint::DrainSessions() {
       },
       [this](const troupe_wire_Session& ended) {
         if (runs_.erase(ended.run) == 0) return;
-        // An earlier run of the session that ends late is none of this agent's business.
+        // The late end of an earlier run of the session does not concern this agent.
         const RunId joined = joined_run_;
         if (ended.run == joined || (joined == 0 && runs_.empty())) handler_->OnServiceGone();
       });
-  sessions_.Clear();  // a world may be large, and comes once
+  sessions_.Clear();  // a world may be large, and is received once
 }
 
 void DdsAgentEndpoint::DrainAdmissions() {

@@ -31,11 +31,11 @@ class DdsAgentEndpoint : public AgentEndpoint {
   Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
   Inbox<troupe_wire_Frame, FrameMessage> frames_;
 
-  // Whom the agent joined last; 0: nobody yet.
+  // The run that the agent last asked to join; 0: none yet.
   std::atomic<RunId> joined_run_{0};
-  std::mutex mutex_;  // held while a handler runs; guards what follows
+  std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
-  std::set<RunId> runs_;  // whose services are there
+  std::set<RunId> runs_;  // that have a live service
 };
 
 }  // namespace troupe::dds

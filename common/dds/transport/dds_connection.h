@@ -1,4 +1,4 @@
-// What the endpoints of a DdsTransport have in common: the participant, and how messages are sent and received.
+// Common to the endpoints of a DdsTransport: the participant, and sending and receiving of messages.
 #pragma once
 
 #include <functional>
@@ -35,14 +35,14 @@ struct DdsConnection {
   double lease_seconds;
 };
 
-// A topic's writer that takes messages. A message that cannot be written is lost, as it could be on any network.
+// A topic's writer for messages. A message that cannot be written is lost, as it could be on any network.
 template <typename Wire>
 class Outbox {
  public:
   Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
       : connection_(connection), topic_(connection.participant, topic), writer_(connection.publisher, topic_, qos) {}
 
-  // `message`: what ToWire makes a Wire of, with an arena.
+  // `message`: the arguments of the ToWire that makes a Wire, without its arena.
   template <typename... Message>
   void Send(const Message&... message) {
     try {

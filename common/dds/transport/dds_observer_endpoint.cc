@@ -9,7 +9,7 @@
 namespace troupe::dds {
 namespace {
 
-// After this time without an answer a request is repeated: it, or the frame, was lost, or the service did not know this
+// After this time without an answer a request is resent: it, or the frame, was lost, or the service did not know this
 // endpoint yet. Longer than the time for which a service ignores further requests.
 constexpr double kRequestPeriod = 0.05;  // s
 
@@ -77,7 +77,7 @@ void DdsObserverEndpoint::DrainSessions() {
         queue_->PostSession(std::make_shared<const SessionMessage>(session));
       },
       [this](const troupe_wire_Session& ended) { EndRun(ended.run); });
-  sessions_.Clear();  // a world may be large, and comes seldom
+  sessions_.Clear();  // a world may be large, and is seldom received
   PostFrame();
 }
 
@@ -149,7 +149,7 @@ bool DdsObserverEndpoint::IsBehind() const {
 }
 
 void DdsObserverEndpoint::RequestWholeFrame() {
-  if (world_editions_.empty()) return;  // there is no service
+  if (world_editions_.empty()) return;  // without a service
   const auto now = Clock::now();
   if (requested_at_ && now < *requested_at_ + std::chrono::duration<double>(kRequestPeriod)) return;
   requested_at_ = now;

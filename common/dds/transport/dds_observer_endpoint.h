@@ -1,5 +1,5 @@
-// An observer's end of a DdsTransport. It rebuilds the states on the thread that receives the frames, whatever the
-// handler does: a slow handler loses frames, but that makes no gap, and so costs the service no whole frame.
+// An observer's end of a DdsTransport. It rebuilds the states on the thread that receives the frames, however slow the
+// handler: a slow handler loses frames, but that makes no gap, and so costs the service no whole frame.
 #pragma once
 
 #include <atomic>
@@ -28,14 +28,14 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Run, edition, tick, paused, last: two frames that agree in these say the same.
+  // Run, edition, tick, paused, last: two frames that agree in these are the same.
   using FrameKey = std::tuple<RunId, Edition, Tick, bool, bool>;
 
   void DrainSessions();
   void DrainStatuses();
   void DrainFrames();
-  // Called by the listener of frames_, on the thread that receives: when it had to wait for this frame, it lets others
-  // gather in the socket for a moment, and then reads all of them.
+  // Called by the listener of frames_, on the thread that receives. If that had to wait for this frame, it sleeps for a
+  // moment, so that more frames gather in the socket, and then reads all of them.
   void GatherFrames();
 
   // The functions below: REQUIRES: mutex_ is locked.
@@ -60,9 +60,9 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   std::atomic<bool> frames_are_short_ = false;
 
   std::mutex mutex_;                         // guards the members below it
-  std::map<RunId, Edition> world_editions_;  // of the newest session of each run whose service is there
+  std::map<RunId, Edition> world_editions_;  // of the newest session of each run that has a live service
   FrameFollower follower_;
-  std::optional<FrameKey> posted_;                 // the newest frame that the handler gets
+  std::optional<FrameKey> posted_;                 // the newest frame posted to the handler
   std::optional<StatusMessage> status_;            // the newest
   std::optional<Clock::time_point> requested_at_;  // nothing: no request is open
   bool post_again_ = false;                        // the next whole frame, even if it was posted already

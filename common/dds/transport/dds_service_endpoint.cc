@@ -13,8 +13,8 @@ using Clock = std::chrono::steady_clock;
 // Ticks between whole frames, for listeners that send no requests.
 constexpr Tick kWholePeriod = 100;
 
-// One frame goes to the observers as a whole once in this time at most. An observer that has not got it asks again
-// later than that.
+// A frame is sent to the observers as a whole at most once in this time. An observer that has not received it resends
+// its request later than that.
 constexpr std::chrono::milliseconds kWholeFrameInterval(20);
 
 bool HaveSameSizes(const WorldState& a, const WorldState& b) {
@@ -113,7 +113,7 @@ void DdsServiceEndpoint::SendWholeFrame() {
 
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   const std::lock_guard lock(frame_mutex_);
-  // Every agent that answered the frame of the tick before has its state. The others get this frame again, whole.
+  // Every agent that answered the frame of the tick before has its state. To the others this frame is resent, whole.
   const bool follows = sent_ && frame.run == sent_->run && frame.edition == sent_->edition &&
                        frame.state.tick == sent_->state.tick + 1 && HaveSameSizes(frame.state, sent_->state);
   const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;

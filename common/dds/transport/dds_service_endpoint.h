@@ -48,12 +48,12 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   std::mutex frame_mutex_;            // guards the members up to the next mutex; locked after mutex_ where both are
   std::optional<FrameMessage> sent_;  // the newest frame
-  // When it went to the observers as a whole; nothing: not yet.
+  // When it was sent to the observers as a whole; nothing: not yet.
   std::optional<std::chrono::steady_clock::time_point> sent_whole_at_;
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
-  std::set<AgentId> agents_;  // that have sent a join and are not gone
+  std::set<AgentId> agents_;  // that have sent a join and are alive
 };
 
 }  // namespace troupe::dds

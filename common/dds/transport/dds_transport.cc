@@ -17,7 +17,7 @@ using dds::DomainConfig;
 
 constexpr std::uint32_t kServicesOfMachine = 100;  // that share a domain: their participant indices
 
-// A participant, for the endpoints of one role: its discovery suits no other one.
+// A participant, for the endpoints of one role: its discovery settings suit no other one.
 class DdsTransport : public Transport {
  public:
   enum class Role { kService, kAgent, kObserver };
@@ -47,7 +47,7 @@ class DdsTransport : public Transport {
   const DdsConnection connection_;
 };
 
-// The partition is matched with wildcards, so a session's name must not hold any.
+// The partition is matched with wildcards, so a session's name must not contain any.
 void CheckSession(const std::string& session) {
   if (session.find_first_of("*?[]") == std::string::npos) return;
   throw dds::Exception(DDS_RETCODE_BAD_PARAMETER,

@@ -1,5 +1,5 @@
-// FrameFollower: rebuilds the states of a run from its frames as they travel, of which most only say what has changed.
-// Not thread-safe.
+// FrameFollower: rebuilds the states of a run from its frames on the wire, most of which have only the changes since
+// the frame before. Not thread-safe.
 #pragma once
 
 #include "common/base/result.h"
@@ -10,8 +10,8 @@ namespace troupe::dds {
 
 class FrameFollower {
  public:
-  // Brings frame() up to this one. One that is older, or says what has changed since a frame that is missing, changes
-  // nothing. The error is that of a frame that breaks the contract of idl/frame.idl; frame() is then unknown.
+  // Brings frame() up to this one. A frame that is older, or has the changes since a missing frame, has no effect. The
+  // error is that of a frame that breaks the contract of idl/frame.idl; frame() is then unknown.
   Status Read(const troupe_wire_Frame& wire);
 
   // The newest frame that could be read, with its whole state. REQUIRES: known().

@@ -10,7 +10,7 @@ Qos ReliableLatest() {
   return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(1);
 }
 
-// Messages with answers to joins that may be on their way at once.
+// Messages with answers to joins that may be in transit at once.
 constexpr std::int32_t kAdmissionsKept = 16;
 
 // Frames that may wait in an observer's reader until its thread has read them.

@@ -12,18 +12,19 @@ namespace troupe::dds::qos_profiles {
 // announcements and some other implementations then cannot read.
 inline constexpr double kMaxBlockingTime = 0.5;  // s
 
-// Of all publishers and subscribers: only participants of the same session meet.
+// Of all publishers and subscribers: only those of the same session match.
 Qos Session(const std::string& session);
 
-// The session and the world: kept for latecomers. The lease tells agents that the service is gone.
+// The session and the world: kept for latecomers. The lease tells agents that the service has ended.
 Qos Description(double lease_seconds = kInfinite);
-// Joins of agents, kept until the service has found the agent. The lease tells the service that an agent is gone.
+// Joins of agents, kept until the service has discovered the agent. The lease tells the service that an agent has
+// ended.
 Qos Join(double lease_seconds = kInfinite);
 // Answers to joins: all of them, each agent's latest.
 Qos Admission();
-// Committed ticks: only the latest is of use, for it holds everything.
+// Committed ticks: only the latest is of use, because it stands for the whole state.
 Qos Frame();
-// The same topic as observers read it: what is lost or late is gone, so that no observer can delay the service.
+// The same topic as observers read it: lost and late frames are not resent, so that no observer can delay the service.
 Qos ObservedFrame();
 // Whole frames on request: the latest.
 Qos WholeFrame();
@@ -33,10 +34,10 @@ Qos FrameRequest();
 Qos Proposal();
 // Requests of tools: all of them.
 Qos Control();
-// The last answer to each client waits for it: a service may have got a request before it has found who reads the
-// answer.
+// The last reply to each client is kept: a service may receive a request before it has discovered the reader of the
+// reply.
 Qos ControlReply();
-// How the run goes, for tools: the latest of each run, also for tools that start later.
+// The progress of a run, for tools: the latest of each run, also for tools that start later.
 Qos Status();
 
 }  // namespace troupe::dds::qos_profiles

@@ -189,7 +189,7 @@ TEST(FrameChangesTest, MalformedOnesAreRefusedAndNothingBuildsOnThem) {
       {"values without rows", [](troupe_wire_Frame& f) { f.robot_row._length = 0; }},
       {"not a number", [](troupe_wire_Frame& f) { f.joint_position._buffer[0] = std::nan(""); }},
       {"held by a gripper that does not exist", [](troupe_wire_Frame& f) { f.object_holder._buffer[0] = 2; }},
-      {"held by nobody", [](troupe_wire_Frame& f) { f.object_holder._length = 0; }},
+      {"held without a holder", [](troupe_wire_Frame& f) { f.object_holder._length = 0; }},
       {"an unknown mode", [](troupe_wire_Frame& f) { f.object_mode._buffer[0] = 4; }},
       {"whole, with numbered rows", [](troupe_wire_Frame& f) { f.whole = true; }},
   };
