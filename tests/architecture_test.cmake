@@ -1,8 +1,8 @@
-# Fails when a folder includes what it must not: dependencies point one way, and only the edge knows DDS.
+# Fails when a folder includes one that it must not: dependencies point one way, and only the edge includes DDS.
 #   cmake -DROOT=<source folder> -P architecture_test.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# What each folder may include from, besides itself. From leaf to edge.
+# The folders that each folder may include from, besides itself. From leaf to edge.
 set(may_include_common/base include/troupe/version.h)
 set(may_include_common/geometry common/base)
 set(may_include_common/model common/base common/geometry)
@@ -153,7 +153,7 @@ foreach(file IN LISTS files)
       if(NOT from IN_LIST may_include_${folder})
         list(APPEND failures "${file} includes ${header}: ${folder} must not depend on ${from}")
       elseif(from MATCHES "^(robot-agent|world-service/observers)/ros$" AND NOT from STREQUAL folder AND NOT header IN_LIST ros_headers_for_others)
-        list(APPEND failures "${file} includes ${header}: only what makes a gateway is for others")
+        list(APPEND failures "${file} includes ${header}: only the headers that make a gateway are for others")
       elseif(from MATCHES "^common/dds/" AND NOT folder IN_LIST dds_folders AND NOT (file IN_LIST dds_users AND header IN_LIST dds_headers_for_others))
         list(APPEND failures "${file} includes ${header}: only the programs' edges use common/dds")
       endif()
@@ -161,11 +161,11 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 
-# The headers that others may include keep DDS behind them.
+# The headers for other folders do not include DDS.
 foreach(header IN LISTS dds_headers_for_others ros_headers_for_others)
   file(STRINGS ${ROOT}/${header} lines REGEX "^#include .(dds/|idl/|common/dds/|common/ros_dds/)")
   if(lines)
-    list(APPEND failures "${header} shows DDS to those who include it: ${lines}")
+    list(APPEND failures "${header} includes DDS, which must not reach other folders: ${lines}")
   endif()
 endforeach()
 
@@ -177,4 +177,4 @@ if(failures)
   list(JOIN failures "\n  " text)
   message(FATAL_ERROR "the folders' dependencies are broken:\n  ${text}")
 endif()
-message(STATUS "${count} files include only what they may")
+message(STATUS "the includes of ${count} files follow the rules")

@@ -1,4 +1,4 @@
-// Handlers that keep what they are told, and let a test wait for it.
+// Handlers that keep the messages delivered to them, and let a test wait for them.
 #pragma once
 
 #include <chrono>

@@ -121,7 +121,7 @@ TEST_P(ObserverContract, AnObserverThatIsEarlySeesTheRunBegin) {
   ExpectFramesAsPublished(observer.handler);
 }
 
-TEST_P(ObserverContract, FramesAfterJoiningHoldTheWholeState) {
+TEST_P(ObserverContract, FramesAfterJoiningHaveTheWholeState) {
   Publisher service(*rig_);
   service.PublishTicks(4);
   Observer observer(*rig_);
@@ -182,7 +182,7 @@ TEST_P(ObserverContract, AnObserverMayEndAtAnyTime) {
     }
   });
   for (int i = 0; i < 3; ++i) {
-    // A delivery after the end of the endpoint would write to memory that is gone; sanitizers see that.
+    // A delivery after the end of the endpoint would write to freed memory, which sanitizers report.
     auto handler = std::make_unique<CollectingObserver>();
     auto endpoint = rig_->ForObserver().MakeObserverEndpoint();
     handler->on_frame = [raw = endpoint.get()](const FrameMessage&) { raw->RequestFrame(); };

@@ -11,8 +11,8 @@
 
 namespace troupe::test {
 
-// One session: what its service and each of its agents, perhaps processes of their own in earnest, would make for
-// themselves. The transports live as long as the rig.
+// One session: the transports of its service and of each of its agents, as processes of their own would make them. The
+// transports live as long as the rig.
 class TransportRig {
  public:
   virtual ~TransportRig() = default;
@@ -26,7 +26,7 @@ class TransportRig {
 
 struct TransportCase {
   std::string name;
-  std::function<std::unique_ptr<TransportRig>()> make;  // a session that nobody else uses
+  std::function<std::unique_ptr<TransportRig>()> make;  // a session of its own
   bool loses = false;                                   // frames, so that observers must ask again
   std::uint64_t ticks = 40;                             // length of the whole runs
 };

@@ -1,7 +1,7 @@
-// What every transport must do. Include it in a test program, and there
+// The contract of all transports. Include it in a test program, and there
 //   INSTANTIATE_TEST_SUITE_P(Name, TransportContract, ::testing::ValuesIn(Cases()), NameOfCase);
-// Any transport may lose, double and reorder messages, so the tests send again until something arrives, and never
-// expect that something arrives once.
+// Any transport may lose, duplicate and reorder messages, so the tests resend until a message arrives, and never
+// expect that one arrives once.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -70,7 +70,7 @@ class TransportContract : public testing::TestWithParam<TransportCase> {
   std::unique_ptr<TransportRig> rig_ = GetParam().make();
 };
 
-TEST_P(TransportContract, SessionReachesAgentsThatAreThereAndThoseThatComeLater) {
+TEST_P(TransportContract, SessionReachesEarlyAndLateAgents) {
   CollectingAgent early;
   CollectingAgent late;
   CollectingService service;
@@ -133,7 +133,7 @@ TEST_P(TransportContract, AdmissionArrivesIntact) {
   }
 }
 
-TEST_P(TransportContract, FrameArrivesIntactWhateverItsSize) {
+TEST_P(TransportContract, FrameOfAnySizeArrivesIntact) {
   CollectingAgent agent;
   CollectingService service;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
@@ -216,7 +216,7 @@ TEST_P(TransportContract, TwoAgentsSpeakAndHearSideBySide) {
   }
 }
 
-TEST_P(TransportContract, ServiceIsToldOfAnAgentThatIsGone) {
+TEST_P(TransportContract, ServiceLearnsThatAnAgentHasEnded) {
   CollectingAgent agent;
   CollectingService service;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
@@ -238,7 +238,7 @@ TEST_P(TransportContract, ServiceIsToldOfAnAgentThatIsGone) {
   for (AgentId gone : service.gone.items()) EXPECT_NE(gone, 1u);
 }
 
-TEST_P(TransportContract, AgentIsToldWhenTheServiceIsGone) {
+TEST_P(TransportContract, AgentLearnsThatTheServiceHasEnded) {
   CollectingAgent agent;
   CollectingService service;
   auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
@@ -264,7 +264,7 @@ TEST_P(TransportContract, ServicesOfOneSessionHearOfEachOther) {
   EXPECT_TRUE(first.rivals.WaitFor(kPatience, [](const SessionMessage& rival) { return rival.run == 78; }));
 }
 
-TEST_P(TransportContract, NothingIsDeliveredToAnEndpointThatIsGone) {
+TEST_P(TransportContract, NoMessageIsDeliveredToADestroyedEndpoint) {
   CollectingService service;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
   service_endpoint->Start(service);
@@ -276,7 +276,7 @@ TEST_P(TransportContract, NothingIsDeliveredToAnEndpointThatIsGone) {
     }
   });
   for (AgentId id = 1; id <= 3; ++id) {
-    // A delivery after the end of the endpoint would write to memory that is gone; sanitizers see that.
+    // A delivery after the end of the endpoint would write to freed memory, which sanitizers report.
     auto agent = std::make_unique<CollectingAgent>();
     auto endpoint = rig_->ForAgent().MakeAgentEndpoint(id);
     endpoint->Start(*agent);
@@ -333,13 +333,13 @@ TEST_P(TransportContract, HandlersMaySendAndAreCalledOneAtATime) {
       service.answers, [&] { service.Send(); }, [](Tick tick) { return tick == 20; }));
 }
 
-TEST_P(TransportContract, RunsGiveTheSameHashesWhateverThePackingAndTheStartOrder) {
+TEST_P(TransportContract, RunsGiveTheSameHashesForAnyPackingAndStartOrder) {
   const std::vector<WholeRun> runs = {
       {{{"r0"}, {"r1"}, {"r2"}, {"r3"}}, true, GetParam().ticks},
       {{{"r3"}, {"r1"}, {"r2", "r0"}}, false, GetParam().ticks},
       {{{"r0", "r1", "r2", "r3"}}, true, GetParam().ticks},
   };
-  // What it must be: a run in memory.
+  // The reference: a run in memory.
   class MemoryRig final : public TransportRig {
    public:
     Transport& ForService() override { return *transport_; }

@@ -103,7 +103,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   if (!run.service_first) service = std::async(std::launch::async, serve);
 
   const Result<RunSummary> summary = service.get();
-  // All agents end by the last frame, or because the service is gone. Neither is a matter of the flag.
+  // All agents end by the last frame, or because the service has ended. Neither depends on the flag.
   for (std::future<Result<AgentEnd>>& agent : agents) {
     if (agent.wait_for(std::chrono::seconds(30)) == std::future_status::ready) continue;
     ADD_FAILURE() << "an agent did not notice that the run is over";

@@ -1,5 +1,5 @@
 // Whole scenarios, with sensors and controllers, against hashes that were seen before: a change that moves any robot by
-// one bit in any tick shows here. A change that means to do so says why, and puts the new hashes in.
+// one bit in any tick shows here. A commit that intends such a change gives the reason, and replaces the hashes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -29,7 +29,7 @@ WorldState StateAfter(const std::string& scenario, int ticks) {
   return run.state();
 }
 
-// The hash of what robots do, without that of the objects that stand about.
+// The hash of the robots' states, without the objects.
 std::uint64_t HashAfter(const std::string& scenario, int ticks) {
   WorldState state = StateAfter(scenario, ticks);
   state.objects.clear();

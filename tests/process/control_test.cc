@@ -12,7 +12,7 @@
 namespace troupe::test {
 namespace {
 
-constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 
 // Hashes by tick.
 std::vector<std::uint64_t> HashesOf(const std::string& log) {

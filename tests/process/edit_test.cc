@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 
 ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {}) {
   ControlRequest request;

@@ -113,7 +113,7 @@ int Program::Wait() {
   }
   ReadMore();
   if (process_.running()) {
-    ADD_FAILURE() << "did not end in time; it said:\n" << output();
+    ADD_FAILURE() << "did not end in time; its output:\n" << output();
     process_.Kill();
   }
   return process_.end()->exit_code;

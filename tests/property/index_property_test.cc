@@ -1,4 +1,4 @@
-// Index queries against going through everything.
+// Index queries compared with brute force.
 #include <gtest/gtest.h>
 
 #include "common/spatial/body_index.h"

@@ -19,7 +19,7 @@ using test::GripperWorld;
 using test::RandomStream;
 using test::Square;
 
-// An object that comes to rest is put exactly on its support, from as far as this.
+// An object that lands is placed exactly on its support, from at most this distance.
 constexpr double kTolerance = 2e-6;  // m
 
 // How deep two prisms are in each other: the shortest way out.
@@ -142,7 +142,7 @@ bool IsCarried(const GripperRun& run, ObjectId id) {
   return false;
 }
 
-TEST(ManipulationProperty, NothingOverlapsAndEverythingIsHeldOrRestsOrFalls) {
+TEST(ManipulationProperty, NoBodiesOverlapAndEveryObjectIsHeldOrRestsOrFalls) {
   std::size_t gripped = 0;
   std::size_t released = 0;
   std::size_t landed = 0;

@@ -1,4 +1,4 @@
-// Ray casting against a caster that knows nothing of pieces and grids: it goes through the raw outlines of all models.
+// Ray casting compared with a brute-force caster that has no pieces and grids: it tests the raw outlines of all models.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -154,7 +154,7 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
   EXPECT_GT(free, 100);
 }
 
-// Everything on a lattice: edges in line, corners that meet corners, contacts at the same instant.
+// All bodies on a lattice: edges in line, corners that touch corners, contacts at the same instant.
 TEST(StepProperty, NeverMakesTreesOverlapOnALattice) {
   constexpr double kCell = 0.1;
   int stalls = 0;

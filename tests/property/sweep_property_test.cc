@@ -145,7 +145,7 @@ TEST(SweepProperty, FindsTheSameContactInAnyOrderOfObstacles) {
   EXPECT_GT(contacts, 1000);
 }
 
-TEST(SweepProperty, NeverDeepensAnOverlapThatWasThereAtTheStart) {
+TEST(SweepProperty, NeverDeepensAnInitialOverlap) {
   int overlapping = 0;
   for (std::uint64_t seed = 1; seed <= 20000; ++seed) {
     const Case c = RandomCase(seed);
@@ -158,7 +158,7 @@ TEST(SweepProperty, NeverDeepensAnOverlapThatWasThereAtTheStart) {
   EXPECT_GT(overlapping, 1000);
 }
 
-TEST(SweepProperty, LetsAnOverlappingPairComeFree) {
+TEST(SweepProperty, LetsAnOverlappingPairSeparate) {
   for (std::uint64_t seed = 1; seed <= 5000; ++seed) {
     RandomStream random(seed + 50'000'000);
     // Straight away from a half plane that it sticks in.

@@ -49,7 +49,7 @@ class WorldRays {
     }
   }
 
-  // Puts the robots anywhere, inside things too.
+  // Places the robots anywhere, inside bodies too.
   void Shuffle() {
     for (RobotState& robot : state_.robots) {
       const Vec2 place = AnyPlace();
@@ -126,7 +126,7 @@ void CompareIn(const std::string& path) {
   rays.Compare();
   rays.Shuffle();
   rays.Compare();
-  EXPECT_GT(rays.hits(), kRays / 100) << "too few rays meet anything";
+  EXPECT_GT(rays.hits(), kRays / 100) << "too few rays have a hit";
 }
 
 class StageWorldRays : public testing::TestWithParam<const char*> {};

@@ -64,7 +64,7 @@ class ControlledRun final : private RunObserver {
     if (control == nullptr) return {};
     control->Request(request, [answered](const ControlReply& content) { answered->set_value(content); });
     if (reply.wait_for(std::chrono::seconds(60)) != std::future_status::ready) {
-      ADD_FAILURE() << "no answer came";
+      ADD_FAILURE() << "no answer arrived";
       return {};
     }
     return reply.get();

@@ -12,7 +12,7 @@
 namespace troupe::test {
 
 // A robot of 0.4 x 0.4 x 0.3 m. In front, from x = 0.25 to 0.41, two fingers of 0.02 m, 0.1 m high, with 0.3 m between
-// them when open; they meet in the middle. The lift raises them from the ground to 1 m.
+// them when open; they touch in the middle. The lift raises them from the ground to 1 m.
 struct GripperRobot {
   RobotId robot;
   ModelId root;

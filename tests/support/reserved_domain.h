@@ -14,7 +14,7 @@
 namespace troupe::test {
 
 // A free domain, reserved until this process ends by the name of a Unix socket in the abstract namespace:
-// such names end with their process, whatever ends it, and are those of one network namespace, as the loopback
+// such names end with their process, by whatever cause, and belong to one network namespace, as the loopback
 // interface is.
 inline std::uint32_t ReserveDomain() {
   // From 1, because 0 is the default of all programs; to so low a limit, because higher domains use ports of the range

@@ -146,7 +146,7 @@ TEST_F(StageGripper, ItsBodyIsBehindThePaddlesAndBesideTheRobot) {
   EXPECT_EQ(world_.model(ModelCalled(world_, "r.hand.left_paddle")).color, (Color{0, 0, 1, 1}));
 }
 
-TEST_F(StageGripper, ClosesUntilThePaddlesMeetAndLiftsToItsTopInTwoSeconds) {
+TEST_F(StageGripper, ClosesUntilThePaddlesTouchAndLiftsToItsTopInTwoSeconds) {
   WorldState state = PlacedState(world_);
   for (std::size_t i = 0; i < world_.joints.size(); ++i) state.joints[i].position = world_.joints[i].position.max;
   const std::vector<Pose> X_WM = ModelPoses(world_, state);
@@ -323,7 +323,7 @@ TEST(Objects, OnStaticModelsArePlacedInTheWorldWithTheirParts) {
   EXPECT_NEAR(PoseOf(world, "table.b.top").z, 0.91, 1e-12);
 }
 
-TEST(Objects, MoveWithTheSpawnedModelThatTheyStandOn) {
+TEST(Objects, MoveWithTheSpawnedModelUnderThem) {
   const WorldFolder folder;
   folder.Write("parts.inc",
                "define table model( size [1 1 0.7] model( name \"box\" size [0.2 0.2 0.2] pose [0.3 0 0 0] "

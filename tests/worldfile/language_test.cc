@@ -47,7 +47,7 @@ TEST(Language, AllLineEndsCountAsOneLine) {
   }
 }
 
-TEST(Language, OpeningBracketMayStandOnALaterLine) {
+TEST(Language, OpeningBracketMayBeOnALaterLine) {
   const WorldTree tree = Parse("define rob position # a robot\n\n(\n)\nrob # here\n\n(\n)\n");
   ASSERT_EQ(tree.world.children.size(), 1u);
   EXPECT_EQ(tree.world.children[0].type, "position");
@@ -77,7 +77,7 @@ TEST(Language, LaterPropertyReplacesEarlierOne) {
   EXPECT_THAT(node.macros, ElementsAre("n", "m"));
 }
 
-TEST(Language, ChildrenOfMacrosComeFirstAndAreKept) {
+TEST(Language, ChildrenOfMacrosAreKeptAndPrecedeTheInstances) {
   const WorldTree tree = Parse("define m model( model( a 1 ) )\ndefine n m( model( a 2 ) )\nn( model( a 3 ) )\n");
   const WorldNode& node = tree.world.children[0];
   ASSERT_EQ(node.children.size(), 3u);
@@ -111,7 +111,7 @@ TEST(Language, RepeatedPropertyIsNamed) {
   EXPECT_EQ(tree.warnings[0].ToString(), "w.world:1:8: warning: property 'a' is given again at line 2, which counts");
 }
 
-TEST(Language, IncludesAreSplicedInWhereverTheyStand) {
+TEST(Language, IncludesAreSplicedInAnywhere) {
   const std::map<std::string, std::string> files = {{"a.inc", "a 1"}, {"b.inc", "b 2\n"}, {"c.inc", ""}};
   ParseOptions options;
   options.memory_files = &files;

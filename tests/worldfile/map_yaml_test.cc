@@ -18,7 +18,7 @@ const Shape& ShapeOf(const LoadedWorld& loaded) {
 }
 
 // map.pgm: upper row 0 127 255, lower row 205 0 254.
-TEST(MapYaml, IsOneStandingModelWithTheImagesLowerLeftCornerAtTheOrigin) {
+TEST(MapYaml, IsOneStaticModelWithTheImagesLowerLeftCornerAtTheOrigin) {
   const WorldFolder folder;
   folder.Write("m.yaml", kYaml);
   const LoadedWorld loaded = folder.Load("m.yaml");
@@ -73,7 +73,7 @@ TEST(MapYaml, OriginMayBeTurned) {
   EXPECT_EQ(folder.Load("m.yaml").world.models[0].X_PM, (Pose{-1, 2, 0, 0.5}));
 }
 
-TEST(MapYaml, MayStandInAWorldFile) {
+TEST(MapYaml, MayBeNamedInAWorldFile) {
   const WorldFolder folder;
   folder.Write("maps/m.yaml", kYaml);
   folder.Write("maps/map.pgm", "P2 1 1 255\n0\n");

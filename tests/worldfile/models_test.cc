@@ -143,7 +143,7 @@ TEST(Models, BitmapIsFittedByItsOccupiedPixels) {
   EXPECT_EQ(loaded.map_height, 2);
 }
 
-TEST(Models, BoundaryStandsAroundABitmap) {
+TEST(Models, BoundarySurroundsABitmap) {
   const LoadedWorld loaded = WorldFolder().LoadText("model( size [4 2 0.5] bitmap \"map.pgm\" boundary 1 )");
   EXPECT_EQ(ShapeOf(loaded, 0).rectangles.size(), 2u);
   ASSERT_EQ(ShapeOf(loaded, 0).blocks.size(), 4u);
@@ -193,7 +193,7 @@ TEST(Models, NamesCountTheModelsOfATypeUnderTheirParent) {
                                          "position:0", "b", "b.c", "d", "model:2"));
 }
 
-TEST(Models, ColoursComeByNameOrByNumbers) {
+TEST(Models, ColoursHaveNamesOrNumbers) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "model( color \"LightBlue\" )\nmodel( color_rgba [0.1 0.2 0.3 0.4] )\nmodel( color \"random\" )\n"
       "model( color \"random\" )\nmodel( color \"light blue\" )");
@@ -214,7 +214,7 @@ TEST(Models, RandomColoursFollowTheSeed) {
   EXPECT_NE(color(5), color(6));
 }
 
-TEST(Models, UnitsOfTheFileHoldForLengthsAndAngles) {
+TEST(Models, UnitsOfTheFileApplyToLengthsAndAngles) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "model( size [100 200 50] pose [300 0 0 1] )\nunit_length \"cm\"\nunit_angle \"radians\"\n");
   const ModelDescription& model = loaded.world.models[0];

@@ -140,7 +140,7 @@ TEST(Robots, ControllerOfTheCommandLineIsForRobotsWithoutOne) {
   EXPECT_EQ(loaded.world.robots[2].controller.name, "script");
 }
 
-TEST(Robots, PositionBelowAStandingModelStandsInTheWorldByItself) {
+TEST(Robots, PositionBelowAStaticModelIsARobotOfTheWorld) {
   const WorldFolder folder;
   const std::string text = "model( pose [1 0 0 90] size [1 1 2] position( pose [1 0 0 0] model( ) ) )";
   const LoadedWorld loaded = folder.LoadText(text);

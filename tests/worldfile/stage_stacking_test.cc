@@ -1,4 +1,4 @@
-// Stage's own gripper on the stacking script that Stage cannot carry out: worlds/scenarios/stage_stacking.json.
+// Stage's own gripper on the stacking script that Stage cannot execute: worlds/scenarios/stage_stacking.json.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-TEST(StageStacking, PutsTheBoxOnTheOtherAsItTookIt) {
+TEST(StageStacking, StacksTheBoxInThePoseInWhichItWasGripped) {
   const char* source = std::getenv("TROUPE_SOURCE_DIR");
   Result<LoadedWorld> loaded =
       LoadWorld(std::string(source != nullptr ? source : ".") + "/worlds/scenarios/stage_stacking.json");
@@ -23,7 +23,7 @@ TEST(StageStacking, PutsTheBoxOnTheOtherAsItTookIt) {
   EXPECT_EQ(state().mode, ObjectMode::kHeld);
   EXPECT_EQ(state().X_WO, start) << "gripped where it is, as it is turned";
   run.Run(40);
-  EXPECT_NEAR(state().X_WO.z, 0.18, 1e-9) << "lifted by what is left of the gripper's height above its paddles";
+  EXPECT_NEAR(state().X_WO.z, 0.18, 1e-9) << "lifted by the part of the gripper's height above its paddles";
   run.Run(130);
   EXPECT_EQ(state().mode, ObjectMode::kResting);
   EXPECT_EQ(state().X_WO.z, 0.1);

@@ -96,7 +96,7 @@ class LabTable : public testing::Test {
     for (const ModelDescription& model : world.models) {
       if (model.name == name) return model.X_PM;
     }
-    ADD_FAILURE() << "the guest meets nothing within 1 mm";
+    ADD_FAILURE() << "the guest has no contact within 1 mm";
     return {};
   }
 };

@@ -1,4 +1,4 @@
-// Nothing that a file says is dropped in silence.
+// No statement of a file is dropped in silence.
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -7,7 +7,7 @@ namespace {
 using testing::ElementsAre;
 using testing::SizeIs;
 
-TEST(Warnings, NameEveryPropertyWithoutEffectAndSayWhy) {
+TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
   EXPECT_THAT(
       WorldFolder().WarningsOf("resolution 0.02\nspeedup 1\nmodel( mass 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
                                "window( size [1 1] )\n"),
@@ -20,7 +20,7 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndSayWhy) {
                   "w.world:7:1: warning: 'window' has no effect: it only concerns Stage's window"));
 }
 
-TEST(Warnings, AreGivenOnceForALineHoweverManyModelsComeFromIt) {
+TEST(Warnings, AreGivenOnceForALineHoweverManyModelsItMakes) {
   std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) blinkenlight( period 3 ) ) )\n";
   for (int i = 0; i < 100; ++i) text += "rob( pose [" + std::to_string(i) + " 0 0 0] )\n";
   EXPECT_THAT(
@@ -57,7 +57,7 @@ TEST(Warnings, QuotedNumbersAreRead) {
   EXPECT_THAT(folder.WarningsOf("model( pose [\"1\" 2 \"-3.5\" 0] obstacle_return \"0\" )"), SizeIs(0));
 }
 
-TEST(Warnings, TellThatAMapIsSeenButNeverHit) {
+TEST(Warnings, ReportAMapThatIsSeenButNeverHit) {
   EXPECT_THAT(WorldFolder().WarningsOf(
                   "define floorplan model( obstacle_return 0 )\nfloorplan( name \"hall\" bitmap \"map.pgm\" )"),
               ElementsAre("w.world:1:41: warning: map 'hall' is seen but never hit: its 'obstacle_return' is 0"));

@@ -16,7 +16,7 @@ inline constexpr int kSeconds = 60;  // timeout of a response, for the slowest m
 template <typename Condition>
 void Until(const Condition& condition) {
   for (int i = 0; !condition(); ++i) {
-    if (i > kSeconds * 1000) throw std::runtime_error("nobody is there");
+    if (i > kSeconds * 1000) throw std::runtime_error("found no service");
     usleep(1000);
   }
 }
@@ -56,7 +56,7 @@ class Client {
       return offered.current_count > 0 && requested.current_count > 0;
     });
     for (int i = 0; !IsAnswered(Send(harmless), 1); ++i) {
-      if (i > kSeconds) throw std::runtime_error("nobody answers");
+      if (i > kSeconds) throw std::runtime_error("no response arrived");
     }
   }
   typename Response::type Call(const typename Request::type& request) { return Await(Send(request)); }

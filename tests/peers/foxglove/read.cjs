@@ -83,7 +83,7 @@ async function main() {
     });
   }
   setTimeout(() => {
-    for (const topic of missing) console.log(`FAIL  ${topic}: nothing came`);
+    for (const topic of missing) console.log(`FAIL  ${topic}: no message arrived`);
     process.exit(1);
   }, 30000);
 }

@@ -60,7 +60,7 @@ TEST(EditedRunTest, AResetWhileItPlaysGivesTheSameHashesAsWell) {
   }
 }
 
-TEST(EditedRunTest, FaultsOfTheTransportChangeNothing) {
+TEST(EditedRunTest, FaultsOfTheTransportChangeNoHash) {
   ControlledRun run(Yard(3), {.faults = {.loss = 0.05,
                                          .duplicate = 0.1,
                                          .reorder = 0.1,
@@ -77,7 +77,7 @@ TEST(EditedRunTest, FaultsOfTheTransportChangeNothing) {
   EXPECT_THAT(Slice(hashes, 42, 73), ElementsAreArray(Slice(hashes, 0, 31)));
 }
 
-TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetBringsANewOne) {
+TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
   for (const std::size_t packing : {1, 3}) {
     ControlledRun run(Yard(3), {.packing = packing});
     run.Step(20);

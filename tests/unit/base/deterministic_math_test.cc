@@ -75,7 +75,7 @@ TEST(Atan2, IsWithinTwoUlps) {
   EXPECT_LE(worst, 2.0);
 }
 
-TEST(Atan2, KnowsTheAxes) {
+TEST(Atan2, IsExactOnTheAxes) {
   EXPECT_EQ(Atan2(0.0, 0.0), 0.0);
   EXPECT_EQ(Atan2(0.0, 1.0), 0.0);
   EXPECT_EQ(Atan2(0.0, -1.0), kPi);

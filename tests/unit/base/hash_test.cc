@@ -21,7 +21,7 @@ TEST(Hasher, IsTheSameOnEveryMachine) {
   EXPECT_EQ(HashOf(1.5, std::string_view("robot")), 0xe2b48a82f3cac027u);
 }
 
-TEST(Hasher, TellsOrderAndGroupingApart) {
+TEST(Hasher, DistinguishesOrderAndGrouping) {
   EXPECT_NE(HashOf(1.0, 2.0), HashOf(2.0, 1.0));
   EXPECT_NE(HashOf(std::string_view("ab"), std::string_view("c")),
             HashOf(std::string_view("a"), std::string_view("bc")));
@@ -29,7 +29,7 @@ TEST(Hasher, TellsOrderAndGroupingApart) {
   EXPECT_NE(HashOf(std::uint64_t{0}), HashOf(std::uint64_t{0}, std::uint64_t{0}));
 }
 
-TEST(Hasher, TreatsBothZerosAlikeAndNothingElse) {
+TEST(Hasher, TreatsOnlyTheTwoZerosAlike) {
   EXPECT_EQ(HashOf(0.0), HashOf(-0.0));
   EXPECT_NE(HashOf(1.0), HashOf(std::nextafter(1.0, 2.0)));
   EXPECT_NE(HashOf(1.0), HashOf(-1.0));

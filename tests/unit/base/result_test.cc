@@ -5,7 +5,7 @@
 namespace troupe {
 namespace {
 
-TEST(Result, HoldsAValueOrAnError) {
+TEST(Result, IsAValueOrAnError) {
   const Result<int> good(7);
   ASSERT_TRUE(good.ok());
   EXPECT_EQ(good.value(), 7);

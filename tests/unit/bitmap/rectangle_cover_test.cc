@@ -44,7 +44,7 @@ void ExpectExactCover(const Bitmap& bitmap, const std::vector<PixelRectangle>& r
                              [](const auto& a, const auto& b) { return a.y0 != b.y0 ? a.y0 < b.y0 : a.x0 < b.x0; }));
 }
 
-TEST(RectangleCover, NothingGivesNothing) {
+TEST(RectangleCover, AnEmptyBitmapHasNoRectangles) {
   EXPECT_TRUE(CoverByRectangles(Bitmap()).empty());
   EXPECT_TRUE(CoverByRectangles(Bitmap(100, 50)).empty());
 }

@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// A scene and a state that edits follow one another in.
+// A scene and a state, with one edit after another.
 class EditWorldTest : public testing::Test {
  protected:
   void Make(const WorldDescription& world) {
     original = scene = std::make_shared<const Scene>(world);
     state = InitialState(*scene);
   }
-  // "" or why not.
+  // The reason of a refusal; "" if there was none.
   std::string Take(Result<EditedWorld> edited) {
     if (!edited.ok()) return edited.error().ToString();
     EXPECT_TRUE(Validate(edited.value().scene->world()).ok());
@@ -64,7 +64,7 @@ TEST_F(EditWorldTest, MovesARobotWithoutAnyOtherChange) {
   EXPECT_EQ(state.tick, before.tick);
 }
 
-TEST_F(EditWorldTest, RefusesPosesInsideOtherThings) {
+TEST_F(EditWorldTest, RefusesPosesThatOverlapObstacles) {
   test.AddRobot(Square(0.4), {0.0, 0.5}, {});
   test.AddModel(Square(1.0), {0.0, 0.5}, {3.0, 0.0, 0.0, 0.0});
   test.AddObject({0.0, 3.0, 0.0, 0.0});
@@ -77,7 +77,7 @@ TEST_F(EditWorldTest, RefusesPosesInsideOtherThings) {
   EXPECT_EQ(Set("m1", {0.2, 3.2, 0.0, 0.0}), "error: 'm1' would be inside 'm2'");
 }
 
-TEST_F(EditWorldTest, RefusesUnknownNamesPartsAndNumbersThatAreNone) {
+TEST_F(EditWorldTest, RefusesUnknownNamesPartsAndNumbersThatAreNotFinite) {
   const RobotId robot = test.AddRobot(Square(0.4), {0.0, 0.5}, {});
   const ModelId part = test.AddModel(Square(0.1), {0.5, 0.6}, {}, test.world.robot(robot).root);
   test.model(part).name = "m0.mast";
@@ -93,7 +93,7 @@ TEST_F(EditWorldTest, RefusesUnknownNamesPartsAndNumbersThatAreNone) {
   EXPECT_EQ(state, PlacedState(test.world));
 }
 
-TEST_F(EditWorldTest, LetsFallWhatLosesItsSupport) {
+TEST_F(EditWorldTest, ObjectsThatLoseTheirSupportFall) {
   test.AddModel(Square(1.0), {0.0, 0.5});
   const ObjectId lower = test.AddObject({0.0, 0.0, 0.5, 0.0});
   const ObjectId upper = test.AddObject({0.0, 0.0, 0.6, 0.0});
@@ -109,7 +109,7 @@ TEST_F(EditWorldTest, LetsFallWhatLosesItsSupport) {
   EXPECT_EQ(state.objects[upper.index()].X_WO.z, 0.0);
 }
 
-TEST_F(EditWorldTest, DropsAnObjectThatIsPutIntoTheAir) {
+TEST_F(EditWorldTest, AnObjectPlacedInTheAirFalls) {
   const ObjectId object = test.AddObject({0.0, 0.0, 0.0, 0.0});
   test.AddModel(Square(1.0), {0.0, 0.5}, {5.0, 0.0, 0.0, 0.0});
   Make(test.world);
@@ -141,7 +141,7 @@ TEST_F(HoldingTest, HoldsTheBoxAtFirst) {
   EXPECT_GT(object().X_WO.z, 0.1);
 }
 
-TEST_F(HoldingTest, ARobotThatIsMovedLetsGo) {
+TEST_F(HoldingTest, ARobotThatIsMovedReleases) {
   EXPECT_EQ(Set(NameOf(hand.root), {-5.0, 0.0, 0.0, 0.0}), "");
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].type, EventType::kReleased);
@@ -151,21 +151,21 @@ TEST_F(HoldingTest, ARobotThatIsMovedLetsGo) {
   EXPECT_EQ(object().mode, ObjectMode::kResting);
 }
 
-TEST_F(HoldingTest, ARobotThatIsDeletedLetsGo) {
+TEST_F(HoldingTest, ARobotThatIsDeletedReleases) {
   EXPECT_EQ(Delete(NameOf(hand.root)), "");
   EXPECT_FALSE(IsThere(scene->world(), hand.robot));
   Step({{}}, 20);
   EXPECT_EQ(object().X_WO.z, 0.0);
 }
 
-TEST_F(HoldingTest, ABoxThatIsMovedIsNotHeldAnyMore) {
+TEST_F(HoldingTest, ABoxThatIsMovedIsReleased) {
   EXPECT_EQ(Set(NameOf(test.world.objects[0]), {3.0, 0.0, 0.0, 0.0}), "");
   EXPECT_EQ(state.grippers[0], GripperState{});
   Step({{.lift = 0.1}}, 3);
   EXPECT_EQ(object().X_WO, (Pose{3.0, 0.0, 0.0, 0.0}));
 }
 
-TEST_F(HoldingTest, ABoxThatIsDeletedIsForgotten) {
+TEST_F(HoldingTest, AGripperForgetsABoxThatIsDeleted) {
   EXPECT_EQ(Delete(NameOf(test.world.objects[0])), "");
   EXPECT_EQ(state.grippers[0], GripperState{});
   EXPECT_EQ(object().holder, std::nullopt);
@@ -173,7 +173,7 @@ TEST_F(HoldingTest, ABoxThatIsDeletedIsForgotten) {
   EXPECT_EQ(state.grippers[0].clamped, std::nullopt);
 }
 
-TEST_F(EditWorldTest, ADeletedEntityIsInNobodysWayAndItsNameIsFree) {
+TEST_F(EditWorldTest, ADeletedEntityIsNoObstacleAndItsNameIsFree) {
   test.AddRobot(Square(0.4), {0.0, 0.5}, {});
   test.AddRobot(Square(0.4), {0.0, 0.5}, {1.0, 0.0, 0.0, 0.0});
   Make(test.world);
@@ -189,7 +189,7 @@ TEST_F(EditWorldTest, ADeletedEntityIsInNobodysWayAndItsNameIsFree) {
   EXPECT_EQ(FindRobot(scene->world(), "m1"), RobotId(2));
 }
 
-TEST_F(EditWorldTest, SpawnsARobotWithAllItsPartsBehindEverythingElse) {
+TEST_F(EditWorldTest, AppendsASpawnedRobotWithAllItsParts) {
   test.AddGripperRobot({});
   test.AddObject({0.0, 5.0, 0.0, 0.0});
   Make(test.world);
@@ -258,7 +258,7 @@ TEST_F(EditWorldTest, ResetsToTheWorldAsLoaded) {
   EXPECT_TRUE(reset.fresh);
 }
 
-TEST_F(EditWorldTest, ResetsOnlyWhatItIsAskedTo) {
+TEST_F(EditWorldTest, ResetsOnlyTheGivenScopes) {
   test.AddRobot(Square(0.4), {0.0, 0.5}, {});
   test.AddObject({3.0, 0.0, 0.0, 0.0});
   Make(test.world);

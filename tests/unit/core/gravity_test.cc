@@ -1,4 +1,4 @@
-// What falls, what rests, and what goes along with what.
+// Objects that fall, rest, and follow their supports.
 #include <gtest/gtest.h>
 
 #include "tests/support/gripper_world.h"
@@ -12,7 +12,7 @@ using test::GripperRun;
 using test::GripperWorld;
 using test::Square;
 
-TEST(Gravity, WhatAFilePlacedInTheAirStaysThere) {
+TEST(Gravity, AnObjectThatAFilePlacesInTheAirStaysThere) {
   GripperWorld world;
   const ObjectId box = world.AddObject({0.0, 0.0, 1.0, 0.0});
   GripperRun run(world.world);
@@ -21,7 +21,7 @@ TEST(Gravity, WhatAFilePlacedInTheAirStaysThere) {
   EXPECT_EQ(run.object(box).mode, ObjectMode::kPlaced);
 }
 
-TEST(Gravity, WhatHangsInTheAirFallsWhenItIsTouched) {
+TEST(Gravity, AnObjectInTheAirFallsAfterAContact) {
   GripperWorld world;
   world.AddRobot(Square(0.4), {0.0, 0.5}, {});
   const ObjectId box = world.AddObject({0.5, 0.0, 0.3, 0.0});
@@ -31,7 +31,7 @@ TEST(Gravity, WhatHangsInTheAirFallsWhenItIsTouched) {
   EXPECT_EQ(run.EventsOf(EventType::kLanded).size(), 1u);
 }
 
-TEST(Gravity, FindsWhatStandsOnWhat) {
+TEST(Gravity, FindsTheSupportOfEachObject) {
   GripperWorld world;
   const ModelId table = world.AddModel(Square(1.0), {0.6, 0.7});
   const ObjectId on_table = world.AddObject({0.0, 0.0, 0.7, 0.0});
@@ -52,10 +52,10 @@ TEST(Gravity, FindsWhatStandsOnWhat) {
   EXPECT_EQ(run.state, first) << "an idle world stays as it is";
 }
 
-TEST(Gravity, ARobotCarriesWhatStandsOnIt) {
+TEST(Gravity, ARobotCarriesTheStackOnIt) {
   GripperWorld world;
   world.AddRobot(Square(0.4), {0.0, 0.5}, {});
-  world.AddModel(Box(2.0, -1.0, 2.1, 1.0), {0.5, 1.0});  // a bar that only the load meets
+  world.AddModel(Box(2.0, -1.0, 2.1, 1.0), {0.5, 1.0});  // a bar that only the payload hits
   const ObjectId lower = world.AddObject({0.15, 0.0, 0.5, 0.0});
   const ObjectId upper = world.AddObject({0.15, 0.0, 0.6, 0.0});
   GripperRun run(world.world);
@@ -69,7 +69,7 @@ TEST(Gravity, ARobotCarriesWhatStandsOnIt) {
   EXPECT_LT(run.object(lower).X_WO.x, 2.0);
 }
 
-TEST(Gravity, ABridgeFallsWhenItsLastSupportGoes) {
+TEST(Gravity, ABridgeFallsWhenItsLastSupportIsRemoved) {
   GripperWorld world;
   world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {-0.3, 0.0, 0.0, 0.0});
   world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {0.3, 0.0, 0.0, 0.0});
@@ -85,7 +85,7 @@ TEST(Gravity, ABridgeFallsWhenItsLastSupportGoes) {
   EXPECT_EQ(run.object(beam).X_WO.z, 0.0);
 }
 
-TEST(Gravity, TellsWhatStandsUnsafely) {
+TEST(Gravity, ReportsUnstableObjects) {
   GripperWorld world;
   const GripperRobot robot = world.AddGripperRobot({});
   const ObjectId box = world.AddObject({0.33, 0.0, 0.0, 0.0});
@@ -120,21 +120,21 @@ struct TrayWorld {
   JointId lift;
 };
 
-TEST(Gravity, WhatStandsOnALiftGoesUpAndDownWithIt) {
+TEST(Gravity, AnObjectOnALiftRisesAndSinksWithIt) {
   TrayWorld test;
   const ObjectId lower = test.world.AddObject({0.0, 0.0, 0.15, 0.0});
   const ObjectId upper = test.world.AddObject({0.0, 0.0, 0.25, 0.0});
   GripperRun run(test.world.world);
   test.Lift(run, 0.5, 20);
   EXPECT_NEAR(run.object(lower).X_WO.z, 1.15, 1e-9);
-  test.Lift(run, -3.0, 2);  // faster than anything falls
+  test.Lift(run, -3.0, 2);  // faster than an object falls
   EXPECT_NEAR(run.object(lower).X_WO.z, 0.55, 1e-9);
   EXPECT_NEAR(run.object(upper).X_WO.z, 0.65, 1e-9);
   EXPECT_EQ(run.object(lower).mode, ObjectMode::kResting);
   EXPECT_TRUE(run.events.empty());
 }
 
-TEST(Gravity, ALiftThatSinksLeavesItsLoadOnAShelf) {
+TEST(Gravity, ALoweredLiftLeavesItsPayloadOnAShelf) {
   TrayWorld test;
   const ModelId shelf = test.world.AddModel(Box(0.25, -1.0, 1.0, 1.0), {0.5, 0.55});
   const ObjectId board = test.world.AddObject({0.2, 0.0, 0.95, 0.0}, 0.6, 0.02);

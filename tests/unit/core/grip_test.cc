@@ -1,4 +1,4 @@
-// Taking hold, carrying, handing over and letting go.
+// Gripping, carrying, handing over and releasing.
 #include <gtest/gtest.h>
 
 #include "tests/support/gripper_world.h"
@@ -14,7 +14,7 @@ using test::GripperWorld;
 // Between the fingers of a robot at the origin.
 constexpr Pose kReach{0.33, 0.0, 0.0, 0.0};
 
-TEST(Grip, HoldsWhatBothPadsTouchWhereItIs) {
+TEST(Grip, HoldsAnObjectThatBothPadsTouchAtItsPose) {
   GripperWorld world;
   const GripperRobot robot = world.AddGripperRobot({});
   const ObjectId box = world.AddObject({0.33, 0.02, 0.0, 0.1});
@@ -29,10 +29,10 @@ TEST(Grip, HoldsWhatBothPadsTouchWhereItIs) {
   ASSERT_EQ(gripped.size(), 1u);
   EXPECT_EQ(gripped[0].robot, robot.robot);
   EXPECT_EQ(gripped[0].object, world.world.objects[0]);
-  EXPECT_TRUE(run.EventsOf(EventType::kBlocked).empty()) << "a pad that meets an object is at work";
+  EXPECT_TRUE(run.EventsOf(EventType::kBlocked).empty()) << "the contact of a pad with an object is no blocked finger";
 }
 
-TEST(Grip, CarriesWhatItHoldsAndWhatStandsOnIt) {
+TEST(Grip, CarriesTheHeldObjectAndTheStackOnIt) {
   GripperWorld world;
   const GripperRobot robot = world.AddGripperRobot({});
   const ObjectId lower = world.AddObject(kReach);
@@ -55,7 +55,7 @@ TEST(Grip, CarriesWhatItHoldsAndWhatStandsOnIt) {
   EXPECT_EQ(run.object(upper).support, world.world.objects[0]);
 }
 
-TEST(Grip, ACarriedBoxMeetsTheWallFirst) {
+TEST(Grip, ACarriedBoxHitsTheWallFirst) {
   GripperWorld world;
   world.AddModel(Box(1.0, -1.0, 1.1, 1.0), {0.0, 2.0});
   world.AddGripperRobot({});
@@ -68,7 +68,7 @@ TEST(Grip, ACarriedBoxMeetsTheWallFirst) {
   EXPECT_NEAR(run.object(box).X_WO.x + 0.05, 1.0, 1e-8);
 }
 
-TEST(Grip, WithoutALoadTheFingersMeetTheWall) {
+TEST(Grip, WithoutAPayloadTheFingersHitTheWall) {
   GripperWorld world;
   world.AddModel(Box(1.0, -1.0, 1.1, 1.0), {0.0, 2.0});
   world.AddGripperRobot({});
@@ -87,7 +87,7 @@ TEST(Grip, ALiftedGripperDrivesOverALowObstacle) {
   EXPECT_NEAR(run.state.robots[0].X_WR.x + 0.2, 0.5, 1e-8) << "only the body is stopped";
 }
 
-TEST(Grip, PutsDownExactlyOnTopOfAnotherBox) {
+TEST(Grip, LowersABoxExactlyOntoAnother) {
   GripperWorld world;
   world.AddGripperRobot({});
   const ObjectId box = world.AddObject(kReach, 0.1, 0.1);
@@ -107,7 +107,7 @@ TEST(Grip, PutsDownExactlyOnTopOfAnotherBox) {
   EXPECT_EQ(run.EventsOf(EventType::kLanded)[0].other, world.world.objects[base.index()]);
 }
 
-TEST(Grip, LoweringStopsWhenTheLoadTouchesWhatIsUnderIt) {
+TEST(Grip, LoweringStopsWhenThePayloadTouchesASupport) {
   GripperWorld world;
   world.AddModel(Box(0.9, -1.0, 2.0, 1.0), {0.0, 0.3});
   const GripperRobot robot = world.AddGripperRobot({0.0, 0.0, 0.0, 0.0});
@@ -173,7 +173,7 @@ TEST(Grip, AnObjectTooWideStopsTheRobotInFrontOfIt) {
   EXPECT_FALSE(run.state.grippers[0].clamped);
 }
 
-TEST(Grip, LetGoInTheAirItFallsToTheGround) {
+TEST(Grip, AnObjectReleasedInTheAirFallsToTheGround) {
   GripperWorld world;
   world.AddGripperRobot({});
   const ObjectId box = world.AddObject(kReach);
@@ -192,7 +192,7 @@ TEST(Grip, LetGoInTheAirItFallsToTheGround) {
   EXPECT_EQ(run.EventsOf(EventType::kLanded)[0].other, std::nullopt);
 }
 
-TEST(Grip, WithoutGravityItStaysInTheAir) {
+TEST(Grip, WithoutGravityAReleasedObjectStaysInTheAir) {
   GripperWorld world;
   world.world.gravity = 0.0;
   world.AddGripperRobot({});
@@ -230,7 +230,7 @@ TEST(Grip, HandsOver) {
   run.Step({{}, {.fingers = 0.05}}, 30);
   EXPECT_EQ(run.object(test.box).holder, test.first.gripper);
   EXPECT_EQ(run.state.grippers[1].clamped, test.box);
-  EXPECT_EQ(run.EventsOf(EventType::kBlocked).size(), 1u) << "the second is told who holds it";
+  EXPECT_EQ(run.EventsOf(EventType::kBlocked).size(), 1u) << "the event names the holder to the second robot";
   run.Step({{.fingers = -0.05}, {}}, 1);
   EXPECT_EQ(run.object(test.box).holder, test.second.gripper);
   EXPECT_EQ(run.object(test.box).X_WO, Pose{});
@@ -241,7 +241,7 @@ TEST(Grip, HandsOver) {
   EXPECT_NEAR(run.object(test.box).X_WO.x, 0.5, 1e-9);
 }
 
-TEST(Grip, OfTwoAtOnceTheOneThatActsFirstHoldsIt) {
+TEST(Grip, OfTwoAtOnceTheRobotThatActsFirstHoldsTheObject) {
   TwoRobots test;
   GripperRun run(test.world.world);
   run.Step({{.fingers = 0.05}, {.fingers = 0.05}}, 30);
@@ -253,7 +253,7 @@ TEST(Grip, OfTwoAtOnceTheOneThatActsFirstHoldsIt) {
   EXPECT_EQ(run.object(test.box).holder->index(), tick % 2) << "robots act in an order that depends on the tick";
 }
 
-TEST(Grip, NeitherOfTwoThatHaveItCanPullItAway) {
+TEST(Grip, NeitherOfTwoGrippersOnAnObjectCanPullItAway) {
   TwoRobots test;
   GripperRun run(test.world.world);
   run.Step({{.fingers = 0.05}, {.fingers = 0.05}}, 30);
@@ -261,7 +261,7 @@ TEST(Grip, NeitherOfTwoThatHaveItCanPullItAway) {
   EXPECT_TRUE(run.state.robots[0].stalled);
 }
 
-TEST(Grip, WhoWaitsForAnObjectThatGoesAwayForgetsIt) {
+TEST(Grip, AWaitingGripperForgetsAnObjectThatMovesAway) {
   TwoRobots test;
   GripperRun run(test.world.world);
   run.Step({{.fingers = 0.05}, {}}, 30);

@@ -1,5 +1,5 @@
-// Collision at every height: each part of a robot against obstacles whose height interval lies in every way there is to
-// the part's own. The part decides; the rest of the robot has to be out of the way or over it.
+// Collision at every height: each part of a robot against obstacles in every relation of their height interval to the
+// part's. The part decides; the rest of the robot is beside the obstacle or over it.
 #include <gtest/gtest.h>
 
 #include "tests/support/gripper_world.h"
@@ -12,7 +12,7 @@ using test::GripperRobot;
 using test::GripperRun;
 using test::GripperWorld;
 
-// How an obstacle's interval lies to the interval [a, b) of the part.
+// The relation of an obstacle's interval to the interval [a, b) of the part.
 struct HeightCase {
   const char* name;
   // From the part's interval, the obstacle's.
@@ -130,7 +130,7 @@ class HeightWorld {
 
 class HeightTable : public testing::TestWithParam<std::tuple<PartCase, HeightCase>> {};
 
-TEST_P(HeightTable, DecidesWhatIsMet) {
+TEST_P(HeightTable, DecidesTheContact) {
   const auto& [part, height] = GetParam();
   HeightWorld scene;
   const double wall = 1.0;  // m ahead
@@ -142,7 +142,7 @@ TEST_P(HeightTable, DecidesWhatIsMet) {
   ASSERT_EQ(run.object(ObjectId(0)).mode, ObjectMode::kHeld);
   ASSERT_EQ(run.object(ObjectId(1)).support, scene.world.world.objects[0]);
   ASSERT_NEAR(run.object(ObjectId(0)).X_WO.z, 1.5, 1e-9);
-  // The part of all at this height that is farthest ahead is the one that meets the obstacle.
+  // Of all parts at this height, the one farthest ahead hits the obstacle.
   double front = 0.0;
   for (const PartCase& other : kParts) {
     if (other.z.Overlaps(z)) front = std::max(front, other.front);

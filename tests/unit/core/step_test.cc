@@ -45,7 +45,7 @@ TEST(Step, LeavesTheGivenStateAlone) {
   EXPECT_EQ(start, copy);
 }
 
-TEST(Step, StallsAtAWallAndSaysSoOnce) {
+TEST(Step, StallsAtAWallWithOneEvent) {
   TestWorld test;
   const ModelId wall = test.AddModel(Box(0.25, -1.0, 0.26, 1.0));
   test.AddRobot(Square(0.4), kBody, {});
@@ -72,7 +72,7 @@ TEST(Step, StallsAtAWallAndSaysSoOnce) {
   EXPECT_EQ(third.events[0].other, std::nullopt);
 }
 
-TEST(Step, EndsAStallWhenTheRobotWantsToStand) {
+TEST(Step, EndsAStallWhenTheRobotProposesToStop) {
   TestWorld test;
   test.AddModel(Box(0.2, -1.0, 0.3, 1.0));
   test.AddRobot(Square(0.4), kBody, {});
@@ -80,7 +80,7 @@ TEST(Step, EndsAStallWhenTheRobotWantsToStand) {
   const StepResult stalled = StepAll(scene, InitialState(scene), {{.vx = 1.0}});
   ASSERT_TRUE(stalled.state.robots[0].stalled);
   const StepResult silent = Step(scene, stalled.state, {});
-  EXPECT_TRUE(silent.state.robots[0].stalled) << "without a proposal nothing has been asked for since";
+  EXPECT_TRUE(silent.state.robots[0].stalled) << "only a proposal ends a stall";
   const StepResult standing = StepAll(scene, stalled.state, {{}});
   EXPECT_FALSE(standing.state.robots[0].stalled);
   ASSERT_EQ(standing.events.size(), 1u);
@@ -109,7 +109,7 @@ TEST(Step, StallsOnTheGroundWheneverItMoves) {
 }
 
 TEST(Step, RotatesTheOrderWithTheTick) {
-  // Both robots want the place between them; who moves first gets it.
+  // Both robots move to the place between them; the one that moves first reaches it.
   TestWorld test;
   test.AddRobot(Square(0.4), kBody, {0.0, 0.0, 0.0, 0.0});
   test.AddRobot(Square(0.4), kBody, {0.5, 0.0, 0.0, kPi});
@@ -125,7 +125,7 @@ TEST(Step, RotatesTheOrderWithTheTick) {
   }
 }
 
-TEST(Step, StopsRobotsThatMeetHeadOnWithinAMillimetre) {
+TEST(Step, StopsRobotsThatCollideHeadOnWithinAMillimetre) {
   for (double speed : {0.5, 50.0}) {
     TestWorld test;
     test.AddRobot(Square(0.4), kBody, {-1.03, 0.0, 0.0, 0.0});
@@ -158,7 +158,7 @@ TEST(Step, OrdersEventsByRobot) {
   for (int i = 0; i < 5; ++i) test.AddRobot(Square(0.4), kBody, {0.0, i * 1.0, 0.0, 0.0});
   const Scene scene(test.world);
   WorldState state = InitialState(scene);
-  state.tick = 2;  // robot 3 goes first
+  state.tick = 2;  // robot 3 moves first
   const StepResult result = StepAll(scene, state, std::vector<Twist>(5, {.vx = 1.0}));
   ASSERT_EQ(result.events.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(result.events[i].robot, RobotId(i));

@@ -29,7 +29,7 @@ class ValidateProposalTest : public testing::Test {
   WorldState state_;
 };
 
-TEST_F(ValidateProposalTest, AcceptsWhatTheDriveCanDo) {
+TEST_F(ValidateProposalTest, AcceptsMotionsWithinTheLimits) {
   EXPECT_EQ(Check({RobotId(0), {}}), "");
   EXPECT_EQ(Check({RobotId(0), {.vx = 0.1, .wz = -1.0}}), "");
   state_.robots[0].twist = {.vx = 0.95};
@@ -40,7 +40,7 @@ TEST_F(ValidateProposalTest, RefusesAnUnknownRobot) {
   EXPECT_EQ(Check({RobotId(1), {}}), "found robot 1, expected one of 1 robots");
 }
 
-TEST_F(ValidateProposalTest, RefusesWhatIsNotANumber) {
+TEST_F(ValidateProposalTest, RefusesNumbersThatAreNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (double bad : {nan, infinity, -infinity}) {
@@ -54,7 +54,7 @@ TEST_F(ValidateProposalTest, RefusesTooMuchSpeedOrAcceleration) {
   EXPECT_EQ(Check({RobotId(0), {.vx = 0.2}}),
             "found the twist (0.2 m/s, 0 m/s, 0 rad/s) after (0 m/s, 0 m/s, 0 rad/s), expected one within the drive's "
             "bounds: (0.1 m/s, 0 m/s, 0 rad/s) is the nearest");
-  EXPECT_NE(Check({RobotId(0), {.vy = 0.1}}), "") << "a differential drive does not go sideways";
+  EXPECT_NE(Check({RobotId(0), {.vy = 0.1}}), "") << "a differential drive does not move sideways";
   state_.robots[0].twist = {.vx = 1.0};
   EXPECT_NE(Check({RobotId(0), {.vx = 1.05}}), "");
   EXPECT_NE(Check({RobotId(0), {}}), "") << "it cannot brake that hard";

@@ -17,7 +17,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // Sends the signal and waits until the process is gone.
+  // Sends the signal and waits until the process has ended.
   void End(int signal);
 
  private:

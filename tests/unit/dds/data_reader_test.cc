@@ -47,7 +47,7 @@ class DataReaderTest : public testing::Test {
   Topic<StatusSample> topic_there_{there_, "test/status"};
 };
 
-TEST_F(DataReaderTest, TakesWhatWasWrittenOnce) {
+TEST_F(DataReaderTest, TakesEachSampleOnce) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
@@ -118,7 +118,7 @@ TEST_F(DataReaderTest, KeepLastKeepsTheLatestOfEachInstance) {
   for (const auto& sample : samples) EXPECT_EQ(sample.data().run == 1 ? 4u : 14u, sample.data().tick);
 }
 
-TEST_F(DataReaderTest, TellsThatAnInstanceWasDisposed) {
+TEST_F(DataReaderTest, ReportsADisposedInstance) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   ASSERT_TRUE(Matched(writer));
@@ -148,7 +148,7 @@ TEST_F(DataReaderTest, DeletingTheWriterEndsItsInstances) {
   }));
 }
 
-TEST_F(DataReaderTest, LatecomersGetWhatATransientLocalWriterKept) {
+TEST_F(DataReaderTest, LatecomersReceiveTheSamplesThatATransientLocalWriterKept) {
   const Qos kept = Reliable() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)};
   DataWriter<StatusSample> writer(publisher_, topic_here_, kept);
   writer.write(Make(1, 1));
@@ -163,7 +163,7 @@ TEST_F(DataReaderTest, LatecomersGetWhatATransientLocalWriterKept) {
   EXPECT_EQ(2u, (*loan)[0].data().tick);
 }
 
-TEST_F(DataReaderTest, LatecomersGetNothingOfAVolatileWriter) {
+TEST_F(DataReaderTest, LatecomersReceiveNoSampleOfAVolatileWriter) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   writer.write(Make(1, 1));
   DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
@@ -194,7 +194,7 @@ TEST_F(DataReaderTest, PartitionsSeparateAndWildcardsJoin) {
   EXPECT_TRUE(other.take().empty());
 }
 
-TEST_F(DataReaderTest, IncompatibleQosIsToldOnBothSides) {
+TEST_F(DataReaderTest, IncompatibleQosIsReportedOnBothSides) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Qos() << Reliability::BestEffort());
   DataReader<StatusSample> reader(subscriber_, topic_there_, Reliable());
   EXPECT_TRUE(Eventually([&] { return writer.offered_incompatible_qos_status().total_count == 1; }));
@@ -225,7 +225,7 @@ TEST_F(DataReaderTest, AReaderAndItsWriterCanBeMoved) {
 
 TEST_F(DataReaderTest, WaitingForAcknowledgmentsTakesAsLongAsItIsGiven) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
-  EXPECT_TRUE(writer.wait_for_acknowledgments(0.0));  // nobody has to
+  EXPECT_TRUE(writer.wait_for_acknowledgments(0.0));  // without a reader
 }
 
 }  // namespace

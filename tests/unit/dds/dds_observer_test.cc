@@ -49,7 +49,7 @@ class DdsObserverTest : public testing::Test {
   DdsOptions options_;
 };
 
-// A service that sends exactly what a test says.
+// A service that sends exactly the messages of a test.
 class ScriptedService {
  public:
   explicit ScriptedService(const std::string& session)
@@ -158,8 +158,8 @@ TEST_F(DdsObserverTest, AFrameWaitsForTheWorldThatItBelongsTo) {
   EXPECT_TRUE(observer.handler.frames.WaitFor(kPatience, [](const FrameMessage& frame) { return frame.edition == 7; }));
 }
 
-TEST_F(DdsObserverTest, AKilledObserverDelaysNothing) {
-  // The requests tell when the process has joined.
+TEST_F(DdsObserverTest, AKilledObserverDelaysNoTick) {
+  // Its first request shows that the process has joined.
   const dds::DomainParticipant participant(test::TestConfig());
   const dds::Subscriber subscriber(participant, dds::qos_profiles::Session(options_.session));
   const dds::Topic<troupe_wire_FrameRequest> topic(participant, dds::topics::kFrameRequest);

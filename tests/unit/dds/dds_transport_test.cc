@@ -21,7 +21,7 @@ namespace {
 using test::ChildProcess;
 using test::Eventually;
 
-// Keeps what it hears, and answers it if told how.
+// Keeps the messages that it receives, and answers them if the test has set a function for that.
 class Service : public ServiceHandler {
  public:
   void OnJoin(const JoinMessage& join) override {
@@ -141,7 +141,7 @@ class DdsTransportTest : public testing::Test {
   std::uint16_t port_ = 0;
 };
 
-TEST_F(DdsTransportTest, CarriesEveryMessage) {
+TEST_F(DdsTransportTest, DeliversEveryMessage) {
   const auto service_transport = MakeServiceTransport();
   const auto agent_transport = MakeDdsAgentTransport(AgentOptions());
   Service service;
@@ -187,8 +187,9 @@ TEST_F(DdsTransportTest, CarriesEveryMessage) {
   EXPECT_EQ(proposal, service.Heard(service.proposals)[0]);
 }
 
-// Most frames say what has changed since the one before. Who has not heard that one gets the state when it is repeated.
-TEST_F(DdsTransportTest, EveryFrameThatIsHeardHasTheWholeState) {
+// Most frames have the changes since the one before. An agent without that one receives the state with the resent
+// frame.
+TEST_F(DdsTransportTest, EveryReceivedFrameHasTheWholeState) {
   const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
@@ -293,14 +294,14 @@ TEST_F(DdsTransportTest, HandlersAnswerEachOtherForManyTicks) {
   service_end->Start(service);
   agent_end->Start(agent);
   service_end->SendSession(Session(5));
-  // Before all writers and readers have met, messages may be lost: begin again until the first comes back.
+  // Before all writers and readers have matched, messages may be lost: begin again until the first is answered.
   ASSERT_TRUE(Eventually([&] {
     if (service.Heard(service.proposals).empty()) agent_end->SendJoin(Join(5, 1));
     return service.Heard(service.proposals).size() >= kTicks;
   }));
 }
 
-TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
+TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMatch) {
   DdsOptions other = options_;
   other.session += "-other";
   const auto service_transport = MakeServiceTransport();
@@ -325,7 +326,7 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMeet) {
   EXPECT_TRUE(other_service.Heard(other_service.rivals).empty());
 }
 
-TEST_F(DdsTransportTest, ARivalServiceIsSeenByBoth) {
+TEST_F(DdsTransportTest, EachOfTwoRivalServicesDiscoversTheOther) {
   const auto first_transport = MakeDdsServiceTransport(options_).transport;
   const auto second_transport = MakeDdsServiceTransport(options_).transport;
   Service first;
@@ -368,7 +369,7 @@ TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
   EXPECT_EQ(heard, reply.number);
 }
 
-TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
+TEST_F(DdsTransportTest, AnAgentThatLeavesIsReportedGone) {
   const auto service_transport = MakeServiceTransport();
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
@@ -388,7 +389,7 @@ TEST_F(DdsTransportTest, AnAgentThatLeavesIsGone) {
   EXPECT_EQ(std::vector<AgentId>{21}, service.Heard(service.gone));
 }
 
-TEST_F(DdsTransportTest, AKilledAgentIsGoneAndTheOthersAreNot) {
+TEST_F(DdsTransportTest, OnlyTheKilledAgentIsReportedGone) {
   options_.lease_seconds = 1.0;
   const auto service_transport = MakeDdsServiceTransport(options_).transport;
   Service service;
@@ -406,7 +407,7 @@ TEST_F(DdsTransportTest, AKilledAgentIsGoneAndTheOthersAreNot) {
   EXPECT_EQ((std::vector<AgentId>{31, 32}), service.Heard(service.gone));
 }
 
-TEST_F(DdsTransportTest, AServiceThatEndsIsGone) {
+TEST_F(DdsTransportTest, AServiceThatEndsIsReportedGone) {
   for (const int signal : {SIGTERM, SIGKILL}) {
     options_.lease_seconds = 1.0;
     options_.session += "x";
@@ -423,7 +424,7 @@ TEST_F(DdsTransportTest, AServiceThatEndsIsGone) {
   }
 }
 
-TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
+TEST_F(DdsTransportTest, TheEndOfAnEarlierServiceDoesNotAffectTheNextRun) {
   const auto old_transport = MakeDdsServiceTransport(options_).transport;
   auto old_end = old_transport->MakeServiceEndpoint();
   old_end->SendSession(Session(1));
@@ -448,7 +449,7 @@ TEST_F(DdsTransportTest, AnEarlierServiceThatIsGoneDoesNotMatterToTheNextRun) {
 TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   std::mutex mutex;
   std::vector<std::string> problems;
-  // A participant like the service's, which writes what no service would.
+  // A participant like the service's, which writes messages that no service would.
   constexpr std::uint32_t kIndex = 60;
   dds::DomainConfig config = test::TestConfig();
   config.participant_index = kIndex;

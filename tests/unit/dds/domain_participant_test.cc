@@ -13,7 +13,7 @@ namespace {
 using test::Eventually;
 using test::TestConfig;
 
-TEST(DomainParticipantTest, SaysWhatIsWrongWithADomain) {
+TEST(DomainParticipantTest, NamesTheFaultOfADomain) {
   DomainConfig config = TestConfig();
   config.domain = 231;
   try {
@@ -37,7 +37,7 @@ TEST(DomainParticipantTest, NamesANetworkInterfaceThatDoesNotExist) {
   }
 }
 
-TEST(DomainParticipantTest, SeveralInOneProcessMeetOverTheNetwork) {
+TEST(DomainParticipantTest, SeveralInOneProcessMatchOverTheNetwork) {
   const DomainParticipant here(TestConfig());
   const DomainParticipant there(TestConfig());
   const Qos session = Qos() << Partition{test::TestSession("meet")};

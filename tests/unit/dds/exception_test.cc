@@ -5,13 +5,13 @@
 namespace troupe::dds {
 namespace {
 
-TEST(ExceptionTest, SaysTheCodeInWordsAndWhatWasBeingDone) {
+TEST(ExceptionTest, NamesTheReturnCodeAndTheOperation) {
   const Exception exception(DDS_RETCODE_TIMEOUT, "writing a sample");
   EXPECT_STREQ("DDS: Timeout while writing a sample", exception.what());
   EXPECT_EQ(DDS_RETCODE_TIMEOUT, exception.code());
 }
 
-TEST(CheckTest, ReturnsWhatIsNoFailure) {
+TEST(CheckTest, ReturnsEveryOtherResult) {
   EXPECT_EQ(0, Check(DDS_RETCODE_OK, "nothing"));
   EXPECT_EQ(7, Check(7, "counting"));
 }

@@ -1,4 +1,4 @@
-// Frames that say what has changed since the one before.
+// Frames with the changes since the frame before.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -106,7 +106,7 @@ TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
   }
 }
 
-TEST(FrameChangesTest, NothingTravelsOfWhatStandsStill) {
+TEST(FrameChangesTest, RowsWithoutChangesDoNotTravel) {
   const FrameMessage frame = FirstFrame();
   WireArena arena;
   const troupe_wire_Frame wire = ToWire(Next(frame), &frame.state, arena);
@@ -149,7 +149,7 @@ TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
   EXPECT_EQ(wire.x._length, 0u);
 }
 
-TEST(FrameChangesTest, AreTakenOnlyAfterTheFrameBefore) {
+TEST(FrameChangesTest, AreAppliedOnlyToTheFrameBefore) {
   const FrameMessage frame = FirstFrame();
   const FrameMessage next = Next(frame);
   WireArena arena;
@@ -174,7 +174,7 @@ struct BadChanges {
   std::function<void(troupe_wire_Frame&)> spoil;
 };
 
-TEST(FrameChangesTest, MalformedOnesAreRefusedAndNothingBuildsOnThem) {
+TEST(FrameChangesTest, MalformedOnesAreRefusedAndSoAreChangesSinceThem) {
   const FrameMessage frame = FirstFrame();
   FrameMessage next = Next(frame);
   next.state.robots[1].X_WR.x = 2.0;

@@ -68,7 +68,7 @@ TEST_F(ListenerTest, HearsOfDataAndOfPartners) {
   EXPECT_TRUE(Eventually([&] { return publications == 0; }));
 }
 
-TEST_F(ListenerTest, AnExceptionIsHandedOverAndTheNextCallStillComes) {
+TEST_F(ListenerTest, AnExceptionIsReportedAndTheNextCallIsStillMade) {
   std::atomic<int> calls = 0;
   std::atomic<int> exceptions = 0;
   DataReader<JoinSample> reader(subscriber_, topic_there_, qos_);

@@ -14,7 +14,7 @@ void Complain(int number) {
   dds_log(DDS_LC_WARNING, "file", 1, "function", "sample %d is malformed\n", number);
 }
 
-TEST(NetworkLog, TellsALineAsItIs) {
+TEST(NetworkLog, ReportsALineUnchanged) {
   std::vector<std::string> lines;
   {
     const NetworkLog log([&](const std::string& line) { lines.push_back(line); });
@@ -23,7 +23,7 @@ TEST(NetworkLog, TellsALineAsItIs) {
   EXPECT_THAT(lines, testing::ElementsAre("network: sample 7 is malformed"));
 }
 
-TEST(NetworkLog, CountsAFloodAndTellsLittleOfIt) {
+TEST(NetworkLog, CountsAFloodAndReportsItsFirstLines) {
   std::vector<std::string> lines;
   std::uint64_t counted = 0;
   constexpr int kFlood = 100'000;

@@ -7,7 +7,7 @@
 namespace troupe::dds {
 namespace {
 
-TEST(QosTest, HoldsThePoliciesThatWereSet) {
+TEST(QosTest, HasThePoliciesThatWereSet) {
   Qos qos;
   qos << Reliability::Reliable(0.25) << History::KeepLast(3) << Durability::TransientLocal();
   dds_reliability_kind_t reliability;
@@ -41,7 +41,7 @@ TEST(QosTest, CopiesAreIndependent) {
   EXPECT_EQ(first, second);
 }
 
-TEST(DurationTest, TakesAnyNumberOfSeconds) {
+TEST(DurationTest, AcceptsAnyNumberOfSeconds) {
   EXPECT_EQ(DDS_MSECS(1500), ToDuration(1.5));
   EXPECT_EQ(0, ToDuration(-1.0));
   EXPECT_EQ(DDS_INFINITY, ToDuration(kInfinite));

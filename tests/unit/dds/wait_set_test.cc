@@ -15,7 +15,7 @@ namespace {
 using test::Eventually;
 using Sample = troupe_wire_Status;
 
-TEST(WaitSetTest, ReturnsNothingWhenTheTimeIsUp) {
+TEST(WaitSetTest, ReturnsNoConditionAfterTheTimeout) {
   const DomainParticipant participant(test::TestConfig());
   const GuardCondition guard(participant);
   WaitSet waits(participant);

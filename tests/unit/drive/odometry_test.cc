@@ -89,7 +89,7 @@ TEST(OdometryTest, TurningRoundAndRoundDoesNotJump) {
   ExpectNear(odometry.estimate(), {0.0, 0.0, 0.0, WrapAngle(10.0 * 1.25)});
 }
 
-TEST(OdometryTest, ARobotThatStandsStillCountsNothing) {
+TEST(OdometryTest, ARobotAtRestCountsNoMotion) {
   LocalizationDescription localization = MakeOdometry({1.0, 1.0, 0.0, 0.3});
   localization.error_x = 0.5;
   Odometry odometry(localization);

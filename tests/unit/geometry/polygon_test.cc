@@ -15,7 +15,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Polygon kSquare{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 
-TEST(Polygon, SignedAreaTellsTheTurn) {
+TEST(Polygon, SignedAreaHasTheSignOfTheTurn) {
   EXPECT_DOUBLE_EQ(SignedArea(kSquare), 1.0);
   EXPECT_DOUBLE_EQ(SignedArea(Polygon(kSquare.rbegin(), kSquare.rend())), -1.0);
   EXPECT_DOUBLE_EQ(SignedArea({}), 0.0);

@@ -41,7 +41,7 @@ TEST(Pose, IdentityChangesNoBit) {
   EXPECT_EQ(Pose{} * pose, pose);
 }
 
-TEST(Integrate, GoesStraightWithoutTurning) {
+TEST(Integrate, FollowsALineWithoutTurning) {
   const Pose moved = Integrate({.vx = 2.0, .vy = -1.0, .wz = 0.0}, 0.5);
   EXPECT_EQ(moved, (Pose{1.0, -0.5, 0.0, 0.0}));
 }

@@ -43,7 +43,7 @@ class GripperMachineTest : public testing::Test {
   std::optional<JointMotor> right_;
 };
 
-TEST_F(GripperMachineTest, GoesThroughItsFourStates) {
+TEST_F(GripperMachineTest, PassesThroughItsFourStates) {
   EXPECT_EQ(state(), FingerState::kOpen);
   machine_->SetCommand(FingerCommand::kClose);
   Tick();
@@ -79,7 +79,7 @@ TEST_F(GripperMachineTest, StopsPushingWhenItHasAnObject) {
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.15, 1e-12);
 }
 
-TEST_F(GripperMachineTest, GoesToAnOpeningFromBothSides) {
+TEST_F(GripperMachineTest, ReachesAnOpeningFromBothSides) {
   machine_->SetOpening(0.7);
   Tick();
   EXPECT_EQ(state(), FingerState::kClosing);
@@ -94,7 +94,7 @@ TEST_F(GripperMachineTest, GoesToAnOpeningFromBothSides) {
   EXPECT_NEAR(hand_.position(Hand::kRight), 0.05, 1e-12);
 }
 
-TEST_F(GripperMachineTest, HoldsAnObjectThatIsWiderThanTheOpeningAskedFor) {
+TEST_F(GripperMachineTest, HoldsAnObjectWiderThanTheRequestedOpening) {
   machine_->SetOpening(0.2);
   Tick(2);
   Hold();

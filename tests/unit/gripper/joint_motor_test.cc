@@ -45,7 +45,7 @@ TEST_F(JointMotorTest, ReachesATargetExactlyAtAnyLengthOfTicks) {
       const double seconds = ticks * hand_.world.interval_seconds();
       EXPECT_NEAR(seconds, std::abs(target - start) / 0.5, hand_.world.interval_seconds() * 1.001) << interval_ns;
     }
-    EXPECT_EQ(state().position, 0.25);  // a limit is met to the last bit
+    EXPECT_EQ(state().position, 0.25);  // the limit, to the last bit
   }
 }
 

@@ -56,7 +56,7 @@ TEST_F(ManipulatorTest, DescribesJointsAndGrippersOfItsRobotOnly) {
   EXPECT_TRUE(other.grippers().empty());
 }
 
-TEST_F(ManipulatorTest, AsksForNothingWhenNothingIsToMove) {
+TEST_F(ManipulatorTest, RequestsNoMotionWithoutACommand) {
   EXPECT_TRUE(manipulator_->Propose(hand_.state).empty());
 }
 
@@ -106,7 +106,7 @@ TEST_F(ManipulatorTest, APartWithoutAValueKeepsItsCommand) {
   EXPECT_EQ(gripper().fingers, FingerState::kClosed);
 }
 
-TEST_F(ManipulatorTest, JointsGoToPositionsAndAtVelocities) {
+TEST_F(ManipulatorTest, JointsFollowPositionsAndVelocities) {
   EXPECT_EQ(Apply(Joint({.joint = Hand::kArm, .position = -1.1})), "");
   Tick();
   EXPECT_TRUE(joint(Hand::kArm).moving);

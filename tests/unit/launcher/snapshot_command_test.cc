@@ -55,7 +55,7 @@ class SnapshotCommandTest : public ::testing::Test {
     options.output = Path(output);
     return options;
   }
-  // The exit status, and in `message` what the user was told.
+  // The exit status, and in `message` the text that was printed for the user.
   int Run(const SnapshotOptions& options) {
     ::testing::internal::CaptureStderr();
     const int status = SnapshotCommand(options);
@@ -105,7 +105,7 @@ TEST_F(SnapshotCommandTest, TheSameTickGivesTheSamePictureAndAnotherTickAnother)
   EXPECT_NE(Read("a.png"), Read("c.png"));
 }
 
-TEST_F(SnapshotCommandTest, TakesItsOptionsFromTheCommandLine) {
+TEST_F(SnapshotCommandTest, ReadsItsOptionsFromTheCommandLine) {
   const std::string files = Path("good.world") + " -o " + Path("part.png");
   EXPECT_EQ(RunLine(files + " --tick 5 --view side --rays --center 0 -1 --meters 3 --width 300 --seed 7"), 0)
       << message_;

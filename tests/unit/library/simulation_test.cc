@@ -39,7 +39,7 @@ class SimulationTest : public ::testing::Test {
   RobotId robot_;
 };
 
-TEST_F(SimulationTest, StepsByTicksAndTellsTimePoseAndEvents) {
+TEST_F(SimulationTest, StepsByTicksAndReportsTimePoseAndEvents) {
   Simulation simulation = Create(world_.world());
   EXPECT_EQ(simulation.tick(), 0u);
   EXPECT_EQ(simulation.pose(robot_), Pose());
@@ -119,7 +119,7 @@ TEST_F(SimulationTest, RejectsCommandsThatTheRobotCannotExecute) {
   EXPECT_NEAR(simulation.pose(robot_).x, 0.5, 1e-9) << "a rejected command changed something";
 }
 
-TEST_F(SimulationTest, WithoutControllersARobotStandsUntilItIsDriven) {
+TEST_F(SimulationTest, WithoutControllersARobotStandsStillUntilItIsDriven) {
   world_.SetController(robot_, "/no/such/library.so");
   EXPECT_FALSE(Simulation::Create(world_.world()).ok());
   Simulation simulation = Create(world_.world(), {.seed = {}, .controller = {}, .run_controllers = false});
@@ -164,7 +164,7 @@ TEST(SimulationLoad, OptionsReplaceSeedAndMissingControllers) {
   EXPECT_EQ(simulation.value().world().robots[0].controller.name, "wander");
 }
 
-TEST(SimulationObjects, TellsWhatAGripperHolds) {
+TEST(SimulationObjects, ReportsTheObjectThatAGripperHolds) {
   test::GripperWorld yard;
   const test::GripperRobot robot = yard.AddGripperRobot({});
   yard.AddObject({0.35, 0.0, 0.0, 0.0});

@@ -1,4 +1,4 @@
-// Snapshots: the same steps from one give the same hashes, whatever was stepped in between.
+// Snapshots: the same steps from one give the same hashes, regardless of the steps in between.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ class DrivenSnapshotTest : public ::testing::Test {
   RobotId robot_;
 };
 
-TEST_F(DrivenSnapshotTest, HoldsTheCommandFromOutside) {
+TEST_F(DrivenSnapshotTest, ContainsTheCommandFromOutside) {
   Simulation simulation = Create();
   ASSERT_TRUE(simulation.Drive(robot_, {.twist = {0.5, 0.0, 0.0}}).ok());
   simulation.Step(2);
@@ -116,7 +116,7 @@ TEST_F(DrivenSnapshotTest, IsRefusedWhereAControllerCannotBeCopied) {
   ASSERT_FALSE(snapshot.ok());
   EXPECT_THAT(snapshot.error().message, HasSubstr("robot r0: controller"));
   EXPECT_THAT(snapshot.error().message, HasSubstr("cannot be copied"));
-  simulation.Step();  // goes on as before
+  simulation.Step();  // continues as before
   EXPECT_EQ(simulation.tick(), 2u);
 }
 

@@ -34,7 +34,7 @@ TEST(DriveLimits, BrakeAsHardAsPossibleWhenTooFast) {
   EXPECT_EQ(ClampToLimits(drive, {.vx = 3.0}, {.vx = 3.0}, 0.1), (Twist{.vx = 2.8}));
 }
 
-TEST(DriveLimits, DifferentialDriveDoesNotGoSideways) {
+TEST(DriveLimits, DifferentialDriveDoesNotMoveSideways) {
   const DriveDescription drive = SomeDrive(DriveType::kDifferential);
   EXPECT_EQ(ClampToLimits(drive, {}, {0.05, 0.05, 0.1}, 0.1), (Twist{0.05, 0.0, 0.1}));
   EXPECT_FALSE(WithinLimits(drive, {}, {0.05, 0.05, 0.1}, 0.1));

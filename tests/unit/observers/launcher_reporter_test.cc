@@ -34,7 +34,7 @@ class LauncherReporterTest : public testing::Test {
   std::unique_ptr<Reporter> reporter_;
 };
 
-TEST_F(LauncherReporterTest, TellsWhichRobotsNeedAgents) {
+TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   LoadedWorld loaded;
   loaded.settings.robots_per_process = 3;
   loaded.world.robots.resize(2);
@@ -49,14 +49,14 @@ TEST_F(LauncherReporterTest, TellsWhichRobotsNeedAgents) {
   EXPECT_EQ(report["port"], 7410);
 }
 
-TEST_F(LauncherReporterTest, TellsWhichRobotsAnEditHasBrought) {
+TEST_F(LauncherReporterTest, ReportsTheNewRobotsOfAnEdit) {
   reporter_->OnNewRobots({"late", "later"});
   const json report = Next();
   EXPECT_EQ(report["type"], "robots");
   EXPECT_EQ(report["robots"], (std::vector<std::string>{"late", "later"}));
 }
 
-TEST_F(LauncherReporterTest, TellsHowTheRunGoesAndEnds) {
+TEST_F(LauncherReporterTest, ReportsTheProgressAndTheEndOfTheRun) {
   reporter_->OnStarted(0.5);
   EXPECT_EQ(Next()["type"], "started");
   StatusMessage status;
@@ -83,7 +83,7 @@ TEST_F(LauncherReporterTest, TellsHowTheRunGoesAndEnds) {
   EXPECT_EQ(end["slowest"][0]["times_last"], 3);
 }
 
-TEST_F(LauncherReporterTest, TellsWhyTheRunFailed) {
+TEST_F(LauncherReporterTest, ReportsTheErrorOfARunThatFailed) {
   testing::internal::CaptureStderr();
   reporter_->Failed({{"file"}, "why"});
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "file: error: why\n");

@@ -178,14 +178,14 @@ TEST_F(RecorderTest, RecordOfAWorldWithoutRobotsIsJsonToo) {
   EXPECT_EQ(nlohmann::json::parse(text.substr(text.find('\n')))["robots"], nlohmann::json::array());
 }
 
-TEST_F(RecorderTest, SaysWhenAFileCannotBeMade) {
+TEST_F(RecorderTest, ReportsAFileThatCannotBeMade) {
   const Result<std::unique_ptr<Recorder>> recorder =
       Recorder::Create(world_, {.hash_log = "/nowhere/h", .poses = "", .record = ""});
   ASSERT_FALSE(recorder.ok());
   EXPECT_EQ(recorder.error().ToString(), "/nowhere/h: error: cannot open for writing: No such file or directory");
 }
 
-TEST_F(RecorderTest, SaysWhenTheDiskIsFull) {
+TEST_F(RecorderTest, ReportsAFullDisk) {
   Result<std::unique_ptr<Recorder>> recorder =
       Recorder::Create(world_, {.hash_log = "", .poses = "/dev/full", .record = ""});
   ASSERT_TRUE(recorder.ok());
@@ -196,7 +196,7 @@ TEST_F(RecorderTest, SaysWhenTheDiskIsFull) {
   EXPECT_FALSE(recorder.value()->OnEnd().ok());
 }
 
-TEST_F(RecorderTest, SaysWhenTheDiskIsFullAtTheEnd) {
+TEST_F(RecorderTest, ReportsADiskThatIsFullAtTheEnd) {
   Result<std::unique_ptr<Recorder>> recorder =
       Recorder::Create(world_, {.hash_log = "/dev/full", .poses = "", .record = ""});
   ASSERT_TRUE(recorder.ok());

@@ -239,7 +239,7 @@ TEST(DrawPicture, ARobotUnderATableCanBeSeenThroughIt) {
   EXPECT_GT(Distance(covered, open), 40);
 }
 
-TEST(DrawPicture, HigherThingsCoverLowerOnes) {
+TEST(DrawPicture, HigherSolidsCoverLowerOnes) {
   WorldMaker maker;
   Shape shape;
   shape.blocks = {{Box(-1, -1, 1, 1), {0.05, 0.2}}, {Box(-2, -2, 2, 2), {0.0, 0.05}}};
@@ -275,7 +275,7 @@ TEST(DrawPicture, ASideViewShowsHeights) {
   EXPECT_LT(Distance(picture.At(-2.15, 0.515), free), 40);  // nothing above it
 }
 
-TEST(DrawPicture, ASideViewOfAPartLeavesOutSolidsFarBehindOrBefore) {
+TEST(DrawPicture, ASideViewOfAPartOmitsSolidsFarBehindOrInFront) {
   PictureOptions options = Side();
   options.center = Vec2(2, 2);
   options.meters = 3;

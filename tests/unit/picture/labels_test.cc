@@ -15,7 +15,7 @@ LabelPlan Place(const std::vector<LabelRequest>& requests, const std::vector<Rec
   return PlaceLabels(requests, walls, kPage, {12.0, 8.0}, TextWidth);
 }
 
-TEST(Labels, ALoneLabelStandsToTheRightAtFullSize) {
+TEST(Labels, ALoneLabelIsToTheRightAtFullSize) {
   const LabelPlan plan = Place({{"r0", {100, 100, 120, 120}}});
   ASSERT_EQ(plan.labels.size(), 1u);
   EXPECT_EQ(plan.size, 12.0);
@@ -36,7 +36,7 @@ TEST(Labels, AvoidsWallsWherePossible) {
   EXPECT_EQ(Place({{"r0", {100, 100, 120, 120}}}, {kPage}).labels.size(), 1u);
 }
 
-TEST(Labels, NeitherCoverThingsNorEachOther) {
+TEST(Labels, CoverNeitherSolidsNorEachOther) {
   std::vector<LabelRequest> requests;
   for (int i = 0; i < 40; ++i) {
     const double x = 20.0 + (i % 8) * 45.0, y = 20.0 + (i / 8) * 50.0;

@@ -24,7 +24,7 @@ bool InsideOddNumberOfLoops(const std::vector<Polygon>& loops, const Vec2& p) {
   return inside;
 }
 
-TEST(RectangleOutline, NothingHasNoOutline) {
+TEST(RectangleOutline, NoRectanglesHaveNoOutline) {
   EXPECT_TRUE(OutlineOf({}).empty());
 }
 

@@ -41,7 +41,7 @@ TEST(DeliveryThread, CallsTheDelayedLater) {
   EXPECT_THAT(calls, ElementsAre(1, 2));
 }
 
-TEST(DeliveryThread, QueuesWhatACallPosts) {
+TEST(DeliveryThread, QueuesTheCallsThatACallPosts) {
   std::vector<int> calls;
   DeliveryThread delivery;
   const auto target = delivery.AddTarget();

@@ -33,7 +33,7 @@ class FrameCounter final : public AgentHandler {
     changed_.notify_all();
   }
 
-  // Once the service is gone, and so all that was not delayed has come, and there are at least `count` of them.
+  // Once the service has ended, so that all messages without a delay have arrived, and there are at least `count`.
   std::vector<Tick> WaitFor(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(30), [&] { return gone_ && ticks_.size() >= count; });
@@ -57,7 +57,7 @@ class NoService final : public ServiceHandler {
   void OnRivalService(const SessionMessage&) override {}
 };
 
-// What arrives of kFrames frames, sent without a pause; waits for those that were not delayed, and for `count` in all.
+// The frames that arrive of kFrames, sent without a pause; waits for those without a delay, and for `count` in all.
 std::vector<Tick> Send(const Faults& faults, std::size_t count = 0) {
   const auto transport = MakeFaultyTransport(MakeMemoryTransport(), faults);
   FrameCounter counter;
@@ -76,13 +76,13 @@ std::vector<Tick> Send(const Faults& faults, std::size_t count = 0) {
   return counter.WaitFor(count);
 }
 
-TEST(FaultyTransport, WithoutFaultsChangesNothing) {
+TEST(FaultyTransport, WithoutFaultsDeliversEveryMessageUnchanged) {
   const std::vector<Tick> ticks = Send({});
   ASSERT_EQ(ticks.size(), kFrames);
   EXPECT_TRUE(std::is_sorted(ticks.begin(), ticks.end()));
 }
 
-TEST(FaultyTransport, LosesTheShareThatItIsTold) {
+TEST(FaultyTransport, LosesTheGivenShare) {
   Faults faults;
   faults.loss = 0.3;
   const std::vector<Tick> ticks = Send(faults);
@@ -97,7 +97,7 @@ TEST(FaultyTransport, LosesTheSameMessagesForTheSameSeed) {
   EXPECT_EQ(Send(faults), Send(faults));
 }
 
-TEST(FaultyTransport, DoublesMessages) {
+TEST(FaultyTransport, DuplicatesMessages) {
   Faults faults;
   faults.duplicate = 0.5;
   EXPECT_GE(Send(faults).size(), 1400u);
@@ -137,13 +137,13 @@ TEST(ParseFaults, ReadsEveryField) {
   EXPECT_EQ(faults.value().seed, 7u);
 }
 
-TEST(ParseFaults, OfNothingIsNoFaults) {
+TEST(ParseFaults, OfAnEmptyTextIsNoFaults) {
   const Result<Faults> faults = ParseFaults("");
   ASSERT_TRUE(faults.ok());
   EXPECT_FALSE(faults.value().any());
 }
 
-TEST(ParseFaults, SaysWhatWasFoundAndWhatWasExpected) {
+TEST(ParseFaults, NamesTheFoundAndTheExpectedText) {
   for (const char* bad : {"loss", "loss=", "loss=2", "loss=-0.1", "loss=nan", "loss=0.1x", "delay=0.1",
                           "delay=0.1:", "delay=0.1:-1", "delay=2:0.1", "delay=0.1:nan", "latency=-1", "latency=1:2",
                           "latency=x", "seed=-1", "seed=x", "speed=1", "loss=0.1,,"}) {

@@ -43,7 +43,7 @@ class BlockedObserver final : public ObserverHandler {
   }
 };
 
-TEST(ObserverQueueTest, ASlowObserverGetsTheNewestFramesInOrder) {
+TEST(ObserverQueueTest, ASlowObserverReceivesTheNewestFramesInOrder) {
   BlockedObserver observer;
   ObserverQueue queue(observer);
   queue.PostSession(SessionOf(1));
@@ -81,7 +81,7 @@ TEST(ObserverQueueTest, NothingIsDeliveredAfterItWasClosed) {
   EXPECT_EQ(observer.calls.items(), std::vector<std::string>{"frame 1"});
 }
 
-TEST(ObserverQueueTest, AnIdleQueueSaysSoAgainAndAgain) {
+TEST(ObserverQueueTest, AnIdleQueueReportsItAgainAndAgain) {
   BlockedObserver observer;
   observer.released.count_down();
   std::latch twice(2);

@@ -46,7 +46,7 @@ TEST(TickBarrier, CountsAMemberOnceForATick) {
   EXPECT_THAT(barrier.Missing(), ElementsAre(2));
 }
 
-TEST(TickBarrier, IgnoresStrangers) {
+TEST(TickBarrier, IgnoresAgentsThatAreNoMembers) {
   TickBarrier barrier;
   barrier.AddMember(1);
   barrier.Open(1);
@@ -66,7 +66,7 @@ TEST(TickBarrier, ForgetsAnswersWhenItOpensAgain) {
   EXPECT_TRUE(barrier.Arrive(1));
 }
 
-TEST(TickBarrier, WaitsForAMemberThatComesWhileItIsOpen) {
+TEST(TickBarrier, WaitsForAMemberThatIsAddedWhileItIsOpen) {
   TickBarrier barrier;
   barrier.AddMember(1);
   barrier.Open(4);

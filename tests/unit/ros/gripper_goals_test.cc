@@ -21,7 +21,7 @@ GoalId Id(std::uint8_t number) {
 // The goals of a gripper whose motion the test states.
 class GripperGoalsTest : public testing::Test {
  protected:
-  // A tick: an order follows its state and takes effect in the next tick.
+  // A tick: an order follows its state and has its effect in the next tick.
   std::optional<GripperGoals::Order> Tick() { return goals_.Begin(tick_++); }
   void See(double opening, bool moves = true, bool blocked = false, bool clamped = false) {
     goals_.Observe(tick_, {.opening = opening, .moves = moves, .blocked = blocked, .clamped = clamped});

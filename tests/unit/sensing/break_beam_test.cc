@@ -30,7 +30,7 @@ class BreakBeamTest : public testing::Test {
   GripperRobot robot_;
 };
 
-TEST_F(BreakBeamTest, NothingInFrontBreaksNothing) {
+TEST_F(BreakBeamTest, WithoutAnObjectInFrontNoBeamBreaks) {
   world_.AddObject({1.6, 2.0, 0.0, 0.0});
   EXPECT_EQ(Measure(), Broken{std::nullopt});
 }
@@ -46,7 +46,7 @@ TEST_F(BreakBeamTest, TouchingDoesNotBreakIt) {
   EXPECT_EQ(Measure(), Broken{std::nullopt});
 }
 
-TEST_F(BreakBeamTest, OtherThingsDoNotBreakIt) {
+TEST_F(BreakBeamTest, OnlyObjectsBreakIt) {
   world_.AddModel(Square(0.1), {0.0, 0.1}, {1.35, 2.0, 0.0, 0.0});
   EXPECT_EQ(Measure(), Broken{std::nullopt});
 }

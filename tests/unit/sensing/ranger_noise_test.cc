@@ -90,7 +90,7 @@ TEST_F(RangerNoiseTest, DependsOnSeedTickAndSensorOnly) {
   EXPECT_NE(Ranges(7), first);
   world_.world().seed = 1;
   world_.AddRobot("r1", {0.0, -2.0, 0.0, 0.0});
-  EXPECT_EQ(Ranges(7), first);  // whatever the number of other robots
+  EXPECT_EQ(Ranges(7), first);  // for any number of other robots
 }
 
 TEST_F(RangerNoiseTest, SensorsOfARangerDifferFromEachOther) {

@@ -32,7 +32,7 @@ TEST(SensorRegistryTest, ARobotWithoutSensorsHasNone) {
   EXPECT_TRUE(MakeSensors(Scene(world.world()), robot).empty());
 }
 
-TEST(SensorRegistryTest, DescribedSensorsComeBeforeTheBeamsOfGrippers) {
+TEST(SensorRegistryTest, DescribedSensorsPrecedeTheBeamsOfGrippers) {
   test::GripperWorld world;
   const test::GripperRobot first = world.AddGripperRobot({});
   const test::GripperRobot second = world.AddGripperRobot({4.0, 0.0, 0.0, 0.0});

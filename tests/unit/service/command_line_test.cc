@@ -15,7 +15,7 @@ std::variant<ServiceCommandLine, int> Parse(std::vector<const char*> words) {
   return ParseServiceCommandLine(static_cast<int>(words.size()), words.data());
 }
 
-TEST(ServiceCommandLine, LeavesTheScenarioAloneWhereNothingIsSaid) {
+TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
   const auto parsed = Parse({"a.world"});
   ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
@@ -91,7 +91,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
   EXPECT_EQ(line.report_fd, 4);
 }
 
-TEST(ServiceCommandLine, SaysWhatIsWrongInOneLine) {
+TEST(ServiceCommandLine, NamesTheFaultInOneLine) {
   struct Case {
     std::vector<const char*> words;
     const char* message;
@@ -131,7 +131,7 @@ TEST(ServiceCommandLine, SaysWhatIsWrongInOneLine) {
   }
 }
 
-TEST(ServiceCommandLine, TellsItsVersionAndItsOptions) {
+TEST(ServiceCommandLine, PrintsItsVersionAndItsOptions) {
   for (const char* word : {"--version", "--help"}) {
     testing::internal::CaptureStdout();
     const auto parsed = Parse({word});

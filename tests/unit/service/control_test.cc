@@ -20,7 +20,7 @@ class ControlTest : public CoordinatorTest {
         request, [this](const ControlReply& reply) { replies.push_back(reply); }, now);
   }
   // Answers a paused frame.
-  void Hold(AgentId agent) {
+  void AnswerPaused(AgentId agent) {
     ProposalMessage message = ProposalOf(agent, 0.0);
     message.proposals.clear();
     message.paused = true;
@@ -34,7 +34,7 @@ class ControlTest : public CoordinatorTest {
   std::uint64_t number_ = 0;
 };
 
-TEST_F(ControlTest, PausesAfterTheTickUnderWayAndAnswersWhenAllHold) {
+TEST_F(ControlTest, PausesAfterTheOpenTickAndAnswersWhenQuiescent) {
   MakeAndStart(2);
   Ask(ControlCommand::kPause);
   Propose(1);
@@ -42,9 +42,9 @@ TEST_F(ControlTest, PausesAfterTheTickUnderWayAndAnswersWhenAllHold) {
   Propose(2);
   EXPECT_EQ(tick(), 1u);
   EXPECT_TRUE(paused());
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_THAT(replies, IsEmpty());
-  Hold(2);
+  AnswerPaused(2);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done);
   EXPECT_EQ(replies[0].state, RunState::kPaused);
@@ -52,7 +52,7 @@ TEST_F(ControlTest, PausesAfterTheTickUnderWayAndAnswersWhenAllHold) {
   EXPECT_EQ(replies[0].state_hash, endpoint.frames.back().state_hash);
   Wait(100.0);
   EXPECT_EQ(tick(), 1u);
-  EXPECT_EQ(frames(), 2u) << "a frame that all hold is not repeated";
+  EXPECT_EQ(frames(), 2u) << "the frame of a quiescent pause is not resent";
 }
 
 TEST_F(ControlTest, IsPausedAtTheStartIfAsked) {
@@ -60,7 +60,7 @@ TEST_F(ControlTest, IsPausedAtTheStartIfAsked) {
   MakeAndStart(1);
   EXPECT_EQ(tick(), 0u);
   EXPECT_TRUE(paused());
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kPlay);
   EXPECT_TRUE(replies.back().done);
   EXPECT_FALSE(paused());
@@ -69,10 +69,10 @@ TEST_F(ControlTest, IsPausedAtTheStartIfAsked) {
   EXPECT_EQ(tick(), 2u);
 }
 
-TEST_F(ControlTest, StepsSoManyTicksAndAnswersWhenAllHoldAgain) {
+TEST_F(ControlTest, StepsTheGivenTicksAndAnswersWhenQuiescentAgain) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kStep, 3);
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(paused());
@@ -81,39 +81,39 @@ TEST_F(ControlTest, StepsSoManyTicksAndAnswersWhenAllHoldAgain) {
   }
   EXPECT_TRUE(paused());
   EXPECT_THAT(replies, IsEmpty());
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].tick, 3u);
   EXPECT_EQ(replies[0].state, RunState::kPaused);
   EXPECT_GT(Travel(0), 0.0);
 }
 
-TEST_F(ControlTest, StepsOneAfterAnotherHoweverFastTheyAreAskedFor) {
+TEST_F(ControlTest, ExecutesStepsInTurnHoweverFastTheyAreRequested) {
   options.start_paused = true;
   MakeAndStart(1);
   Ask(ControlCommand::kStep, 1);
   Ask(ControlCommand::kStep, 2);
-  Hold(1);
+  AnswerPaused(1);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].tick, 1u);
   Propose(1);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 2u);
   EXPECT_EQ(replies[1].tick, 3u);
 }
 
-TEST_F(ControlTest, APauseCutsAStepShortWhichIsToldOfIt) {
+TEST_F(ControlTest, APauseCutsAStepShortAndItsReplySaysSo) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kStep, 5);
   Propose(1);
   Ask(ControlCommand::kPause);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 2u);
   EXPECT_FALSE(replies[0].done);
   EXPECT_EQ(replies[0].problem, "paused after 2 of 5 ticks");
@@ -122,7 +122,7 @@ TEST_F(ControlTest, APauseCutsAStepShortWhichIsToldOfIt) {
   EXPECT_EQ(tick(), 2u);
 }
 
-TEST_F(ControlTest, RefusesToStepWhileItPlaysAndToStepNothing) {
+TEST_F(ControlTest, RefusesToStepWhilePlayingOrByZeroTicks) {
   MakeAndStart(1);
   Ask(ControlCommand::kStep, 1);
   ASSERT_EQ(replies.size(), 1u);
@@ -133,45 +133,45 @@ TEST_F(ControlTest, RefusesToStepWhileItPlaysAndToStepNothing) {
   EXPECT_EQ(replies[1].problem, "found 0 ticks to step, expected at least 1");
 }
 
-TEST_F(ControlTest, RepeatsAPausedFrameThatSomebodyMissed) {
+TEST_F(ControlTest, ResendsAPausedFrameThatAnAgentMissed) {
   options.start_paused = true;
   MakeAndStart(2);
-  Hold(1);
+  AnswerPaused(1);
   Wait(0.2);
   EXPECT_GT(frames(), 1u);
   EXPECT_TRUE(paused());
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   Ask(ControlCommand::kPause);
   EXPECT_TRUE(replies.back().done);
 }
 
-TEST_F(ControlTest, TakesNoLateAnswerToAPausedFrameForAProposal) {
+TEST_F(ControlTest, ALateAnswerToAPausedFrameIsNoProposal) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kPlay);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(tick(), 0u);
   Propose(1);
   EXPECT_EQ(tick(), 1u);
 }
 
-TEST_F(ControlTest, IsNotHeldUpByAnAgentThatIsLostInAPause) {
+TEST_F(ControlTest, DoesNotWaitForAnAgentThatIsLostInAPause) {
   options.start_paused = true;
   MakeAndStart(2);
   Ask(ControlCommand::kPause);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_THAT(replies, IsEmpty());
   coordinator->OnAgentGone(2, now);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done);
 }
 
-TEST_F(ControlTest, AnswersWhoWaitsWhenTheRunEnds) {
+TEST_F(ControlTest, AnswersWaitingClientsWhenTheRunEnds) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kStep, 5);
   coordinator->Stop(now);
   ASSERT_EQ(replies.size(), 1u);
@@ -185,7 +185,7 @@ TEST_F(ControlTest, DoesNotCatchUpTheTimeOfAPause) {
   MakeAndStart(1);
   Ask(ControlCommand::kPause);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   Wait(10.0);
   Ask(ControlCommand::kPlay);
   Propose(1);

@@ -1,4 +1,4 @@
-// A coordinator with an endpoint that goes nowhere and a time that only the test moves.
+// A coordinator with an endpoint that only records messages, and a time that only the test advances.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ class CoordinatorTest : public testing::Test {
 
   // Begins with agents 1, 2, ... for robots r0, r1, ..., none of which has joined.
   void Make(std::size_t robots);
-  // Makes the coordinator and lets all agents join.
+  // Makes the coordinator and joins with all agents.
   void MakeAndStart(std::size_t robots);
 
   // Agent i + 1 is that of robot i.
@@ -31,16 +31,16 @@ class CoordinatorTest : public testing::Test {
   void Join(AgentId agent) { Join(agent, {"r" + std::to_string(agent - 1)}); }
 
   ProposalMessage ProposalOf(AgentId agent, double vx, std::optional<Tick> tick = {}) const;
-  // Proposes for the tick that is waited for.
+  // Proposes for the open tick.
   void Propose(AgentId agent, double vx = 1.0) { coordinator->OnProposal(ProposalOf(agent, vx), now); }
 
   void Wait(double seconds);  // polls only at the end
 
   Tick tick() const { return endpoint.frames.back().state.tick; }
   std::size_t frames() const { return endpoint.frames.size(); }
-  // Where robot i is along its way, m from where it began.
+  // The distance of robot i from its start, m.
   double Travel(std::size_t robot) const;
-  // "stall_began r0", "proposal_rejected" ... of what was not told before.
+  // "stall_began r0", "proposal_rejected" ...: the events since the last call.
   std::vector<std::string> Events();
 
   CoordinatorOptions options;  // change before Make

@@ -23,7 +23,7 @@ class EditTest : public CoordinatorTest {
     request.command = command;
     Ask(request);
   }
-  void Hold(AgentId agent) {
+  void AnswerPaused(AgentId agent) {
     ProposalMessage message = ProposalOf(agent, 0.0);
     message.proposals.clear();
     message.paused = true;
@@ -47,7 +47,7 @@ TEST_F(EditTest, ResetsInAPauseOfItsOwnAndPlaysOn) {
   EXPECT_TRUE(newest().paused);
   EXPECT_EQ(tick(), 2u);
   EXPECT_EQ(newest().edition, 0u);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(newest().edition, 1u);
   EXPECT_EQ(newest().fresh_edition, 1u);
   EXPECT_EQ(newest().world_edition, 0u) << "the world is the same";
@@ -55,7 +55,7 @@ TEST_F(EditTest, ResetsInAPauseOfItsOwnAndPlaysOn) {
   EXPECT_EQ(newest().state_hash, first_hash);
   EXPECT_TRUE(newest().paused);
   EXPECT_THAT(replies, IsEmpty()) << "the agent does not have it yet";
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done) << replies[0].problem;
   EXPECT_EQ(replies[0].tick, 0u);
@@ -65,16 +65,16 @@ TEST_F(EditTest, ResetsInAPauseOfItsOwnAndPlaysOn) {
   Propose(1);
   EXPECT_EQ(tick(), 1u);
   EXPECT_EQ(newest().edition, 1u);
-  EXPECT_EQ(endpoint.sessions.size(), 0u) << "the session is still good";
+  EXPECT_EQ(endpoint.sessions.size(), 0u) << "the session is still valid";
 }
 
-TEST_F(EditTest, StaysInAPauseThatWasThereBefore) {
+TEST_F(EditTest, LeavesARunPausedThatWasPaused) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kReset);
   EXPECT_EQ(newest().edition, 1u);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].state, RunState::kPaused);
   EXPECT_TRUE(newest().paused);
@@ -83,7 +83,7 @@ TEST_F(EditTest, StaysInAPauseThatWasThereBefore) {
 TEST_F(EditTest, IgnoresAnswersToFramesBeforeTheEdit) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   ProposalMessage late = ProposalOf(1, 0.0);
   late.proposals.clear();
   late.paused = true;
@@ -94,40 +94,40 @@ TEST_F(EditTest, IgnoresAnswersToFramesBeforeTheEdit) {
   coordinator->OnProposal(late, now);
   EXPECT_THAT(replies, IsEmpty());
   EXPECT_THAT(Events(), testing::Contains("proposal_rejected")) << "from the future";
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(replies.size(), 1u);
 }
 
-TEST_F(EditTest, ComesOneAfterAnotherWithSteps) {
+TEST_F(EditTest, IsExecutedInTurnWithSteps) {
   options.start_paused = true;
   MakeAndStart(1);
   Ask(ControlCommand::kStep);
   Ask(ControlCommand::kReset);
   Ask(ControlCommand::kStep);
-  Hold(1);
+  AnswerPaused(1);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(newest().edition, 1u);
   EXPECT_EQ(tick(), 0u);
-  Hold(1);
+  AnswerPaused(1);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_EQ(replies.size(), 3u);
   EXPECT_EQ(replies[0].tick, 1u);
   EXPECT_EQ(replies[1].tick, 0u);
   EXPECT_EQ(replies[2].tick, 1u);
 }
 
-TEST_F(EditTest, IsNotForgottenWhenTheRunIsSetToPlay) {
+TEST_F(EditTest, IsExecutedAlsoWhenTheRunIsSetToPlay) {
   options.start_paused = true;
   MakeAndStart(1);
   Ask(ControlCommand::kReset);
   Ask(ControlCommand::kPlay);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].state, RunState::kPlaying);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(newest().edition, 1u);
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_EQ(replies.size(), 2u);
   EXPECT_FALSE(newest().paused);
 }
@@ -137,8 +137,8 @@ TEST_F(EditTest, PausesAfterAnEditIfAskedMeanwhile) {
   Ask(ControlCommand::kReset);
   Ask(ControlCommand::kPause);
   Propose(1);
-  Hold(1);
-  Hold(1);
+  AnswerPaused(1);
+  AnswerPaused(1);
   EXPECT_EQ(replies.size(), 2u);
   EXPECT_TRUE(newest().paused);
 }
@@ -150,13 +150,13 @@ TEST_F(EditTest, IsRefusedBeforeTheRunHasBegun) {
   EXPECT_EQ(replies[0].problem, "the run has not begun; nothing can be changed before");
 }
 
-TEST_F(EditTest, KnowsTheScopesOfAReset) {
+TEST_F(EditTest, ResetsByScope) {
   options.start_paused = true;
   MakeAndStart(1);
   Ask(ControlCommand::kStep);
-  Hold(1);
+  AnswerPaused(1);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   ASSERT_NE(Travel(0), 0.0);
   ControlRequest request;
   request.command = ControlCommand::kReset;
@@ -169,11 +169,11 @@ TEST_F(EditTest, KnowsTheScopesOfAReset) {
   Ask(request);
   EXPECT_EQ(tick(), 0u);
   EXPECT_NE(Travel(0), 0.0);
-  Hold(1);
+  AnswerPaused(1);
   request.scopes = kResetState;
   Ask(ControlCommand::kStep);
   Propose(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(request);
   EXPECT_EQ(tick(), 1u);
   EXPECT_EQ(Travel(0), 0.0);
@@ -182,7 +182,7 @@ TEST_F(EditTest, KnowsTheScopesOfAReset) {
 TEST_F(EditTest, IsAnsweredWhenTheRunEnds) {
   options.start_paused = true;
   MakeAndStart(1);
-  Hold(1);
+  AnswerPaused(1);
   Ask(ControlCommand::kReset);
   Ask(ControlCommand::kReset);
   coordinator->Stop(now);
@@ -194,16 +194,16 @@ TEST_F(EditTest, IsAnsweredWhenTheRunEnds) {
 TEST_F(EditTest, DoesNotWaitForAnAgentThatIsLostMeanwhile) {
   options.start_paused = true;
   MakeAndStart(2);
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   Ask(ControlCommand::kReset);
-  Hold(1);
+  AnswerPaused(1);
   coordinator->OnAgentGone(2, now);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done);
 }
 
-// A run of two robots in a pause, and edits that change who is there.
+// A run of two robots in a pause, and edits that change its entities.
 class EditedWorldTest : public EditTest {
  protected:
   EditedWorldTest() {
@@ -212,8 +212,8 @@ class EditedWorldTest : public EditTest {
   }
   void StartAndHold() {
     MakeAndStart(2);
-    Hold(1);
-    Hold(2);
+    AnswerPaused(1);
+    AnswerPaused(2);
   }
   static ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
     ControlRequest request;
@@ -225,7 +225,7 @@ class EditedWorldTest : public EditTest {
   void Spawn(const std::string& name, const Pose& pose = {0.0, -5.0, 0.0, 0.0}) {
     Ask(Request(ControlCommand::kSpawn, name, pose), std::make_shared<const WorldDescription>(PlaneWorld(1)));
   }
-  // Lets an agent join that has the newest world.
+  // Joins with an agent that has the newest world.
   void JoinNewest(AgentId agent, const std::string& robot) {
     JoinMessage join = JoinOf(agent, {robot});
     join.world_edition = endpoint.sessions.back().world_edition;
@@ -234,7 +234,7 @@ class EditedWorldTest : public EditTest {
   }
 };
 
-TEST_F(EditedWorldTest, PutsARobotElsewhereWithoutANewSession) {
+TEST_F(EditedWorldTest, MovesARobotWithoutANewSession) {
   StartAndHold();
   Ask(Request(ControlCommand::kSetPose, "r0", {1.0, 2.0, 0.0, 0.5}));
   EXPECT_EQ(newest().edition, 1u);
@@ -242,12 +242,12 @@ TEST_F(EditedWorldTest, PutsARobotElsewhereWithoutANewSession) {
   EXPECT_EQ(newest().fresh_edition, 0u);
   EXPECT_EQ(newest().state.robots[0].X_WR, (Pose{1.0, 2.0, 0.0, 0.5}));
   EXPECT_THAT(endpoint.sessions, IsEmpty());
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   EXPECT_TRUE(replies.back().done);
 }
 
-TEST_F(EditedWorldTest, SaysWhyNotAndChangesNothing) {
+TEST_F(EditedWorldTest, ARefusalGivesItsReasonAndChangesNoState) {
   StartAndHold();
   const std::size_t before = frames();
   Ask(Request(ControlCommand::kSetPose, "nobody"));
@@ -259,14 +259,14 @@ TEST_F(EditedWorldTest, SaysWhyNotAndChangesNothing) {
   Ask(Request(ControlCommand::kDelete, ""));
   EXPECT_FALSE(replies.back().done);
   Ask(Request(ControlCommand::kSpawn, "r9"));
-  EXPECT_FALSE(replies.back().done) << "nothing was read";
+  EXPECT_FALSE(replies.back().done) << "no file was read";
   Spawn("r0");
   EXPECT_EQ(replies.back().problem, "the name 'r0' is in use");
   EXPECT_EQ(frames(), before);
   EXPECT_EQ(newest().edition, 0u);
 }
 
-TEST_F(EditedWorldTest, ListsWhatIsThere) {
+TEST_F(EditedWorldTest, ListsTheEntities) {
   StartAndHold();
   Ask(ControlCommand::kEntities);
   ASSERT_EQ(replies.back().entities.size(), 2u);
@@ -280,7 +280,7 @@ TEST_F(EditedWorldTest, ListsWhatIsThere) {
   EXPECT_EQ(replies.back().problem, "the world has no entity 'nobody'");
 }
 
-TEST_F(EditedWorldTest, GoesOnWithoutTheAgentOfADeletedRobot) {
+TEST_F(EditedWorldTest, ContinuesWithoutTheAgentOfADeletedRobot) {
   StartAndHold();
   Ask(Request(ControlCommand::kDelete, "r0"));
   ASSERT_EQ(endpoint.sessions.size(), 1u);
@@ -288,7 +288,7 @@ TEST_F(EditedWorldTest, GoesOnWithoutTheAgentOfADeletedRobot) {
   EXPECT_TRUE(endpoint.sessions[0].begun);
   EXPECT_TRUE(endpoint.sessions[0].world.models[0].removed);
   EXPECT_EQ(newest().world_edition, 1u);
-  Hold(2);
+  AnswerPaused(2);
   EXPECT_TRUE(replies.back().done);
   coordinator->OnAgentGone(1, now);
   EXPECT_EQ(coordinator->MakeStatus(now).robots, 1u);
@@ -303,16 +303,16 @@ TEST_F(EditedWorldTest, WaitsForTheAgentOfASpawnedRobot) {
   StartAndHold();
   Spawn("new");
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("new"));
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   EXPECT_THAT(replies, IsEmpty());
   EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, testing::ElementsAre("new"));
   Join(3, {"new"});  // with the world before
-  EXPECT_THAT(endpoint.admissions, testing::SizeIs(2)) << "no answer: it will get the new one";
+  EXPECT_THAT(endpoint.admissions, testing::SizeIs(2)) << "no answer: the new session is on its way to it";
   JoinNewest(3, "new");
   EXPECT_TRUE(endpoint.admissions.back().admitted);
   EXPECT_THAT(replies, IsEmpty());
-  Hold(3);
+  AnswerPaused(3);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done) << replies[0].problem;
   ASSERT_EQ(replies[0].entities.size(), 1u);
@@ -323,11 +323,11 @@ TEST_F(EditedWorldTest, WaitsForTheAgentOfASpawnedRobot) {
   EXPECT_GT(Travel(2), 0.0);
 }
 
-TEST_F(EditedWorldTest, TakesASpawnBackWhoseAgentDoesNotCome) {
+TEST_F(EditedWorldTest, RevokesASpawnWhoseAgentDoesNotJoin) {
   StartAndHold();
   Spawn("new");
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   Wait(9.0);
   EXPECT_THAT(replies, IsEmpty());
   Wait(2.0);
@@ -335,8 +335,8 @@ TEST_F(EditedWorldTest, TakesASpawnBackWhoseAgentDoesNotCome) {
   EXPECT_EQ(replies[0].problem, "no agent joined for new within 10 s");
   EXPECT_EQ(newest().edition, 2u);
   EXPECT_TRUE(endpoint.sessions.back().world.models[2].removed);
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   Ask(ControlCommand::kPlay);
   Propose(1);
   Propose(2);
@@ -352,14 +352,14 @@ TEST_F(EditedWorldTest, SpawnsUnderAFreeNameIfAsked) {
   EXPECT_EQ(endpoint.sessions.back().world.models.back().name, "r00");
 }
 
-TEST_F(EditedWorldTest, BringsDeletedRobotsBackByAReset) {
+TEST_F(EditedWorldTest, AResetRestoresDeletedRobots) {
   StartAndHold();
   Ask(Request(ControlCommand::kDelete, "r0"));
-  Hold(2);
+  AnswerPaused(2);
   Ask(ControlCommand::kReset);
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r0"));
   EXPECT_EQ(newest().fresh_edition, 2u);
-  Hold(2);
+  AnswerPaused(2);
   JoinNewest(5, "r0");
   ProposalMessage paused = ProposalOf(5, 0.0);
   paused.proposals.clear();
@@ -369,7 +369,7 @@ TEST_F(EditedWorldTest, BringsDeletedRobotsBackByAReset) {
   EXPECT_TRUE(replies[1].done) << replies[1].problem;
 }
 
-TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatALoadedWorldHasToo) {
+TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatTheLoadedWorldAlsoHas) {
   StartAndHold();
   ControlRequest load = Request(ControlCommand::kLoadWorld, "");
   load.source = "other.world";
@@ -379,8 +379,8 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatALoadedWorldHasToo) {
   Ask(load, std::make_shared<const WorldDescription>(other));
   EXPECT_THAT(coordinator->DrainNewRobots(), IsEmpty());
   EXPECT_EQ(endpoint.sessions.back().world, other);
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   EXPECT_TRUE(replies.back().done);
   Ask(ControlCommand::kPlay);
   ProposalMessage first = ProposalOf(1, 2.0);
@@ -396,7 +396,7 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatALoadedWorldHasToo) {
   EXPECT_EQ(coordinator->scene()->world(), other);
 }
 
-TEST_F(EditedWorldTest, WaitsForAgentsWhenNoRobotOfALoadedWorldWasThereBefore) {
+TEST_F(EditedWorldTest, WaitsForAgentsWhenALoadedWorldHasOnlyNewRobots) {
   StartAndHold();
   Wait(2.0 * options.start_timeout_seconds);
   WorldDescription other = PlaneWorld(2);
@@ -407,17 +407,17 @@ TEST_F(EditedWorldTest, WaitsForAgentsWhenNoRobotOfALoadedWorldWasThereBefore) {
   EXPECT_THAT(replies, IsEmpty());
   JoinNewest(3, "other0");
   JoinNewest(4, "other1");
-  Hold(3);
-  Hold(4);
+  AnswerPaused(3);
+  AnswerPaused(4);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_TRUE(replies[0].done) << replies[0].problem;
 }
 
-TEST_F(EditedWorldTest, GoesOnAfterALoadWhoseAgentsDoNotCome) {
+TEST_F(EditedWorldTest, ContinuesAfterALoadWhoseAgentsDoNotJoin) {
   StartAndHold();
   Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(PlaneWorld(3)));
-  Hold(1);
-  Hold(2);
+  AnswerPaused(1);
+  AnswerPaused(2);
   Wait(11.0);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].problem, "no agent joined for r2 within 10 s");
@@ -427,24 +427,24 @@ TEST_F(EditedWorldTest, GoesOnAfterALoadWhoseAgentsDoNotCome) {
   EXPECT_EQ(tick(), 1u) << "a robot without an agent stands still";
 }
 
-TEST_F(EditedWorldTest, TreatsAnAgentThatWasLostWhenTheWorldChangedAsAStranger) {
+TEST_F(EditedWorldTest, AnAgentThatWasLostWhenTheWorldChangedIsUnknown) {
   StartAndHold();
   coordinator->OnAgentGone(2, now);
   Ask(Request(ControlCommand::kSetPose, "r0", {1.0, 0.0, 0.0, 0.0}));
-  Hold(1);
+  AnswerPaused(1);
   EXPECT_TRUE(replies.back().done);
-  Hold(2);
-  EXPECT_EQ(coordinator->MakeStatus(now).agents, 2u) << "it may come back while the description is the same";
+  AnswerPaused(2);
+  EXPECT_EQ(coordinator->MakeStatus(now).agents, 2u) << "it may rejoin while the description is the same";
   coordinator->OnAgentGone(2, now);
   Spawn("new");
-  Hold(2);
+  AnswerPaused(2);
   EXPECT_EQ(coordinator->MakeStatus(now).agents, 1u);
   EXPECT_THAT(Events(), testing::Contains("proposal_rejected"));
   JoinNewest(4, "r1");
   EXPECT_TRUE(endpoint.admissions.back().admitted);
 }
 
-TEST_F(EditTest, TellsTheWorldAgainToARivalThatCannotKnowThatTheRunHasBegun) {
+TEST_F(EditTest, AnnouncesTheSessionAgainToARivalThatCannotKnowThatTheRunHasBegun) {
   MakeAndStart(1);
   SessionMessage rival;
   rival.run = kRun + 1;

@@ -10,7 +10,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-TEST(EventLog, PutsWhatHappenedBetweenFramesBeforeTheStepByRobot) {
+TEST(EventLog, OrdersEventsBetweenFramesByRobotBeforeThoseOfTheStep) {
   EventLog log;
   log.Add(EventType::kJoined, 4, RobotId(2), "b");
   log.Add(EventType::kJoined, 4, RobotId(0), "a");
@@ -23,7 +23,7 @@ TEST(EventLog, PutsWhatHappenedBetweenFramesBeforeTheStepByRobot) {
   EXPECT_THAT(log.CompleteFrame(6, {}), IsEmpty());
 }
 
-TEST(EventLog, TellsEachEventOnceInOrderOfHappening) {
+TEST(EventLog, ReportsEachEventOnceInOrder) {
   EventLog log;
   log.Add(EventType::kLeft, 4, RobotId(2), "");
   log.CompleteFrame(5, {{5, EventType::kStallBegan, RobotId(1), std::nullopt, ""}});

@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-TEST(EventText, SaysWhatHappenedToWhomAndWhen) {
+TEST(EventText, NamesTheEventItsParticipantsAndItsTick) {
   const WorldDescription world = test::PlaneWorld(2);
   EXPECT_EQ(EventText(world, {7, EventType::kStallBegan, RobotId(0), ModelId(1), ""}), "tick 7: r0 stalled at r1");
   EXPECT_EQ(EventText(world, {7, EventType::kStallBegan, RobotId(0), std::nullopt, ""}), "tick 7: r0 stalled");
@@ -17,7 +17,7 @@ TEST(EventText, SaysWhatHappenedToWhomAndWhen) {
             "tick 9: r1 has lost its agent (why)");
   EXPECT_EQ(EventText(world, {9, EventType::kProposalRejected, std::nullopt, std::nullopt, "why"}),
             "tick 9: proposal rejected (why)");
-  const ModelId box(1);  // for these texts, anything with a name will do
+  const ModelId box(1);  // any model with a name serves for these texts
   EXPECT_EQ(EventText(world, {9, EventType::kBlocked, RobotId(0), ModelId(1), "lift", {}}),
             "tick 9: r0 is blocked by r1 (lift)");
   EXPECT_EQ(EventText(world, {9, EventType::kBlocked, RobotId(0), {}, "lift", {}}),

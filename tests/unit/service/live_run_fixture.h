@@ -1,4 +1,4 @@
-// LiveRunTest: a run without a coordinator, for tests of its parts. Time passes only when a test says so.
+// LiveRunTest: a run without a coordinator, for tests of its parts. Only the test advances the time.
 #pragma once
 
 #include <gtest/gtest.h>

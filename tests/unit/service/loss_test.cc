@@ -1,4 +1,4 @@
-// What happens when agents are lost, and when they come back.
+// Loss and return of agents, by the settings of the run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using Phase = TickCoordinator::Phase;
 
 class LossTest : public CoordinatorTest {};
 
-TEST_F(LossTest, FreezeLetsTheOthersGoOn) {
+TEST_F(LossTest, FreezeContinuesWithTheOthers) {
   MakeAndStart(2);
   Propose(1);
   coordinator->OnAgentGone(2, now);
@@ -38,20 +38,20 @@ TEST_F(LossTest, SummaryNamesTheRobotsWithoutAgents) {
   EXPECT_THAT(coordinator->MakeSummary().lost, ElementsAre("r1"));
 }
 
-TEST_F(LossTest, FreezeWaitsWhenNobodyIsLeft) {
+TEST_F(LossTest, FreezeWaitsWhenNoAgentIsLeft) {
   MakeAndStart(1);
   coordinator->OnAgentGone(1, now);
   Wait(1.0);
   EXPECT_EQ(tick(), 0u);
   EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r0"));
   Join(11, {"r0"});
-  Propose(1);  // of the dead
+  Propose(1);  // of a lost agent
   EXPECT_EQ(tick(), 0u);
   coordinator->OnProposal({kRun, 11, 1, {{RobotId(0), {1.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), 1u);
 }
 
-TEST_F(LossTest, FailsWhenNobodyIsLeftAndNobodyComesBack) {
+TEST_F(LossTest, FailsWhenNoAgentIsLeftAndNoneRejoins) {
   options.start_timeout_seconds = 10.0;
   MakeAndStart(1);
   coordinator->OnAgentGone(1, now);
@@ -70,16 +70,16 @@ TEST_F(LossTest, PauseWaitsForTheRobotAndNamesIt) {
   Wait(100.0);
   EXPECT_EQ(tick(), 0u);
   EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r1"));
-  EXPECT_EQ(frames(), 1u);  // nobody there has missed it
+  EXPECT_EQ(frames(), 1u);  // no present agent has missed it
 
   Join(12, {"r1"});
-  EXPECT_EQ(frames(), 2u);  // for the newcomer
+  EXPECT_EQ(frames(), 2u);  // for the new agent
   coordinator->OnProposal({kRun, 12, 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), 1u);
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
 }
 
-TEST_F(LossTest, AbortFailsTheRunAndSaysWhy) {
+TEST_F(LossTest, AbortFailsTheRunWithAReason) {
   options.settings.on_agent_loss = OnAgentLoss::kAbort;
   MakeAndStart(2);
   coordinator->OnAgentGone(2, now);
@@ -100,7 +100,7 @@ TEST_F(LossTest, ASilentAgentIsLostAtTheDeadline) {
   EXPECT_THAT(Events(), ElementsAre("left r1"));
 }
 
-TEST_F(LossTest, SeveralSilentAgentsAreLostInOneGo) {
+TEST_F(LossTest, SeveralSilentAgentsAreLostAtOnce) {
   options.settings.agent_deadline_seconds = 3.0;
   MakeAndStart(3);
   Propose(1);
@@ -117,14 +117,14 @@ TEST_F(LossTest, ADeadlineOfZeroIsNone) {
   EXPECT_EQ(tick(), 0u);
 }
 
-TEST_F(LossTest, ALostAgentThatSpeaksAgainIsTakenUpAgain) {
+TEST_F(LossTest, ALostAgentThatAnswersAgainRejoins) {
   options.settings.agent_deadline_seconds = 3.0;
   MakeAndStart(2);
   Propose(1);
   Wait(3.1);
   ASSERT_EQ(tick(), 1u);
   Events();
-  coordinator->OnProposal(ProposalOf(2, 1.0, 1), now);  // too late for this
+  coordinator->OnProposal(ProposalOf(2, 1.0, 1), now);  // too late for its tick
   EXPECT_THAT(Events(), IsEmpty());
   Propose(2);
   EXPECT_THAT(Events(), ElementsAre("joined r1"));
@@ -134,7 +134,7 @@ TEST_F(LossTest, ALostAgentThatSpeaksAgainIsTakenUpAgain) {
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
 }
 
-TEST_F(LossTest, AnotherAgentMayTakeALostRobotUp) {
+TEST_F(LossTest, AnotherAgentMayJoinForALostRobot) {
   MakeAndStart(2);
   Propose(1);
   coordinator->OnAgentGone(2, now);
@@ -144,18 +144,18 @@ TEST_F(LossTest, AnotherAgentMayTakeALostRobotUp) {
   Join(12, {"r1"});
   EXPECT_TRUE(endpoint.admissions.back().admitted);
   EXPECT_THAT(Events(), ElementsAre("joined r1"));
-  EXPECT_EQ(tick(), joined_at);  // the frame again, for the newcomer
+  EXPECT_EQ(tick(), joined_at);  // the frame is resent, for the new agent
   Propose(1);
-  EXPECT_EQ(tick(), joined_at);  // now it is waited for
+  EXPECT_EQ(tick(), joined_at);  // the barrier waits for it
   coordinator->OnProposal({kRun, 12, joined_at + 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), joined_at + 1);
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
-  // The one that lost the robot has nothing to say any more.
+  // The old agent, which lost the robot, has no influence any more.
   Propose(2);
   EXPECT_THAT(Events(), ElementsAre("proposal_rejected"));
 }
 
-TEST_F(LossTest, ANewcomerGetsTheWholeDeadlineWhateverTheBarrierHasWaited) {
+TEST_F(LossTest, ANewAgentHasTheWholeDeadlineHoweverLongTheBarrierHasWaited) {
   options.settings.on_agent_loss = OnAgentLoss::kPause;
   options.settings.agent_deadline_seconds = 3.0;
   MakeAndStart(2);
@@ -174,7 +174,7 @@ TEST_F(LossTest, AnAgentIsNotRefusedWhileTheOneBeforeItMayBeDead) {
   MakeAndStart(2);
   Propose(1);
   endpoint.admissions.clear();
-  Join(12, {"r1"});  // agent 2 has died; nobody knows yet
+  Join(12, {"r1"});  // agent 2 has died, and its lease has not expired
   now += 0.1;
   Join(12, {"r1"});
   EXPECT_THAT(endpoint.admissions, IsEmpty());
@@ -189,7 +189,7 @@ TEST_F(LossTest, AnAgentIsRefusedOnceTheOneBeforeItShowsThatItLives) {
   endpoint.admissions.clear();
   Join(12, {"r1"});
   Propose(1);
-  Propose(2);  // may have been on its way
+  Propose(2);  // may have been sent before the join
   Join(12, {"r1"});
   EXPECT_THAT(endpoint.admissions, IsEmpty());
   Propose(1);
@@ -212,7 +212,7 @@ TEST_F(LossTest, AnAgentIsRefusedAfterTheLeaseOfTheOneBeforeIt) {
   EXPECT_FALSE(endpoint.admissions[0].admitted);
 }
 
-TEST_F(LossTest, ALossThatEndsTheRunLeavesNothingToWaitFor) {
+TEST_F(LossTest, ALossAfterTheLastTickEndsTheRun) {
   options.settings.ticks = 1;
   MakeAndStart(2);
   Propose(1);

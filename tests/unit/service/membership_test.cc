@@ -27,7 +27,7 @@ class MembershipTest : public testing::Test {
   Membership members_{world_, 2.0};
 };
 
-TEST_F(MembershipTest, KnowsWhichRobotsHaveNobody) {
+TEST_F(MembershipTest, KnowsTheRobotsWithoutAgents) {
   EXPECT_THAT(members_.AbsentRobots(), ElementsAre(RobotId(0), RobotId(1), RobotId(2)));
   const JoinDecision decision = Join(5, {"r2", "r0"});
   ASSERT_EQ(decision.outcome, Outcome::kAdmitted);
@@ -41,7 +41,7 @@ TEST_F(MembershipTest, KnowsWhichRobotsHaveNobody) {
   EXPECT_THAT(members_.AbsentRobots(), IsEmpty());
 }
 
-TEST_F(MembershipTest, RefusesWhatCannotBe) {
+TEST_F(MembershipTest, RefusesInvalidJoins) {
   Join(1, {"r0"});
   const auto refusal = [&](const JoinMessage& join) {
     const JoinDecision decision = members_.Join(join, 1, 0.0);
@@ -68,7 +68,7 @@ TEST_F(MembershipTest, ALostAgentThatLosesOneRobotToAnotherLosesAllOfThem) {
   EXPECT_THAT(members_.AbsentRobots(), ElementsAre(RobotId(0), RobotId(2)));
 }
 
-TEST_F(MembershipTest, AnAgentMayComeBackForOtherRobots) {
+TEST_F(MembershipTest, AnAgentMayRejoinForOtherRobots) {
   Join(1, {"r0", "r1"});
   members_.Lose(*members_.Find(1));
   EXPECT_EQ(Join(1, {"r2"}).outcome, Outcome::kAdmitted);
@@ -82,7 +82,7 @@ TEST_F(MembershipTest, RemembersTheWaitsOfAgentsThatAreForgotten) {
   EXPECT_EQ(members_.WaitsOfRobots()[0].times_last, 7u);
 }
 
-TEST_F(MembershipTest, AgentsThatComeAndGoLeaveNothingBehind) {
+TEST_F(MembershipTest, AgentsThatJoinAndLeaveDoNotGrowTheMembership) {
   for (AgentId agent = 1; agent < 1000; ++agent) {
     ASSERT_EQ(Join(agent, {"r0"}).outcome, Outcome::kAdmitted);
     members_.Lose(*members_.Find(agent));

@@ -14,16 +14,16 @@ using ::testing::IsEmpty;
 class RealtimeTest : public CoordinatorTest {
  protected:
   RealtimeTest() { options.settings.mode = Mode::kRealtime; }
-  // Goes to just after the next tick is due.
+  // Waits until just after the next tick is due.
   void NextTick() { Wait(0.1001); }
 };
 
-TEST_F(RealtimeTest, SaysThatItIsNotDeterministic) {
+TEST_F(RealtimeTest, NoticesThatItIsNotDeterministic) {
   Make(1);
   EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(HasSubstr("not the same")));
 }
 
-TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAreThere) {
+TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAgentsHaveAnswered) {
   MakeAndStart(1);
   Propose(1);
   EXPECT_EQ(tick(), 0u);
@@ -49,14 +49,14 @@ TEST_F(RealtimeTest, ALateRobotKeepsItsCommandForOneTickAndThenStops) {
   EXPECT_NEAR(Travel(0), 0.3, 1e-12);
 }
 
-TEST_F(RealtimeTest, ARobotThatWasNeverHeardStandsStill) {
+TEST_F(RealtimeTest, ARobotWithoutAnyProposalStandsStill) {
   MakeAndStart(1);
   NextTick();
   EXPECT_EQ(tick(), 1u);
   EXPECT_EQ(Travel(0), 0.0);
 }
 
-TEST_F(RealtimeTest, ACommandThatComesOneTickLateIsTheNextTicksCommand) {
+TEST_F(RealtimeTest, ACommandThatArrivesOneTickLateIsTheNextTicksCommand) {
   MakeAndStart(1);
   NextTick();
   coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);
@@ -71,7 +71,7 @@ TEST_F(RealtimeTest, ALateCommandDoesNotReplaceANewerOne) {
   MakeAndStart(1);
   Propose(1, 1.0);
   NextTick();
-  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);  // doubled on the way, and changed by nobody knows whom
+  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);  // a late duplicate with another command
   NextTick();
   EXPECT_NEAR(Travel(0), 0.2, 1e-12);
 }
@@ -89,12 +89,12 @@ TEST_F(RealtimeTest, ACommandThatIsKeptMustStillBeWithinTheLimits) {
   Propose(1, 4.0);
   NextTick();
   EXPECT_NEAR(Travel(0), 0.6, 1e-12);
-  coordinator->OnProposal(ProposalOf(1, 4.0, 1), now);  // old: nothing
+  coordinator->OnProposal(ProposalOf(1, 4.0, 1), now);  // old: no effect
   NextTick();
   EXPECT_NEAR(Travel(0), 1.0, 1e-12);  // keeps 4 m/s
   NextTick();
   EXPECT_NEAR(Travel(0), 1.0, 1e-12);
-  coordinator->OnProposal(ProposalOf(1, 4.0, tick()), now);  // late, and no longer within reach of a robot that stands
+  coordinator->OnProposal(ProposalOf(1, 4.0, tick()), now);  // late, and beyond the acceleration of a robot at rest
   EXPECT_THAT(Events(), ElementsAre("proposal_rejected r0"));
   NextTick();
   EXPECT_NEAR(Travel(0), 1.0, 1e-12);

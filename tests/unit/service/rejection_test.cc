@@ -1,4 +1,4 @@
-// What a hostile or broken peer may send, and what it does: an event, and a robot that stands still; nothing else.
+// Messages of a hostile or broken peer: their only effects are an event, and a robot that stands still.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,14 +25,14 @@ class RejectionTest : public CoordinatorTest {
   }
 };
 
-TEST_F(RejectionTest, NumbersThatAreNone) {
+TEST_F(RejectionTest, NumbersThatAreNotFinite) {
   for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const Tick before = tick();
     const double place = Travel(1);
     Propose(2, bad);
     EXPECT_THAT(Events(), ElementsAre("proposal_rejected r1"));
     Propose(1);
-    EXPECT_EQ(tick(), before + 1);  // the barrier goes on
+    EXPECT_EQ(tick(), before + 1);  // the barrier continues,
     EXPECT_EQ(Travel(1), place);    // and the robot stands still
     EXPECT_EQ(endpoint.frames.back().events.at(0).type, EventType::kProposalRejected);
   }
@@ -65,14 +65,14 @@ TEST_F(RejectionTest, AnAgentThatNeverJoined) {
   EXPECT_EQ(tick(), 0u);
 }
 
-TEST_F(RejectionTest, ATickThatIsYetToCome) {
+TEST_F(RejectionTest, AFutureTick) {
   coordinator->OnProposal(ProposalOf(1, 1.0, 17), now);
   EXPECT_THAT(OnlyDetail(), HasSubstr("tick 17, expected 1"));
   Propose(2);
   EXPECT_EQ(tick(), 0u);
 }
 
-TEST_F(RejectionTest, RobotsOfOthers) {
+TEST_F(RejectionTest, RobotsOfOtherAgents) {
   Propose(1, 1.0);
   coordinator->OnProposal({kRun, 2, 1, {{RobotId(0), {5.0, 0, 0}}, {RobotId(1), {2.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), 1u);
@@ -103,7 +103,7 @@ TEST_F(RejectionTest, ARobotLeftOut) {
   EXPECT_THAT(Events(), ElementsAre("proposal_rejected r1"));
 }
 
-TEST_F(RejectionTest, OfAHostilePeerAllAreCountedAndFewAreTold) {
+TEST_F(RejectionTest, AllOfAHostilePeerAreCountedAndFewReported) {
   for (int i = 0; i < 1000; ++i) coordinator->OnProposal({kRun, 99, 1, {}, {}}, now);
   EXPECT_THAT(coordinator->DrainEvents(), SizeIs(10));
   now += 1.1;
@@ -125,7 +125,7 @@ TEST_F(RejectionTest, ReportsWithoutEndDoNotGrowTheService) {
   EXPECT_LE(coordinator->DrainNotices().size(), 100u);
 }
 
-TEST_F(RejectionTest, ProposalsBeforeTheStartAreNothing) {
+TEST_F(RejectionTest, ProposalsBeforeTheStartAreIgnored) {
   Make(2);
   coordinator->OnProposal({kRun, 1, 1, {}, {}}, now);
   EXPECT_THAT(Events(), IsEmpty());

@@ -61,7 +61,7 @@ TEST_F(RunServiceTest, RunsToTheEnd) {
   first.gone.get_future().wait();
 }
 
-TEST_F(RunServiceTest, StopsWhenTold) {
+TEST_F(RunServiceTest, StopsOnRequest) {
   options_.settings.ticks.reset();
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
@@ -72,14 +72,14 @@ TEST_F(RunServiceTest, StopsWhenTold) {
   EXPECT_GT(summary.value().ticks, 0u);
 }
 
-TEST_F(RunServiceTest, StopsWhenToldWhileItWaitsForAgents) {
+TEST_F(RunServiceTest, StopsOnRequestWhileItWaitsForAgents) {
   stop_ = true;
   const Result<RunSummary> summary = Run();
   ASSERT_TRUE(summary.ok());
   EXPECT_TRUE(summary.value().interrupted);
 }
 
-TEST_F(RunServiceTest, FailsWhenAnAgentDoesNotCome) {
+TEST_F(RunServiceTest, FailsWhenAnAgentDoesNotJoin) {
   options_.start_timeout_seconds = 0.1;
   SteadyAgent first(*transport_, 0);
   const Result<RunSummary> summary = Run();
@@ -87,7 +87,7 @@ TEST_F(RunServiceTest, FailsWhenAnAgentDoesNotCome) {
   EXPECT_THAT(summary.error().message, HasSubstr("r1"));
 }
 
-TEST_F(RunServiceTest, GoesOnWithoutAnAgentThatFallsSilent) {
+TEST_F(RunServiceTest, ContinuesWithoutAnAgentThatFallsSilent) {
   options_.settings.agent_deadline_seconds = 0.2;
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
@@ -98,7 +98,7 @@ TEST_F(RunServiceTest, GoesOnWithoutAnAgentThatFallsSilent) {
   EXPECT_THAT(summary.value().lost, testing::ElementsAre("r1"));
 }
 
-TEST_F(RunServiceTest, OneOfTwoServicesThatGatherAgentsInOneSessionGivesUp) {
+TEST_F(RunServiceTest, OneOfTwoServicesThatGatherAgentsInOneSessionFails) {
   options_.settings.ticks.reset();
   const auto run = [&] {
     return std::async(std::launch::async, [&] {

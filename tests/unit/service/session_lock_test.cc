@@ -13,7 +13,7 @@ std::string OwnSession(const std::string& name) {
   return "lock-test-" + std::to_string(getpid()) + "-" + name;
 }
 
-TEST(SessionLock, IsTakenOnceForASessionAndDomain) {
+TEST(SessionLock, HasOneOwnerForASessionAndDomain) {
   const std::string session = OwnSession("a");
   const Result<SessionLock> first = SessionLock::Acquire(7, session);
   ASSERT_TRUE(first.ok()) << first.error().ToString();
@@ -25,13 +25,13 @@ TEST(SessionLock, IsTakenOnceForASessionAndDomain) {
   EXPECT_TRUE(SessionLock::Acquire(7, OwnSession("b")).ok());
 }
 
-TEST(SessionLock, IsFreeAgainWhenItsHolderHasGone) {
+TEST(SessionLock, IsFreeAgainWhenItsOwnerHasEnded) {
   const std::string session = OwnSession("c");
   EXPECT_TRUE(SessionLock::Acquire(7, session).ok());
   EXPECT_TRUE(SessionLock::Acquire(7, session).ok());
 }
 
-TEST(SessionLock, SaysThatANameIsTooLong) {
+TEST(SessionLock, RefusesANameThatIsTooLong) {
   const Result<SessionLock> lock = SessionLock::Acquire(7, std::string(200, 'x'));
   ASSERT_FALSE(lock.ok());
   EXPECT_THAT(lock.error().message, HasSubstr("too long"));

@@ -53,7 +53,7 @@ TEST_F(TickCoordinatorTest, OneAgentMayHaveManyRobots) {
   EXPECT_NEAR(Travel(1), 0.2, 1e-12);
 }
 
-TEST_F(TickCoordinatorTest, IgnoresDoubledAndOldProposals) {
+TEST_F(TickCoordinatorTest, IgnoresDuplicateAndOldProposals) {
   MakeAndStart(2);
   Propose(1, 1.0);
   Propose(1, 5.0);  // the first one counts
@@ -65,7 +65,7 @@ TEST_F(TickCoordinatorTest, IgnoresDoubledAndOldProposals) {
   EXPECT_EQ(coordinator->MakeSummary().rejected, 0u);
 }
 
-TEST_F(TickCoordinatorTest, TellsAllWhoAreAdmittedWhenTheRunBegins) {
+TEST_F(TickCoordinatorTest, AdmitsAllAgentsTogetherWhenTheRunBegins) {
   Make(2);
   Join(1);
   Join(1);
@@ -87,7 +87,7 @@ TEST_F(TickCoordinatorTest, AnswersARepeatedJoinAgain) {
   EXPECT_EQ(endpoint.admissions[0].agent, 1u);
 }
 
-TEST_F(TickCoordinatorTest, RefusesABadJoinAndSaysWhy) {
+TEST_F(TickCoordinatorTest, RefusesABadJoinWithAReason) {
   Make(1);
   Join(1, {"r0", "nobody"});
   ASSERT_EQ(endpoint.admissions.size(), 1u);
@@ -104,7 +104,7 @@ TEST_F(TickCoordinatorTest, DoesNotAnswerAJoinOfAnotherRun) {
   EXPECT_THAT(endpoint.admissions, IsEmpty());
 }
 
-TEST_F(TickCoordinatorTest, RepeatsAFrameThatSomebodyLeavesUnanswered) {
+TEST_F(TickCoordinatorTest, ResendsAFrameThatAnAgentLeavesUnanswered) {
   MakeAndStart(2);
   Propose(1);
   EXPECT_NEAR(coordinator->NextPoll() - now, 0.05, 1e-9);
@@ -117,7 +117,7 @@ TEST_F(TickCoordinatorTest, RepeatsAFrameThatSomebodyLeavesUnanswered) {
   EXPECT_EQ(coordinator->MakeSummary().frames_repeated, 1u);
 }
 
-TEST_F(TickCoordinatorTest, RepeatsAFrameLessAndLessOften) {
+TEST_F(TickCoordinatorTest, ResendsAFrameLessAndLessOften) {
   MakeAndStart(1);
   const double began = now;
   std::vector<double> repeats;
@@ -132,7 +132,7 @@ TEST_F(TickCoordinatorTest, RepeatsAFrameLessAndLessOften) {
                                    DoubleNear(3.55, 1e-9)));
 }
 
-TEST_F(TickCoordinatorTest, ARepeatedFrameNamesThoseWhoHaveNotAnsweredUnlessTheyAreMost) {
+TEST_F(TickCoordinatorTest, AResentFrameNamesTheMissingAgentsUnlessTheyAreMost) {
   MakeAndStart(4);
   Propose(2);
   Wait(0.06);
@@ -148,7 +148,7 @@ TEST_F(TickCoordinatorTest, ARepeatedFrameNamesThoseWhoHaveNotAnsweredUnlessThey
   EXPECT_THAT(endpoint.frames[3].awaited, IsEmpty());
 }
 
-TEST_F(TickCoordinatorTest, RepeatsSoonerOnceItKnowsThatAnswersComeFast) {
+TEST_F(TickCoordinatorTest, ResendsSoonerOnceAnswersHaveBeenFast) {
   MakeAndStart(2);
   for (int tick = 0; tick < 100; ++tick) {
     now += 0.001;
@@ -160,14 +160,14 @@ TEST_F(TickCoordinatorTest, RepeatsSoonerOnceItKnowsThatAnswersComeFast) {
   EXPECT_GT(wait, 0.002);
   EXPECT_LT(wait, 0.01);
   Propose(1);
-  Wait(wait + 1e-6);  // it repeats; the frame had arrived and agent 1 answers again
+  Wait(wait + 1e-6);  // the frame is resent; it had arrived, so agent 1 answers again
   Propose(1);
   now += 0.002;
   Propose(2);
   EXPECT_GT(coordinator->NextPoll() - now, wait);
 }
 
-TEST_F(TickCoordinatorTest, DoesNotRepeatAFrameWhileAnswersComeIn) {
+TEST_F(TickCoordinatorTest, DoesNotResendAFrameWhileAnswersArrive) {
   MakeAndStart(10);
   for (AgentId agent = 1; agent <= 9; ++agent) {
     Wait(0.04);
@@ -179,7 +179,7 @@ TEST_F(TickCoordinatorTest, DoesNotRepeatAFrameWhileAnswersComeIn) {
 TEST_F(TickCoordinatorTest, NamesTheRobotsThatItWaitsFor) {
   MakeAndStart(3);
   Propose(2);
-  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, IsEmpty());  // nobody is late yet
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, IsEmpty());  // no robot is late yet
   Wait(0.7);
   const StatusMessage status = coordinator->MakeStatus(now);
   EXPECT_THAT(status.waiting_for, ElementsAre("r0", "r2"));
@@ -208,7 +208,7 @@ TEST_F(TickCoordinatorTest, SummaryNamesTheSlowestRobots) {
   EXPECT_NEAR(summary.real_time_factor, 4.0, 1e-6);
 }
 
-TEST_F(TickCoordinatorTest, MarksTheLastFrameAndRepeatsItUntilTheAgentsHaveLeft) {
+TEST_F(TickCoordinatorTest, MarksTheLastFrameAndResendsItUntilTheAgentsHaveLeft) {
   options.settings.ticks = 1;
   MakeAndStart(2);
   Propose(1);
@@ -238,7 +238,7 @@ TEST_F(TickCoordinatorTest, IsOverSoonEvenIfAnAgentDoesNotLeave) {
   EXPECT_LE(now - began, 2.0);
 }
 
-TEST_F(TickCoordinatorTest, TurnsAgentsAwayWhenTheRunIsOver) {
+TEST_F(TickCoordinatorTest, RefusesAgentsWhenTheRunIsOver) {
   options.settings.ticks = 0;
   Make(1);
   Join(1);
@@ -259,7 +259,7 @@ TEST_F(TickCoordinatorTest, StopsInOrder) {
   EXPECT_EQ(coordinator->MakeSummary().ticks, 1u);
 }
 
-TEST_F(TickCoordinatorTest, StopsWhileItWaitsForAgentsAndSendsThoseHomeThatCame) {
+TEST_F(TickCoordinatorTest, AStopWhileItWaitsForAgentsEndsThoseThatHaveJoined) {
   Make(2);
   Join(1);
   coordinator->Stop(now);
@@ -322,7 +322,7 @@ TEST_F(TickCoordinatorTest, SpeedPacesTicks) {
   EXPECT_EQ(tick(), 0u);
   Wait(0.011);
   EXPECT_EQ(tick(), 1u);
-  // What a late answer cost is caught up.
+  // The delay by a late answer is caught up.
   Wait(0.109);
   Propose(1);
   EXPECT_EQ(tick(), 2u);
@@ -343,7 +343,7 @@ TEST_F(TickCoordinatorTest, ALongStopIsNotCaughtUp) {
   EXPECT_NEAR(coordinator->NextPoll() - now, 0.1, 1e-9);
 }
 
-TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdGivesUp) {
+TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdFails) {
   Make(1);
   SessionMessage rival;
   rival.run = kRun - 1;
@@ -354,19 +354,19 @@ TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdGivesUp) {
   EXPECT_THAT(coordinator->error().error().message, HasSubstr("elsewhere, pid 4711"));
 }
 
-TEST_F(TickCoordinatorTest, TheServiceWithTheLowerIdGoesOn) {
+TEST_F(TickCoordinatorTest, TheServiceWithTheLowerIdContinues) {
   Make(1);
   SessionMessage rival;
   rival.run = kRun + 1;
   coordinator->OnRivalService(rival, now);
   coordinator->OnRivalService(rival, now);
-  rival.run = kRun;  // its own, come back
+  rival.run = kRun;  // its own session, received back
   coordinator->OnRivalService(rival, now);
   EXPECT_TRUE(coordinator->error().ok());
   EXPECT_EQ(coordinator->DrainNotices().size(), 1u);
 }
 
-TEST_F(TickCoordinatorTest, AServiceGivesUpWhenAnotherOneTicksAlready) {
+TEST_F(TickCoordinatorTest, AServiceFailsWhenAnotherOneTicksAlready) {
   Make(1);
   SessionMessage rival;
   rival.run = kRun + 1;
@@ -385,7 +385,7 @@ TEST_F(TickCoordinatorTest, ARunningServiceIsNotStoppedByARival) {
   EXPECT_EQ(coordinator->phase(), Phase::kRunning);
 }
 
-TEST_F(TickCoordinatorTest, PassesOnWhatControllersReport) {
+TEST_F(TickCoordinatorTest, PassesOnTheReportsOfControllers) {
   MakeAndStart(1);
   ProposalMessage proposal = ProposalOf(1, 0.0);
   proposal.reports = {"r0: the controller failed"};

@@ -94,7 +94,7 @@ TEST_F(TickEngineTest, IsHaltedByALossOnlyIfTheSettingsSayPause) {
   EXPECT_EQ(run_->frame.state.tick, 0u);
 }
 
-TEST_F(TickEngineTest, AFailureIsTheRunsErrorAndTheLastFrameSaysSo) {
+TEST_F(TickEngineTest, AFailureIsTheRunsErrorAndEndsWithTheLastFrame) {
   MakeAndBegin();
   engine_->Fail(Failure("out of luck"), now_);
   EXPECT_EQ(run_->phase, RunPhase::kEnding);

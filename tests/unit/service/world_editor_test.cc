@@ -84,7 +84,7 @@ TEST_F(WorldEditorTest, AnAgentInTimeEndsTheWait) {
   EXPECT_TRUE(editor_->CheckTimeout(now_ + 1000.0).ok());
 }
 
-TEST_F(WorldEditorTest, AResetGoesBackToTheNewestLoadedWorld) {
+TEST_F(WorldEditorTest, AResetRestoresTheNewestLoadedWorld) {
   MakeEditor();
   const WorldDescription other = test::PlaneWorld(1);
   ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kLoadWorld, ""), &other, now_).ok());

@@ -11,7 +11,7 @@ namespace {
 
 using test::Box;
 
-TEST(PenetrationDepth, TellsOverlappingTouchingAndApart) {
+TEST(PenetrationDepth, DistinguishesOverlappingTouchingAndApart) {
   const Polygon unit = Box(0, 0, 1, 1);
   const struct {
     const char* name;
@@ -54,7 +54,7 @@ TEST(OverlapBy, IsTrueWhereTheDepthIsMore) {
   }
 }
 
-TEST(StayApart, IsTrueIfANormalShowsAGapOnTheWholeWay) {
+TEST(StayApart, IsTrueIfANormalShowsAGapDuringTheWholeMotion) {
   const Polygon unit = Box(0, 0, 1, 1);
   const struct {
     const char* name;

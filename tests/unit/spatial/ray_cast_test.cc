@@ -50,7 +50,7 @@ TEST_F(RayCastTest, SeesOnlyItsOwnHeight) {
   EXPECT_FALSE(Cast({0, 0}, {1, 0}, 0.39));
   EXPECT_TRUE(Cast({0, 0}, {1, 0}, 0.4));
   EXPECT_TRUE(Cast({0, 0}, {1, 0}, 0.5));
-  EXPECT_FALSE(Cast({0, 0}, {1, 0}, 0.6)) << "the top belongs to what is above";
+  EXPECT_FALSE(Cast({0, 0}, {1, 0}, 0.6)) << "the top belongs to the space above";
 }
 
 TEST_F(RayCastTest, LooksThroughTransparentModels) {

@@ -48,7 +48,7 @@ TEST(RayShape, FindsTheEdgesThatALinePasses) {
   EXPECT_EQ(passage.leave, 3u) << "from the last vertex to the first";
 }
 
-TEST(RayShape, SaysSoIfALineIsTooNearToAVertex) {
+TEST(RayShape, ReportsALineTooNearToAVertex) {
   const RayShape shape = ShapeOf({{0.5, 0.0}, {0.0, 0.5}, {-0.5, 0.0}, {0.0, -0.5}});
   EXPECT_EQ(Pass(shape, {0.0, 0.5}, {1.0, 0.0}).kind, Kind::kUnclear);
   EXPECT_EQ(Pass(shape, {0.0, 0.0}, {1.0, 0.0}).kind, Kind::kUnclear);

@@ -90,7 +90,7 @@ TEST(TimeOfContact, SqueezesThroughAGapOfItsOwnWidth) {
   EXPECT_TRUE(Sweep({.vx = 5.0}, 1.0, Box(1, 0.5 - 1e-6, 2, 3)));
 }
 
-TEST(TimeOfContact, LetsABadlyPlacedBodyComeFreeButNotDeeper) {
+TEST(TimeOfContact, LetsAnOverlappingBodySeparateButNotMoveDeeper) {
   const Polygon wall = Box(0.4, -50, 10, 50);
   EXPECT_FALSE(Sweep({.vx = -1.0}, 1.0, wall));
   EXPECT_EQ(Sweep({.vx = 1.0}, 1.0, wall), 0.0);

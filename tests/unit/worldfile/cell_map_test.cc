@@ -52,7 +52,7 @@ TEST(CellMap, TestsOnlyBoxesThatAreNear) {
   EXPECT_LE(asked, 4);
 }
 
-TEST(CellMap, ASizeOfNothingIsTakenAsSmall) {
+TEST(CellMap, ASizeOfZeroCountsAsSmall) {
   CellMap map(0.0);
   map.Insert({1.0, 1.0, 1.0, 1.0}, 7);
   EXPECT_TRUE(map.AnyNear({0.9995, 1.0, 1.0005, 1.0}, [](std::uint32_t number) { return number == 7; }));

@@ -12,7 +12,7 @@ std::string ParseError(const std::string& text) {
   return document.ok() ? "" : document.error().ToString();
 }
 
-TEST(JsonDocument, KnowsTheLineAndColumnOfEveryValue) {
+TEST(JsonDocument, HasTheLineAndColumnOfEveryValue) {
   const std::string text =
       "{\n"
       "  \"a\" : [1, -2.5e3 , true,{\"x\\\"y\": null}],\n"
@@ -69,7 +69,7 @@ TEST(JsonDocument, NamesThePlaceOfBrokenSyntax) {
             "input");
 }
 
-TEST(JsonDocument, RefusesAKeyThatComesTwice) {
+TEST(JsonDocument, RefusesADuplicateKey) {
   EXPECT_EQ(ParseError("{\"a\": [1, 2], \"b\": 0,\n \"\\u0061\": 3}"),
             "s.json:2:2: error: found the key 'a' again, expected it once");
   EXPECT_EQ(ParseError("[{\"a\": {\"b\": 1}, \"c\": {\"b\": 1, \"b\": 1}}]"),

@@ -287,7 +287,7 @@ bool Overlap(const std::vector<ConvexPiece>& a, const std::vector<ConvexPiece>& 
 
 class SpawnTest : public testing::TestWithParam<int> {};
 
-TEST_P(SpawnTest, NothingOverlapsAndSpacingAndRegionsAreKept) {
+TEST_P(SpawnTest, NoModelsOverlapAndSpacingAndRegionsAreKept) {
   const LoadedWorld loaded = MustLoad(SpawnText(std::to_string(GetParam())));
   const WorldDescription& world = loaded.world;
   std::vector<ModelId> spawned, standing;
