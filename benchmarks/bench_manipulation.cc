@@ -1,4 +1,4 @@
-// Steps of a world with things to grip.
+// Steps of a world with objects to grip.
 #include <benchmark/benchmark.h>
 
 #include "tests/support/gripper_world.h"
@@ -69,7 +69,7 @@ void BM_StepWithObjects(benchmark::State& state) {
 }
 BENCHMARK(BM_StepWithObjects)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMicrosecond);
 
-// Nobody moves. Argument: objects.
+// No robot moves. Argument: objects.
 void BM_StepWithIdleObjects(benchmark::State& state) {
   const Scene scene(Yard(static_cast<std::size_t>(state.range(0))).world);
   WorldState world_state = InitialState(scene);

@@ -66,7 +66,7 @@ void BM_SingleRays(benchmark::State& state) {
 }
 BENCHMARK(BM_SingleRays)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
 
-// All scanners of 100 robots, one after another, as they stand in Stage's benchmark.
+// All scanners of 100 robots, one after another, at their poses in Stage's benchmark.
 void BM_StageCave(benchmark::State& state) {
   const char* const worlds = std::getenv("TROUPE_STAGE_WORLDS");
   if (worlds == nullptr) return state.SkipWithError("TROUPE_STAGE_WORLDS is not set");

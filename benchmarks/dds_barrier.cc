@@ -170,11 +170,11 @@ void End(Service& service, std::unique_ptr<ServiceEndpoint>& endpoint, FrameMess
   if (!service.AwaitJoined(0, 10.0)) {
     for (const pid_t pid : processes) kill(pid, SIGKILL);
   }
-  endpoint.reset();  // observers end when the service is gone
+  endpoint.reset();  // observers end when the service has ended
   WaitForAll(processes);
 }
 
-// The ticks of a run; the number of frames that were sent again, or nothing when one was never answered.
+// The ticks of a run; the number of resent frames, or nothing when one was never answered.
 std::optional<int> RunTicks(const BarrierOptions& options, Service& service, ServiceEndpoint& endpoint,
                             FrameMessage& frame) {
   int repeated = 0;

@@ -30,8 +30,8 @@ def parse():
                         "$TROUPE_STAGE_WORLDS, or shared/stage-worlds beside the checkout")
     parser.add_argument("--programs", metavar="FOLDER", default=ROOT / "build/release/bin")
     parser.add_argument("--output", metavar="FOLDER", default=ROOT / "build/bench", type=pathlib.Path)
-    parser.add_argument("--report", action="store_true", help="measure nothing: tables of what was measured before")
-    parser.add_argument("--document", metavar="FILE", help="put tables and plots into docs/performance.md, or a copy of it")
+    parser.add_argument("--report", action="store_true", help="no measurement: tables of the last measurements")
+    parser.add_argument("--document", metavar="FILE", help="write tables and plots into docs/performance.md, or a copy of it")
     options = parser.parse_args()
     for name in options.scenes:
         if name not in scenes.ALL:

@@ -1,4 +1,4 @@
-# What `cmake --install` installs: programs, library, public headers, CMake package, worlds, configurations, documents and
+# The contents of `cmake --install`: programs, library, public headers, CMake package, worlds, configurations, documents and
 # manual pages.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -64,5 +64,5 @@ troupe_manual_page(robot-agent "")
 add_custom_target(manual_pages ALL DEPENDS ${pages})
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
-# All that is installed, for scripts/package and for those who do not want the tests.
+# Builds all that is installed, and no tests; for scripts/package.
 add_custom_target(installed DEPENDS troupe world-service robot-agent libtroupe troupe_controller_support manual_pages)

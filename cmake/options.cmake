@@ -1,4 +1,4 @@
-# Flags that every target gets. -ffp-contract=off: a fused multiply-add rounds once where two operations round twice,
+# Flags of every target. -ffp-contract=off: a fused multiply-add rounds once where two operations round twice,
 # so letting the compiler choose would give other bits on other machines.
 add_library(troupe_options INTERFACE)
 target_compile_options(troupe_options INTERFACE
@@ -33,6 +33,6 @@ if(TROUPE_ONE_LINK)
 endif()
 
 if(TROUPE_FUZZ)
-  # Counts coverage in everything that a fuzz target links.
+  # Counts coverage in all code that a fuzz target links.
   target_compile_options(troupe_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()

@@ -1,5 +1,5 @@
 # Headers that nearly every source reads are parsed once, not once for each source: half the time of a build.
-# Sources still include what they use: the option only saves time.
+# Sources still include the headers that they use: the option only saves time.
 option(TROUPE_PRECOMPILED_HEADERS "Parse the most used headers once" ON)
 
 # troupe_precompiled_headers(NAME [PIC] HEADERS <a> ... DEPENDS lib ...): headers for targets of one kind to share.
@@ -42,8 +42,8 @@ function(troupe_test name)
   cmake_parse_arguments(arg "OPTIMIZED" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE troupe_options ${arg_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main)
-  # The options are -O0 in the presets release and ci: the code under test is optimised, what only calls it need not be,
-  # and to optimise that would take longer than it runs. The precompiled headers have the same options.
+  # The options are -O0 in the presets release and ci: the code under test is optimised, but not the tests, because their
+  # optimisation would take longer than they run. The precompiled headers have the same options.
   if(NOT arg_OPTIMIZED OR NOT TROUPE_TEST_OPTIONS)
     target_compile_options(${name} PRIVATE ${TROUPE_TEST_OPTIONS})
     troupe_use_precompiled_headers(${name} troupe_test_headers)
@@ -56,7 +56,7 @@ function(troupe_test name)
   if(TROUPE_SANITIZER)
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
     # Leaks in libraries that the file names are not reported. Cyclone DDS is not built with the thread sanitizer, so its
-    # atomics are not seen: what its code reads and writes is not checked, while its locks count.
+    # atomics are not seen: its reads and writes are not checked, while its locks count.
     list(APPEND environment
       LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
       TSAN_OPTIONS=ignore_noninstrumented_modules=1)

@@ -10,7 +10,7 @@
 
 namespace troupe {
 
-// The readings of all rangers of all robots. REQUIRES: `bodies` holds `state`.
+// The readings of all rangers of all robots. REQUIRES: `bodies` is at `state`.
 std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
 
 }  // namespace troupe

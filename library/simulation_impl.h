@@ -36,7 +36,7 @@ struct Simulation::Impl {
   void Assign(Snapshot::Content content);
 
   Snapshot::Content now;
-  BodyIndex bodies;  // holds now.state between calls
+  BodyIndex bodies;  // at now.state between calls
   std::vector<Warning> warnings;
   std::vector<Proposal> proposals;  // of one step
 };

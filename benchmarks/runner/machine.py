@@ -1,4 +1,4 @@
-"""What the measurements were taken on."""
+"""The machine that the measurements are from."""
 import os
 import platform
 import subprocess
@@ -24,7 +24,7 @@ def package_version(name):
 
 
 def describe():
-    """One line: a figure without its machine says nothing."""
+    """One line: a figure is meaningless without its machine."""
     kind = "virtual machine" if virtual() else "machine"
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     load = os.getloadavg()[0]

@@ -17,7 +17,7 @@ class Failure(Exception):
 
 
 class Usage:
-    """What a program and all that it started cost."""
+    """The cost of a program with all its child processes."""
 
     def __init__(self):
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -105,7 +105,7 @@ class Troupe:
 
     def functions(self, program, rounds, quick, environment):
         """Rows of a Google Benchmark program, one for each round."""
-        # "0.2" and not "0.2s": version 1.7 takes a number only.
+        # "0.2" and not "0.2s": version 1.7 accepts a number only.
         command = [self.folder / program, "--benchmark_format=json", f"--benchmark_min_time={0.01 if quick else 0.2}",
                    f"--benchmark_repetitions={rounds}"]
         if quick:

@@ -8,7 +8,7 @@ from .programs import Failure
 
 
 class Setting:
-    """What the scenes share."""
+    """The common parts of the scenes."""
 
     def __init__(self, troupe, stage, stage_worlds, folder, quick, rounds):
         self.troupe = troupe
@@ -58,14 +58,14 @@ def observers(setting):
 
 
 def processes(setting):
-    """Idle robots, a process each: the real programs and nothing to do."""
+    """Idle robots, a process each: the real programs without work."""
     counts = [1, 4] if setting.quick else [1, 4, 16, 50, 100, 200]
     for number in range(setting.rounds):
         for count in counts:
             ticks = 50 if setting.quick else max(300, 20_000 // count)
             yield {"round": number, **setting.troupe.per_robot_and_tick(
                 worlds.write_yard(setting.folder / f"yard{count}", count), ticks)}
-    # How long 400 take to start. So many at once may not be heard of for the default lease of 2 s.
+    # Longer than 400 need to start. While so many start, one may be silent for longer than the default lease of 2 s.
     for number in range(0 if setting.quick else setting.rounds):
         yield {"round": number, **setting.troupe.per_robot_and_tick(
             worlds.write_yard(setting.folder / "yard400", 400), 50, "--lease", 10)}

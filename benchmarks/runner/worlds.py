@@ -100,7 +100,7 @@ def write_swarm(folder, robots, width=140.0, height=60.0, seconds=60):
 
 
 def write_yard(folder, robots):
-    """Robots that do nothing, see nothing and touch nothing."""
+    """Robots without motion, sensors and contacts."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     side = 1

@@ -1,4 +1,4 @@
-// OutputFile: text to a file, through a buffer. The first error stays, and nothing is written after it.
+// OutputFile: text to a file, through a buffer. The first error stays, and no text is written after it.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ class OutputFile {
   // 16 digits.
   void AppendHex(std::uint64_t number);
 
-  // Ends a line, and writes when enough has come together. The error is that of the file so far (a full disk).
+  // Ends a line, and writes when the buffer is full. The error is that of the file so far (a full disk).
   Status EndLine();
-  // Writes everything.
+  // Writes all buffered text.
   Status Close();
 
  private:

@@ -14,7 +14,7 @@ std::uint64_t RandomBits(std::initializer_list<std::uint64_t> key);
 // Uniform in [0, 1).
 double RandomUniform(std::initializer_list<std::uint64_t> key);
 
-// Standard normal: mean 0, variance 1 (Box and Muller 1958; both uniforms come from the key).
+// Standard normal: mean 0, variance 1 (Box and Muller 1958; both uniform numbers are drawn from the key).
 double RandomNormal(std::initializer_list<std::uint64_t> key);
 
 }  // namespace troupe

@@ -23,7 +23,7 @@ class StopSignals {
   void Watch();
 
   sigset_t before_;
-  int signals_ = -1;  // readable when a signal came
+  int signals_ = -1;  // readable when a signal has arrived
   int end_ = -1;      // readable when the watch is to end
   std::atomic<bool> requested_ = false;
   std::thread watch_;

@@ -14,8 +14,8 @@ class PgmReader {
   PgmReader(const ImageFile& file, const PixelRule& rule) : file_(file), rule_(rule) {}
 
   Result<Bitmap> Read() {
-    Get();  // 'P'
-    const bool binary = Get() == '5';
+    ReadByte();  // 'P'
+    const bool binary = ReadByte() == '5';
     const std::optional<std::int64_t> width = Number(1'000'000'000);
     const std::optional<std::int64_t> height = Number(1'000'000'000);
     const std::optional<std::int64_t> maximum = Number(65535);
@@ -45,21 +45,21 @@ class PgmReader {
 
  private:
   Error Fail(const std::string& message) const { return Error{{file_.path}, message}; }
-  int Get() { return std::getc(file_.stream.get()); }
+  int ReadByte() { return std::getc(file_.stream.get()); }
 
   // The next number after blanks and comments; consumes one more character, which must be a blank or the end.
   std::optional<std::int64_t> Number(std::int64_t maximum) {
-    int c = Get();
+    int c = ReadByte();
     while (c == '#' || IsBlank(c)) {
       if (c == '#') {
-        while (c != '\n' && c != '\r' && c != EOF) c = Get();
+        while (c != '\n' && c != '\r' && c != EOF) c = ReadByte();
       } else {
-        c = Get();
+        c = ReadByte();
       }
     }
     if (c < '0' || c > '9') return std::nullopt;
     std::int64_t value = 0;
-    for (; c >= '0' && c <= '9'; c = Get()) {
+    for (; c >= '0' && c <= '9'; c = ReadByte()) {
       value = value * 10 + (c - '0');
       if (value > maximum) return std::nullopt;
     }

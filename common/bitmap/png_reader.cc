@@ -189,7 +189,7 @@ class PngReader {
   png_infop info_ = nullptr;
   std::array<char, 200> message_{};
   int passes_ = 1;
-  bool is_packed_ = false;  // rows come as eight pixels in a byte
+  bool is_packed_ = false;  // rows have eight pixels in a byte
   std::size_t channels_ = 1;
   std::size_t row_bytes_ = 0;
 };

@@ -37,7 +37,7 @@ class EarClipper {
     std::size_t at = 0;
     std::size_t refused = 0;
     while (remaining > 3) {
-      // A whole round without an ear can come about only where an outline touches itself.
+      // A whole round without an ear is possible only where an outline touches itself.
       if (refused > remaining) at = SmallestCorner(at);
       if (refused > remaining || IsEar(at)) {
         if (Area(at) > 0.0) triangles.push_back({previous_[at], at, next_[at]});

@@ -1,4 +1,4 @@
-// Event: a change during a tick that observers are told. Steps return events in a fixed order.
+// Event: a change during a tick that is reported to observers. Steps return events in a fixed order.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ enum class EventType : std::uint8_t {
   kBlocked = 5,   // a joint's motion was cut short; `detail` names it, `other` is the obstacle, none for the ground
   kGripped = 6,   // the robot's gripper, named by `detail`, holds `object` from now on
   kReleased = 7,  // it has released `object`
-  kLanded = 8,    // `object` came to rest on `other`, none for the ground
+  kLanded = 8,    // `object` has come to rest on `other`, none for the ground
   kUnstable = 9,  // likewise, but its centre is not above a support
 };
 

@@ -64,7 +64,7 @@ struct ModelDescription {
   double size_y = 0.0;  // m
   double size_z = 0.0;  // m
   Color color;
-  bool obstacle_return = true;  // takes part in collisions
+  bool obstacle_return = true;  // collides
   double ranger_return = 1.0;   // intensity of a ranger's hit; negative: transparent to rangers
   bool gripper_return = false;  // may be gripped, moved and dropped
   std::int32_t fiducial_return = 0;

@@ -75,7 +75,7 @@ class Canvas {
 // `text` with every byte that does not belong to valid UTF-8, and every control character, replaced by "?".
 std::string PrintableUtf8(const std::string& text);
 
-// The part of a polygon inside a box; concave polygons may come out in pieces joined along the box's edge.
+// The part of a polygon inside a box; a concave polygon may become several pieces joined along the box's edge.
 Polygon ClipPolygon(const Polygon& polygon, const Rectangle& box);
 
 }  // namespace troupe

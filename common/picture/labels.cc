@@ -33,8 +33,8 @@ std::vector<Rectangle> Overlapping(const std::vector<Rectangle>& boxes, const Re
 std::vector<PlacedLabel> PlaceAtSize(const std::vector<LabelRequest>& requests, const std::vector<Rectangle>& walls,
                                      const Rectangle& page, double size,
                                      const std::function<double(const std::string&, double)>& text_width) {
-  std::vector<Rectangle> taken;
-  for (const LabelRequest& request : requests) taken.push_back(request.box);
+  std::vector<Rectangle> occupied;
+  for (const LabelRequest& request : requests) occupied.push_back(request.box);
   std::vector<PlacedLabel> result;
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const auto candidates = Candidates(requests[i].box, text_width(requests[i].text, size), size);
@@ -44,8 +44,8 @@ std::vector<PlacedLabel> PlaceAtSize(const std::vector<LabelRequest>& requests, 
     const auto place = [&](bool over_walls) {
       for (const Rectangle& box : candidates) {
         const bool inside = page.Contains({box.min_x, box.min_y}) && page.Contains({box.max_x, box.max_y});
-        if (!inside || OverlapsAny(box, taken) || (!over_walls && OverlapsAny(box, walls_around))) continue;
-        taken.push_back(box);
+        if (!inside || OverlapsAny(box, occupied) || (!over_walls && OverlapsAny(box, walls_around))) continue;
+        occupied.push_back(box);
         result.push_back({i, box});
         return true;
       }

@@ -78,8 +78,8 @@ class EdgesAtCorners {
   }
   void Sort() { std::sort(ends_.begin(), ends_.end()); }
 
-  // The other end of an unused edge at `corner`, if there is one.
-  std::optional<Corner> Take(const Corner& corner) {
+  // Marks an unused edge at `corner` as used, and returns its other end; nothing if there is none.
+  std::optional<Corner> UseEdge(const Corner& corner) {
     auto end = std::lower_bound(ends_.begin(), ends_.end(), End{corner, {0, 0}, 0},
                                 [](const End& a, const End& b) { return a.here < b.here; });
     for (; end != ends_.end() && end->here == corner; ++end) {
@@ -144,10 +144,10 @@ std::vector<Polygon> OutlineOf(const std::vector<Rectangle>& rectangles) {
   for (const Edge& first : vertical) {
     Polygon loop;
     std::optional<Corner> at = Corner{first.line, first.from};
-    while (const std::optional<Corner> next = verticals.Take(*at)) {
+    while (const std::optional<Corner> next = verticals.UseEdge(*at)) {
       loop.emplace_back(xs[at->x], ys[at->y]);
       loop.emplace_back(xs[next->x], ys[next->y]);
-      at = horizontals.Take(*next);
+      at = horizontals.UseEdge(*next);
       if (!at) break;
     }
     if (!loop.empty()) loops.push_back(std::move(loop));

@@ -33,7 +33,7 @@ class FaultyLine {
   void Pass(Kind kind, std::function<void()> deliver) {
     if (Happens(faults_.loss)) return;
     if (Happens(faults_.duplicate)) delivery_.Post(target_, deliver, Delay());
-    std::function<void()>& held = held_[kind];
+    std::function<void()>& held = postponed_[kind];
     if (!held && Happens(faults_.reorder)) {
       held = std::move(deliver);
       return;
@@ -60,7 +60,7 @@ class FaultyLine {
   const std::uint64_t stream_;
   const DeliveryThread::Target target_;
   std::uint64_t draws_ = 0;
-  std::map<Kind, std::function<void()>> held_;  // waits for the next message of its kind
+  std::map<Kind, std::function<void()>> postponed_;  // waits for the next message of its kind
 };
 
 template <typename Handler, typename Message>

@@ -8,8 +8,8 @@
 
 namespace troupe::ros {
 
-// Reliable, because a reliable writer matches both kinds of readers; volatile. A slow reader gets the latest `depth`
-// samples.
+// Reliable, because a reliable writer matches both kinds of readers; volatile. A slow reader receives the latest
+// `depth` samples.
 dds::Qos Stream(std::int32_t depth);
 // Reliable and kept for late readers: maps, static transforms, descriptions.
 dds::Qos Latched(std::int32_t depth = 1);

@@ -80,7 +80,7 @@ class RosService {
   }
 
  private:
-  // Samples of one take, with a flag for each handled one.
+  // Samples of one call of take(), with a flag for each handled one.
   struct Batch {
     dds::LoanedSamples<Request> samples;
     std::vector<bool> handled;
@@ -98,14 +98,14 @@ class RosService {
       if (waiting_.size() > kMostWaiting) waiting_.pop_front();
     }
     for (Batch& batch : waiting_) {
-      for (std::size_t i = 0; i < batch.samples.length(); ++i) Handle(batch, i);
+      for (std::size_t i = 0; i < batch.samples.length(); ++i) Deliver(batch, i);
     }
     std::erase_if(waiting_, [](const Batch& batch) {
       return std::find(batch.handled.begin(), batch.handled.end(), false) == batch.handled.end();
     });
   }
 
-  void Handle(Batch& batch, std::size_t i) {
+  void Deliver(Batch& batch, std::size_t i) {
     if (batch.handled[i]) return;
     const auto sample = batch.samples[i];
     if (sample.info().valid()) {

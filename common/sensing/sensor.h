@@ -43,7 +43,7 @@ class Sensor {
   const SensorDescription& description() const { return description_; }
   bool IsDueAt(Tick tick) const { return tick % description_.period_ticks == 0; }
 
-  // The reading in the state that `world` holds, at `tick`, due or not.
+  // The reading in the state of `world`, at `tick`, due or not.
   // REQUIRES: the robot and its models have the same ids in `world` as in the scene that the sensor was made for.
   SensorReading Measure(const SensedWorld& world, Tick tick) const;
 

@@ -32,7 +32,7 @@ class SensorSuite {
   std::span<const SensorReading> readings() const { return readings_; }
 
   // The reading of any sensor at `tick`, without effect on readings(). Valid until the next call of this or of Update.
-  // REQUIRES: `world` holds the state of the last Update if that had the same tick.
+  // REQUIRES: `world` is at the state of the last Update if that had the same tick.
   const SensorReading& Measure(std::size_t index, const SensedWorld& world, Tick tick);
 
  private:

@@ -13,7 +13,7 @@
 
 namespace troupe {
 
-// The box of a query. It lies along the x axis, or along any other direction.
+// The box of a query, along the x axis or any other direction.
 class DiscBox {
  public:
   // `box`: m, its x axis being `along`, of length 1. `max_radius`: no disc has a larger one.
@@ -34,7 +34,7 @@ class DiscBox {
 
  private:
   friend class DiscList;
-  float cos_;  // of the direction in which it lies
+  float cos_;  // of its direction
   float sin_;
   float x_;  // m, its middle
   float y_;

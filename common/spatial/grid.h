@@ -28,7 +28,7 @@ class Grid {
  public:
   Grid() = default;
 
-  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would take more than `max_cells`,
+  // Covers `bounds` with cells of `cell_size` metres, or of larger ones if it would have more than `max_cells`,
   // or more than 65,536 along x or y, otherwise. REQUIRES: bounds finite and not empty; cell_size > 0; max_cells >= 1
   Grid(const Rectangle& bounds, double cell_size, double max_cells);
 

@@ -9,7 +9,7 @@
 namespace troupe {
 
 // The depth to which two convex, counter-clockwise polygons overlap: the smallest distance (m) by which one of them
-// would have to move to come free (separating axis theorem). Zero or negative if they do not overlap in area; then its
+// would have to move to be free (separating axis theorem). Zero or negative if they do not overlap in area; then its
 // size is a lower bound of their distance.
 double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b);
 

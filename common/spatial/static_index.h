@@ -66,9 +66,9 @@ class StaticIndex {
   std::vector<Vec2> vertices_;
   Rectangle bounds_ = Rectangle::Nothing();
   Grid grid_;
-  // Cell c holds cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
+  // The pieces of cell c are cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
   std::vector<std::uint32_t> cell_start_;
-  // 1 for each cell that holds any: rays mostly pass empty cells, and then read nothing else.
+  // 1 for each cell with pieces: rays mostly pass empty cells, and then read nothing else.
   std::vector<std::uint8_t> filled_;
   std::vector<std::uint32_t> cell_pieces_;
 };

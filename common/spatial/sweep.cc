@@ -291,7 +291,7 @@ std::optional<Contact> ContactWithObstacles(const Mover& mover, const Passage& p
   const double max_speed = MaxSpeed(motion, mover.radius);
   const double margin = passage.MarginAt(mover.radius);
   std::optional<Contact> first;
-  std::pmr::vector<Pair> pairs(&memory);  // the pairs that come near each other
+  std::pmr::vector<Pair> pairs(&memory);  // the pairs within reach of each other
   PairSweep sweep(motion, passage.start(), memory);
   for (const ConvexPiece& piece : mover.pieces) {
     if (!piece.obstacle) continue;

@@ -22,7 +22,7 @@ namespace troupe {
 // The time at which convex polygon `a` (frame R, which starts at X_WR and moves with `twist`) first overlaps convex
 // polygon `b` (frame W) by more than it does at the start, within [0, duration] seconds; nothing if it does not. Depths
 // up to kTouchTolerance are touching. A pair that overlaps from the start (badly placed by a file) may move so that the
-// overlap does not deepen, and so can come free.
+// overlap does not deepen, and so can end.
 std::optional<double> TimeOfContact(std::span<const Vec2> a_in_R, const Pose& X_WR, const Twist& twist, double duration,
                                     std::span<const Vec2> b_in_W);
 
@@ -42,7 +42,7 @@ struct Motion {
 
 // The pieces that move as one: a body, or a part of one with its payload.
 struct Mover {
-  std::span<const ConvexPiece> pieces;  // in F; those with `obstacle` take part
+  std::span<const ConvexPiece> pieces;  // in F; those with `obstacle` collide
   double radius = 0.0;                  // m: no vertex is farther from F's origin
   ZRange z;                             // m, spans the pieces, in F
   std::span<const BodyId> bodies;       // its own: their pieces are no obstacles to it; ascending

@@ -8,7 +8,8 @@
 namespace troupe {
 namespace {
 
-// Edges are taken to be longer by this at both ends: one event too many costs a test, one too few a wall.
+// Edges count as longer by this at both ends: an event too many costs a test, an event too few lets a body through a
+// wall.
 constexpr double kEdgeMargin = 1e-6;  // m
 
 Vec2 QuarterTurn(const Vec2& v) {

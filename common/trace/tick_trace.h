@@ -84,7 +84,7 @@ class TickTrace {
 
   // Writes if many phases are waiting. REQUIRES: no lane is in use.
   void WriteSome();
-  // Ends all phases and writes everything. The error is that of the first write that failed (a full disk).
+  // Ends all phases and writes the file to its end. The error is that of the first write that failed (a full disk).
   Status Close();
 
  private:

@@ -17,14 +17,14 @@ class TraceFile {
   // `process`: its name in viewers.
   static Result<TraceFile> Create(const std::string& path, const std::string& process);
 
-  // ns since 1970, so that the files of several hosts agree as well as their clocks. Never goes back.
+  // ns since 1970, so that the files of several hosts agree as well as their clocks. Never decreases.
   static std::int64_t Now();
 
   // A phase from `begin` to `end`, ns as of Now. `robot` may be empty.
   void Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
              const std::string& robot);
 
-  // Writes everything. The error is that of the first write that failed (a full disk).
+  // Writes all buffered text. The error is that of the first write that failed (a full disk).
   Status Close();
 
  private:

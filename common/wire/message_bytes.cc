@@ -24,7 +24,7 @@ Result<Message> FromBytes(std::span<const std::byte> bytes) {
   if constexpr (requires(Message & message) { dds::FromWire(wire, message); }) {
     Message message;
     if constexpr (std::is_same_v<Message, FrameMessage>) {
-      if (!wire.whole) return Error{{}, "bytes of a frame that holds changes, expected a whole one"};
+      if (!wire.whole) return Error{{}, "bytes of a frame of changes, expected a whole one"};
     }
     if (Status malformed = dds::FromWire(wire, message); !malformed.ok()) return malformed.error();
     return message;

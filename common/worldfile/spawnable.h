@@ -18,7 +18,7 @@ struct Spawnable {
 // The robots and plain models that `world_file` and its includes define, by name; and the types of these two.
 Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides = {});
 
-// A world that holds only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
+// A world with only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
 // model with its parts, or "FILE#NAME": a model that this file defines. Robots have the controller that they would have
 // in the world file.
 Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,

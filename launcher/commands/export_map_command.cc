@@ -60,7 +60,7 @@ int ExportMapCommand(const ExportMapOptions& options) {
   const Scene scene(std::move(loaded.value().world));
   const double height = options.height.value_or(UsualMapHeight(scene));
   const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height);
-  if (grid.empty()) return Fail({{}, options.file + ": nothing in it stands still, so it has no map"});
+  if (grid.empty()) return Fail({{}, options.file + ": found no static model, so it has no map"});
   const std::string image = options.output + ".pgm";
   if (Status failure = Write(image, Pgm(grid)); !failure.ok()) return Fail(failure.error());
   const std::string name = std::filesystem::path(image).filename().string();

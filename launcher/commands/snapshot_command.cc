@@ -18,7 +18,7 @@
 namespace troupe {
 namespace {
 
-// Opens without changing what is there, so that a run that fails later leaves an older picture alone.
+// Opens without truncating the file, so that a run that fails later leaves an older picture unchanged.
 Status CheckWritable(const std::string& path) {
   std::FILE* file = std::fopen(path.c_str(), "ab");
   if (file == nullptr) return Error{{path, 0, 0}, std::string("cannot write: ") + std::strerror(errno)};
@@ -50,7 +50,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   command->add_option("--view", options->view, "top, or side: seen along +y (default: top)")
       ->check(OneOf({"top", "side"}))
       ->type_name("VIEW");
-  command->add_flag("--rays", options->rays, "Draw what all rangers measure");
+  command->add_flag("--rays", options->rays, "Draw the readings of all rangers");
 
   const char* part = "Part of the world";
   command->add_option("--center", options->center, "Its middle, m (default: the world's middle)")

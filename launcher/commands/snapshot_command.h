@@ -19,7 +19,7 @@ struct SnapshotOptions {
   std::string view = "top";  // or "side"
   bool rays = false;
 
-  // Nothing or empty: as the world says, or chosen from what there is to see.
+  // Nothing or empty: as the world file sets it, or chosen by the contents of the picture.
   std::optional<int> width;      // pixels
   std::vector<double> center;    // x and y, m
   std::optional<double> meters;  // m
@@ -30,7 +30,7 @@ struct SnapshotOptions {
 // Declares the command; it sets `exit_status` when it is run.
 void AddSnapshotCommand(CLI::App& app, int& exit_status);
 
-// Returns the exit status; has told the user what happened.
+// Returns the exit status; errors are printed for the user.
 int SnapshotCommand(const SnapshotOptions& options);
 
 }  // namespace troupe

@@ -130,7 +130,7 @@ void RemoteHost::ReadErrors() {
 
 void RemoteHost::Read() {
   ReadErrors();
-  for (const std::string& line : messages_.Read()) HandleLine(line);
+  for (const std::string& line : messages_.Read()) ApplyMessage(line);
   if (!messages_.at_end() || lost_) return;
   const auto deadline = Clock::now() + std::chrono::seconds(1);  // the process ends just after its output
   while (!connection_->Poll() && connection_->running() && Clock::now() < deadline) {
@@ -140,7 +140,7 @@ void RemoteHost::Read() {
   Lose(connection_->end() ? connection_->end()->ToString() : "closed its output");
 }
 
-void RemoteHost::HandleLine(const std::string& line) try {
+void RemoteHost::ApplyMessage(const std::string& line) try {
   const HostMessage message = ParseHostMessage(line);
   if (!message.is_object()) {
     output_.push_back(line);  // for instance of a login script

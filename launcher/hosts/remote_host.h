@@ -1,5 +1,5 @@
 // RemoteHost: starts processes on another host, over a connection to a `troupe host` there. The end of the connection,
-// whatever its cause, terminates them.
+// by whatever cause, terminates them.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@ namespace troupe {
 
 class RemoteHost : public Host {
  public:
-  // Starts the connection. ready() or PollLoss() tells its outcome later.
+  // Starts the connection. ready() or PollLoss() returns its outcome later.
   static Result<std::unique_ptr<RemoteHost>> Connect(const HostSettings& settings);
   ~RemoteHost() override;  // terminates the processes and the connection
 
@@ -47,7 +47,7 @@ class RemoteHost : public Host {
   RemoteHost(const HostSettings& settings, std::string command);
   void Read();
   void ReadErrors();
-  void HandleLine(const std::string& line);
+  void ApplyMessage(const std::string& line);
   void Lose(const std::string& reason);
   void Send(const std::string& line);
 

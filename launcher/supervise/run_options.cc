@@ -116,7 +116,8 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddAllowControllersFlag(command, options.permissions.controllers, requests);
 
   const char* processes = "Processes and network";
-  command.add_flag("--in-process", options.in_process, "Run everything in this process, without DDS")->group(processes);
+  command.add_flag("--in-process", options.in_process, "Run service and agents in this process, without DDS")
+      ->group(processes);
   command
       .add_option("--robots-per-process", options.robots_per_process,
                   "Number of robots in one agent process (default: the scenario's, or 1)")

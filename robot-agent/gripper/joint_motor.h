@@ -10,7 +10,7 @@ namespace troupe {
 
 class JointMotor {
  public:
-  // The description must outlive the motor. Without a command it stands still.
+  // The description must outlive the motor. Without a command the joint does not move.
   explicit JointMotor(const JointDescription& joint) : joint_(&joint) {}
 
   const JointDescription& joint() const { return *joint_; }

@@ -85,7 +85,7 @@ void Transforms::Write(Tick tick, std::span<const RobotView* const> robots, cons
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
 
-// `robots`: of this process. All processes are taken to have as many.
+// `robots`: of this process. Assumes that all processes have as many.
 ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, const std::vector<RobotId>& robots) {
   options.quiet = scene.world().robots.size() > kMostMutualProcesses * robots.size();
   return options;

@@ -12,7 +12,7 @@ struct BuildOptions {
 };
 
 // Every property of every node is either honoured or named in a warning with its place; models of types whose
-// behaviour is not simulated load as bodies, with a warning.
+// behaviour is not simulated are loaded as bodies, with a warning.
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
                                const BuildOptions& options = {});
 

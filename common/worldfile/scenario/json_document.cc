@@ -65,7 +65,7 @@ std::size_t StartOf(const std::string& text) {
   return text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
 }
 
-// Finds the place and the reason at which the text stops being JSON, and keys that come twice. The library gives the
+// Finds the place and the reason at which the text stops being JSON, and duplicate keys. The library gives the
 // place only for broken text, so a cursor follows it from token to token.
 class SyntaxCheck : public nlohmann::json_sax<json> {
  public:

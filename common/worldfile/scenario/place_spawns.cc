@@ -32,7 +32,7 @@ Rectangle BoxOf(const std::vector<ConvexPiece>& pieces) {
   return box;
 }
 
-// The size of the smallest box around the origin that holds the pieces however they are turned.
+// The size of the smallest box around the origin that contains the pieces at any heading.
 double WidthOf(const std::vector<ConvexPiece>& pieces) {
   double radius = 0.0;
   for (const ConvexPiece& piece : pieces) {

@@ -12,7 +12,7 @@ namespace troupe {
 
 enum class TokenKind {
   kWord,        // a letter, then letters, digits and . - _ [ ]
-  kNumber,      // a sign, digits and a point; `number` holds its value
+  kNumber,      // a sign, digits and a point; `number` is its value
   kString,      // in double quotes, which `text` leaves out
   kOpenBody,    // (
   kCloseBody,   // )

@@ -38,20 +38,20 @@ template <typename PubSubType>
 class Listener : public DataReaderListener {
  public:
   using Message = typename PubSubType::type;
-  explicit Listener(std::function<void(const Message&)> take) : take_(std::move(take)) {}
+  explicit Listener(std::function<void(const Message&)> consume) : consume_(std::move(consume)) {}
   std::atomic<int> received = 0;
   void on_data_available(DataReader* reader) override {
     Message message;
     SampleInfo info;
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
-      take_(message);
+      consume_(message);
       ++received;
     }
   }
 
  private:
-  std::function<void(const Message&)> take_;
+  std::function<void(const Message&)> consume_;
 };
 
 class Peer {
@@ -78,14 +78,14 @@ class Peer {
 
   // A ROS topic begins with a slash and is "rt/..." on DDS; other names stay as they are. `received` is a count.
   template <typename PubSubType>
-  DataReader* Read(const std::string& topic, std::function<void(const typename PubSubType::type&)> take,
+  DataReader* Read(const std::string& topic, std::function<void(const typename PubSubType::type&)> consume,
                    bool latched = false, const std::atomic<int>** received = nullptr) {
     DataReaderQos qos = DATAREADER_QOS_DEFAULT;
     qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
     qos.durability().kind = latched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
     qos.history().kind = KEEP_ALL_HISTORY_QOS;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-    auto listener = std::make_unique<Listener<PubSubType>>(std::move(take));
+    auto listener = std::make_unique<Listener<PubSubType>>(std::move(consume));
     if (received != nullptr) *received = &listener->received;
     DataReader* const reader = subscriber_->create_datareader(MakeTopic<PubSubType>(topic), qos, listener.get());
     listeners_.push_back(std::move(listener));

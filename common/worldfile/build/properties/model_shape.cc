@@ -73,7 +73,7 @@ std::optional<std::vector<Block>> ReadBlocks(PropertyReader& reader) {
   return blocks;
 }
 
-// Blocks without height collide with nothing and are hit by no ray; a shape must not hold them.
+// Blocks without height collide with nothing and are hit by no ray; a shape must not contain them.
 void DropFlatBlocks(Shape& shape) {
   std::erase_if(shape.blocks, [](const Block& block) { return !(block.z.max - block.z.min > kTouchTolerance); });
 }
