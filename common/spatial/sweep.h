@@ -60,7 +60,7 @@ struct Contact {
 };
 
 // The first contact of the mover with the static models and with the bodies at their poses in `bodies`. Models with
-// obstacle_return take part. A mover with an obstacle below z = 0 is in contact with the ground unless it climbs. Of
+// obstacle_return collide. A mover with an obstacle below z = 0 is in contact with the ground unless it climbs. Of
 // contacts at the same time the lowest model id counts.
 std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
                                     const Motion& motion);
