@@ -6,7 +6,7 @@ target_compile_options(troupe_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wunused
   $<$<BOOL:${TROUPE_WERROR}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # These see errors in libstdc++'s own string concatenation that are not there, depending on the length of a literal
+  # These have false positives in libstdc++'s own string concatenation, depending on the length of a literal
   # (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105651): they warn, but never fail a build.
   target_compile_options(troupe_options INTERFACE
     -Wno-error=array-bounds -Wno-error=restrict -Wno-error=stringop-overflow -Wno-error=stringop-overread)
@@ -16,7 +16,7 @@ endif()
 # is to be found.
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # A source may give its classes members of types that are its own, a header may not: here they cannot be told apart.
+  # A class of a source may have members of types of that source, a class of a header may not: here they are the same file.
   target_compile_options(troupe_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
 endif()
 target_include_directories(troupe_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)

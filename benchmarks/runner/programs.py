@@ -1,4 +1,4 @@
-"""Runs programs and measures them. Nothing that is started here outlives its call."""
+"""Runs programs and measures them. No process that is started here outlives its call."""
 import json
 import os
 import pathlib
@@ -120,7 +120,7 @@ class Stage:
         self.program = pathlib.Path(program).absolute()
 
     def seconds(self, world):
-        """Wall time of a whole run. Stage's threads now and then miss their start, and then it never ends."""
+        """Wall time of a whole run. Stage's threads sometimes miss their start; then it never ends."""
         environment = {"LD_LIBRARY_PATH": f"{self.program.parent.parent}/lib:{os.environ.get('LD_LIBRARY_PATH', '')}"}
         for attempt in range(3):
             try:

@@ -42,7 +42,7 @@ class Values:
 
     def text(self, unit="", digits=3):
         """Median, and from least to most. A negative value is printed as noise: it is the difference of a long and a short
-        run, of which the short one took longer."""
+        run, of which the short one was the longer."""
         def number(value):
             if value < 0:
                 return NOISE

@@ -5,7 +5,7 @@
 
 namespace troupe {
 
-// As the system says; "localhost" if it does not.
+// The system's host name; "localhost" if it has none.
 std::string HostName();
 
 }  // namespace troupe

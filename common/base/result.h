@@ -1,4 +1,4 @@
-// Result<T>: a value, or one Error that says where in the user's input it was found. For everything a user can get
+// Result<T>: a value, or one Error with its place in the user's input. For everything a user can get
 // wrong; broken contracts inside the program are TROUPE_CHECK.
 #pragma once
 

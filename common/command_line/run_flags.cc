@@ -71,8 +71,9 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->group(group);
   AddOverride(
       app, "--mode", overrides.mode, [](const std::string& word) { return *ParseMode(word); },
-      "lockstep (default): each tick waits for all robots, and every run gives the same result; realtime: late robots "
-      "are not waited for")
+      "lockstep (default): each tick waits for all robots, and every run gives the same result; realtime: no tick "
+      "waits "
+      "for a late robot")
       ->check(OneOf({kModeWords.begin(), kModeWords.end()}))
       ->type_name("MODE")
       ->group(group);

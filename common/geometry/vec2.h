@@ -1,4 +1,4 @@
-// Points and directions in the plane, in metres unless a name says otherwise.
+// Points and directions in the plane, in metres unless a name has another unit.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,8 +5,7 @@
 // Invariants (Validate checks them):
 // - a model's parent has a smaller id than the model;
 // - names are unique, but for removed models, and not empty; numbers are finite and within kMaxMagnitude
-// (geometry/limits.h); outlines are
-//   normalized (geometry/polygon.h);
+//   (geometry/limits.h); outlines are normalized (geometry/polygon.h);
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
 // - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;

@@ -32,7 +32,7 @@ Polygon FanOutline(const ScanFan& fan) {
   return outline;
 }
 
-// All fans together, so that overlaps are no darker; their edges tell them apart.
+// All fans together, so that overlaps are no darker; their edges distinguish them.
 void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
   std::vector<Polygon> outlines;
   for (const ScanFan& fan : drawing.fans) outlines.push_back(FanOutline(fan));

@@ -6,7 +6,7 @@
 namespace troupe::ros {
 namespace {
 
-// ASCII only, whatever the locale.
+// ASCII only, in any locale.
 bool IsDigit(char c) {
   return c >= '0' && c <= '9';
 }

@@ -33,7 +33,7 @@ struct RayShape {
   };
   // The edges by which a line passes a piece; edge i leads from vertex i to the next.
   struct Passage {
-    enum class Kind { kApart, kThrough, kUnclear } kind;  // kUnclear: too near to a vertex to tell
+    enum class Kind { kApart, kThrough, kUnclear } kind;  // kUnclear: too near to a vertex to decide
     std::uint32_t enter = 0;                              // edges, if kThrough
     std::uint32_t leave = 0;
   };

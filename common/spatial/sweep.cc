@@ -196,7 +196,7 @@ ZRange SweptHeights(const ZRange& z_in_F, const Motion& motion) {
   return {z.min + std::min(dz, 0.0), z.max + std::max(dz, 0.0)};
 }
 
-// Selects the pieces that a mover may touch on its way.
+// Selects the pieces that a mover may touch during its motion.
 class ObstacleFilter {
  public:
   ObstacleFilter(const Mover& mover, const Passage& passage)
@@ -254,7 +254,7 @@ std::optional<Contact> GroundContact(const Mover& mover, const Motion& motion) {
   return first;
 }
 
-// A piece of the mover on its way.
+// A piece of the mover during its motion.
 class MovingPiece {
  public:
   // `margin`: the largest distance, in m, of its vertices from the line between their starts and ends.

@@ -104,10 +104,10 @@ Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& 
 void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
                       const std::string& robot) {
   if (!file_) return;
-  const std::string who = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
+  const std::string robot_field = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
   const std::string line =
       fmt::format("{}{},\"dur\":{},\"name\":\"{}\",\"ph\":\"X\",\"pid\":{},\"tid\":{},\"args\":{{\"tick\":{}{}}}}},\n",
-                  kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, who);
+                  kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, robot_field);
   failed_ = std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || failed_;
 }
 

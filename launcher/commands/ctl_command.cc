@@ -165,7 +165,7 @@ void AddResetScopes(CLI::App* reset, const SharedOptions& options) {
   };
   add("--time", "Reset the time to tick 0", kResetTime);
   add("--state", "Reset the states of robots and objects", kResetState);
-  add("--spawned", "Delete all that was spawned", kResetSpawned);
+  add("--spawned", "Delete all spawned entities", kResetSpawned);
 }
 
 void AddTimeActions(CLI::App* command, const SharedOptions& options) {

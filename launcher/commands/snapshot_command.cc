@@ -41,7 +41,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("snapshot", "Draw a world at one tick");
   const auto options = std::make_shared<SnapshotOptions>();  // lives as long as the command
   command->add_option("FILE", options->file, "A Stage .world file, a JSON scenario or a ROS map .yaml")->required();
-  command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, says which kind")
+  command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, selects the format")
       ->required()
       ->type_name("FILE");
   command->add_option("--tick", options->tick, "Run to this tick first (default: 0, the world as loaded)")
@@ -70,7 +70,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->check(WholeNumber(0))
       ->type_name("S")
       ->group(run);
-  command->add_option("--controller", options->controller, "Controller of the robots that the file gives none")
+  command->add_option("--controller", options->controller, "Controller of the robots without one in the file")
       ->check(NotEmpty())
       ->type_name("NAME")
       ->group(run);

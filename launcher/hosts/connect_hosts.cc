@@ -55,7 +55,7 @@ Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, std:
     if (unready.empty()) return hosts;
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
     if (left.count() <= 0) {
-      return Failure("no word from host " + NamesOf(unready) + " within " + std::to_string(timeout.count()) +
+      return Failure("no answer from host " + NamesOf(unready) + " within " + std::to_string(timeout.count()) +
                      " s; expected its `start` command to start programs there");
     }
     WaitForNews(unready, signals, left);

@@ -182,7 +182,7 @@ void RemoteHost::Lose(const std::string& reason) {
       "host " + settings_.name + ": " + (ready_ ? "the connection is lost: " : "") + "`" + command_ + "` " + reason;
   if (!ready_)
     text += "; expected the programs of Troupe " + std::string(VersionText()) + " there, and a way to start them";
-  if (!ready_ && !last_error_line_.empty()) text += "; it said: " + last_error_line_;
+  if (!ready_ && !last_error_line_.empty()) text += "; its last line: " + last_error_line_;
   loss_ = Error{ready_ ? SourceLocation{} : settings_.where, text, ErrorCode::kFailure};
   for (auto& [id, state] : children_) {
     if (!state->end) state->end = ProcessEnd{255, 0, 0.0};

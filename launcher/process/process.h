@@ -1,5 +1,5 @@
 // Process: a child program that cannot outlive this one. The kernel sends it SIGKILL when the thread that started it
-// ends, whatever the cause, so REQUIRES: that thread lives as long as the program. The child has its own process group:
+// ends, by whatever cause, so REQUIRES: that thread lives as long as the program. The child has its own process group:
 // a terminal's Ctrl-C reaches only the parent, which then stops its children in order.
 #pragma once
 

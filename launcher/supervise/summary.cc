@@ -29,7 +29,7 @@ std::string SummaryText(const RunOutcome& outcome) {
                       outcome.processes == 1 ? "process" : "processes", run.startup_seconds);
   text += fmt::format("{} stalls, state hash {}\n", run.stalls, HashText(run.state_hash));
   if (run.rejected > 0) text += fmt::format("{} proposals rejected\n", run.rejected);
-  if (run.frames_repeated > 0) text += fmt::format("{} frames repeated\n", run.frames_repeated);
+  if (run.frames_repeated > 0) text += fmt::format("{} frames resent\n", run.frames_repeated);
   text += fmt::format("peak memory: {:.1f} MiB", outcome.service_peak_memory_mib);
   if (outcome.processes > 1) {
     text += fmt::format(" the world service, {:.1f} MiB the largest agent", outcome.agent_peak_memory_mib);
@@ -44,7 +44,7 @@ std::string SummaryText(const RunOutcome& outcome) {
     }
     text += "slowest robots: " + ListText(slowest) + "\n";
   }
-  if (!run.lost.empty()) text += "lost and not back: " + ListText(run.lost) + "\n";
+  if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
   return text;
 }
 

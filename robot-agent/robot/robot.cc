@@ -52,7 +52,7 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
   copy->manipulator_ = manipulator_;
   copy->sensors_.CopyReadings(sensors_);
   copy->failure_ = failure_;
-  if (!failure_.empty()) return copy;  // its controller is never asked again
+  if (!failure_.empty()) return copy;  // its controller is never called again
   std::string problem = "cannot be copied";
   try {
     copy->controller_ = controller_->Clone();

@@ -44,7 +44,7 @@ class Robot {
 
   RobotId id() const { return id_; }
 
-  // Measures state n, asks the controller for a command, and returns the proposal for tick n + 1. Called once for each
+  // Measures state n, calls the controller, and returns the proposal for tick n + 1. Called once for each
   // tick, in order; ticks may be missing after an absence of the agent. `trace` may be null.
   Proposal Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {},
                   TraceLane* trace = nullptr);

@@ -22,7 +22,7 @@ class ScanLog {
   // Appends lines, each with its line end.
   void Write(const std::string& lines);
 
-  // Marks that the robots start anew, perhaps at an earlier tick: writes {"edition":N}.
+  // Marks a restart of the robots, perhaps at an earlier tick: writes {"edition":N}.
   void Restart(std::uint32_t edition);
 
   // The first error of a write (a full disk); nothing is written after it.

@@ -140,7 +140,7 @@ TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   }
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_THAT(run.output(), HasSubstr("host lost: the connection is lost"));
-  EXPECT_THAT(run.output(), HasSubstr("lost and not back: r2"));
+  EXPECT_THAT(run.output(), HasSubstr("without an agent at the end: r2"));
 }
 
 TEST_F(Hosts, WithoutProgramsAreNamed) {

@@ -131,7 +131,7 @@ TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
   kill(run.Child("--robot=r1"), SIGKILL);
   EXPECT_EQ(run.program().Wait(), 0);
   EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
-  EXPECT_THAT(run.program().output(), HasSubstr("lost and not back: r1"));
+  EXPECT_THAT(run.program().output(), HasSubstr("without an agent at the end: r1"));
   nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["ticks"], 400);
   EXPECT_EQ(summary["lost"], nlohmann::json::array({"r1"}));

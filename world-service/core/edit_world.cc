@@ -32,7 +32,7 @@ void Fall(ObjectState& object) {
   object.support = std::nullopt;
 }
 
-// Ends all holds of and on the tree of `root`, and lets the objects fall that stand on it.
+// Ends all holds of and on the tree of `root`; the objects that rest on it fall.
 void Detach(StepWorkspace& workspace, ModelId root) {
   const WorldDescription& world = workspace.world();
   const std::optional<ObjectId> object = workspace.scene.object_of(root);

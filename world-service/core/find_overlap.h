@@ -1,4 +1,4 @@
-// The obstacle at a pose where an entity is to be put.
+// The obstacle at a pose for which an entity is intended.
 #pragma once
 
 #include <optional>

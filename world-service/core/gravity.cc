@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-// An object this near above a support stands on it, and is put exactly there: far more than rounding, far less than a
+// An object this near above a support rests on it, and is placed exactly there: far more than rounding, far less than a
 // picture could show.
 constexpr double kRestReach = 1e-6;  // m
 
@@ -201,7 +201,7 @@ class ObjectFall {
                                         .object = workspace_.world().objects[id.index()]});
   }
 
-  // Moves an object down; the objects that stand on it follow.
+  // Moves an object down; the objects that rest on it follow.
   void Lower(ObjectId id, double distance) {
     Pose X_WO = workspace_.next.objects[id.index()].X_WO;
     X_WO.z -= distance;

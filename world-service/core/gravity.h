@@ -6,10 +6,10 @@
 
 namespace troupe {
 
-// Puts the placed objects that stand on a support to rest on it. Nothing moves.
+// Sets the placed objects that touch a support from above to rest on it. Nothing moves.
 void FindSupports(StepWorkspace& workspace);
 
-// Lets objects fall, land and find their supports, from the lowest up. Call it when all robots have moved.
+// Moves falling objects, lands them and finds their supports, from the lowest up. Call it when all robots have moved.
 void LetObjectsFall(StepWorkspace& workspace);
 
 }  // namespace troupe

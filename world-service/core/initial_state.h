@@ -6,7 +6,7 @@
 
 namespace troupe {
 
-// Tick 0: everything where the description has it, objects that stand on a support at rest on it. An object in the air
+// Tick 0: all models at their poses in the description, objects on a support at rest on it. An object in the air
 // stays there until a contact.
 WorldState InitialState(const Scene& scene);
 

@@ -12,7 +12,7 @@ namespace troupe {
 // Moves a robot's base until its first contact, which is returned.
 std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId robot, const Twist& twist);
 
-// Moves one joint to its limit, or to the first contact, which is returned. Objects that rest on a part that goes down
+// Moves one joint to its limit, or to the first contact, which is returned. Objects that rest on a part that moves down
 // follow it and do not stop it; a held object does.
 std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId joint, double velocity);
 

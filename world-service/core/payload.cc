@@ -13,7 +13,7 @@ Payload FindPayload(const StepWorkspace& workspace, const std::function<bool(Mod
     carried[i] = true;
     payload.held.push_back(ObjectId(i));
   }
-  // Stacks grow from the bottom; each round adds the objects that stand on those of the one before.
+  // Stacks grow from the bottom; each round adds the objects that rest on those of the one before.
   for (bool grown = true; grown;) {
     grown = false;
     for (std::size_t i = 0; i < objects.size(); ++i) {

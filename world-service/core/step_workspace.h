@@ -1,4 +1,4 @@
-// StepWorkspace: a state on its way to the next one, shared by the parts of a step. Private to this folder.
+// StepWorkspace: a state between two ticks, shared by the parts of a step. Private to this folder.
 #pragma once
 
 #include <utility>
@@ -29,9 +29,9 @@ struct StepWorkspace {
   std::vector<Event> robot_events;
   std::vector<Event> object_events;
 
-  // By object: its support has to be found anew, because it was released or touched, or its support went down.
+  // By object: its support has to be found again, because it was released or touched, or its support moved down.
   std::vector<bool> needs_support;
-  std::vector<double> lowered;  // m that its support went down, so that it follows without falling
+  std::vector<double> lowered;  // m that its support moved down, so that it follows without falling
 
   const WorldDescription& world() const { return scene.world(); }
   double seconds() const { return world().interval_seconds(); }
@@ -40,7 +40,7 @@ struct StepWorkspace {
     next.objects[object.index()].X_WO = X_WO;
     bodies.Move(scene.body_of(object), X_WO);
   }
-  // A robot or a joint has touched `other`: an object that is still where a file had put it may fall from now on.
+  // A robot or a joint has touched `other`: an object that is still at its place in the file may fall from now on.
   void Touch(const std::optional<ModelId>& other) {
     const std::optional<ObjectId> object = other ? scene.object_of(*other) : std::nullopt;
     if (object && next.objects[object->index()].mode == ObjectMode::kPlaced) needs_support[object->index()] = true;

@@ -1,5 +1,5 @@
 // SessionLock: at most one world service for each session and domain on a host. The lock ends with the process,
-// whatever the cause. The transport detects services on other hosts.
+// by whatever cause. The transport detects services on other hosts.
 #pragma once
 
 #include <cstdint>

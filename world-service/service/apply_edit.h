@@ -14,7 +14,7 @@ namespace troupe {
 // Reset, load, spawn, delete, set pose.
 bool IsEdit(ControlCommand command);
 
-// `original`: the scene that a reset goes back to, which is the newest that was loaded. The error says why the edit
+// `original`: the scene that a reset restores, the newest that was loaded. The error is the reason why the edit
 // cannot be applied: an unknown name, an obstacle, bad scopes. REQUIRES: the command is an edit; `edit.world` is null
 // or as in AppliedEdit; `state` belongs to `scene`.
 Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,

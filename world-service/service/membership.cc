@@ -92,7 +92,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
     return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
                   ", the world service version " + std::to_string(kProtocolVersion));
   }
-  // Made for the world before the newest edit: the agent will join again with this one.
+  // A join for the world before the newest edit: the agent will join again for this one.
   if (join.world_edition < world_edition_) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
   if (Member* member = Find(join.agent); member != nullptr && member->present) {

@@ -35,7 +35,7 @@ struct JoinDecision {
     kAdmitted,   // `member` has its robots now
     kRepeated,   // `member` was admitted before; the answer was lost
     kRefused,    // for `reason`
-    kUndecided,  // the robot's agent may be dead or not; the joining agent will ask again
+    kUndecided,  // the robot's agent may be dead or not; the joining agent will resend its join
   };
   Outcome outcome = Outcome::kRefused;
   Member* member = nullptr;  // kAdmitted, kRepeated
@@ -82,11 +82,11 @@ class Membership {
   std::vector<Waits> WaitsOfRobots() const;
 
  private:
-  // An agent that asks for a robot of another agent.
+  // An agent that joins for a robot of another agent.
   struct Contest {
     AgentId contender = 0;
-    Tick tick = 0;       // that was next when it first asked
-    double since = 0.0;  // when it first asked
+    Tick tick = 0;       // that was next at its first join
+    double since = 0.0;  // time of its first join
   };
 
   JoinDecision Contend(RobotId robot, AgentId contender, Tick next_tick, double now);

@@ -1,4 +1,4 @@
-// NoticeList: lines for people that were not reported yet.
+// NoticeList: lines for people that are still to be reported.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// ResendTimer: when to resend a frame that an agent seems to have missed. It learns how long answers take, from those
+// ResendTimer: when to resend a frame that an agent seems to have missed. It learns the delay of answers from those
 // that arrived before a resend. Times in s, of any clock.
 #pragma once
 
@@ -41,7 +41,7 @@ class ResendTimer {
     wait_ = std::min(2.0 * wait_, kLongestWait);
     due_ = now + wait_;
   }
-  // An answer arrived twice: a resend was needless, so answers take longer than was learned.
+  // An answer arrived twice: a resend was needless, so answers need longer than was learned.
   void AnsweredTwice() { mean_ = std::min(1.25 * mean_ + 0.001, kLongestFirstWait); }
   double due() const { return due_; }
 

@@ -1,5 +1,5 @@
 // RunControl: executes the requests of tools: pause, play, step, edits and queries. It keeps the open requests, in the
-// order in which they came, and replies to each once. docs/tick-protocol.md describes the pause.
+// order of their arrival, and replies to each once. docs/tick-protocol.md describes the pause.
 //
 // A pause is quiescent when every member has answered the paused frame and no robot of an edit waits for its agent.
 // Edits and steps start in a quiescent pause only. Passive, as TickEngine.

@@ -1,8 +1,8 @@
 // RunObserver: follows a run of the world service. A run has a list of observers, several of a kind if need be; none of
 // them can change a result. An observer overrides the calls that it needs.
 //
-// Threads: OnBegin, OnEnd and the progress reports come from the thread of RunService, one at a time. OnTick and
-// OnWorldChange come from any thread, one at a time, between OnBegin and OnEnd.
+// Threads: OnBegin, OnEnd and the progress reports are called on the thread of RunService, one at a time. OnTick and
+// OnWorldChange are called on any thread, one at a time, between OnBegin and OnEnd.
 #pragma once
 
 #include <memory>
@@ -52,8 +52,8 @@ class RunObserver {
   // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
   // error ends the run, and makes it fail.
   virtual Status OnTick(const CommittedTick& tick);
-  // The frames from the next one on are of another description, after an edit. As OnTick. An error is the business of
-  // the OnTick that follows.
+  // The frames from the next one on are of another description, after an edit. As OnTick. An error is
+  // returned by the OnTick that follows.
   virtual void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition);
 
   // Progress reports. Ticks do not wait for these.

@@ -109,8 +109,8 @@ class Driver final : public WorldControl, private ServiceHandler {
     ControlReplyTo reply;
   };
 
-  // Makes a call of the coordinator's, and then executes the requests made from inside its replies.
-  // REQUIRES: the lock is held.
+  // Makes a call to the coordinator, and then executes the requests made from inside its replies.
+  // REQUIRES: mutex_ is locked.
   template <typename Call>
   void Act(const Call& call) {
     acting_ = std::this_thread::get_id();
@@ -127,7 +127,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     if (!NeedsFiles(asked.request.command)) {
       return coordinator_.Control(asked.request, std::move(asked.reply), Now());
     }
-    // Files take time, so Run reads them: no message may wait for it.
+    // Files are slow, so Run reads them: no message may wait for one.
     if (coordinator_.phase() == Phase::kOver) {
       return coordinator_.Reply(asked.request, asked.reply, Error{{}, "the run is over"});
     }
@@ -203,7 +203,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     lock.lock();
   }
 
-  // Reports progress to the observers. The lock is open meanwhile: ticks do not wait for it.
+  // Reports progress to the observers, without the lock, so that ticks do not wait for them.
   void Report(bool with_status, std::unique_lock<std::mutex>& lock) {
     const std::vector<std::string> notices = coordinator_.DrainNotices();
     const std::vector<Event> events = coordinator_.DrainEvents();
@@ -231,7 +231,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   ServiceOptions service_;
   const RunObservers observers_;
   TickTrace* const trace_;  // null: none
-  bool started_ = false;    // the observers know
+  bool started_ = false;    // reported to the observers
   std::mutex mutex_;        // guards the members below
   std::condition_variable wake_;
   std::size_t reported_agents_ = 0;  // present at the newest report

@@ -24,7 +24,7 @@ struct ServiceOptions {
   RunSettings settings;
   TraceOptions trace = {};
   std::string session;
-  double lease_seconds = kDefaultLeaseSeconds;  // an agent that the transport has not heard of for longer is gone
+  double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere

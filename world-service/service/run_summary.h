@@ -1,4 +1,4 @@
-// RunSummary: how a run went.
+// RunSummary: the outcome of a run.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct RunSummary {
   double startup_seconds = 0.0;  // from the start of RunService to the first tick
   std::uint32_t robots = 0;
   std::uint64_t stalls = 0;    // kStallBegan events
-  std::uint64_t rejected = 0;  // proposals refused, told as events or not
+  std::uint64_t rejected = 0;  // rejected proposals, reported as events or not
   std::uint64_t frames_repeated = 0;
   std::uint64_t state_hash = 0;
   std::vector<SlowRobot> slowest;  // at most five, slowest first

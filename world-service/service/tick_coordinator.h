@@ -1,5 +1,5 @@
-// TickCoordinator: a run of the world service without its threads and clock. It admits agents, and passes all else on
-// to its parts: TickEngine (barrier, step, frames), WorldEditor (edits), RunControl (requests of tools) and
+// TickCoordinator: a run of the world service without its threads and clock. It admits agents, and passes all other
+// calls to its parts: TickEngine (barrier, step, frames), WorldEditor (edits), RunControl (requests of tools) and
 // RunStatistics. docs/tick-protocol.md describes its states.
 //
 // Passive: it acts only inside the calls below, which must come one at a time, and knows the time only from `now`: wall
@@ -24,8 +24,8 @@ class TickCoordinator {
  public:
   using Phase = RunPhase;
 
-  // The endpoint and the observers outlive the coordinator. The observers are told of every tick and world change; all
-  // other calls of theirs are RunService's.
+  // The endpoint and the observers outlive the coordinator. The coordinator reports every tick and world change to
+  // the observers; all other reports are RunService's.
   TickCoordinator(const std::shared_ptr<const Scene>& scene, const CoordinatorOptions& options,
                   ServiceEndpoint& endpoint, RunObservers observers, double now);
   TickCoordinator(const TickCoordinator&) = delete;  // its parts refer to each other

@@ -2,7 +2,7 @@
 // complete, publishes the frame, resends a frame that was not answered, and applies the settings when an agent is lost.
 //
 // Passive: it acts only inside the calls below, and knows the time only from `now`: wall time in s, of a clock that
-// never goes back. So the call that delivers the last proposal of a tick also makes the step.
+// never decreases. So the call that delivers the last proposal of a tick also makes the step.
 #pragma once
 
 #include <cstdint>

@@ -27,7 +27,7 @@ class CellMap {
     }
   }
 
-  // Whether `matches(number)` is true for any of the boxes that may overlap `box`. It may be asked twice about one.
+  // Whether `matches(number)` is true for any of the boxes that may overlap `box`. It may be called twice for one.
   template <typename Matches>
   bool AnyNear(const Rectangle& box, Matches matches) const {
     const Range cells = CellsOf(box);

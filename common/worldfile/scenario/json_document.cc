@@ -109,7 +109,7 @@ class SyntaxCheck : public nlohmann::json_sax<json> {
   bool parse_error(std::size_t position, const std::string&, const json::exception& exception) override {
     message_ = Shortened(exception.what());
     // The library names the last character that it read, counting from 1; an unexpected word or number is better named
-    // by where it starts.
+    // by its start.
     offset_ = position > 0 ? position - 1 : 0;
     const bool word = message_.find("literal") < message_.find(';') || message_.find("number") != std::string::npos;
     if (word) {
@@ -148,7 +148,7 @@ struct Excess {
   std::string message;
 };
 
-// Counts brackets and commas outside strings. Works on any text, so that nothing is built from nonsense.
+// Counts brackets and commas outside strings. Works on any text, so that no document is built from a malformed one.
 std::optional<Excess> FindExcess(const std::string& text) {
   int depth = 0;
   std::size_t values = 1;

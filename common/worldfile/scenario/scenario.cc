@@ -16,7 +16,7 @@
 namespace troupe {
 namespace {
 
-// Reads a file that the scenario names. If it cannot be opened at all, the scenario's line is to blame.
+// Reads a file that the scenario names. If it cannot be opened at all, the error names the scenario's line.
 Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const AllowedPaths& allowed,
                             const ScenarioTools& tools) {
   const std::string path = (std::filesystem::path(directory) / name.text).lexically_normal().string();
@@ -81,7 +81,7 @@ std::optional<ControllerDescription> DefaultController(const ScenarioFile& file,
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
-  // The tree only names the map: whether it can be read would show too late to blame the right line.
+  // The tree only names the map: an unreadable one would be found too late to name the right line.
   const Result<MapYaml> map = ReadMapYaml(path, {path}, allowed);
   if (!map.ok()) return map.error();
   return MapYamlTree(path);

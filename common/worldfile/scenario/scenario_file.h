@@ -16,7 +16,7 @@
 
 namespace troupe {
 
-// A text and where the scenario says it.
+// A text and its place in the scenario.
 struct PlacedText {
   std::string text;
   SourceLocation where;
@@ -29,7 +29,7 @@ struct ControllerEntry {
 
 struct PoseEntry {
   Pose pose;           // m, rad; frame: the parent's
-  bool has_z = false;  // z was said
+  bool has_z = false;  // z is given
   SourceLocation where;
 };
 
@@ -79,11 +79,11 @@ struct ScenarioFile {
   std::vector<Warning> warnings;
 };
 
-// Of all rules together: keeps a slip of the pen from filling the memory.
+// Of all rules together: a typing error must not fill the memory.
 inline constexpr std::uint32_t kMaxSpawned = 20'000;
 
-// REQUIRES: the document keeps to the schema. `directory` is where relative paths of bitmaps and controller libraries
-// start.
+// REQUIRES: the document is valid by the schema. `directory` is where relative paths of bitmaps and controller
+// libraries start.
 Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
                                       std::uint32_t max_spawned = kMaxSpawned);
 

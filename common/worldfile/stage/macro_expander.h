@@ -14,7 +14,7 @@ namespace troupe {
 
 // Nodes inside each other, and macros made from each other.
 inline constexpr int kMaxNesting = 200;
-// Nodes and properties of a whole world, after all defines were applied: a few lines can ask for any number.
+// Nodes and properties of a whole world, after all defines were applied: a few lines can expand to any number.
 inline constexpr std::size_t kMaxItems = 4'000'000;
 
 class MacroExpander {

@@ -12,7 +12,7 @@ namespace troupe {
 bool IsModelType(const std::string& type);
 
 // The names of `parent`'s children in their order, without the parent's: the property "name", or TYPE:N where N counts
-// the children of that type before this one. Children that are no models get "".
+// the children of that type before this one. The name of a child that is no model is "".
 std::vector<std::string> ChildNames(const WorldNode& parent);
 
 // The full name of a child: "parent.child", or, for a name that starts with a slash, the rest of it.

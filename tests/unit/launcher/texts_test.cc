@@ -70,7 +70,7 @@ TEST(Summary, ShowsLostRobotsAndMemory) {
   std::string text = SummaryText(SomeOutcome());
   EXPECT_THAT(text, HasSubstr("2 robots, 3 processes"));
   EXPECT_THAT(text, HasSubstr("8.5 MiB the largest agent"));
-  EXPECT_THAT(text, HasSubstr("lost and not back: r0"));
+  EXPECT_THAT(text, HasSubstr("without an agent at the end: r0"));
   EXPECT_THAT(text, Not(HasSubstr("stopped before its end")));
 }
 

@@ -47,7 +47,7 @@ class Recorder final : public RunObserver {
   void AppendJoints(const WorldState& state);
   void AppendGrippers(const WorldState& state);
   void AppendObjects(const WorldState& state);
-  // The world has joints or objects, and the files say so; the poses, if the first world had.
+  // Whether the files contain joints and objects: the record if the world has any, the poses if the first world had.
   bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
   const WorldDescription* world_;

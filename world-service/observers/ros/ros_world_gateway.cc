@@ -76,7 +76,7 @@ class RosWorldGateway final : public RunObserver {
   }
 
  private:
-  // Puts `services` in the place of the ones before, and ends those.
+  // Replaces the services, and ends the ones before.
   void ExchangeServices(std::unique_ptr<SimulationServices> services) {
     {
       const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
 // ServiceGroup<Self>: the base of a class that answers requests of ROS by requests to the control of the run. The
-// answer may arrive after the group has gone; then it is dropped. So a group is always held by a shared_ptr.
+// answer may arrive after the end of the group; then it is dropped. So a group is always owned by a shared_ptr.
 #pragma once
 
 #include <memory>

@@ -34,8 +34,8 @@ struct StepGoal : ros::ActionGoal {
 
 }  // namespace
 
-// The control calls Begin, Finish and Publish while it holds a lock of its own. So the server sends it no request while
-// it holds mutex_.
+// The control calls Begin, Finish and Publish with its own mutex locked. So the server sends it no request while mutex_
+// is locked.
 class StepAction::Server : public ServiceGroup<Server> {
  public:
   explicit Server(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}

@@ -1,5 +1,5 @@
-// StepAction: the action simulation_interfaces/SimulateSteps. A goal lets a paused run make a number of ticks and pause
-// again, with feedback after each tick.
+// StepAction: the action simulation_interfaces/SimulateSteps. A goal steps a paused run by a number of ticks and pauses
+// it again, with feedback after each tick.
 #pragma once
 
 #include <memory>

@@ -87,7 +87,7 @@ bool IsUsable(const Rectangle& r) {
          std::max({std::fabs(r.min_x), std::fabs(r.min_y), std::fabs(r.max_x), std::fabs(r.max_y)}) <= kMaxMagnitude;
 }
 
-// The body in the model's frame M, checked to be one that a world may hold; an empty shape after an error.
+// The body in the model's frame M, checked for validity in a world; an empty shape after an error.
 Shape Placed(PropertyReader& reader, const Pose& X_MD, Shape body) {
   const std::string culprit = reader.node().Find("origin") != nullptr ? "origin" : "size";
   const auto fail = [&](const std::string& fault) {

@@ -1,4 +1,4 @@
-// Where the break beams of a gripper are. Private to this folder.
+// The places of the break beams of a gripper. Private to this folder.
 #pragma once
 
 #include <vector>

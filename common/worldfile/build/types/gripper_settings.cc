@@ -9,7 +9,7 @@
 namespace troupe {
 namespace {
 
-// Stage moves paddles and lift by a twentieth of their way at each update.
+// Stage moves paddles and lift by a twentieth of their travel at each update.
 constexpr double kStageUpdates = 20.0;
 
 std::optional<PartName> ReadPart(PropertyReader& reader, const std::string& property) {
