@@ -27,7 +27,7 @@ class TransportRig {
 struct TransportCase {
   std::string name;
   std::function<std::unique_ptr<TransportRig>()> make;  // a session of its own
-  bool loses = false;                                   // frames, so that observers must ask again
+  bool loses = false;                                   // frames, so that observers must resend requests
   std::uint64_t ticks = 40;                             // length of the whole runs
 };
 

@@ -1,6 +1,7 @@
-// The core by itself, without files, controllers or transports: a crowd of robots among standing models. The constants
+// The core by itself, without files, controllers or transports: a crowd of robots among static models. The constants
 // are the same on every machine and with every compiler flag set that the project has; if they change without intent,
-// runs are no longer repeatable. After an intended change of behaviour, take over the values that the test prints.
+// runs are no longer repeatable. After an intended change of behaviour, replace them by the values that the test
+// prints.
 #include <gtest/gtest.h>
 
 #include "common/base/hash.h"
@@ -20,7 +21,7 @@ WorldDescription Crowd() {
   return test::RandomWorld(kSeed, 12.0, 25, 60);
 }
 
-// Twists that depend on nothing but robot, tick and whether the robot is stalled.
+// Twists that depend only on the robot, the tick and the robot's stall flag.
 std::vector<Proposal> Proposals(const WorldState& state) {
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i < state.robots.size(); ++i) {

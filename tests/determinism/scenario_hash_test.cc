@@ -1,4 +1,4 @@
-// Whole scenarios, with sensors and controllers, against hashes that were seen before: a change that moves any robot by
+// Whole scenarios, with sensors and controllers, compared with recorded hashes: a change that moves any robot by
 // one bit in any tick shows here. A commit that intends such a change gives the reason, and replaces the hashes.
 #include <gtest/gtest.h>
 

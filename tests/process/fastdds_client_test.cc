@@ -107,7 +107,8 @@ struct GripperRun {
   std::string hashes;
 };
 
-// Anna's gripper gets goals: an intermediate opening, impossible ones, her box, and open again; the last is cancelled.
+// Anna's gripper receives goals: an intermediate opening, impossible ones, her box, and open again; the last is
+// cancelled.
 GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   const std::string session = TestSession(hashes);
   Program run = RunWithRos("hands.json", {"--paused", "--session", session, "--hash-log", folder.Path(hashes)});

@@ -1,5 +1,5 @@
 // The scenarios with grippers give the same hash at each tick, over DDS with a process for each robot and in one
-// process, and end with a hash that was seen before: a run begins with a state of its own, which the library's hashes
+// process, and end with a recorded hash: a run begins with a state of its own, which the library's hashes
 // do not check.
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -46,7 +46,7 @@ TEST(ManipulationOverDds, MarinaIsTheSame) {
 TEST(ManipulationOverDds, LabIsTheSame) {
   ExpectSameHashes("lab", "450", "8d1da5bfc7d57d2b");
 }
-// Ten robots, until the beam has been handed over and laid down.
+// Ten robots, until the beam has been handed over and set down.
 TEST(ManipulationOverDds, RelayIsTheSame) {
   ExpectSameHashes("relay", "600", "69906419cd8f68ef");
 }

@@ -40,7 +40,7 @@ TEST(BodyIndexProperty, QueryMissesNoRobotWhileTheyMove) {
     RandomStream random(seed + 5'000'000);
     double half_width = random.Uniform(2.0, 30.0);
     test::TestWorld test;
-    // Few are looked at one by one, and many are in a grid.
+    // A few are tested one by one, many are in a grid.
     const std::size_t count = seed % 3 == 0 ? 257 + random.Index(100) : 1 + random.Index(80);
     for (std::size_t i = 0; i < count; ++i) {
       test.AddRobot(test::RandomStar(random, Vec2::Zero(), 0.1, 0.4), {0.0, 1.0}, RandomPose(random, half_width));

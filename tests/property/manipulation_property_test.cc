@@ -22,7 +22,7 @@ using test::Square;
 // An object that lands is placed exactly on its support, from at most this distance.
 constexpr double kTolerance = 2e-6;  // m
 
-// How deep two prisms are in each other: the shortest way out.
+// The depth to which two prisms overlap: the shortest motion that separates them.
 double Depth(const ConvexPiece& a, const ConvexPiece& b) {
   const double height = std::min(a.z.max, b.z.max) - std::max(a.z.min, b.z.min);
   if (height <= 0.0 || !BoundingBox(a.vertices).Overlaps(BoundingBox(b.vertices))) return 0.0;

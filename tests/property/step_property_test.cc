@@ -120,17 +120,17 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     const Twist twist{random.Uniform(0.0, 80.0), random.Uniform(-5.0, 5.0), random.Uniform(-30.0, 30.0)};
     const WorldState end = Step(scene, start, std::vector<Proposal>{{RobotId(0), twist}}).state;
     WorldState probe = start;
-    double met_at = 1.0;  // s
+    double contact_at = 1.0;  // s
     for (int step = 0; step <= kSteps; ++step) {
       const double time = 0.1 * step / kSteps;
       probe.robots[0].X_WR = start.robots[0].X_WR * Integrate(twist, time);
       if (DeepestOverlap(scene, probe) <= kTouchTolerance) continue;
-      met_at = time;
+      contact_at = time;
       break;
     }
     if (!end.robots[0].stalled) {
       ++free;
-      ASSERT_EQ(met_at, 1.0) << "seed " << seed;
+      ASSERT_EQ(contact_at, 1.0) << "seed " << seed;
       continue;
     }
     ++stalls;
@@ -140,7 +140,7 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     const std::optional<Contact> contact =
         FirstContact(scene, index, MoverOf(scene, own), {start.robots[0].X_WR, twist, 0.0, 0.1});
     ASSERT_TRUE(contact.has_value());
-    ASSERT_LE(contact->time, met_at) << "seed " << seed;
+    ASSERT_LE(contact->time, contact_at) << "seed " << seed;
     // A millimetre further there is overlap.
     const double millimetre = 1e-3 / (std::hypot(twist.vx, twist.vy) + std::abs(twist.wz) * scene.max_body_radius());
     bool met = false;

@@ -1,4 +1,4 @@
-// The exact sweep against brute force: many small time steps.
+// The exact sweep compared with brute force: many small time steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Ray casting in real worlds, from where robots are and from anywhere, against brute force.
+// Ray casting in real worlds, from the poses of robots and from random ones, compared with brute force.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -36,7 +36,7 @@ class WorldRays {
     for (std::size_t i = 0; i < scene_.body_count(); ++i) Extend(bodies_.pieces_in_world(BodyId(i)));
   }
 
-  // Casts from where the state has the robots, at the heights of their sensors, and from anywhere at any height.
+  // Casts from the robots' poses at the heights of their sensors, and from random places and heights.
   void Compare() {
     bodies_.Assign(state_);
     const BruteForceRays brute_force(scene_.world(), state_);

@@ -17,7 +17,7 @@ class SmallWorld {
     world_.seed = 1;
   }
 
-  // A standing box of the given size (m) with its centre at (x, y), and its material over `z`.
+  // A static box of the given size (m) with its centre at (x, y), and its material over `z`.
   ModelDescription& AddBox(const std::string& name, double x, double y, double size_x, double size_y, ZRange z) {
     return AddModel(name, std::nullopt, {x, y, 0.0, 0.0}, size_x, size_y, z);
   }

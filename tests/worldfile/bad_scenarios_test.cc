@@ -16,7 +16,7 @@ struct BadScenario {
   std::string message;  // behind the scenario's path
 };
 
-// The office holds: walls, table0.., chair0.., ..., and the defines of worlds/include.
+// The office contains walls, table0.., chair0.., ..., and the defines of worlds/include.
 std::string InOffice(const std::string& rest) {
   return "{\"world\": \"../office.world\",\n" + rest + "}";
 }

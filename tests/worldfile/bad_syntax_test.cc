@@ -171,7 +171,7 @@ TEST(BadSyntax, NestingHasALimit) {
             "w.world:1:1201: error: found more than 200 models inside each other, expected fewer");
 }
 
-// m0 holds two m1, which hold two m2 each, and so on.
+// m0 contains two m1, which contain two m2 each, and so on.
 std::string MacroTower(int height, int children) {
   std::string text;
   for (int i = 0; i < height; ++i) {

@@ -1,4 +1,4 @@
-// Values that make no world: properties, blocks, bitmaps, robots, rangers.
+// Invalid values: properties, blocks, bitmaps, robots, rangers.
 #include <gtest/gtest.h>
 
 #include "tests/worldfile/world_folder.h"

@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-// Loads a world that has to be good: its description is checked, too.
+// Loads a world that has to be valid: its description is checked, too.
 LoadedWorld LoadGood(const std::string& text) {
   LoadedWorld loaded = WorldFolder().LoadText(text);
   const Status status = Validate(loaded.world);

@@ -84,8 +84,8 @@ class ScenarioRun {
   }
 
   Simulation simulation_;
-  Scene scene_;      // of the same world, for questions about contacts
-  BodyIndex index_;  // holds a state only inside such a question
+  Scene scene_;      // of the same world, for queries about contacts
+  BodyIndex index_;  // at a state only during such a query
   std::vector<Event> events_;
   std::vector<bool> ever_stalled_;
 };

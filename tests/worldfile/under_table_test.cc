@@ -89,7 +89,7 @@ class LabTable : public testing::Test {
     return LoadAndRun(LoadScenarioText(text, SourceFolder() + "/worlds/include/lab.json"), ticks);
   }
 
-  // The place of the obstacle in the guest's way.
+  // The place of the obstacle on the guest's path.
   static Pose MetPose(ScenarioRun& run) {
     const std::string name = run.MetWithinOneMillimetre("guest");
     const WorldDescription& world = run.scene().world();

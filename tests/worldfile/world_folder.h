@@ -13,7 +13,7 @@ namespace troupe {
 
 class WorldFolder {
  public:
-  // Holds the files that the tables of bad worlds name: bad.inc, open.inc, loop.inc, back.inc, text.png, cut.pgm,
+  // Has the files that the tables of bad worlds name: bad.inc, open.inc, loop.inc, back.inc, text.png, cut.pgm,
   // bomb.pgm, map.pgm and a folder.
   WorldFolder();
   ~WorldFolder();
@@ -25,7 +25,7 @@ class WorldFolder {
 
   // The whole message of the error, with paths from the folder on; "" without an error.
   std::string ErrorOf(const std::string& name) const;
-  // Loads a world that has to be good. Warnings are checked with WarningsOf.
+  // Loads a world that has to be valid. Warnings are checked with WarningsOf.
   LoadedWorld Load(const std::string& name, const LoadOverrides& overrides = {}) const;
   // Writes the text as "w.world" and loads it.
   LoadedWorld LoadText(const std::string& text, const LoadOverrides& overrides = {}) const;

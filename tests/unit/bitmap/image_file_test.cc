@@ -149,7 +149,7 @@ TEST_F(ImageFile, DamagedPngNeverCrashes) {
   }
 }
 
-// A header that asks for far more than the file can hold is refused before memory is allocated.
+// A header with a size far beyond that of the file is refused before memory is allocated.
 TEST_F(ImageFile, PngBombIsRefused) {
   std::string bomb = ReadAll(WriteImage({1, 1, 8, PNG_COLOR_TYPE_GRAY, false, {{0}}, {}}));
   const auto set_size = [&bomb](std::uint32_t width, std::uint32_t height) {

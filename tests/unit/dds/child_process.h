@@ -1,4 +1,4 @@
-// ChildProcess: a program started by a test and surely ended with it.
+// ChildProcess: a program started by a test, which ends with it.
 #pragma once
 
 #include <sys/types.h>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 300;
 
-// Through the wire type and back, where possible into a message that already holds something else.
+// Through the wire type and back, where possible into a message that already has another content.
 template <typename Message>
 void ExpectRoundTrip(Message (test::RandomMessages::*make)()) {
   test::RandomMessages random(1);

@@ -123,7 +123,7 @@ TEST_F(DdsObserverTest, AGapIsClosedByAWholeFrameOnRequest) {
   service.SendSession(SomeSession(0));
   ASSERT_TRUE(observer.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
   ASSERT_TRUE(Eventually([&] { return service.IsFound(); }));
-  // It joins: it asks until it is answered.
+  // It joins: it resends its request until it is answered.
   ASSERT_TRUE(Eventually([&] { return service.ReadRequests() > 0; }));
   service.SendWhole(FrameOf(1));
   ASSERT_TRUE(observer.Sees(1));

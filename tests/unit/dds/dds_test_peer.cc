@@ -1,4 +1,4 @@
-// A process at the other end, for tests that end one: "agent" joins the session that it finds, "observer" follows it,
+// A peer process, for tests that kill one: "agent" joins the session that it finds, "observer" follows it,
 // "service" offers one. Each stays until SIGTERM.
 //   dds_test_peer agent|observer|service DOMAIN SESSION ID LEASE
 #include <sys/prctl.h>

@@ -122,7 +122,7 @@ class DdsTransportTest : public testing::Test {
     port_ = made.discovery_port;
     return std::move(made.transport);
   }
-  // Agents find the service where it really is: another session may have the first port.
+  // Agents need the real port of the service: another session may have the first one.
   DdsOptions AgentOptions() const {
     DdsOptions options = options_;
     options.service_address = "127.0.0.1:" + std::to_string(port_);
@@ -343,7 +343,7 @@ TEST_F(DdsTransportTest, EachOfTwoRivalServicesDiscoversTheOther) {
   EXPECT_EQ(1u, second.Heard(second.rivals)[0].run);
 }
 
-// A tool that asks is heard as soon as the service has found its writer; its reader may be found later.
+// The service receives the request of a tool as soon as it has discovered its writer, perhaps before its reader.
 TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
   const auto service_transport = MakeServiceTransport();
   Service service;

@@ -35,7 +35,7 @@ class Changes {
  public:
   explicit Changes(std::uint64_t seed) : engine_(seed) {}
 
-  // Changes some of everything, and often nothing of a kind.
+  // Changes some values of each kind, and often none of one kind.
   void Make(WorldState& state) {
     for (RobotState& robot : state.robots) {
       for (double* number : {&robot.X_WR.x, &robot.X_WR.y, &robot.X_WR.z, &robot.X_WR.heading, &robot.twist.vx,
@@ -87,21 +87,21 @@ class Changes {
 TEST(FrameChangesTest, BringTheFrameBeforeUpToTheSameBits) {
   Changes changes(1);
   FrameMessage frame = FirstFrame();
-  FrameMessage taken;
+  FrameMessage received;
   {
     WireArena arena;
-    ASSERT_TRUE(FromWire(ToWire(frame, arena), taken).ok());
+    ASSERT_TRUE(FromWire(ToWire(frame, arena), received).ok());
   }
   for (int tick = 0; tick < 2000; ++tick) {
     FrameMessage next = Next(frame);
     if (tick % 3 != 0) changes.Make(next.state);
     WireArena arena;
     const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
-    ASSERT_TRUE(CanRead(wire, taken));
-    const Status problem = FromWire(wire, taken);
+    ASSERT_TRUE(CanRead(wire, received));
+    const Status problem = FromWire(wire, received);
     ASSERT_TRUE(problem.ok()) << problem.error().message;
-    ASSERT_EQ(taken, next) << "tick " << tick;
-    ASSERT_EQ(StateHash(taken.state), StateHash(next.state)) << "tick " << tick;
+    ASSERT_EQ(received, next) << "tick " << tick;
+    ASSERT_EQ(StateHash(received.state), StateHash(next.state)) << "tick " << tick;
     frame = next;
   }
 }

@@ -17,7 +17,7 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   options.domain = test::TestDomain();
   const std::string prefix = test::TestSession("monitor");
   SessionMonitor monitor(options.domain, "lo");
-  // Sessions of other tests may be around.
+  // Sessions of other tests may exist.
   std::vector<SessionInfo> seen;
   const auto sees = [&](std::size_t count) {
     return Eventually([&] {

@@ -84,7 +84,7 @@ TEST_F(GripperMachineTest, ReachesAnOpeningFromBothSides) {
   Tick();
   EXPECT_EQ(state(), FingerState::kClosing);
   Tick(4);
-  EXPECT_EQ(state(), FingerState::kClosed);  // not all the way open
+  EXPECT_EQ(state(), FingerState::kClosed);  // not fully open
   EXPECT_NEAR(hand_.position(Hand::kLeft), 0.15, 1e-12);
   machine_->SetOpening(0.9);
   Tick();

@@ -81,7 +81,7 @@ TEST_F(JointMotorTest, ReportsABlockingContactButKeepsProposing) {
   for (int i = 0; i < 10; ++i) Tick();
   EXPECT_EQ(state().position, 0.52);
   EXPECT_FALSE(motor_.moving(state()));
-  motor_.MoveTo(0.3);  // the contact of the last motion does not block the way back
+  motor_.MoveTo(0.3);  // the contact of the last motion does not block the motion back
   EXPECT_TRUE(motor_.moving(state()));
   motor_.MoveTo(1.0);
   hand_.stops[Hand::kLift] = 2.0;

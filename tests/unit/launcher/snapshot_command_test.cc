@@ -177,7 +177,7 @@ TEST_F(SnapshotCommandTest, LeavesAnOlderPictureAloneWhenTheWorldIsBad) {
 }
 
 TEST_F(SnapshotCommandTest, ADiskThatIsFullIsAFailure) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this host";
   std::filesystem::create_symlink("/dev/full", Path("full.png"));
   EXPECT_EQ(Run(Good("full.png")), 3);
   EXPECT_THAT(message_, HasSubstr("cannot write: No space left on device"));

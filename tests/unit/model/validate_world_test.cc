@@ -29,7 +29,7 @@ WorldDescription GoodWorld() {
 TEST(Validate, AcceptsAGoodWorld) {
   const Status problem = Validate(GoodWorld());
   EXPECT_TRUE(problem.ok()) << problem.error().message;
-  EXPECT_TRUE(Validate(WorldDescription{}).ok()) << "nothing at all is a world, too";
+  EXPECT_TRUE(Validate(WorldDescription{}).ok()) << "an empty description is valid, too";
 }
 
 TEST(Validate, NamesTheFault) {

@@ -99,7 +99,7 @@ Pixel ToPixel(const Color& color) {
   return {byte(color.r), byte(color.g), byte(color.b)};
 }
 
-// A drawn PNG, to be looked at by places in the world.
+// A drawn PNG, whose pixels are read by places in the world.
 class Picture {
  public:
   Picture(const WorldMaker& maker, PictureOptions options = {}, const std::vector<ScanFan>& fans = {}) {

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr double kLong = 30.0;  // s; no test waits for so long unless it fails
+constexpr double kLong = 30.0;  // s; only a failing test waits for so long
 
 TEST(DeliveryThread, CallsInTheOrderOfPosting) {
   std::vector<int> calls;

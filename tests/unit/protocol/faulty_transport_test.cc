@@ -106,7 +106,7 @@ TEST(FaultyTransport, DuplicatesMessages) {
 TEST(FaultyTransport, ReordersMessages) {
   Faults faults;
   faults.reorder = 0.5;
-  const std::vector<Tick> ticks = Send(faults);  // the last one may be held for ever
+  const std::vector<Tick> ticks = Send(faults);  // the last one may never be delivered
   EXPECT_GE(ticks.size(), kFrames - 1);
   EXPECT_FALSE(std::is_sorted(ticks.begin(), ticks.end()));
 }

@@ -73,7 +73,7 @@ TEST(TickBarrier, WaitsForAMemberThatIsAddedWhileItIsOpen) {
   barrier.Arrive(1);
   barrier.AddMember(2);
   EXPECT_THAT(barrier.Missing(), ElementsAre(2));
-  barrier.AddMember(1);  // has arrived, and stays so
+  barrier.AddMember(1);  // has arrived, which does not change
   EXPECT_THAT(barrier.Missing(), ElementsAre(2));
 }
 

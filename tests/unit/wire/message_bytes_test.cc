@@ -112,7 +112,7 @@ TYPED_TEST(MessageBytesTest, ATruncatedSampleIsRefused) {
   }
 }
 
-// They may happen to be a message, but are never read beyond their end; sanitizers see that.
+// They may happen to be a message, but are never read beyond their end, which sanitizers would report.
 TYPED_TEST(MessageBytesTest, SpoiledBytesAreSafe) {
   std::mt19937_64 engine(7);
   for (int round = 0; round < 2000; ++round) {

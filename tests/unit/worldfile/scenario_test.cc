@@ -27,7 +27,7 @@ Result<LoadedWorld> Load(const std::string& text, const LoadOverrides& overrides
   return LoadScenarioText(text, WorldsFolder() + "/scenarios/test.json", overrides);
 }
 
-// Loads a scenario that must be good.
+// Loads a scenario that must be valid.
 LoadedWorld MustLoad(const std::string& text, const LoadOverrides& overrides = {}) {
   Result<LoadedWorld> loaded = Load(text, overrides);
   EXPECT_TRUE(loaded.ok()) << loaded.error().ToString();
