@@ -73,7 +73,7 @@ Status CheckShape(const Shape& shape) {
 Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
   if (model.name.empty()) return Problem("it has no name");
-  if (model.parent && model.parent->index() >= index) return Problem("its parent does not come before it");
+  if (model.parent && model.parent->index() >= index) return Problem("its parent does not precede it");
   if (model.shape.index() >= world.shapes.size()) return Problem("it names a shape that does not exist");
   if (!IsUsable(model.X_PM)) return Problem("its pose is not finite or too far away");
   if (!AreUsable({model.size_x, model.size_y, model.size_z})) return Problem("its size is not finite or too large");

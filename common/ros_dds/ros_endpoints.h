@@ -67,7 +67,7 @@ class RosReader {
   template <typename Consume>
   void Drain(const Consume& consume) {
     if (!arrived_->load()) return;
-    arrived_->store(false);  // before take(): a message that arrives now is taken, or sets the flag again
+    arrived_->store(false);  // before take(): a message that arrives now is consumed, or sets the flag again
     try {
       for (;;) {
         const dds::LoanedSamples<T> samples = reader_.take();

@@ -2,7 +2,7 @@
 // sensor_registry.cc.
 //
 // A reading is a pure function of the world description (with its seed), the state and the tick: every process that
-// holds the state (agent, viewer, replay, picture) measures the same bits.
+// has the state (agent, viewer, replay, picture) measures the same bits.
 //
 // Threads: a sensor is immutable; several threads may measure with it, each with a BodyIndex of its own.
 #pragma once

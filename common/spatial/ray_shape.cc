@@ -32,7 +32,7 @@ RayShape::Passage RayShape::Pass(const Piece& piece, const Vec2& direction, doub
   using Kind = Passage::Kind;
   constexpr std::uint32_t kBits = 32;
   if (piece.vertex_count > kBits) return {Kind::kUnclear};
-  // All numbers of the pieces that a line comes near are of the size of the body, so they are exact enough by far.
+  // All numbers of the pieces near a line are of the size of the body, so they are exact enough by far.
   const auto margin = static_cast<float>(1e-6 * (radius + std::abs(across)) + 1e-7);  // m
   const auto dx = static_cast<float>(direction.x());
   const auto dy = static_cast<float>(direction.y());

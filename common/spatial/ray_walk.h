@@ -78,8 +78,8 @@ void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const 
   const std::int64_t end = static_cast<std::int64_t>(rows.count) << kBits;
   const double first_row_left = from_row + first_left * rows_per_metre;
   auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
-  // If a ray enters at a corner, rounding may put its exit from the first column on the wrong side of the edge; and if
-  // it passes from corner to corner, it may put the rows in which it enters and leaves two apart.
+  // If a ray enters at a corner, rounding may place its exit from the first column on the wrong side of the edge; and
+  // if it passes from corner to corner, the rows in which it enters and leaves may be two apart.
   if (rows_per_metre >= 0.0) row_left = std::max<std::int64_t>(row_left, 0);
   if (rows_per_metre <= 0.0) row_left = std::min(row_left, end - 1);
   const auto first_left_row = static_cast<std::int32_t>(row_left >> kBits);

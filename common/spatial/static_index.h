@@ -39,9 +39,9 @@ class StaticIndex {
     return {vertices_.data() + piece.first_vertex, piece.vertex_count};
   }
 
-  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes and that hold any, in
+  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes and that have any, in
   // order, with a distance before which it does not enter each part, until `visit` returns false. Every piece that the
-  // ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may come several
+  // ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may occur several
   // times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,

@@ -1,4 +1,4 @@
-// Payload: the objects that part of a robot carries when it moves.
+// Payload: the objects that a part of a robot carries when it moves.
 #pragma once
 
 #include <functional>

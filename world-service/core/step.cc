@@ -123,7 +123,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
   StepWorkspace workspace(scene, state, std::move(bodies));
   workspace.next.tick = state.tick + 1;
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = (workspace.next.tick + k) % count;  // so that no robot always goes first
+    const std::size_t i = (workspace.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
   DropLostObjects(workspace);

@@ -11,7 +11,7 @@ namespace troupe {
 
 class SessionLock {
  public:
-  // The error names the process that holds the lock.
+  // The error names the process that owns the lock.
   static Result<SessionLock> Acquire(std::uint32_t domain, const std::string& session);
 
   SessionLock(SessionLock&& other) noexcept;

@@ -22,7 +22,7 @@ namespace troupe {
 struct RunStart {
   RunId run = 0;
   const RunSettings& settings;
-  const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which holds the seed
+  const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which has the seed
   WorldControl& control;                      // valid until OnEnd returns
 };
 

@@ -2,8 +2,8 @@
 // calls to its parts: TickEngine (barrier, step, frames), WorldEditor (edits), RunControl (requests of tools) and
 // RunStatistics. docs/tick-protocol.md describes its states.
 //
-// Passive: it acts only inside the calls below, which must come one at a time, and knows the time only from `now`: wall
-// time in s, of a clock that never goes back.
+// Passive: it acts only inside the calls below, which must be made one at a time, and knows the time only from `now`:
+// wall time in s, of a clock that never decreases.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,8 @@ struct PublicationData {
   std::vector<std::string> partitions;
 };
 
-// Nothing if the writer is gone. `publication` is a SampleInfo's publication_handle. Not to be called from a listener.
+// Nothing if the writer has ended. `publication` is a SampleInfo's publication_handle. Not to be called from a
+// listener.
 std::optional<PublicationData> MatchedPublicationData(dds_entity_t reader, dds_instance_handle_t publication);
 
 }  // namespace troupe::dds

@@ -1,4 +1,4 @@
-// Qos: a set of policies as a value. Policies that were not set take the default of DDS.
+// Qos: a set of policies as a value. Policies that were not set have the default of DDS.
 //   Qos() << Reliability::Reliable(1.0) << History::KeepLast(1)
 // Durations are in seconds.
 #pragma once

@@ -15,7 +15,8 @@ constexpr double kRequestPeriod = 0.05;  // s
 
 // Waking for each frame is most of the cost of an observer: ten of them would use a fifth of the processor time of 100
 // agents that only answer. So an observer wakes at most once in kGatherTime. Frames that follow each other within
-// kSameBurst were read without waiting. Long frames are read at once, because a socket holds few of them.
+// kSameBurst were read without waiting. Long frames are read at once, because a socket's buffer has room for few of
+// them.
 constexpr std::chrono::milliseconds kGatherTime(20);
 constexpr std::chrono::microseconds kSameBurst(100);
 constexpr std::size_t kShortFrameRows = 500;

@@ -34,7 +34,7 @@ struct Property {
 };
 
 // A model, a sensor, a block, or (the root) the world. Defines are already applied: the macro's properties and children
-// come first, then the instance's own; of two properties with one name the later one counts.
+// precede the instance's own; of two properties with one name the later one counts.
 struct WorldNode {
   std::string type;                  // the base type: "position", "sensor", "block", ...
   std::vector<std::string> macros;   // names of the defines it was made from, outermost first

@@ -22,7 +22,7 @@ class EditWorldTest : public testing::Test {
     state = InitialState(*scene);
   }
   // The reason of a refusal; "" if there was none.
-  std::string Take(Result<EditedWorld> edited) {
+  std::string Apply(Result<EditedWorld> edited) {
     if (!edited.ok()) return edited.error().ToString();
     EXPECT_TRUE(Validate(edited.value().scene->world()).ok());
     scene = edited.value().scene;
@@ -30,10 +30,10 @@ class EditWorldTest : public testing::Test {
     events = edited.value().events;
     return "";
   }
-  std::string Set(const std::string& name, const Pose& pose) { return Take(SetPose(scene, state, name, pose)); }
-  std::string Delete(const std::string& name) { return Take(DeleteEntity(scene, state, name)); }
+  std::string Set(const std::string& name, const Pose& pose) { return Apply(SetPose(scene, state, name, pose)); }
+  std::string Delete(const std::string& name) { return Apply(DeleteEntity(scene, state, name)); }
   std::string Spawn(const WorldDescription& spawned, const std::string& name, const Pose& pose) {
-    return Take(SpawnEntity(scene, state, spawned, name, pose));
+    return Apply(SpawnEntity(scene, state, spawned, name, pose));
   }
   void Step(const std::vector<GripperDemand>& demands, int ticks = 1) {
     GripperRun run(scene->world());

@@ -22,7 +22,7 @@ DriveDescription MakeDrive(DriveType type) {
   return drive;
 }
 
-Twist Settle(const DriveDescription& drive, const Command& command) {
+Twist FinalTwist(const DriveDescription& drive, const Command& command) {
   Twist twist;
   for (int i = 0; i < 100; ++i) twist = DriveTowards(drive, twist, command, kTickLength);
   return twist;
@@ -30,23 +30,23 @@ Twist Settle(const DriveDescription& drive, const Command& command) {
 
 TEST(DriveTest, DifferentialDriveReachesItsCommand) {
   const DriveDescription drive = MakeDrive(DriveType::kDifferential);
-  EXPECT_EQ(Settle(drive, {.twist = {0.7, 0.0, -0.4}}), (Twist{0.7, 0.0, -0.4}));
+  EXPECT_EQ(FinalTwist(drive, {.twist = {0.7, 0.0, -0.4}}), (Twist{0.7, 0.0, -0.4}));
 }
 
 TEST(DriveTest, DifferentialDriveDoesNotMoveSideways) {
   const DriveDescription drive = MakeDrive(DriveType::kDifferential);
-  EXPECT_EQ(Settle(drive, {.twist = {0.0, 0.2, 0.0}}), Twist{});
+  EXPECT_EQ(FinalTwist(drive, {.twist = {0.0, 0.2, 0.0}}), Twist{});
 }
 
 TEST(DriveTest, OmniDriveMovesSideways) {
   const DriveDescription drive = MakeDrive(DriveType::kOmni);
-  EXPECT_EQ(Settle(drive, {.twist = {0.1, 0.2, 0.3}}), (Twist{0.1, 0.2, 0.3}));
+  EXPECT_EQ(FinalTwist(drive, {.twist = {0.1, 0.2, 0.3}}), (Twist{0.1, 0.2, 0.3}));
 }
 
 TEST(DriveTest, VelocityIsBounded) {
   const DriveDescription drive = MakeDrive(DriveType::kOmni);
-  EXPECT_EQ(Settle(drive, {.twist = {9.0, 9.0, 9.0}}), (Twist{1.0, 0.3, 1.0}));
-  EXPECT_EQ(Settle(drive, {.twist = {-9.0, -9.0, -9.0}}), (Twist{-0.5, -0.3, -1.0}));
+  EXPECT_EQ(FinalTwist(drive, {.twist = {9.0, 9.0, 9.0}}), (Twist{1.0, 0.3, 1.0}));
+  EXPECT_EQ(FinalTwist(drive, {.twist = {-9.0, -9.0, -9.0}}), (Twist{-0.5, -0.3, -1.0}));
 }
 
 TEST(DriveTest, AccelerationAndBrakingAreBounded) {
@@ -57,7 +57,7 @@ TEST(DriveTest, AccelerationAndBrakingAreBounded) {
 
 TEST(DriveTest, CarTurnsBySteering) {
   const DriveDescription drive = MakeDrive(DriveType::kCar);
-  const Twist twist = Settle(drive, {.twist = {}, .speed = 0.8, .steering = 0.3});
+  const Twist twist = FinalTwist(drive, {.twist = {}, .speed = 0.8, .steering = 0.3});
   EXPECT_NEAR(twist.vx, 0.8 * std::cos(0.3), 1e-12);
   EXPECT_NEAR(twist.wz, 0.8 * std::sin(0.3) / 0.5, 1e-12);
   EXPECT_EQ(twist.vy, 0.0);
@@ -65,15 +65,15 @@ TEST(DriveTest, CarTurnsBySteering) {
 
 TEST(DriveTest, CarReversesAndStops) {
   const DriveDescription drive = MakeDrive(DriveType::kCar);
-  const Twist back = Settle(drive, {.twist = {}, .speed = -0.4, .steering = 0.3});
+  const Twist back = FinalTwist(drive, {.twist = {}, .speed = -0.4, .steering = 0.3});
   EXPECT_LT(back.vx, 0.0);
   EXPECT_LT(back.wz, 0.0);
-  EXPECT_TRUE(Settle(drive, {.twist = {}, .speed = 0.0, .steering = 0.3}).IsZero());
+  EXPECT_TRUE(FinalTwist(drive, {.twist = {}, .speed = 0.0, .steering = 0.3}).IsZero());
 }
 
 TEST(DriveTest, CarSteeringBeyondItsBoundKeepsTheSpeed) {
   const DriveDescription drive = MakeDrive(DriveType::kCar);
-  const Twist twist = Settle(drive, {.twist = {}, .speed = 0.8, .steering = 3.0});
+  const Twist twist = FinalTwist(drive, {.twist = {}, .speed = 0.8, .steering = 3.0});
   EXPECT_NEAR(twist.vx, 0.8 * std::cos(1.0), 1e-12);
 }
 
@@ -81,10 +81,10 @@ TEST(DriveTest, ANumberThatIsNotFiniteCountsAsZero) {
   const double nan = std::nan("");
   const double infinity = std::numeric_limits<double>::infinity();
   const DriveDescription omni = MakeDrive(DriveType::kOmni);
-  EXPECT_EQ(Settle(omni, {.twist = {nan, 0.2, infinity}}), (Twist{0.0, 0.2, 0.0}));
+  EXPECT_EQ(FinalTwist(omni, {.twist = {nan, 0.2, infinity}}), (Twist{0.0, 0.2, 0.0}));
   const DriveDescription car = MakeDrive(DriveType::kCar);
-  EXPECT_TRUE(Settle(car, {.twist = {}, .speed = nan, .steering = 0.1}).IsZero());
-  EXPECT_EQ(Settle(car, {.twist = {}, .speed = 0.5, .steering = -infinity}), (Twist{0.5, 0.0, 0.0}));
+  EXPECT_TRUE(FinalTwist(car, {.twist = {}, .speed = nan, .steering = 0.1}).IsZero());
+  EXPECT_EQ(FinalTwist(car, {.twist = {}, .speed = 0.5, .steering = -infinity}), (Twist{0.5, 0.0, 0.0}));
 }
 
 TEST(DriveTest, ProposesOnlyTwistsThatTheServiceAccepts) {
