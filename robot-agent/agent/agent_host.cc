@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <exception>
 #include <mutex>
 #include <optional>
 #include <tuple>
@@ -32,6 +31,7 @@ enum class Stage : std::uint8_t {
   kPreparing,  // building the replica of run_
   kJoining,    // joins are sent
   kRunning,    // admitted: frames are answered
+  kChanging,   // admitted: the replica is being changed as change_ says
   kRunOver,    // the service ended the run, or all robots were removed
   kFailed,     // by failure_
 };
@@ -45,6 +45,14 @@ bool IsOneTick(const FramePlace& a, const FramePlace& b) {
   return std::get<Edition>(a) == std::get<Edition>(b) && std::get<Tick>(a) == std::get<Tick>(b);
 }
 
+// A change of the replica that an edit asks for.
+struct ReplicaChange {
+  std::unique_ptr<SessionMessage> session;  // with the edited world; null: the world is as before
+  bool fresh = false;                       // all robots start anew
+  Edition fresh_edition = 0;                // of the newest fresh start
+  bool is_member = false;                   // has answered the edition before, without which no edit is applied
+};
+
 // With the code of a failure: the caller cannot correct it.
 Error AsFailure(Error error) {
   error.code = ErrorCode::kFailure;
@@ -56,8 +64,9 @@ std::string TraceName(const std::vector<std::string>& robots) {
   return "robot-agent " + robots.front() + (robots.size() > 1 ? fmt::format(" and {} more", robots.size() - 1) : "");
 }
 
-// Run() works on the caller's thread until the agent is admitted, and then only waits: frames are answered on the
-// transport's delivery thread, without a hand-over.
+// Frames are answered on the transport's delivery thread, without a hand-over. The agent's own thread, which calls
+// Run(), joins, and makes, changes and destroys the replica: the replica's gateway may have a DDS participant, whose
+// end waits for all threads of DDS, so it must not end on one of them, nor while one of them waits for mutex_.
 class AgentHost final : public AgentHandler {
  public:
   AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const std::atomic<bool>& stop)
@@ -80,17 +89,26 @@ class AgentHost final : public AgentHandler {
   Status MakeReplica(std::unique_ptr<SessionMessage> session);
   // Sends joins until the stage changes.
   void Join();
-  void WaitUntilOver();
+  // Changes the replica after edits, until the run is over.
+  void FollowEdits();
+  // Of the agent's thread in the stage kChanging, without the lock.
+  Status ApplyChange(const ReplicaChange& change);
   Status CloseOutputs();
   bool stopping() const { return stop_.load(std::memory_order_relaxed); }
 
   // With mutex_ held:
+  // Answers a frame in the stage kRunning, or begins the stage kChanging if an edit came before the frame.
+  void Process(const FrameMessage& frame);
+  // Processes the kept frame, if there is one.
+  void ProcessKept();
+  // Keeps a frame that cannot be answered yet, unless a newer one is kept.
+  void Keep(const FrameMessage& frame);
+  void BeginChange(const FrameMessage& frame, bool fresh);
+  // Applies change_, without the lock, and begins the next stage.
+  void ChangeReplica(std::unique_lock<std::mutex>& lock);
   void Answer(const FrameMessage& frame);
-  // Computes answer_ for a new frame; false if the frame cannot be answered (yet).
+  // Computes answer_ for a new frame; false if the frame cannot be answered.
   bool ComputeAnswer(const FrameMessage& frame);
-  // Brings the replica and its robots to the world of a new frame; false if the frame cannot be answered (yet).
-  bool Follow(const FrameMessage& frame);
-  Status ApplyEdits(const FrameMessage& frame, bool fresh);
   void Fail(Error error);
 
   AgentEndpoint& endpoint_;
@@ -104,11 +122,13 @@ class AgentHost final : public AgentHandler {
   std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used
   RunId run_ = 0;                            // from preparing on
   JoinMessage join_;                         // from joining on
-  std::unique_ptr<Replica> replica_;         // from joining on
-  Edition world_edition_ = 0;                // of the replica
-  std::optional<Edition> fresh_edition_;     // the edition that its robots started at; nothing: they joined
-  std::optional<FrameMessage> early_frame_;  // the newest one that arrived before the admission, or before its world
-  std::optional<FramePlace> answered_;       // of the frame that answer_ answers
+  // From joining on. In the stages kPreparing and kChanging only the agent's thread uses it, without the lock.
+  std::unique_ptr<Replica> replica_;
+  Edition world_edition_ = 0;               // of the replica, or of change_
+  ReplicaChange change_;                    // in the stage kChanging
+  std::optional<Edition> fresh_edition_;    // the edition that its robots started at; nothing: no frame was answered
+  std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet
+  std::optional<FramePlace> answered_;      // of the frame that answer_ answers
   ProposalMessage answer_;
   Error failure_;
 };
@@ -119,7 +139,7 @@ Result<AgentEnd> AgentHost::Run() {
   while (!stopping()) {
     if (Status status = Prepare(); !status.ok()) return status.error();
     Join();
-    WaitUntilOver();
+    FollowEdits();
     const std::lock_guard lock(mutex_);
     if (stage_ == Stage::kFailed) return failure_;
     if (stage_ == Stage::kRunOver) break;
@@ -190,6 +210,7 @@ Status AgentHost::MakeReplica(std::unique_ptr<SessionMessage> session) {
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = {},
                    .world_edition = session->world_edition};
+  replica_.reset();  // first, because the names of its gateway may be those of the next one
   Result<std::unique_ptr<Replica>> replica =
       Replica::Create(std::move(session->world), options_.robots, {scan_log_.get(), options_.libraries},
                       options_.threads, options_.make_gateway, trace_.get());
@@ -223,19 +244,52 @@ void AgentHost::Join() {
   }
 }
 
-void AgentHost::WaitUntilOver() {
+void AgentHost::FollowEdits() {
   std::unique_lock lock(mutex_);
-  while (stage_ == Stage::kRunning && !stopping()) changed_.wait_for(lock, kPeriod);
+  while (!stopping()) {
+    if (stage_ == Stage::kChanging) {
+      ChangeReplica(lock);
+    } else if (stage_ == Stage::kRunning) {
+      changed_.wait_for(lock, kPeriod);
+    } else {
+      return;
+    }
+  }
+}
+
+void AgentHost::ChangeReplica(std::unique_lock<std::mutex>& lock) {
+  const ReplicaChange change = std::exchange(change_, {});
+  lock.unlock();
+  const Status status = ApplyChange(change);
+  lock.lock();
+  if (stage_ != Stage::kChanging) return;  // the run ended meanwhile
+  if (!status.ok()) {
+    return Fail(Failure("the world was edited, and this agent cannot continue: " + status.error().message));
+  }
+  if (!replica_->has_robots()) {
+    stage_ = Stage::kRunOver;
+  } else if (change.session && !change.is_member) {
+    Fail(Failure("the world was edited while this agent was lost"));
+  } else {
+    stage_ = Stage::kRunning;
+    ProcessKept();
+  }
+}
+
+Status AgentHost::ApplyChange(const ReplicaChange& change) {
+  if (!change.session) return replica_->Renew(change.fresh_edition);
+  if (Status status = Validate(change.session->world); !status.ok()) return status;
+  return replica_->ChangeWorld(std::move(change.session->world), change.fresh, change.fresh_edition);
 }
 
 void AgentHost::OnSession(const SessionMessage& session) {
   const std::lock_guard lock(mutex_);
   const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining;
   const bool edited = session.run == run_ && session.world_edition > world_edition_;
-  if (stage_ == Stage::kRunning) {
+  if (stage_ == Stage::kRunning || stage_ == Stage::kChanging) {
     if (!edited || (session_ && session.world_edition <= session_->world_edition)) return;
     session_ = std::make_unique<SessionMessage>(session);
-    if (early_frame_) Answer(*std::exchange(early_frame_, std::nullopt));
+    if (stage_ == Stage::kRunning) ProcessKept();
     return;
   }
   if (chosen ? session.run == run_ && !edited : stage_ != Stage::kWaiting) return;
@@ -243,51 +297,81 @@ void AgentHost::OnSession(const SessionMessage& session) {
   // it answered.
   session_ = std::make_unique<SessionMessage>(session);
   stage_ = Stage::kWaiting;
-  if (!edited) early_frame_.reset();
+  if (!edited) kept_frame_.reset();
   changed_.notify_all();
 }
 
 void AgentHost::OnAdmission(const AdmissionMessage& admission) {
   const std::lock_guard lock(mutex_);
-  const bool joined = stage_ == Stage::kJoining || stage_ == Stage::kRunning;
+  const bool admitted = stage_ == Stage::kRunning || stage_ == Stage::kChanging;
+  const bool joined = stage_ == Stage::kJoining || admitted;
   if (!joined || admission.run != run_ || admission.agent != options_.agent) return;
   if (!admission.admitted) return Fail({{}, "the world service refused: " + admission.reason});
-  if (stage_ == Stage::kRunning) return;
+  if (admitted) return;
   stage_ = Stage::kRunning;
   changed_.notify_all();
-  if (early_frame_) Answer(*std::exchange(early_frame_, std::nullopt));
+  ProcessKept();
 }
 
 void AgentHost::OnFrame(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
-  const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining || stage_ == Stage::kRunning;
+  const bool admitted = stage_ == Stage::kRunning || stage_ == Stage::kChanging;
+  const bool chosen = stage_ == Stage::kPreparing || stage_ == Stage::kJoining || admitted;
   if (!chosen || frame.run != run_) return;
   if (frame.last) {
     stage_ = Stage::kRunOver;
     changed_.notify_all();
   } else if (stage_ == Stage::kRunning) {
-    Answer(frame);
-  } else if (!early_frame_ || PlaceOf(frame) > PlaceOf(*early_frame_)) {
-    early_frame_ = frame;
+    Process(frame);
+  } else {
+    Keep(frame);
   }
 }
 
 void AgentHost::OnServiceGone() {
   const std::lock_guard lock(mutex_);
-  if (stage_ == Stage::kRunning) {
+  if (stage_ == Stage::kRunning || stage_ == Stage::kChanging) {
     Fail(Failure("the world service is gone"));
   } else if (stage_ == Stage::kWaiting || stage_ == Stage::kPreparing || stage_ == Stage::kJoining) {
     // Another service may replace one that left before it answered.
     session_.reset();
-    early_frame_.reset();
+    kept_frame_.reset();
     stage_ = Stage::kWaiting;
     changed_.notify_all();
   }
 }
 
+void AgentHost::Process(const FrameMessage& frame) {
+  if (frame.world_edition < world_edition_ || (answered_ && PlaceOf(frame) < *answered_)) return;
+  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
+  if (frame.world_edition == world_edition_ && !fresh) return Answer(frame);
+  Keep(frame);
+  const bool has_world =
+      frame.world_edition == world_edition_ || (session_ && session_->world_edition == frame.world_edition);
+  if (has_world) BeginChange(frame, fresh);
+}
+
+void AgentHost::BeginChange(const FrameMessage& frame, bool fresh) {
+  change_.fresh = fresh;
+  change_.fresh_edition = frame.fresh_edition;
+  change_.is_member = answered_ && std::get<Edition>(*answered_) + 1 == frame.world_edition;
+  if (frame.world_edition != world_edition_) change_.session = std::move(session_);
+  world_edition_ = frame.world_edition;
+  if (fresh) fresh_edition_ = frame.fresh_edition;
+  stage_ = Stage::kChanging;
+  changed_.notify_all();
+}
+
+void AgentHost::ProcessKept() {
+  if (kept_frame_) Process(*std::exchange(kept_frame_, std::nullopt));
+}
+
+void AgentHost::Keep(const FrameMessage& frame) {
+  if (!kept_frame_ || PlaceOf(frame) > PlaceOf(*kept_frame_)) kept_frame_ = frame;
+}
+
 void AgentHost::Answer(const FrameMessage& frame) {
   const FramePlace place = PlaceOf(frame);
-  if (answered_ && place < *answered_) return;
   const bool is_new = !answered_ || place > *answered_;
   if (!is_new && !frame.awaited.empty() &&
       std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) == frame.awaited.end()) {
@@ -307,7 +391,6 @@ void AgentHost::Answer(const FrameMessage& frame) {
 }
 
 bool AgentHost::ComputeAnswer(const FrameMessage& frame) {
-  if (!Follow(frame)) return false;
   Enter(replica_->lane(), TickPhase::kApply, frame.state.tick + 1);
   if (const Status status = replica_->CheckState(frame.state); !status.ok()) {
     Fail(Failure("the world service sent a bad frame: " + status.error().message));
@@ -320,42 +403,13 @@ bool AgentHost::ComputeAnswer(const FrameMessage& frame) {
   answer_.agent = options_.agent;
   answer_.edition = frame.edition;
   answered_ = PlaceOf(frame);
+  if (!fresh_edition_ && frame.fresh_edition > 0 && scan_log_) scan_log_->Restart(frame.fresh_edition);
+  fresh_edition_ = frame.fresh_edition;
   if (scan_log_ && !scan_log_->status().ok()) {
     Fail(AsFailure(scan_log_->status().error()));
     return false;
   }
   return true;
-}
-
-bool AgentHost::Follow(const FrameMessage& frame) {
-  if (frame.world_edition != world_edition_ && (!session_ || session_->world_edition != frame.world_edition)) {
-    early_frame_ = frame;  // its world has not arrived yet
-    return false;
-  }
-  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
-  const Status status = ApplyEdits(frame, fresh);
-  if (!fresh_edition_ && frame.fresh_edition > 0 && scan_log_) scan_log_->Restart(frame.fresh_edition);
-  fresh_edition_ = frame.fresh_edition;
-  if (!status.ok()) {
-    Fail(Failure("the world was edited, and this agent cannot continue: " + status.error().message));
-    return false;
-  }
-  if (replica_->has_robots()) return true;
-  stage_ = Stage::kRunOver;  // all its robots are gone
-  changed_.notify_all();
-  return false;
-}
-
-Status AgentHost::ApplyEdits(const FrameMessage& frame, bool fresh) {
-  try {
-    if (frame.world_edition == world_edition_) return fresh ? replica_->Renew(frame.fresh_edition) : Status();
-    const std::unique_ptr<SessionMessage> session = std::move(session_);
-    world_edition_ = frame.world_edition;
-    if (Status status = Validate(session->world); !status.ok()) return status;
-    return replica_->ChangeWorld(std::move(session->world), fresh, frame.fresh_edition);
-  } catch (const std::exception& exception) {
-    return Failure(exception.what());
-  }
 }
 
 void AgentHost::Fail(Error error) {
@@ -369,9 +423,8 @@ void AgentHost::Fail(Error error) {
 Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
                           const std::atomic<bool>& stop) {
   AgentHost host(*endpoint, options, stop);
-  Result<AgentEnd> end = host.Run();
-  endpoint.reset();  // its deliveries end before the host does
-  return end;
+  const std::unique_ptr<AgentEndpoint> ends_first = std::move(endpoint);  // its deliveries end before the host does
+  return host.Run();
 }
 
 }  // namespace troupe

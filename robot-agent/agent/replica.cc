@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 
 #include "common/model/check_state.h"
 
@@ -84,7 +85,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
   for (std::size_t i = 0; i < threads; ++i) replica->lanes_.push_back(trace != nullptr ? trace->AddLane() : nullptr);
   replica->trace_ = trace;
   replica->NameRobotsInTrace();
-  replica->MakeNewGateway();
+  if (Status status = replica->MakeNewGateway(); !status.ok()) return status.error();
   return replica;
 }
 
@@ -107,10 +108,16 @@ void Replica::NameRobotsInTrace() {
   if (trace_ != nullptr) trace_->NameRobots(RobotNamesOf(scene_->world()));
 }
 
-void Replica::MakeNewGateway() {
+Status Replica::MakeNewGateway() {
   gateway_.reset();  // first, because the next one may use the same names
   gateway_scene_ = scene_;
-  if (make_gateway_ && !robots_.empty()) gateway_ = make_gateway_(*scene_, Ids());
+  if (!make_gateway_ || robots_.empty()) return {};
+  try {
+    gateway_ = make_gateway_(*scene_, Ids());
+    return {};
+  } catch (const std::exception& exception) {
+    return Failure(exception.what());
+  }
 }
 
 Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition) {
@@ -135,11 +142,8 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
     for (const auto& robot : robots_) robot->ChangeWorld(*scene_);
   }
   if (gateway_ == nullptr) return {};
-  if (ids != before || !GatewayFits(fresh)) {
-    MakeNewGateway();
-  } else if (fresh) {
-    gateway_->Restart();
-  }
+  if (ids != before || !GatewayFits(fresh)) return MakeNewGateway();
+  if (fresh) gateway_->Restart();
   return {};
 }
 
@@ -147,11 +151,8 @@ Status Replica::Renew(Edition edition) {
   if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
   if (Status status = MakeRobots(Ids()); !status.ok()) return status;
   if (gateway_ == nullptr) return {};
-  if (GatewayFits(true)) {
-    gateway_->Restart();
-  } else {
-    MakeNewGateway();
-  }
+  if (!GatewayFits(true)) return MakeNewGateway();
+  gateway_->Restart();
   return {};
 }
 

@@ -26,17 +26,17 @@ class Replica {
  public:
   // `robots`: names; empty: every robot. `options` are those of each robot. `threads`: at most this many divide the
   // robots, one for each 16; with a scan log, one. `make_gateway` may be empty, and `trace` null. The error is a robot
-  // that is unknown or named twice, or a controller that cannot be made. Throws the exceptions of `make_gateway`.
-  // REQUIRES: Validate(world) succeeded.
+  // that is unknown or named twice, or a controller or a gateway that cannot be made. REQUIRES: Validate(world)
+  // succeeded.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  const RobotOptions& options = {}, std::size_t threads = 1,
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
   // are those of the old world, and all robots but removed ones continue. `edition`: of the newest fresh start, for the
-  // scan log. The error is a controller that cannot be made. Throws the exceptions of `make_gateway`.
+  // scan log. The error is a controller or a gateway that cannot be made.
   Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
-  // Starts the robots anew in the present world.
+  // Starts the robots anew in the present world. The error is as above.
   Status Renew(Edition edition);
 
   bool has_robots() const { return !robots_.empty(); }
@@ -67,7 +67,7 @@ class Replica {
   Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway);
   Status MakeRobots(const std::vector<RobotId>& ids);
   std::vector<RobotId> Ids() const;
-  void MakeNewGateway();
+  Status MakeNewGateway();
   // True if the gateway fits the present world, with robots that start anew if `fresh`.
   bool GatewayFits(bool fresh) const;
   void ResetIndices(std::size_t threads);

@@ -4,6 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <future>
+#include <set>
+#include <stdexcept>
+#include <thread>
 
 #include "tests/support/small_world.h"
 #include "tests/unit/agent/scripted_service.h"
@@ -350,6 +355,161 @@ TEST(AgentHostTest, AFullDiskEndsItWithAnError) {
   service.StartAndAdmit({}, "/dev/full");
   for (Tick tick = 0; tick < 100; ++tick) service.SendFrame(tick);
   EXPECT_EQ(service.AwaitError(), "/dev/full: error: cannot write scans: No space left on device");
+}
+
+// The gateways of an agent, as a test sees them.
+struct GatewayRecord {
+  std::set<std::thread::id> threads;  // on which gateways began and ended
+  std::size_t begun = 0;              // gateways
+  std::size_t ended = 0;
+  std::function<void()> on_begin = [] {};  // called when a gateway begins
+};
+
+class RecordedGateway final : public Gateway {
+ public:
+  explicit RecordedGateway(GatewayRecord& record) : record_(record) {
+    record_.threads.insert(std::this_thread::get_id());
+    ++record_.begun;
+    record_.on_begin();
+  }
+  ~RecordedGateway() override {
+    record_.threads.insert(std::this_thread::get_id());
+    ++record_.ended;
+  }
+  ExternalCommand CommandFor(RobotId, Tick) override { return {}; }
+  void Publish(Tick, std::span<const RobotView* const>) override {}
+  std::vector<std::string> DrainReports() override { return {}; }
+
+ private:
+  GatewayRecord& record_;
+};
+
+// An agent of both robots with a gateway, in a world that the test edits.
+class EditedAgentTest : public testing::Test {
+ protected:
+  void StartAndAnswerTick0() {
+    service_.SetGateway(
+        [this](const Scene&, const std::vector<RobotId>&) { return std::make_unique<RecordedGateway>(gateways_); });
+    service_.StartAndAdmit();
+    service_.SendFrame(0);
+    service_.AwaitProposal(1);
+  }
+
+  // TwoRobots() without the robots of these names.
+  static WorldDescription Without(const std::set<std::string>& robots) {
+    WorldDescription world = TwoRobots();
+    for (ModelDescription& model : world.models) model.removed = robots.contains(model.name);
+    return world;
+  }
+  void SendSession(Edition edition, const WorldDescription& world) {
+    SessionMessage session = service_.Session();
+    session.world_edition = edition;
+    session.world = world;
+    service_.Send(&AgentHandler::OnSession, session);
+  }
+  // The newest frame is of an edition that has changed the world.
+  void SendFrame(Edition edition, Tick tick, bool paused = true) {
+    FrameMessage frame = service_.Frame(tick);
+    frame.edition = frame.world_edition = edition;
+    frame.paused = paused;
+    service_.Send(&AgentHandler::OnFrame, frame);
+  }
+  // Sends the world of an edition and its first frame.
+  void Edit(Edition edition, const WorldDescription& world) {
+    SendSession(edition, world);
+    SendFrame(edition, 0);
+  }
+
+  GatewayRecord gateways_;
+  ScriptedService service_{TwoRobots()};
+};
+
+TEST_F(EditedAgentTest, GatewaysBeginAndEndOnOneThreadAndThatDeliversNothing) {
+  StartAndAnswerTick0();
+  Edit(1, Without({"r1"}));
+  EXPECT_EQ(service_.AwaitProposal(2).edition, 1u);
+  SendFrame(1, 0, false);
+  EXPECT_THAT(service_.AwaitProposal(3).proposals, SizeIs(1));
+  Edit(2, Without({"r0", "r1"}));
+  EXPECT_EQ(service_.AwaitEnd().value(), AgentEnd::kRunOver);
+  EXPECT_EQ(gateways_.begun, 2u);
+  EXPECT_EQ(gateways_.ended, 2u);
+  EXPECT_THAT(gateways_.threads, SizeIs(1));
+  EXPECT_FALSE(gateways_.threads.contains(std::this_thread::get_id())) << "which delivers";
+}
+
+TEST_F(EditedAgentTest, DeliveriesDoNotWaitForAChangeAndTheNewestFrameIsAnsweredAfterIt) {
+  std::promise<void> may_continue;
+  StartAndAnswerTick0();
+  gateways_.on_begin = [&] { may_continue.get_future().wait(); };
+  Edit(1, Without({"r1"}));
+  SendFrame(1, 0);  // resent
+  SendFrame(1, 3);
+  SendFrame(1, 2);  // late
+  EXPECT_THAT(service_.proposals(), SizeIs(1));
+  may_continue.set_value();
+  const ProposalMessage answer = service_.AwaitProposal(2);
+  EXPECT_EQ(answer.edition, 1u);
+  EXPECT_EQ(answer.tick, 4u);
+}
+
+TEST_F(EditedAgentTest, FollowsEachOfTwoEditsInARow) {
+  std::promise<void> may_continue;
+  StartAndAnswerTick0();
+  gateways_.on_begin = [&] { may_continue.get_future().wait(); };
+  Edit(1, Without({"r1"}));
+  Edit(2, Without({"r0", "r1"}));  // of which the agent need not be asked
+  may_continue.set_value();
+  EXPECT_EQ(service_.AwaitEnd().value(), AgentEnd::kRunOver);
+}
+
+TEST_F(EditedAgentTest, TheAgentOfADeletedRobotLeavesEvenIfTheRobotComesBackAtOnce) {
+  std::promise<void> may_continue;
+  StartAndAnswerTick0();
+  gateways_.on_begin = [&] { may_continue.get_future().wait(); };
+  Edit(1, Without({"r1"}));
+  may_continue.set_value();
+  service_.AwaitProposal(2);
+  Edit(2, Without({"r0", "r1"}));
+  FrameMessage reset = service_.Frame(0);
+  reset.edition = reset.world_edition = reset.fresh_edition = 3;
+  reset.paused = true;
+  SendSession(3, TwoRobots());
+  service_.Send(&AgentHandler::OnFrame, reset);
+  EXPECT_EQ(service_.AwaitEnd().value(), AgentEnd::kRunOver);
+  EXPECT_THAT(service_.proposals(), SizeIs(2));
+}
+
+TEST_F(EditedAgentTest, AWorldThatChangedWithoutItIsAnError) {
+  StartAndAnswerTick0();
+  SendSession(1, Without({"r0"}));
+  Edit(2, Without({"r1"}));
+  EXPECT_EQ(service_.AwaitError(), "error: the world was edited while this agent was lost");
+  EXPECT_EQ(service_.AwaitEnd().error().code, ErrorCode::kFailure);
+}
+
+TEST_F(EditedAgentTest, ARunThatEndsDuringAChangeIsOver) {
+  std::promise<void> has_begun;
+  std::promise<void> may_continue;
+  StartAndAnswerTick0();
+  gateways_.on_begin = [&] {
+    has_begun.set_value();
+    may_continue.get_future().wait();
+  };
+  Edit(1, Without({"r1"}));
+  has_begun.get_future().wait();
+  service_.SendLast(0);
+  may_continue.set_value();
+  EXPECT_EQ(service_.AwaitEnd().value(), AgentEnd::kRunOver);
+  EXPECT_EQ(gateways_.ended, 2u);
+  EXPECT_THAT(service_.proposals(), SizeIs(1));
+}
+
+TEST_F(EditedAgentTest, AGatewayThatCannotBeMadeIsAnError) {
+  StartAndAnswerTick0();
+  gateways_.on_begin = [] { throw std::runtime_error("no network"); };
+  Edit(1, Without({"r1"}));
+  EXPECT_EQ(service_.AwaitError(), "error: the world was edited, and this agent cannot continue: no network");
 }
 
 }  // namespace

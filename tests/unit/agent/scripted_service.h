@@ -25,13 +25,17 @@ class ScriptedService {
     if (thread_.joinable()) thread_.join();
   }
 
+  // For the agent that is started next.
+  void SetGateway(MakeGateway make_gateway) { make_gateway_ = std::move(make_gateway); }
+
   // Runs an agent on a thread of its own, and waits until it listens.
   void StartAgent(std::vector<std::string> robots = {}, const std::string& scan_log = "", double timeout = 30.0) {
     options_ = {.agent = 7,
                 .robots = std::move(robots),
                 .scan_log = scan_log,
                 .libraries = AllowedPaths::All(),
-                .session_timeout_seconds = timeout};
+                .session_timeout_seconds = timeout,
+                .make_gateway = make_gateway_};
     thread_ = std::thread([this] {
       Result<AgentEnd> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_);
       const std::lock_guard lock(mutex_);
@@ -99,6 +103,12 @@ class ScriptedService {
     const std::lock_guard lock(mutex_);
     return proposals_;
   }
+  // Awaits the n-th proposal, from 1 on.
+  ProposalMessage AwaitProposal(std::size_t n) {
+    EXPECT_TRUE(Await([&] { return proposals_.size() >= n; })) << "no proposal came";
+    const std::lock_guard lock(mutex_);
+    return proposals_.size() >= n ? proposals_[n - 1] : ProposalMessage{};
+  }
 
   // Awaits the end of the agent.
   Result<AgentEnd> AwaitEnd() {
@@ -156,6 +166,7 @@ class ScriptedService {
   }
 
   WorldDescription world_;
+  MakeGateway make_gateway_;
   AgentOptions options_;
   std::atomic<bool> stop_ = false;
   std::mutex delivery_;  // held during calls of the handler

@@ -1,0 +1,102 @@
+// RosGraph: the nodes and topics of a ROS domain, as tools of ROS list them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/wire.h"
+#include "common/ros_dds/ros_participant.h"
+#include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/topic_types.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+
+class RosGraph {
+ public:
+  // "/r0/robot": the nodes of all participants that are there, one that two of them announce twice.
+  std::vector<std::string> Nodes() {
+    ReadInfos();
+    std::set<Guid> present;
+    ForEachAlive<dds_builtintopic_participant_t>(participants_, [&](const dds_builtintopic_participant_t& participant) {
+      present.insert(GuidOf(participant.key.v));
+    });
+    std::vector<std::string> all;
+    for (const auto& [guid, nodes] : nodes_) {
+      if (present.contains(guid)) all.insert(all.end(), nodes.begin(), nodes.end());
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+  // "/r0/odom": the topics below `prefix` that have a writer.
+  std::set<std::string> Topics(const std::string& prefix) {
+    std::set<std::string> topics;
+    ForEachAlive<dds_builtintopic_endpoint_t>(publications_, [&](const dds_builtintopic_endpoint_t& writer) {
+      const std::string name = writer.topic_name;
+      if (name.starts_with("rt" + prefix)) topics.insert(name.substr(2));
+    });
+    return topics;
+  }
+
+ private:
+  using Info = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
+  using Guid = std::array<std::uint8_t, 16>;
+  static constexpr std::uint32_t kMost = 10000;
+
+  template <typename Byte>
+  static Guid GuidOf(const Byte (&bytes)[16]) {
+    Guid guid;
+    std::copy(std::begin(bytes), std::end(bytes), guid.begin());
+    return guid;
+  }
+
+  void ReadInfos() {
+    for (;;) {
+      const dds::LoanedSamples<Info> samples = infos_.take();
+      if (samples.empty()) return;
+      for (const auto sample : samples) {
+        if (!sample.info().valid()) continue;
+        std::vector<std::string>& nodes = nodes_[GuidOf(sample.data().gid.data)];
+        nodes.clear();
+        for (const auto& node : dds::Elements(sample.data().node_entities_info_seq)) {
+          const std::string space = node.node_namespace;
+          nodes.push_back((space == "/" ? "" : space) + "/" + node.node_name);
+        }
+      }
+    }
+  }
+
+  dds::Entity BuiltinReader(dds_entity_t topic) const {
+    return dds::Entity(dds::Check(dds_create_reader(participant_.participant().handle(), topic, nullptr, nullptr),
+                                  "reading the graph"));
+  }
+  template <typename Sample, typename Visit>
+  static void ForEachAlive(const dds::Entity& reader, const Visit& visit) {
+    std::vector<void*> samples(kMost, nullptr);
+    std::vector<dds_sample_info_t> infos(kMost);
+    const dds_return_t count =
+        dds::Check(dds_read_mask(reader.handle(), samples.data(), infos.data(), kMost, kMost, DDS_ALIVE_INSTANCE_STATE),
+                   "reading");
+    for (dds_return_t i = 0; i < count; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      if (infos[index].valid_data) visit(*static_cast<const Sample*>(samples[index]));
+    }
+    if (count > 0) dds::Check(dds_return_loan(reader.handle(), samples.data(), count), "returning samples");
+  }
+
+  ros::RosParticipant participant_{TestRosOptions()};
+  dds::Topic<Info> topic_{participant_.participant(), "ros_discovery_info"};
+  dds::DataReader<Info> infos_{participant_.subscriber(), topic_, ros::Latched(1000)};
+  dds::Entity participants_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);
+  dds::Entity publications_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
+  std::map<Guid, std::vector<std::string>> nodes_;  // by the participant that announced them
+};
+
+}  // namespace troupe::test
