@@ -104,8 +104,7 @@ RosParticipant::RosParticipant(const RosOptions& options)
     : distribution_(options.distribution),
       participant_(ConfigOf(options), dds::Qos() << dds::UserData{"enclave=/;"}),
       publisher_(participant_),
-      subscriber_(participant_),
-      watch_(participant_) {
+      subscriber_(participant_) {
   if (distribution_ == Distribution::kHumble) {
     announcer_ =
         std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
@@ -117,6 +116,11 @@ RosParticipant::RosParticipant(const RosOptions& options)
 
 RosParticipant::~RosParticipant() = default;
 
+void RosParticipant::WatchWriters() {
+  const std::lock_guard lock(announcer_->mutex);
+  watch_.emplace(participant_);
+}
+
 std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std::string& name) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->nodes.push_back({node_namespace, name, {}, {}});
@@ -126,7 +130,7 @@ std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std
 void RosParticipant::AddReader(std::size_t node, dds_entity_t reader) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->nodes[node].readers.push_back(GuidOf(reader));
-  watch_.Expect(reader);
+  if (watch_) watch_->Expect(reader);
 }
 
 void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
@@ -141,7 +145,7 @@ void RosParticipant::Announce() {
 
 std::vector<std::string> RosParticipant::DrainMismatches() {
   const std::lock_guard lock(announcer_->mutex);
-  return watch_.DrainReports();
+  return watch_ ? watch_->DrainReports() : std::vector<std::string>();
 }
 
 bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,10 @@ class RosParticipant {
   // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   void Announce();
 
-  // A line for each writer, found since the last call, that does not match a reader of the nodes. As WriterWatch.
+  // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
+  // now and then, because all writers of the domain are kept for it.
+  void WatchWriters();
+  // A line for each writer, found since the last call, that does not match. As WriterWatch.
   std::vector<std::string> DrainMismatches();
 
   // Samples that could not be written.
@@ -49,7 +53,7 @@ class RosParticipant {
   dds::Publisher publisher_;
   dds::Subscriber subscriber_;
   std::unique_ptr<Announcer> announcer_;
-  WriterWatch watch_;  // guarded by the mutex of the nodes
+  std::optional<WriterWatch> watch_;  // guarded by the mutex of the nodes
   std::atomic<std::uint64_t> lost_ = 0;
 };
 

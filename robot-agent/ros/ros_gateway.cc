@@ -95,6 +95,7 @@ class RosGateway final : public Gateway {
  public:
   RosGateway(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotId>& robots)
       : participant_(OptionsFor(options, scene, robots)), by_id_(scene.world().robots.size()) {
+    participant_.WatchWriters();
     const std::vector<std::string> names = ros::RobotNames(scene.world());
     for (const RobotId robot : robots) {
       const std::string& name = names[robot.index()];
