@@ -90,7 +90,8 @@ std::string OtherWorld(const OutputFolder& folder) {
 TEST(RosEdit, ALoadedWorldWithTheSameNamesKeepsTheRobots) {
   for (const char* robots_per_process : {"1", "4"}) {
     const OutputFolder folder;
-    RosEditRun run(WorldPath("pen.world"), {"--paused", "--robots-per-process", robots_per_process});
+    RosEditRun run(WorldPath("pen.world"),
+                   {"--paused", "--allow-files", folder.Path(""), "--robots-per-process", robots_per_process});
     run.Step(5);
     run.ExpectRobots(kPen);
     const std::vector<pid_t> agents = run.AgentsOf("r3");
