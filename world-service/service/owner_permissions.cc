@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "common/base/installed_folder.h"
-#include "common/worldfile/text/file_lookup.h"
 
 namespace troupe {
 
 void RestrictRequests(const OwnerPermissions& permissions, const LoadedWorld& loaded, ServiceOptions& options) {
   AllowedPaths files;
-  files.Add(DirectoryOf(options.world_file));
+  files.Add(std::filesystem::absolute(options.world_file).parent_path().string());
   for (const std::string& file : loaded.files) files.Add(file);
   if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) files.Add(worlds);
   for (const std::string& path : permissions.files) files.Add(path);
