@@ -183,14 +183,17 @@ class InProcessRun {
       summary = RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop);
       eventfd_write(done, 1);
     });
-    std::thread agent_thread([&] {
-      agent = RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop);
-      if (!agent.ok()) stop = true;  // without its only agent the run cannot continue
-    });
+    std::thread agent_thread;  // of the robots at the start, if there are any
+    if (!scene_->world().robots.empty()) {
+      agent_thread = std::thread([&] {
+        agent = RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop);
+        if (!agent.ok()) stop = true;  // without its only agent the run cannot continue
+      });
+    }
     WaitForEnd(done, signals, stop);
     service_thread.join();
     if (!summary.ok()) agent_stop = true;
-    agent_thread.join();
+    if (agent_thread.joinable()) agent_thread.join();
     new_agents_.Join();
     close(done);
     if (!summary.ok()) return summary.error();

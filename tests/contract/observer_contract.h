@@ -168,7 +168,6 @@ TEST_P(ObserverContract, ABlockedObserverDelaysNeitherServiceNorAgentsNorObserve
   for (const FrameMessage& frame : blocked.handler.frames.items()) EXPECT_EQ(frame.state.tick, 1u);
   gate.Open();
   EXPECT_TRUE(blocked.Sees(newest));
-  EXPECT_LE(blocked.handler.frames.items().size(), 2 * ObserverQueue::kFramesQueued);  // it has lost the others
   ExpectFramesAsPublished(blocked.handler);
 }
 

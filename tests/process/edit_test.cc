@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <optional>
+
 #include "common/dds/tools/control_client.h"
 #include "common/worldfile/load_world.h"
 #include "tests/process/output_folder.h"
@@ -163,6 +166,86 @@ TEST_F(CtlTest, PrintsTheReasonOfARefusal) {
   EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "the run continues";
   run_.Signal(SIGINT);
   EXPECT_EQ(run_.Wait(), 130) << run_.output();
+}
+
+// A world without robots has no agent that could answer: the service alone has to keep the run going.
+class EmptyWorldTest : public testing::Test {
+ protected:
+  EmptyWorldTest() {
+    std::ofstream(folder_.Path("empty.world")) << "model ( name \"wall\" )\n";
+    std::ofstream(folder_.Path("one.world")) << "define rover position ()\nrover ( name \"a\" pose [3 0 0 0] )\n";
+  }
+
+  void Start(const std::string& world) {
+    run_.emplace(Troupe({"run", folder_.Path(world), "--headless", "--speed", "10", "--domain",
+                         std::to_string(TestDomain()), "--session", session_}));
+    ASSERT_TRUE(client_.WaitForService(kSeconds).ok()) << run_->output();
+    run_->WaitForLine("ready");
+  }
+  ControlReply Ask(const ControlRequest& request) {
+    const Result<ControlReply> reply = client_.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done)
+        << (reply.ok() ? reply.value().problem : reply.error().message) << run_->output();
+    return reply.ok() ? reply.value() : ControlReply();
+  }
+  ControlReply Load(const std::string& world) {
+    ControlRequest load = Request(ControlCommand::kLoadWorld);
+    load.source = folder_.Path(world);
+    return Ask(load);
+  }
+  ControlReply Spawn(const std::string& name) {
+    ControlRequest spawn = Request(ControlCommand::kSpawn, name, {3.0, 0.0, 0.0, 0.0});
+    spawn.source = "rover";
+    return Ask(spawn);
+  }
+  void ExpectPausesAndSteps() {
+    const Tick tick = Ask(Request(ControlCommand::kPause)).tick;
+    ControlRequest step = Request(ControlCommand::kStep);
+    step.ticks = 3;
+    EXPECT_EQ(Ask(step).tick, tick + 3);
+    Ask(Request(ControlCommand::kPlay));
+  }
+  void Stop() {
+    run_->Signal(SIGINT);
+    EXPECT_EQ(run_->Wait(), 130) << run_->output();
+  }
+
+  OutputFolder folder_;
+  const std::string session_ = TestSession("empty");
+  std::optional<Program> run_;
+  ControlClient client_{TestDomain(), session_, "lo"};
+};
+
+TEST_F(EmptyWorldTest, AnswersAllRequests) {
+  Start("empty.world");
+  ExpectPausesAndSteps();
+  Load("one.world");
+  ExpectPausesAndSteps();
+  Load("empty.world");
+  ExpectPausesAndSteps();
+  Stop();
+}
+
+TEST_F(EmptyWorldTest, ContinuesAfterTheLastRobotOfAPlayingRunIsDeleted) {
+  Start("one.world");
+  Ask(Request(ControlCommand::kDelete, "a"));
+  ExpectPausesAndSteps();
+  Spawn("b");
+  ExpectPausesAndSteps();
+  Stop();
+}
+
+TEST_F(EmptyWorldTest, RunsInOneProcess) {
+  std::vector<std::string> hashes;
+  for (const char* mode : {"--headless", "--in-process"}) {
+    const Finished run = Finish(Troupe({"run", folder_.Path("empty.world"), mode, "--ticks", "20", "--domain",
+                                        std::to_string(TestDomain()), "--hash-log", folder_.Path("hashes"), "--scans",
+                                        folder_.Path("scans"), "--trace", folder_.Path("trace")}));
+    EXPECT_EQ(run.exit_status, 0) << run.output;
+    hashes.push_back(folder_.Read("hashes"));
+  }
+  EXPECT_THAT(hashes[0], HasSubstr("\n20 "));
+  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 }  // namespace
