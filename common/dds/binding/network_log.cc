@@ -11,7 +11,7 @@ NetworkLog::NetworkLog(Tell tell) : tell_(std::move(tell)), second_began_(std::c
       [](void* self, const dds_log_data_t* entry) {
         std::string line(entry->message, entry->size);
         while (!line.empty() && line.back() == '\n') line.pop_back();
-        static_cast<NetworkLog*>(self)->Add(std::move(line));
+        static_cast<NetworkLog*>(self)->Add(line);
       },
       this);
 }
