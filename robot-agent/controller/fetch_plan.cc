@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/deterministic_math.h"
+#include "common/geometry/limits.h"
 #include "robot-agent/controller/nested_parameters.h"
 
 namespace troupe {
@@ -82,7 +83,7 @@ class Planner {
     if (!value.is_array() || value.size() != count) return std::nullopt;
     std::vector<double> numbers;
     for (const json& element : value) {
-      if (!element.is_number() || std::abs(element.get<double>()) > 1e6) return std::nullopt;
+      if (!element.is_number() || std::abs(element.get<double>()) > kMaxMagnitude) return std::nullopt;
       numbers.push_back(element.get<double>());
     }
     return numbers;
@@ -119,10 +120,12 @@ class Planner {
       FetchAction action;
       Interval allowed;
     };
-    const std::map<std::string, Kind> kinds{
-        {"drive", {FetchAction::kDrive, {-1e6, 1e6}}}, {"push", {FetchAction::kPush, {-1e6, 1e6}}},
-        {"lift", {FetchAction::kLift, {0.0, 100.0}}},  {"turn_to", {FetchAction::kTurnTo, {-1e6, 1e6}}},
-        {"wait", {FetchAction::kWait, {0.0, 1e9}}},    {"wait_until", {FetchAction::kWaitUntil, {0.0, 1e9}}}};
+    const std::map<std::string, Kind> kinds{{"drive", {FetchAction::kDrive, {-kMaxMagnitude, kMaxMagnitude}}},
+                                            {"push", {FetchAction::kPush, {-kMaxMagnitude, kMaxMagnitude}}},
+                                            {"lift", {FetchAction::kLift, {0.0, 100.0}}},
+                                            {"turn_to", {FetchAction::kTurnTo, {-kMaxMagnitude, kMaxMagnitude}}},
+                                            {"wait", {FetchAction::kWait, {0.0, 1e9}}},
+                                            {"wait_until", {FetchAction::kWaitUntil, {0.0, 1e9}}}};
     const auto found = kinds.find(key);
     if (found == kinds.end()) {
       return PlanError(
