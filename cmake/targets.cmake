@@ -35,6 +35,12 @@ function(troupe_library name)
   endif()
 endfunction()
 
+# The environment of programs with sanitizers. Leaks in libraries that the file names are not reported. Cyclone DDS is not
+# built with the thread sanitizer, so its atomics are not seen: its reads and writes are not checked, while its locks count.
+set(TROUPE_SANITIZER_ENVIRONMENT
+  LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
+  TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+
 # troupe_test(NAME SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds] [OPTIMIZED]): one GoogleTest
 # program, run by CTest as one test. OPTIMIZED: it calculates much itself. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism, threads (runs under the thread sanitizer too).
@@ -55,11 +61,7 @@ function(troupe_test name)
   set(environment TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR} TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR})
   if(TROUPE_SANITIZER)
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
-    # Leaks in libraries that the file names are not reported. Cyclone DDS is not built with the thread sanitizer, so its
-    # atomics are not seen: its reads and writes are not checked, while its locks count.
-    list(APPEND environment
-      LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
-      TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+    list(APPEND environment ${TROUPE_SANITIZER_ENVIRONMENT})
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}")
 endfunction()
