@@ -1,5 +1,5 @@
 // Drives the first robot of a world by its ranger, prints its poses and saves a picture:
-//   hello_world /usr/share/troupe/worlds/office.world office.png
+//   hello_world /usr/share/troupe/worlds/scenarios/demo.json demo.png
 #include <troupe/controller.h>
 #include <troupe/sensor.h>
 #include <troupe/simulation.h>
