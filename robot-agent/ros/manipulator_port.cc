@@ -51,13 +51,14 @@ ManipulatorPort::ManipulatorPort(const ros::RosNode& node, const Scene& scene, R
   }
 }
 
-void ManipulatorPort::AppendCommands(Tick tick, Command& command) {
+Command ManipulatorPort::WithCommands(Tick tick, Command command) {
   for (Gripper& gripper : grippers_) AppendGripperCommands(tick, gripper, command);
   for (Joint& joint : joints_) {
     if (const std::optional<double> position = joint.position->Latest()) {
       command.joints.push_back({.joint = joint.number, .position = position});
     }
   }
+  return command;
 }
 
 void ManipulatorPort::AppendGripperCommands(Tick tick, Gripper& gripper, Command& command) {

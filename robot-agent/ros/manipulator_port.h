@@ -19,8 +19,8 @@ class ManipulatorPort {
   // REQUIRES: the scene outlives the port.
   ManipulatorPort(const ros::RosNode& node, const Scene& scene, RobotId robot);
 
-  // Adds the commands for the tick after `tick` to `command`.
-  void AppendCommands(Tick tick, Command& command);
+  // The motion `command` with the commands to grippers and joints for the tick after `tick`.
+  Command WithCommands(Tick tick, Command command);
 
   void Publish(const WorldState& state);
 

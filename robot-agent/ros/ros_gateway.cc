@@ -113,7 +113,7 @@ class RosGateway final : public Gateway {
     RosRobot& robot = *by_id_[id.index()];
     ExternalCommand external;
     if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
-    robot.manipulator.AppendCommands(tick, external.command);
+    external.command = robot.manipulator.WithCommands(tick, std::move(external.command));
     return external;
   }
 
