@@ -40,7 +40,7 @@ enum class PictureRays : std::uint8_t {
 };
 
 // The whole of a simulation at one tick: the world's state, and for each robot its controller, its odometry, the
-// commands to its grippers and joints, and the last readings of its sensors. A value: copies share what never changes.
+// commands to its grippers and joints, and the last readings of its sensors. A value: copies share constant data.
 class Snapshot {
  public:
   Tick tick() const;

@@ -1,4 +1,4 @@
-// Rays of a ranger in the frame of the robot, whatever the number and poses of its ray sensors.
+// Rays of a ranger in the frame of the robot, for any number and poses of its ray sensors.
 #pragma once
 
 #include <cstddef>

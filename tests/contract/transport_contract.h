@@ -189,7 +189,7 @@ TEST_P(TransportContract, BadNumbersArriveAsTheyAre) {
       }));
 }
 
-TEST_P(TransportContract, TwoAgentsSpeakAndHearSideBySide) {
+TEST_P(TransportContract, TwoAgentsSendAndReceiveAtOnce) {
   CollectingAgent agents[2];
   CollectingService service;
   const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
@@ -251,7 +251,7 @@ TEST_P(TransportContract, AgentLearnsThatTheServiceHasEnded) {
   EXPECT_TRUE(agent.service_gone.WaitFor(kPatience, [](bool) { return true; }));
 }
 
-TEST_P(TransportContract, ServicesOfOneSessionHearOfEachOther) {
+TEST_P(TransportContract, ServicesOfOneSessionDetectEachOther) {
   CollectingService first;
   CollectingService second;
   const auto first_endpoint = rig_->ForService().MakeServiceEndpoint();

@@ -82,7 +82,7 @@ TEST(AgentHostTest, ProposesForItsOwnRobotsOnly) {
   EXPECT_THAT(service.proposals().at(0).proposals, ElementsAre(Proposal{RobotId(1), {}}));
 }
 
-TEST(AgentHostTest, ARepeatedFrameGetsTheSameAnswerAgain) {
+TEST(AgentHostTest, ARepeatedFrameHasTheSameAnswer) {
   // Each decision of this controller differs from the one before.
   ScriptedService service(TwoRobots(Library("throws_later"), "{}"));
   service.StartAndAdmit();
@@ -290,7 +290,7 @@ TEST(AgentHostTest, WithoutASessionItGivesUp) {
   EXPECT_EQ(service.AwaitError(), "error: no world service appeared within 0.05 s");
 }
 
-TEST(AgentHostTest, AServiceThatGoesInMidRunIsAnError) {
+TEST(AgentHostTest, AServiceThatEndsDuringTheRunIsAnError) {
   ScriptedService service(TwoRobots());
   service.StartAndAdmit();
   service.SendFrame(0);
@@ -299,7 +299,7 @@ TEST(AgentHostTest, AServiceThatGoesInMidRunIsAnError) {
   EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kFailure);
 }
 
-TEST(AgentHostTest, AServiceThatGoesBeforeItAnswersMayBeReplaced) {
+TEST(AgentHostTest, AServiceThatEndsBeforeItAnswersMayBeReplaced) {
   ScriptedService service(TwoRobots());
   service.StartAgent();
   service.SendSession(1);
@@ -463,7 +463,7 @@ TEST_F(EditedAgentTest, FollowsEachOfTwoEditsInARow) {
   EXPECT_EQ(service_.AwaitEnd().value(), AgentEnd::kRunOver);
 }
 
-TEST_F(EditedAgentTest, TheAgentOfADeletedRobotLeavesEvenIfTheRobotComesBackAtOnce) {
+TEST_F(EditedAgentTest, TheAgentOfADeletedRobotLeavesEvenIfAResetFollowsAtOnce) {
   std::promise<void> may_continue;
   StartAndAnswerTick0();
   gateways_.on_begin = [&] { may_continue.get_future().wait(); };

@@ -22,7 +22,7 @@ class ScanLogTest : public ::testing::Test {
   std::string path_ = ::testing::TempDir() + "/troupe_scan_log_" + std::to_string(getpid());
 };
 
-TEST_F(ScanLogTest, AddsToWholeLinesIfAskedToKeepThem) {
+TEST_F(ScanLogTest, AppendsToTheCompleteLinesOfAKeptFile) {
   for (int tick = 0; tick < 2; ++tick) {  // the first time there is no file
     auto log = ScanLog::Open(path_, true);
     ASSERT_TRUE(log.ok()) << log.error().ToString();

@@ -91,7 +91,7 @@ class FetchTest : public testing::Test {
   double wall_ = 100.0;  // m: it gets no further along x
 };
 
-TEST_F(FetchTest, GoesToPointsAndTurnsToHeadingsExactly) {
+TEST_F(FetchTest, ReachesPointsAndHeadingsExactly) {
   Follow(R"({"go_to": [1, 2]}, {"go_to": [-1, 0.5]}, {"turn_to": 3.5})", 300);
   EXPECT_NEAR(pose_.x, -1.0, 1e-5);
   EXPECT_NEAR(pose_.y, 0.5, 1e-5);

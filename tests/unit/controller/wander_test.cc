@@ -102,7 +102,7 @@ TEST_F(WanderTest, BacksOffAndTurnsAfterAStall) {
   EXPECT_EQ(See(kNothing).twist.vx, 0.5);
 }
 
-TEST_F(WanderTest, WithoutRangersGoesByStalls) {
+TEST_F(WanderTest, WithoutRangersUsesStalls) {
   Make({});
   EXPECT_THAT(controller_->Subscriptions(), IsEmpty());
   EXPECT_EQ(See(kNothing).twist.vx, 0.5);
