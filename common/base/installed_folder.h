@@ -3,7 +3,12 @@
 
 #include <string>
 
+#include "common/base/result.h"
+
 namespace troupe {
+
+// Where the running program is.
+Result<std::string> ProgramFolder();
 
 // "PREFIX/share/troupe/worlds" for a program in PREFIX/bin; empty if there is no such folder.
 std::string InstalledWorldsFolder();

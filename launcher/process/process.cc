@@ -10,8 +10,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <filesystem>
 #include <utility>
+
+#include "common/base/installed_folder.h"
 
 namespace troupe {
 namespace {
@@ -104,10 +105,9 @@ bool Process::Wait(int options) {
 }
 
 Result<std::string> FindProgram(const std::string& name) {
-  std::error_code failure;
-  std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
-  if (failure) return Failure("cannot read /proc/self/exe: " + failure.message());
-  std::string path = (self.parent_path() / name).string();
+  const Result<std::string> folder = ProgramFolder();
+  if (!folder.ok()) return folder.error();
+  std::string path = folder.value() + "/" + name;
   if (access(path.c_str(), X_OK) != 0) {
     return Failure("cannot start " + path + ": " + strerror(errno) + "; expected it beside the program troupe");
   }

@@ -136,5 +136,20 @@ TEST_F(PermissionsTest, TheRunsOwnFileMayNameLibraries) {
   EXPECT_THAT(run.output, HasSubstr("is not a controller"));
 }
 
+// It may be that of a robot that is spawned into a world in which no robot has it yet.
+TEST_F(PermissionsTest, TheControllerOfTheCommandLineIsAllowedForSpawnedRobots) {
+  Write("foreign/empty.world", "define rover position ()");
+  run_.emplace(Troupe({"run", folder_.Path("foreign/empty.world"), "--headless", "--paused", "--controller",
+                       MARKING_LIBRARY, "--domain", std::to_string(TestDomain()), "--session", session_}));
+  run_->WaitForLine("ready");
+  // It would wait for the robot's agent, which ends because the library is no controller.
+  const Program spawn =
+      Troupe({"ctl", "--domain", std::to_string(TestDomain()), "--session", session_, "spawn", "rover"});
+  EXPECT_NE(run_->WaitForLine("is not a controller"), "") << "the agent has opened it";
+  EXPECT_TRUE(LibraryWasOpened());
+  run_->Signal(SIGINT);
+  run_->Wait();
+}
+
 }  // namespace
 }  // namespace troupe::test

@@ -140,7 +140,7 @@ TEST(RunOptions, OverridesOnlyTheGivenSettings) {
 
 TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
   RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5",
-                              "--allow-files", "worlds", "--allow-controllers", "more"})
+                              "--allow-files", "worlds", "--allow-controllers", "more", "--controller", "./default.so"})
                            .options;
   std::vector<std::string> service = ServiceArguments(options);
   EXPECT_EQ(service.front(), "w.world");
@@ -148,7 +148,8 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
                                               "--allow-files=worlds", "--allow-controllers=more"}));
   std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r 0", "-r"}, {"own.so"}, false);
   EXPECT_THAT(agent, testing::IsSupersetOf({"--session=s", "--service=127.0.0.1:7", "--robot=r 0", "--robot=-r",
-                                            "--lease=0.5", "--allow-controllers=own.so", "--allow-controllers=more"}));
+                                            "--lease=0.5", "--allow-controllers=own.so", "--allow-controllers=more",
+                                            "--allow-controllers=./default.so"}));
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ticks"))));
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ros"))));
 }
