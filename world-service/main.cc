@@ -41,11 +41,11 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   static_cast<NetworkSettings&>(dds) = line.network;
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
-  auto [transport, port] = MakeDdsServiceTransport(dds);
+  auto [transport, port, participant] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  reporter.Ready(loaded.value(), port);
+  reporter.Ready(loaded.value(), {port, participant});
   RunObservers observers;
   std::unique_ptr<RunObserver> ros;
   if (options.settings.ros) {

@@ -99,6 +99,15 @@ CLI::Validator NetworkName() {
   return OneOf({"one-host", "lan", "unicast"});
 }
 
+CLI::Validator ParticipantValue() {
+  auto check = [](const std::string& text) {
+    constexpr std::size_t kDigits = 24;
+    const bool valid = text.size() == kDigits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+    return valid ? std::string() : "found '" + text + "', expected 24 hexadecimal digits in lower case";
+  };
+  return CLI::Validator(check, "");
+}
+
 CLI::Validator FaultsValue() {
   auto check = [](const std::string& text) {
     Result<Faults> parsed = ParseFaults(text);

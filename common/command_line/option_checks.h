@@ -31,6 +31,9 @@ CLI::Validator SessionName();
 // 0 to kMaxDomain (common/run/network_settings.h).
 CLI::Validator DdsDomain();
 
+// The identity of a DDS participant: 24 hexadecimal digits.
+CLI::Validator ParticipantValue();
+
 // A network profile (common/dds/binding/domain_config.h).
 CLI::Validator NetworkName();
 

@@ -18,6 +18,9 @@ struct NetworkSettings {
   std::string network_interface = kLoopbackInterface;  // a name, an IPv4 address, or "auto"
   std::string network_profile;  // common/dds/binding/domain_config.h has the names; empty: chosen by the interface
   std::string service_address;  // of the world service, "host" or "host:port"; empty: this host
+  // Of the world service, as 24 hexadecimal digits, for an agent: no other participant is one. Empty: the participant
+  // that announces a run is the service of that run.
+  std::string service_participant;
   double lease_seconds = kDefaultLeaseSeconds;  // a process that is silent for longer is lost
 };
 

@@ -96,6 +96,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   const AgentSite& site = *group_sites_[agent.group];
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
+  options.network.service_participant = ready_.participant;
   std::vector<std::string> arguments =
       AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));

@@ -27,6 +27,7 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "libraries", report.libraries);
   Get(json, "robots_per_process", report.robots_per_process);
   Get(json, "port", report.port);
+  Get(json, "participant", report.participant);
   Get(json, "ros", report.ros);
   return report;
 }

@@ -19,7 +19,8 @@ struct ReadyReport {
   std::vector<std::string> libraries;  // controllers of robots
   std::uint32_t robots_per_process = 1;
   std::uint16_t port = 0;  // UDP port at which agents find the service; 0: unknown
-  bool ros = false;        // the run uses ROS 2
+  std::string participant;  // of the service, NetworkSettings::service_participant
+  bool ros = false;         // the run uses ROS 2
 };
 
 // "robots": an edit has added robots that need agents.

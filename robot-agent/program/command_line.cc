@@ -23,6 +23,11 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
       ->required()
       ->allow_extra_args(false);
   AddServiceAddressFlag(app, line.network, "Address of the world service (default: this host)");
+  app.add_option("--service-participant", line.network.service_participant,
+                 "Identity of the world service, as its launcher knows it: any other participant is ignored (default: "
+                 "the first one that announces the run)")
+      ->check(ParticipantValue())
+      ->type_name("HEX");
   line.network.network_interface.clear();  // follows from --service
   AddProcessNetworkFlags(app, line.network, "lo: this host only; auto with --service");
   app.add_option("--session-timeout", line.agent.session_timeout_seconds,

@@ -48,11 +48,13 @@ class CollectingService final : public ServiceHandler {
   void OnProposal(const ProposalMessage& proposal) override { proposals.Put(proposal); }
   void OnAgentGone(AgentId agent) override { gone.Put(agent); }
   void OnRivalService(const SessionMessage& rival) override { rivals.Put(rival); }
+  void OnControl(const ControlRequest& request) override { controls.Put(request); }
 
   Inbox<JoinMessage> joins;
   Inbox<ProposalMessage> proposals;
   Inbox<AgentId> gone;
   Inbox<SessionMessage> rivals;
+  Inbox<ControlRequest> controls;
 };
 
 class CollectingAgent final : public AgentHandler {

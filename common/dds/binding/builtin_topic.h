@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/guid_prefix.h"
 
 namespace troupe::dds {
 
@@ -13,10 +14,13 @@ struct PublicationData {
   std::string topic_name;
   std::string type_name;
   std::vector<std::string> partitions;
+  GuidPrefix participant;
 };
 
-// Nothing if the writer has ended. `publication` is a SampleInfo's publication_handle. Not to be called from a
-// listener.
+// Nothing if the writer has ended. `publication` is a SampleInfo's publication_handle.
 std::optional<PublicationData> MatchedPublicationData(dds_entity_t reader, dds_instance_handle_t publication);
+
+// The handles of the writers that `reader` is matched with, ascending.
+std::vector<dds_instance_handle_t> MatchedPublications(dds_entity_t reader);
 
 }  // namespace troupe::dds

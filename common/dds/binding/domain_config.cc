@@ -82,6 +82,7 @@ std::string ToXml(const DomainConfig& config) {
       {"PARTICIPANT_INDEX", config.participant_index ? std::to_string(*config.participant_index) : "none"},
       {"LAST_INDEX_TRIED", std::to_string(kPeerPortsTried - 1)},
       {"PEERS", Peers(config)},
+      {"MAX_SAMPLE", std::to_string(config.max_sample_bytes) + "B"},
       {"LEASE", std::to_string(config.lease_seconds) + "s"},
   };
   std::string_view rest = profile == "one-host" ? kOneHostProfile : profile == "lan" ? kLanProfile : kUnicastProfile;

@@ -22,6 +22,7 @@ struct DomainConfig {
   // this.
   bool heard_on_own_machine = true;
   std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
+  std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   double lease_seconds = 10.0;     // others forget a participant that is silent for longer
 };
 

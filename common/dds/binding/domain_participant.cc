@@ -30,4 +30,10 @@ DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos)
   participant_ = Entity(Check(dds_create_participant(local_id, qos.get(), nullptr), "creating a participant"));
 }
 
+GuidPrefix DomainParticipant::guid_prefix() const {
+  dds_guid_t guid;
+  Check(dds_get_guid(participant_.handle(), &guid), "reading the identity of a participant");
+  return PrefixOf(guid);
+}
+
 }  // namespace troupe::dds

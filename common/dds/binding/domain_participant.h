@@ -3,6 +3,7 @@
 
 #include "common/dds/binding/domain_config.h"
 #include "common/dds/binding/entity.h"
+#include "common/dds/binding/guid_prefix.h"
 #include "common/dds/binding/qos.h"
 
 namespace troupe::dds {
@@ -12,6 +13,7 @@ class DomainParticipant {
   // Throws Exception: no such network interface, ports in use, out of resources.
   explicit DomainParticipant(const DomainConfig& config, const Qos& qos = Qos());
 
+  GuidPrefix guid_prefix() const;
   dds_entity_t handle() const { return participant_.handle(); }
 
  private:

@@ -10,6 +10,14 @@
 
 namespace troupe::dds {
 
+// Decides which samples enter the readers of a topic, before they are decoded and stored.
+class SampleFilter {
+ public:
+  virtual ~SampleFilter() = default;
+  // Of a sample by the writer with this handle. Called on threads of Cyclone, while it has locked a reader.
+  virtual bool Accepts(dds_instance_handle_t publication) const = 0;
+};
+
 // Specialised by TROUPE_DDS_TYPE for each type.
 template <typename T>
 struct TopicTraits;
@@ -22,6 +30,17 @@ class Topic {
         entity_(
             Check(dds_create_topic(participant.handle(), TopicTraits<T>::descriptor(), name.c_str(), nullptr, nullptr),
                   "creating topic '" + name + "'")) {}
+  // REQUIRES: the filter outlives the readers of this object.
+  Topic(const DomainParticipant& participant, const std::string& name, const SampleFilter& filter)
+      : Topic(participant, name) {
+    dds_topic_filter settings{};
+    settings.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
+    settings.f.sampleinfo_arg = [](const dds_sample_info_t* info, void* argument) {
+      return static_cast<const SampleFilter*>(argument)->Accepts(info->publication_handle);
+    };
+    settings.arg = const_cast<SampleFilter*>(&filter);
+    Check(dds_set_topic_filter_extended(entity_.handle(), &settings), "setting the filter of topic '" + name + "'");
+  }
 
   const std::string& name() const { return name_; }
   std::string type_name() const { return TopicTraits<T>::descriptor()->m_typename; }

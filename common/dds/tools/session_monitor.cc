@@ -18,6 +18,12 @@ namespace {
 
 constexpr const char* kAllSessions = "*";  // as a partition
 
+struct KnownRun {
+  SessionInfo info;
+  dds::GuidPrefix service;
+  dds_instance_handle_t session_writer = 0;
+};
+
 }  // namespace
 
 class SessionMonitor::Implementation {
@@ -26,11 +32,13 @@ class SessionMonitor::Implementation {
       : connection_(config, kAllSessions, {}),
         session_topic_(connection_.participant, dds::topics::kSession),
         status_topic_(connection_.participant, dds::topics::kStatus),
-        sessions_(connection_.subscriber, session_topic_, dds::qos_profiles::Description()),
-        statuses_(connection_.subscriber, status_topic_, dds::qos_profiles::Status()),
+        sessions_(connection_.subscriber, session_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Description())),
+        statuses_(connection_.subscriber, status_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Status())),
         session_condition_(sessions_),
         status_condition_(statuses_),
         wait_set_(connection_.participant) {
+    dds::Check(dds_set_status_mask(sessions_.handle(), DDS_SUBSCRIPTION_MATCHED_STATUS), "watching a reader");
+    wait_set_.attach(sessions_, 2);
     wait_set_.attach(session_condition_, 0);
     wait_set_.attach(status_condition_, 1);
   }
@@ -38,10 +46,9 @@ class SessionMonitor::Implementation {
   std::vector<SessionInfo> Sessions() {
     ReadSessions();
     ReadStatuses();
+    ForgetEnded();
     std::vector<SessionInfo> list;
-    for (const auto& [run, info] : runs_) {
-      if (info.pid != 0) list.push_back(info);
-    }
+    for (const auto& [run, known] : runs_) list.push_back(known.info);
     std::sort(list.begin(), list.end(), [](const SessionInfo& a, const SessionInfo& b) {
       return std::tie(a.session, a.run) < std::tie(b.session, b.run);
     });
@@ -57,14 +64,14 @@ class SessionMonitor::Implementation {
       if (samples.empty()) return;
       for (const auto& sample : samples) {
         const troupe_wire_Session& session = sample.data();
-        if (!sample.info().instance_alive()) {
-          runs_.erase(session.run);
-          continue;
-        }
         if (!sample.info().valid()) continue;
         const auto publication = dds::MatchedPublicationData(sessions_.handle(), sample.info().publication_handle());
         if (!publication) continue;
-        SessionInfo& info = runs_[session.run];
+        KnownRun& known = runs_[session.run];
+        if (known.session_writer != 0 && known.service != publication->participant) continue;
+        known.service = publication->participant;
+        known.session_writer = sample.info().publication_handle();
+        SessionInfo& info = known.info;
         info.session = publication->partitions.empty() ? "" : publication->partitions.front();
         info.run = session.run;
         info.host = dds::Text(session.host);
@@ -80,11 +87,22 @@ class SessionMonitor::Implementation {
       const auto samples = statuses_.take();
       if (samples.empty()) return;
       for (const auto& sample : samples) {
-        if (!sample.info().instance_alive() || !sample.info().valid()) continue;
+        if (!sample.info().valid()) continue;
+        const auto publication = dds::MatchedPublicationData(statuses_.handle(), sample.info().publication_handle());
+        const auto known = runs_.find(sample.data().run);
+        if (!publication || known == runs_.end() || known->second.service != publication->participant) continue;
         Result<StatusMessage> status = dds::FromWire(sample.data());
-        if (status.ok()) runs_[status.value().run].status = std::move(status.value());
+        if (status.ok()) known->second.info.status = std::move(status.value());
       }
     }
+  }
+
+  void ForgetEnded() {
+    sessions_.subscription_matched_status();  // reading it arms the wait set again
+    const std::vector<dds_instance_handle_t> matched = dds::MatchedPublications(sessions_.handle());
+    std::erase_if(runs_, [&](const auto& known) {
+      return !std::binary_search(matched.begin(), matched.end(), known.second.session_writer);
+    });
   }
 
   dds::DdsConnection connection_;
@@ -95,7 +113,7 @@ class SessionMonitor::Implementation {
   dds::ReadCondition session_condition_;
   dds::ReadCondition status_condition_;
   dds::WaitSet wait_set_;
-  std::map<RunId, SessionInfo> runs_;  // a run without a pid has published its status only, so far
+  std::map<RunId, KnownRun> runs_;
 };
 
 SessionMonitor::SessionMonitor(std::uint32_t domain, const std::string& network_interface,

@@ -4,12 +4,13 @@
 
 namespace troupe::dds {
 
-DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection)
+DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service)
     : joins_(connection, topics::kJoin, qos_profiles::Join(connection.lease_seconds)),
       proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
-      sessions_(connection, topics::kSession, qos_profiles::Description()),
+      sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
-      frames_(connection, topics::kFrame, qos_profiles::Frame()) {}
+      frames_(connection, topics::kFrame, qos_profiles::ReceivedFrame()),
+      services_(service) {}
 
 DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
@@ -31,32 +32,44 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
   DrainFrames();
 }
 
+template <typename Inbox>
+bool DdsAgentEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& sender) {
+  if (services_.IsService(run, sender.participant)) return true;
+  inbox.Refuse(sender, "it is not the world service of the run");
+  return false;
+}
+
 void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
-      [this](const SessionMessage& session) {
-        runs_.insert(session.run);
-        handler_->OnSession(session);
+      [this](const troupe_wire_Session& session, const Sender& sender) {
+        return IsFromService(sessions_, session.run, sender);
       },
-      [this](const troupe_wire_Session& ended) {
-        if (runs_.erase(ended.run) == 0) return;
-        // The late end of an earlier run of the session does not concern this agent.
-        const RunId joined = joined_run_;
-        if (ended.run == joined || (joined == 0 && runs_.empty())) handler_->OnServiceGone();
+      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
+      [this](const Sender& ended) {
+        for (const RunId run : services_.Forget(ended.participant)) {
+          // The late end of an earlier run of the session does not concern this agent.
+          const RunId joined = joined_run_;
+          if (run == joined || (joined == 0 && services_.empty())) handler_->OnServiceGone();
+        }
       });
   sessions_.Clear();  // a world may be large, and is received once
 }
 
 void DdsAgentEndpoint::DrainAdmissions() {
   const std::lock_guard lock(mutex_);
-  admissions_.Drain([this](const std::vector<AdmissionMessage>& admissions) {
-    for (const AdmissionMessage& admission : admissions) handler_->OnAdmission(admission);
+  admissions_.Drain(AdmitAll(), [this](const std::vector<AdmissionMessage>& admissions, const Sender& sender) {
+    for (const AdmissionMessage& admission : admissions) {
+      if (IsFromService(admissions_, admission.run, sender)) handler_->OnAdmission(admission);
+    }
   });
 }
 
 void DdsAgentEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
-  frames_.Drain([this](const FrameMessage& frame) { handler_->OnFrame(frame); });
+  frames_.Drain([this](const troupe_wire_Frame& frame,
+                       const Sender& sender) { return IsFromService(frames_, frame.run, sender); },
+                [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
 }
 
 void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {

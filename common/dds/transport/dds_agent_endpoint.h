@@ -3,17 +3,18 @@
 
 #include <atomic>
 #include <mutex>
-#include <set>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
+#include "common/dds/transport/known_services.h"
 #include "common/protocol/transport.h"
 
 namespace troupe::dds {
 
 class DdsAgentEndpoint : public AgentEndpoint {
  public:
-  explicit DdsAgentEndpoint(const DdsConnection& connection);  // which must outlive it
+  // REQUIRES: the connection outlives it. With `service`, only this participant is a world service.
+  DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service);
   ~DdsAgentEndpoint() override;
 
   void Start(AgentHandler& handler) override;
@@ -24,6 +25,9 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void DrainSessions();
   void DrainAdmissions();
   void DrainFrames();
+  // Whether the sender of a message of a run is the service of that run; refuses it if it is not.
+  template <typename Inbox>
+  bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);
 
   Outbox<troupe_wire_Join> joins_;
   Outbox<troupe_wire_Proposal> proposals_;
@@ -35,7 +39,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   std::atomic<RunId> joined_run_{0};
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
-  std::set<RunId> runs_;  // that have a live service
+  KnownServices services_;
 };
 
 }  // namespace troupe::dds

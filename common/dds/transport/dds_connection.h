@@ -1,38 +1,39 @@
 // Common to the endpoints of a DdsTransport: the participant, and sending and receiving of messages.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "common/base/result.h"
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/domain_participant.h"
+#include "common/dds/binding/flood_limiter.h"
 #include "common/dds/binding/publisher.h"
 #include "common/dds/convert/convert.h"
 #include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/senders.h"
 
 namespace troupe::dds {
 
 struct DdsConnection {
-  DdsConnection(const DomainConfig& config, const std::string& session,
-                std::function<void(const std::string&)> problem_handler)
+  DdsConnection(const DomainConfig& config, const std::string& session, const FloodLimiter::Tell& on_problem)
       : participant(config),
         publisher(participant, qos_profiles::Session(session)),
         subscriber(participant, qos_profiles::Session(session)),
-        on_problem(std::move(problem_handler)),
-        lease_seconds(config.lease_seconds) {}
+        lease_seconds(config.lease_seconds),
+        problems(on_problem) {}
 
-  void Report(const std::string& problem) const {
-    if (on_problem) on_problem(problem);
-  }
+  void Report(const std::string& problem) const { problems.Add(problem); }
 
   DomainParticipant participant;
   Publisher publisher;
   Subscriber subscriber;
-  std::function<void(const std::string&)> on_problem;
   double lease_seconds;
+  mutable FloodLimiter problems;
 };
 
 // A topic's writer for messages. A message that cannot be written is lost, as it could be on any network.
@@ -66,35 +67,44 @@ template <typename Wire>
 class WireInbox {
  public:
   WireInbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection), topic_(connection.participant, topic), reader_(connection.subscriber, topic_, qos) {}
+      : connection_(connection),
+        topic_(connection.participant, topic, senders_),
+        reader_(connection.subscriber, topic_, qos) {}
 
-  // Calls `drain`, on a thread of Cyclone's, whenever there may be samples.
+  // Calls `drain`, on a thread of Cyclone's, whenever there may be samples, or a sender may have ended.
   void Listen(const std::function<void()>& drain) {
     DataReaderListener listener;
     listener.on_data_available = drain;
-    listener.on_liveliness_changed = [drain](const LivelinessChangedStatus&) { drain(); };
-    listener.on_subscription_matched = [drain](const SubscriptionMatchedStatus&) { drain(); };
+    listener.on_subscription_matched = [this, drain](const SubscriptionMatchedStatus&) {
+      matches_changed_ = true;
+      drain();
+    };
     listener.on_exception = [this](std::exception_ptr exception) { ReportException(exception); };
     reader_.set_listener(std::move(listener));
   }
   // No call of `drain` runs any more when it returns.
   void Close() { reader_.clear_listener(); }
 
-  // Empties the reader: on_sample gets each sample, on_end the last one of each instance that ended (its key fields
-  // only).
+  // Empties the reader: on_sample gets each sample and its sender, then on_end each sender that has ended.
   template <typename OnSample, typename OnEnd>
   void Drain(OnSample on_sample, OnEnd on_end) {
     do {
       reader_.take(buffer_);
       for (std::size_t i = 0; i < buffer_.length(); ++i) {
         const SampleInfo info = buffer_.info(i);
-        if (!info.instance_alive()) {
-          on_end(buffer_.data(i));
-        } else if (info.valid()) {
-          on_sample(buffer_.data(i));
-        }
+        if (!info.valid()) continue;
+        const std::optional<Sender> sender = senders_.Find(reader_.handle(), info.publication_handle());
+        if (sender) on_sample(buffer_.data(i), *sender);
       }
     } while (buffer_.full());  // later samples are announced again
+    if (!matches_changed_.exchange(false)) return;
+    for (const Sender& ended : senders_.ForgetEnded(reader_.handle())) on_end(ended);
+  }
+
+  // Reports that the sender is not entitled to this topic, and drops all that it sends from now on.
+  void Refuse(const Sender& sender, const std::string& reason) {
+    if (!senders_.Refuse(sender)) return;
+    connection_.Report(topic_.name() + ": ignored participant " + ToText(sender.participant) + ": " + reason);
   }
 
   void ReportMalformed(const Error& error) const { connection_.Report(topic_.name() + ": ignored: " + error.message); }
@@ -114,9 +124,19 @@ class WireInbox {
   }
 
   const DdsConnection& connection_;
+  Senders senders_;
+  std::atomic<bool> matches_changed_ = false;
   Topic<Wire> topic_;
   DataReader<Wire> reader_;
   SampleBuffer<Wire> buffer_;
+};
+
+// Of topics that any participant may write.
+struct AdmitAll {
+  template <typename Wire>
+  bool operator()(const Wire&, const Sender&) const {
+    return true;
+  }
 };
 
 // A topic's reader that passes messages to a function.
@@ -125,26 +145,28 @@ class Inbox : public WireInbox<Wire> {
  public:
   using WireInbox<Wire>::WireInbox;
 
-  // Empties the reader: on_message gets each well-formed message, on_end as in WireInbox.
-  template <typename OnMessage, typename OnEnd>
-  void Drain(OnMessage on_message, OnEnd on_end) {
-    const auto convert = [&](const Wire& wire) {
+  // Empties the reader. Samples for which admits(wire, sender) is false are skipped before they are converted; on_message
+  // gets each of the others that is well-formed, and its sender; on_end as in WireInbox.
+  template <typename Admits, typename OnMessage, typename OnEnd>
+  void Drain(Admits admits, OnMessage on_message, OnEnd on_end) {
+    const auto convert = [&](const Wire& wire, const Sender& sender) {
+      if (!admits(wire, sender)) return;
       if constexpr (requires { FromWire(wire, message_); }) {
         if (!CanRead(wire, message_)) return;
         if (Status malformed = FromWire(wire, message_); !malformed.ok())
           return this->ReportMalformed(malformed.error());
-        on_message(message_);
+        on_message(message_, sender);
       } else {
         const Result<Message> message = FromWire(wire);
         if (!message.ok()) return this->ReportMalformed(message.error());
-        on_message(message.value());
+        on_message(message.value(), sender);
       }
     };
     WireInbox<Wire>::Drain(convert, on_end);
   }
-  template <typename OnMessage>
-  void Drain(OnMessage on_message) {
-    Drain(on_message, [](const Wire&) {});
+  template <typename Admits, typename OnMessage>
+  void Drain(Admits admits, OnMessage on_message) {
+    Drain(admits, on_message, [](const Sender&) {});
   }
 
  private:

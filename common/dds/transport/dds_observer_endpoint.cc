@@ -29,10 +29,10 @@ std::size_t RowsOf(const WorldState& state) {
 
 DdsObserverEndpoint::DdsObserverEndpoint(const DdsConnection& connection)
     : requests_(connection, topics::kFrameRequest, qos_profiles::FrameRequest()),
-      sessions_(connection, topics::kSession, qos_profiles::Description()),
-      statuses_(connection, topics::kStatus, qos_profiles::Status()),
+      sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
+      statuses_(connection, topics::kStatus, qos_profiles::FromMany(qos_profiles::Status())),
       frames_(connection, topics::kFrame, qos_profiles::ObservedFrame()),
-      whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
+      whole_frames_(connection, topics::kWholeFrame, qos_profiles::ReceivedFrame()),
       id_(MakeRandomId()) {}
 
 DdsObserverEndpoint::~DdsObserverEndpoint() {
@@ -70,14 +70,26 @@ void DdsObserverEndpoint::RequestFrame() {
   RequestWholeFrame();
 }
 
+template <typename Inbox>
+bool DdsObserverEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& sender) {
+  if (services_.IsService(run, sender.participant)) return true;
+  inbox.Refuse(sender, "it is not the world service of the run");
+  return false;
+}
+
 void DdsObserverEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
-      [this](const SessionMessage& session) {
+      [this](const troupe_wire_Session& session, const Sender& sender) {
+        return IsFromService(sessions_, session.run, sender);
+      },
+      [this](const SessionMessage& session, const Sender&) {
         world_editions_[session.run] = session.world_edition;
         queue_->PostSession(std::make_shared<const SessionMessage>(session));
       },
-      [this](const troupe_wire_Session& ended) { EndRun(ended.run); });
+      [this](const Sender& ended) {
+        for (const RunId run : services_.Forget(ended.participant)) EndRun(run);
+      });
   sessions_.Clear();  // a world may be large, and is seldom received
   PostFrame();
 }
@@ -90,10 +102,14 @@ void DdsObserverEndpoint::EndRun(RunId run) {
 
 void DdsObserverEndpoint::DrainStatuses() {
   const std::lock_guard lock(mutex_);
-  statuses_.Drain([this](const StatusMessage& status) {
-    status_ = status;
-    queue_->PostStatus(std::make_shared<const StatusMessage>(status));
-  });
+  statuses_.Drain(
+      [this](const troupe_wire_Status& status, const Sender& sender) {
+        return IsFromService(statuses_, status.run, sender);
+      },
+      [this](const StatusMessage& status, const Sender&) {
+        status_ = status;
+        queue_->PostStatus(std::make_shared<const StatusMessage>(status));
+      });
 }
 
 void DdsObserverEndpoint::GatherFrames() {
@@ -108,24 +124,30 @@ void DdsObserverEndpoint::GatherFrames() {
   last_read_ = Clock::now();
 }
 
+void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame,
+                                    const Sender& sender) {
+  if (!IsFromService(inbox, frame.run, sender)) return;
+  if (Status malformed = follower_.Read(frame); !malformed.ok()) inbox.ReportMalformed(malformed.error());
+}
+
 void DdsObserverEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
-  const auto no_instance_ends = [](const troupe_wire_Frame&) {};
+  const auto ignore_end = [](const Sender&) {};
   // In this order: a whole frame that is found below was sent before any frame that is not found here.
   frames_.Drain(
-      [this](const troupe_wire_Frame& wire) {
-        if (Status malformed = follower_.Read(wire); !malformed.ok()) frames_.ReportMalformed(malformed.error());
+      [this](const troupe_wire_Frame& frame, const Sender& sender) {
+        ReadFrame(frames_, frame, sender);
         PostFrame();
       },
-      no_instance_ends);
+      ignore_end);
   whole_frames_.Drain(
-      [this](const troupe_wire_Frame& wire) {
+      [this](const troupe_wire_Frame& frame, const Sender& sender) {
         requested_at_.reset();
-        if (Status malformed = follower_.Read(wire); !malformed.ok()) whole_frames_.ReportMalformed(malformed.error());
+        ReadFrame(whole_frames_, frame, sender);
         if (std::exchange(post_again_, false)) posted_.reset();
         PostFrame();
       },
-      no_instance_ends);
+      ignore_end);
   if (follower_.has_gap()) RequestWholeFrame();
 }
 

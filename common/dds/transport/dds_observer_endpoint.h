@@ -13,6 +13,7 @@
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/frame_follower.h"
+#include "common/dds/transport/known_services.h"
 #include "common/protocol/observer_queue.h"
 #include "common/protocol/transport.h"
 
@@ -40,6 +41,9 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
   // The functions below: REQUIRES: mutex_ is locked.
   void EndRun(RunId run);
+  template <typename Inbox>
+  bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);
+  void ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame, const Sender& sender);
   // Posts the follower's frame, unless it was posted already or its world is not known yet.
   void PostFrame();
   bool IsBehind() const;
@@ -60,6 +64,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   std::atomic<bool> frames_are_short_ = false;
 
   std::mutex mutex_;                         // guards the members below it
+  KnownServices services_;
   std::map<RunId, Edition> world_editions_;  // of the newest session of each run that has a live service
   FrameFollower follower_;
   std::optional<FrameKey> posted_;                 // the newest frame posted to the handler

@@ -17,6 +17,9 @@ constexpr Tick kWholePeriod = 100;
 // its request later than that.
 constexpr std::chrono::milliseconds kWholeFrameInterval(20);
 
+// Agents that may join through one writer: an agent that rejoins as another one is a new agent.
+constexpr std::ptrdiff_t kAgentsOfWriter = 64;
+
 bool HaveSameSizes(const WorldState& a, const WorldState& b) {
   return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
          a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size();
@@ -31,11 +34,12 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
       statuses_(connection, topics::kStatus, qos_profiles::Status()),
       control_replies_(connection, topics::kControlReply, qos_profiles::ControlReply()),
-      joins_(connection, topics::kJoin, qos_profiles::Join()),
-      proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
-      controls_(connection, topics::kControl, qos_profiles::Control()),
-      frame_requests_(connection, topics::kFrameRequest, qos_profiles::FrameRequest()),
-      rivals_(connection, topics::kSession, qos_profiles::Description() << IgnoreLocal::Participant()) {}
+      joins_(connection, topics::kJoin, qos_profiles::FromMany(qos_profiles::Join())),
+      proposals_(connection, topics::kProposal, qos_profiles::FromMany(qos_profiles::Proposal())),
+      controls_(connection, topics::kControl, qos_profiles::FromMany(qos_profiles::Control())),
+      frame_requests_(connection, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
+      rivals_(connection, topics::kSession,
+              qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()) {}
 
 DdsServiceEndpoint::~DdsServiceEndpoint() {
   joins_.Close();
@@ -66,28 +70,57 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
 void DdsServiceEndpoint::DrainJoins() {
   const std::lock_guard lock(mutex_);
   joins_.Drain(
-      [this](const JoinMessage& join) {
-        agents_.insert(join.agent);
-        handler_->OnJoin(join);
+      [this](const troupe_wire_Join& join, const Sender& sender) {
+        if (Bind(join.agent, sender)) return true;
+        joins_.Refuse(sender, "it joins as the agent of another participant, or as too many");
+        return false;
       },
-      [this](const troupe_wire_Join& ended) {
-        if (agents_.erase(ended.agent) > 0) handler_->OnAgentGone(ended.agent);
-      });
+      [this](const JoinMessage& join, const Sender&) { handler_->OnJoin(join); },
+      [this](const Sender& ended) { LoseAgentsOf(ended); });
+}
+
+bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
+  if (const auto known = agents_.find(agent); known != agents_.end()) return known->second.writer == sender.writer;
+  const auto is_of_sender = [&](const auto& other) { return other.second.writer == sender.writer; };
+  if (std::count_if(agents_.begin(), agents_.end(), is_of_sender) >= kAgentsOfWriter) return false;
+  agents_.emplace(agent, sender);
+  return true;
+}
+
+void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
+  std::vector<AgentId> lost;
+  for (const auto& [agent, sender] : agents_) {
+    if (sender.writer == ended.writer) lost.push_back(agent);
+  }
+  for (const AgentId agent : lost) {
+    agents_.erase(agent);
+    handler_->OnAgentGone(agent);
+  }
 }
 
 void DdsServiceEndpoint::DrainProposals() {
   const std::lock_guard lock(mutex_);
-  proposals_.Drain([this](const ProposalMessage& proposal) { handler_->OnProposal(proposal); });
+  proposals_.Drain(
+      [this](const troupe_wire_Proposal& proposal, const Sender& sender) {
+        const auto agent = agents_.find(proposal.agent);
+        if (agent != agents_.end() && agent->second.participant == sender.participant) return true;
+        // The proposal of an agent whose end was noticed first, or whose join was lost, is no offence.
+        if (agent != agents_.end()) proposals_.Refuse(sender, "another participant is this agent");
+        return false;
+      },
+      [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
 }
 
 void DdsServiceEndpoint::DrainControls() {
   const std::lock_guard lock(mutex_);
-  controls_.Drain([this](const ControlRequest& request) { handler_->OnControl(request); });
+  controls_.Drain(AdmitAll(), [this](const ControlRequest& request, const Sender&) { handler_->OnControl(request); });
+  controls_.Clear();  // a stranger's may be large
 }
 
 void DdsServiceEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  rivals_.Drain([this](const SessionMessage& session) { handler_->OnRivalService(session); });
+  rivals_.Drain(AdmitAll(),
+                [this](const SessionMessage& session, const Sender&) { handler_->OnRivalService(session); });
   rivals_.Clear();
 }
 
@@ -100,7 +133,7 @@ void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& adm
 void DdsServiceEndpoint::DrainFrameRequests() {
   const std::lock_guard lock(frame_mutex_);
   bool requested = false;
-  frame_requests_.Drain([&requested](const FrameRequest&) { requested = true; });
+  frame_requests_.Drain(AdmitAll(), [&requested](const FrameRequest&, const Sender&) { requested = true; });
   if (!requested || !sent_) return;
   if (sent_whole_at_ && Clock::now() < *sent_whole_at_ + kWholeFrameInterval) return;
   SendWholeFrame();

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
@@ -27,6 +27,9 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
  private:
   void DrainJoins();
+  // Binds the agent to its first writer; false for any other one.
+  bool Bind(AgentId agent, const Sender& sender);
+  void LoseAgentsOf(const Sender& ended);
   void DrainProposals();
   void DrainControls();
   void DrainSessions();
@@ -53,7 +56,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
-  std::set<AgentId> agents_;  // that have sent a join and are alive
+  std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
 };
 
 }  // namespace troupe::dds

@@ -15,7 +15,21 @@ namespace {
 using dds::DdsConnection;
 using dds::DomainConfig;
 
+// Bounds the memory that a stranger's messages need. The longest that a service needs is the join or the proposal of an
+// agent with a hundred thousand robots.
+constexpr std::uint32_t kLargestSampleForService = 16'000'000;  // bytes
+// Of agents and observers: the longest is a world.
+constexpr std::uint32_t kLargestSampleForPeers = 1'000'000'000;
+
 constexpr std::uint32_t kServicesOfMachine = 100;  // that share a domain: their participant indices
+
+std::optional<dds::GuidPrefix> ServiceOf(const DdsOptions& options) {
+  if (options.service_participant.empty()) return std::nullopt;
+  const std::optional<dds::GuidPrefix> prefix = dds::ParseGuidPrefix(options.service_participant);
+  if (prefix) return prefix;
+  throw dds::Exception(DDS_RETCODE_BAD_PARAMETER, "looking for the participant '" + options.service_participant +
+                                                      "' (expected 24 hexadecimal digits)");
+}
 
 // A participant, for the endpoints of one role: its discovery settings suit no other one.
 class DdsTransport : public Transport {
@@ -23,7 +37,9 @@ class DdsTransport : public Transport {
   enum class Role { kService, kAgent, kObserver };
 
   DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
-      : role_(role), connection_(config, options.session, options.on_problem) {}
+      : role_(role), connection_(config, options.session, options.on_problem), service_(ServiceOf(options)) {}
+
+  std::string participant() const { return dds::ToText(connection_.participant.guid_prefix()); }
 
   std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
     CheckRole(Role::kService, "making a service's endpoint of another one's transport");
@@ -31,7 +47,7 @@ class DdsTransport : public Transport {
   }
   std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId) override {
     CheckRole(Role::kAgent, "making an agent's endpoint of another one's transport");
-    return std::make_unique<dds::DdsAgentEndpoint>(connection_);
+    return std::make_unique<dds::DdsAgentEndpoint>(connection_, service_);
   }
   std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() override {
     CheckRole(Role::kObserver, "making an observer's endpoint of another one's transport");
@@ -45,6 +61,7 @@ class DdsTransport : public Transport {
 
   const Role role_;
   const DdsConnection connection_;
+  const std::optional<dds::GuidPrefix> service_;
 };
 
 // The partition is matched with wildcards, so a session's name must not contain any.
@@ -68,6 +85,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
 DomainConfig PeerConfig(const DdsOptions& options) {
   DomainConfig config = ConfigOf(options);
   config.discovery_multicast = false;
+  config.max_sample_bytes = kLargestSampleForPeers;
   config.peers = {options.service_address.empty() ? "127.0.0.1" : options.service_address};
   return config;
 }
@@ -94,13 +112,16 @@ bool PortsAreFree(std::uint16_t discovery_port) {
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   CheckSession(options.session);
   DomainConfig config = ConfigOf(options);
+  config.max_sample_bytes = kLargestSampleForService;
   // The first free index, found by trying: Cyclone could find one itself, but does not tell which.
   for (std::uint32_t index = 0; index < kServicesOfMachine; ++index) {
     const std::uint16_t port = dds::DiscoveryPort(options.domain, index);
     if (!PortsAreFree(port)) continue;
     config.participant_index = index;
     try {
-      return {std::make_unique<DdsTransport>(DdsTransport::Role::kService, options, config), port};
+      auto transport = std::make_unique<DdsTransport>(DdsTransport::Role::kService, options, config);
+      std::string participant = transport->participant();
+      return {std::move(transport), port, std::move(participant)};
     } catch (const dds::Exception&) {
       if (PortsAreFree(port)) throw;  // otherwise another service was faster
     }

@@ -24,6 +24,7 @@ struct DdsOptions : NetworkSettings {
 struct DdsServiceTransport {
   std::unique_ptr<Transport> transport;
   std::uint16_t discovery_port = 0;  // for the service_address of agents and observers
+  std::string participant;           // for the service_participant of agents
 };
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);

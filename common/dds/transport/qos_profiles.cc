@@ -13,6 +13,14 @@ Qos ReliableLatest() {
 // Messages with answers to joins that may be in transit at once.
 constexpr std::int32_t kAdmissionsKept = 16;
 
+// Replies to tools, for those that the service has not discovered yet.
+constexpr std::int32_t kRepliesKept = 64;
+
+// Messages that may wait in a reader of many writers, and of the service's frames. A reader is drained by the thread that
+// receives, so that more than one waits only while the program starts, or when several threads receive.
+constexpr std::int32_t kMessagesOfMany = 1024;
+constexpr std::int32_t kReceivedFramesKept = 8;
+
 // Frames that may wait in an observer's reader until its thread has read them.
 constexpr std::int32_t kObservedFramesKept = 64;
 
@@ -24,6 +32,10 @@ Qos KeptForLatecomers() {
 
 Qos Session(const std::string& session) {
   return Qos() << Partition{session};
+}
+
+Qos FromMany(Qos profile) {
+  return profile << History::KeepLast(kMessagesOfMany);
 }
 
 Qos Description(double lease_seconds) {
@@ -40,6 +52,10 @@ Qos Admission() {
 
 Qos Frame() {
   return ReliableLatest() << Durability::Volatile();
+}
+
+Qos ReceivedFrame() {
+  return Frame() << History::KeepLast(kReceivedFramesKept);
 }
 
 Qos ObservedFrame() {
@@ -59,12 +75,13 @@ Qos Proposal() {
 }
 
 Qos Control() {
-  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepAll() << WriterDataLifecycle{false};
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(kMessagesOfMany);
 }
 
 Qos ControlReply() {
-  return Control() << Durability::TransientLocal() << DurabilityService{History::KeepLast(1)}
-                   << Lifespan{kReplyLifespan};
+  return Qos() << Reliability::Reliable(kMaxBlockingTime) << History::KeepLast(kRepliesKept)
+               << Durability::TransientLocal() << DurabilityService{History::KeepLast(kRepliesKept)}
+               << Lifespan{kReplyLifespan};
 }
 
 Qos Status() {

@@ -12,6 +12,10 @@ namespace troupe::dds::qos_profiles {
 // announcements and some other implementations then cannot read.
 inline constexpr double kMaxBlockingTime = 0.5;  // s
 
+// `profile` for a reader of many writers: room for messages of all of them, since no topic has keys. A participant is
+// known by its writers, so a stranger cannot create or dispose of instances.
+Qos FromMany(Qos profile);
+
 // Of all publishers and subscribers: only those of the same session match.
 Qos Session(const std::string& session);
 
@@ -20,24 +24,26 @@ Qos Description(double lease_seconds = kInfinite);
 // Joins of agents, kept until the service has discovered the agent. The lease tells the service that an agent has
 // ended.
 Qos Join(double lease_seconds = kInfinite);
-// Answers to joins: all of them, each agent's latest.
+// Answers to joins: all of them.
 Qos Admission();
 // Committed ticks: only the latest is of use, because it stands for the whole state.
 Qos Frame();
-// The same topic as observers read it: lost and late frames are not resent, so that no observer can delay the service.
+// The same topics, and that of whole frames, as they are read: a message of a participant that is not entitled to send
+// frames must not take the place of a frame.
+Qos ReceivedFrame();
+// Frames as observers read them: lost and late frames are not resent, so that no observer can delay the service.
 Qos ObservedFrame();
 // Whole frames on request: the latest.
 Qos WholeFrame();
 // Requests of observers for a whole frame: one of any number is enough.
 Qos FrameRequest();
-// Commands of the agents: each agent's latest.
+// Commands of an agent: the latest.
 Qos Proposal();
 // Requests of tools: all of them.
 Qos Control();
-// The last reply to each client is kept: a service may receive a request before it has discovered the reader of the
-// reply.
+// The last replies are kept: a service may receive a request before it has discovered the reader of the reply.
 Qos ControlReply();
-// The progress of a run, for tools: the latest of each run, also for tools that start later.
+// The progress of a run, for tools: the latest, also for tools that start later.
 Qos Status();
 
 }  // namespace troupe::dds::qos_profiles

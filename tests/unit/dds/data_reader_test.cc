@@ -8,12 +8,13 @@
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
+#include "tests/unit/dds/keyed_status_type.h"
 
 namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using StatusSample = troupe_wire_Status;  // keyed by `run`
+using StatusSample = troupe_test_KeyedStatus;  // keyed by `run`
 
 StatusSample Make(std::uint64_t run, std::uint64_t tick) {
   StatusSample sample{};

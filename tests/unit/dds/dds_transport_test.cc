@@ -305,12 +305,12 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMatch) {
   DdsOptions other = options_;
   other.session += "-other";
   const auto service_transport = MakeServiceTransport();
-  const auto [other_transport, other_port] = MakeDdsServiceTransport(other);
-  EXPECT_NE(port_, other_port);
+  const DdsServiceTransport other_service_transport = MakeDdsServiceTransport(other);
+  EXPECT_NE(port_, other_service_transport.discovery_port);
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   Service other_service;
-  const auto other_end = other_transport->MakeServiceEndpoint();
+  const auto other_end = other_service_transport.transport->MakeServiceEndpoint();
   service_end->Start(service);
   other_end->Start(other_service);
   service_end->SendSession(Session(1));

@@ -4,8 +4,8 @@
 
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
+#include "tests/unit/dds/keyed_status_type.h"
 
 namespace troupe::dds {
 namespace {
@@ -43,10 +43,10 @@ TEST(DomainParticipantTest, SeveralInOneProcessMatchOverTheNetwork) {
   const Qos session = Qos() << Partition{test::TestSession("meet")};
   const Publisher publisher(here, session);
   const Subscriber subscriber(there, session);
-  const Topic<troupe_wire_Status> topic_here(here, "test/meet");
-  const Topic<troupe_wire_Status> topic_there(there, "test/meet");
-  const DataWriter<troupe_wire_Status> writer(publisher, topic_here, Qos());
-  const DataReader<troupe_wire_Status> reader(subscriber, topic_there, Qos());
+  const Topic<troupe_test_KeyedStatus> topic_here(here, "test/meet");
+  const Topic<troupe_test_KeyedStatus> topic_there(there, "test/meet");
+  const DataWriter<troupe_test_KeyedStatus> writer(publisher, topic_here, Qos());
+  const DataReader<troupe_test_KeyedStatus> reader(subscriber, topic_there, Qos());
   EXPECT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
   EXPECT_TRUE(Eventually([&] { return reader.subscription_matched_status().current_count == 1; }));
 }
@@ -60,12 +60,12 @@ TEST(DomainParticipantTest, WithoutMulticastFindsItsPeerByPort) {
   searching.peers = {"127.0.0.1:" + std::to_string(DiscoveryPort(known.domain, 50))};
   const DomainParticipant here(known);
   const DomainParticipant there(searching);
-  const Topic<troupe_wire_Status> topic_here(here, "test/peer");
-  const Topic<troupe_wire_Status> topic_there(there, "test/peer");
+  const Topic<troupe_test_KeyedStatus> topic_here(here, "test/peer");
+  const Topic<troupe_test_KeyedStatus> topic_there(there, "test/peer");
   const Publisher publisher(here);
   const Subscriber subscriber(there);
-  const DataWriter<troupe_wire_Status> writer(publisher, topic_here, Qos());
-  const DataReader<troupe_wire_Status> reader(subscriber, topic_there, Qos());
+  const DataWriter<troupe_test_KeyedStatus> writer(publisher, topic_here, Qos());
+  const DataReader<troupe_test_KeyedStatus> reader(subscriber, topic_there, Qos());
   EXPECT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
 }
 

@@ -6,14 +6,14 @@
 
 #include "common/dds/binding/condition.h"
 #include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
+#include "tests/unit/dds/keyed_status_type.h"
 
 namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using Sample = troupe_wire_Status;
+using Sample = troupe_test_KeyedStatus;
 
 TEST(WaitSetTest, ReturnsNoConditionAfterTheTimeout) {
   const DomainParticipant participant(test::TestConfig());

@@ -40,7 +40,7 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   loaded.world.robots.resize(2);
   loaded.world.robots[0].name = "r0";
   loaded.world.robots[1].name = "bad \xff bytes";
-  reporter_->Ready(loaded, 7410);
+  reporter_->Ready(loaded, {7410, "0102030405060708090a0b0c"});
   const json report = Next();
   EXPECT_EQ(report["type"], "ready");
   EXPECT_EQ(report["robots"].size(), 2u);

@@ -12,9 +12,9 @@ constexpr std::uint32_t kStatusesPerLine = 10;  // while no robot begins or ends
 
 class ConsoleReporter final : public Reporter {
  public:
-  void Ready(const LoadedWorld& loaded, std::uint16_t port) override {
+  void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     fmt::print(stderr, "{}: {} robots; waiting for their agents", loaded.world.name, loaded.world.robots.size());
-    if (port != 0) fmt::print(stderr, " (port {})", port);
+    if (contact.port != 0) fmt::print(stderr, " (port {})", contact.port);
     fmt::print(stderr, "\n");
   }
   void OnStarted(double startup_seconds) override {

@@ -18,14 +18,15 @@ class LauncherReporter final : public Reporter {
  public:
   explicit LauncherReporter(int descriptor) : descriptor_(descriptor) {}
 
-  void Ready(const LoadedWorld& loaded, std::uint16_t port) override {
+  void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     Json robots = Json::array();
     for (const RobotDescription& robot : loaded.world.robots) robots.push_back(robot.name);
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
           {"libraries", LibrariesOf(loaded.world)},
           {"robots_per_process", loaded.settings.robots_per_process},
-          {"port", port},
+          {"port", contact.port},
+          {"participant", contact.participant},
           {"ros", loaded.settings.ros}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "common/base/result.h"
@@ -12,10 +13,16 @@
 
 namespace troupe {
 
+// How agents find a service and know it from others.
+struct ServiceContact {
+  std::uint16_t port = 0;   // UDP; 0: not known
+  std::string participant;  // NetworkSettings::service_participant
+};
+
 class Reporter : public RunObserver {
  public:
-  // The world is loaded, and agents may join at UDP port `port`; 0: not known.
-  virtual void Ready(const LoadedWorld& loaded, std::uint16_t port) = 0;
+  // The world is loaded, and agents may join.
+  virtual void Ready(const LoadedWorld& loaded, const ServiceContact& contact) = 0;
   virtual void Ended(const RunSummary& summary) = 0;
   virtual void Failed(const Error& error) = 0;
 };

@@ -1,0 +1,46 @@
+#include "common/dds/transport/senders.h"
+
+#include <algorithm>
+
+#include "common/dds/binding/builtin_topic.h"
+
+namespace troupe::dds {
+
+std::optional<Sender> Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
+  if (const auto known = known_.find(writer); known != known_.end()) return Sender{writer, known->second};
+  const std::optional<PublicationData> publication = MatchedPublicationData(reader, writer);
+  if (!publication) return std::nullopt;
+  known_.emplace(writer, publication->participant);
+  return Sender{writer, publication->participant};
+}
+
+bool Senders::Refuse(const Sender& sender) {
+  const std::lock_guard lock(mutex_);
+  any_refused_ = true;
+  return refused_.insert(sender.writer).second;
+}
+
+std::vector<Sender> Senders::ForgetEnded(dds_entity_t reader) {
+  const std::vector<dds_instance_handle_t> matched = MatchedPublications(reader);
+  const auto has_ended = [&matched](dds_instance_handle_t writer) {
+    return !std::binary_search(matched.begin(), matched.end(), writer);
+  };
+  std::vector<Sender> ended;
+  std::erase_if(known_, [&](const auto& known) {
+    if (!has_ended(known.first)) return false;
+    ended.push_back({known.first, known.second});
+    return true;
+  });
+  const std::lock_guard lock(mutex_);
+  std::erase_if(refused_, has_ended);
+  any_refused_ = !refused_.empty();
+  return ended;
+}
+
+bool Senders::Accepts(dds_instance_handle_t writer) const {
+  if (!any_refused_.load(std::memory_order_relaxed)) return true;
+  const std::lock_guard lock(mutex_);
+  return !refused_.contains(writer);
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,43 @@
+// Senders: the writers that a reader has received samples from, each with the participant that it belongs to. DDS hands
+// a participant the samples of every writer of a topic; this tells which of them is which, and keeps out those that were
+// found not to be entitled to the topic.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "common/dds/binding/guid_prefix.h"
+#include "common/dds/binding/topic.h"
+
+namespace troupe::dds {
+
+struct Sender {
+  dds_instance_handle_t writer = 0;
+  GuidPrefix participant;
+};
+
+class Senders : public SampleFilter {
+ public:
+  // The writer with this handle, which `reader` has received a sample from; nothing if it has ended.
+  std::optional<Sender> Find(dds_entity_t reader, dds_instance_handle_t writer);
+
+  // No sample of this writer is accepted any more. False if that was so before.
+  bool Refuse(const Sender& sender);
+
+  // Forgets the senders whose writers have ended, and returns them.
+  std::vector<Sender> ForgetEnded(dds_entity_t reader);
+
+  bool Accepts(dds_instance_handle_t writer) const override;
+
+ private:
+  std::map<dds_instance_handle_t, GuidPrefix> known_;
+  std::atomic<bool> any_refused_ = false;
+  mutable std::mutex mutex_;  // guards the member below, which Cyclone's threads read
+  std::set<dds_instance_handle_t> refused_;
+};
+
+}  // namespace troupe::dds

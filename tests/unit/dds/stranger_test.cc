@@ -1,0 +1,246 @@
+// A participant without any part in a run sends messages in the names of its service and its agents.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/convert.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/dds_transport.h"
+#include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/topics.h"
+#include "tests/contract/collecting_handlers.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe {
+namespace {
+
+using test::Eventually;
+
+constexpr RunId kRun = 77;
+constexpr AgentId kAgent = 5;
+constexpr std::size_t kMany = 2000;  // messages
+
+// The lines that a program would print about messages that it ignored.
+class Problems {
+ public:
+  std::function<void(const std::string&)> Add() {
+    return [this](const std::string& line) {
+      const std::lock_guard lock(mutex_);
+      lines_.push_back(line);
+    };
+  }
+  bool Have(const std::string& text) const {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(lines_.begin(), lines_.end(),
+                       [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+// A participant as any program of the network can make one.
+struct Stranger {
+  explicit Stranger(const std::string& session)
+      : participant(Config()), publisher(participant, dds::qos_profiles::Session(session)) {}
+
+  // At an index that agents look for their service at, so that they discover it.
+  static dds::DomainConfig Config() {
+    dds::DomainConfig config = test::TestConfig();
+    config.participant_index = dds::kPeerPortsTried - 1;
+    return config;
+  }
+
+  dds::DomainParticipant participant;
+  dds::Publisher publisher;
+};
+
+// A writer of a stranger's.
+template <typename Wire>
+class Forger {
+ public:
+  Forger(const Stranger& stranger, const char* topic, const dds::Qos& qos)
+      : topic_(stranger.participant, topic), writer_(stranger.publisher, topic_, qos) {}
+
+  bool Found() {
+    return Eventually([this] { return writer_.publication_matched_status().current_count > 0; });
+  }
+  template <typename Message>
+  void Send(const Message& message) {
+    dds::WireArena arena;
+    writer_.write(dds::ToWire(message, arena));
+  }
+  void SendFrame(const FrameMessage& frame) {
+    dds::WireArena arena;
+    writer_.write(dds::ToWire(frame, static_cast<const WorldState*>(nullptr), arena));
+  }
+  bool Delivered() { return writer_.wait_for_acknowledgments(20.0); }
+
+ private:
+  dds::Topic<Wire> topic_;
+  dds::DataWriter<Wire> writer_;
+};
+
+class StrangerTest : public testing::Test {
+ protected:
+  StrangerTest() {
+    options_.domain = test::TestDomain();
+    options_.session = test::TestSession(testing::UnitTest::GetInstance()->current_test_info()->name());
+    DdsOptions service = options_;
+    service.on_problem = service_problems_.Add();
+    DdsServiceTransport made = MakeDdsServiceTransport(service);
+    service_transport_ = std::move(made.transport);
+    participant_ = made.participant;
+    service_end_ = service_transport_->MakeServiceEndpoint();
+    service_end_->Start(service_);
+    service_end_->SendSession(Session());
+
+    options_.service_address = "127.0.0.1";  // any port
+    DdsOptions agent = options_;
+    agent.on_problem = agent_problems_.Add();
+    agent.service_participant = participant_;
+    agent_transport_ = MakeDdsAgentTransport(agent);
+    agent_end_ = agent_transport_->MakeAgentEndpoint(kAgent);
+    agent_end_->Start(agent_);
+  }
+
+  static SessionMessage Session() {
+    SessionMessage session;
+    session.run = kRun;
+    session.host = "the true host";
+    return session;
+  }
+  static JoinMessage Join() {
+    JoinMessage join;
+    join.run = kRun;
+    join.agent = kAgent;
+    join.robots = {"r0"};
+    return join;
+  }
+  static ProposalMessage Proposal(Tick tick) {
+    ProposalMessage proposal;
+    proposal.run = kRun;
+    proposal.agent = kAgent;
+    proposal.tick = tick;
+    return proposal;
+  }
+
+  bool AgentJoins() {
+    return Eventually([this] {
+      agent_end_->SendJoin(Join());
+      return !service_.joins.items().empty();
+    });
+  }
+
+  DdsOptions options_;
+  Problems service_problems_;
+  Problems agent_problems_;
+  std::string participant_;
+  test::CollectingService service_;
+  test::CollectingAgent agent_;
+  std::unique_ptr<Transport> service_transport_;
+  std::unique_ptr<Transport> agent_transport_;
+  std::unique_ptr<ServiceEndpoint> service_end_;
+  std::unique_ptr<AgentEndpoint> agent_end_;
+};
+
+TEST_F(StrangerTest, ForgedFramesAndAdmissionsDoNotReachAnAgent) {
+  ASSERT_TRUE(AgentJoins());
+  ASSERT_TRUE(Eventually([this] { return !agent_.sessions.items().empty(); }));
+  const Stranger stranger(options_.session);
+  Forger<troupe_wire_Frame> frames(stranger, dds::topics::kFrame, dds::qos_profiles::Frame());
+  Forger<troupe_wire_Admissions> admissions(stranger, dds::topics::kAdmission, dds::qos_profiles::Admission());
+  Forger<troupe_wire_Session> sessions(stranger, dds::topics::kSession, dds::qos_profiles::Description(1.0));
+  ASSERT_TRUE(frames.Found() && admissions.Found() && sessions.Found());
+
+  FrameMessage last;
+  last.run = kRun;
+  last.state.tick = 7;
+  last.last = true;
+  frames.SendFrame(last);
+  admissions.Send(std::vector<AdmissionMessage>{{kRun, kAgent, false, "leave"}});
+  SessionMessage false_session = Session();
+  false_session.host = "a false host";
+  sessions.Send(false_session);
+  EXPECT_TRUE(Eventually([this] {
+    return agent_problems_.Have("troupe/frame: ignored participant") &&
+           agent_problems_.Have("troupe/admission: ignored participant") &&
+           agent_problems_.Have("troupe/session: ignored participant");
+  }));
+
+  // The service is still the one that the agent obeys.
+  FrameMessage frame;
+  frame.run = kRun;
+  frame.state.tick = 1;
+  service_end_->SendFrame(frame);
+  ASSERT_TRUE(agent_.frames.WaitFor(20.0, [](const FrameMessage&) { return true; }));
+  EXPECT_EQ(agent_.frames.items().front().state.tick, 1u);
+  EXPECT_TRUE(agent_.admissions.items().empty());
+  for (const SessionMessage& session : agent_.sessions.items()) EXPECT_EQ(session.host, "the true host");
+  EXPECT_TRUE(agent_.service_gone.items().empty());
+}
+
+TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
+  ASSERT_TRUE(AgentJoins());
+  {
+    const Stranger stranger(options_.session);
+    Forger<troupe_wire_Join> joins(stranger, dds::topics::kJoin, dds::qos_profiles::Join(1.0));
+    Forger<troupe_wire_Proposal> proposals(stranger, dds::topics::kProposal, dds::qos_profiles::Proposal());
+    ASSERT_TRUE(joins.Found() && proposals.Found());
+    JoinMessage join = Join();
+    join.robots = {"another"};
+    joins.Send(join);
+    proposals.Send(Proposal(666));
+    EXPECT_TRUE(Eventually([this] {
+      return service_problems_.Have("troupe/join: ignored participant") &&
+             service_problems_.Have("troupe/proposal: ignored participant");
+    }));
+  }
+  // The end of the forger is not the end of the agent.
+  agent_end_->SendProposal(Proposal(1));
+  ASSERT_TRUE(service_.proposals.WaitFor(20.0, [](const ProposalMessage&) { return true; }));
+  for (const ProposalMessage& proposal : service_.proposals.items()) EXPECT_EQ(proposal.tick, 1u);
+  for (const JoinMessage& join : service_.joins.items()) EXPECT_EQ(join.robots, std::vector<std::string>{"r0"});
+  EXPECT_TRUE(service_.gone.items().empty());
+
+  agent_end_.reset();
+  EXPECT_TRUE(service_.gone.WaitFor(20.0, [](AgentId agent) { return agent == kAgent; }));
+}
+
+TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
+  const Stranger stranger(options_.session);
+  Forger<troupe_wire_Join> joins(stranger, dds::topics::kJoin, dds::qos_profiles::Join(1.0));
+  ASSERT_TRUE(joins.Found());
+  for (std::size_t i = 0; i < kMany; ++i) {
+    JoinMessage join = Join();
+    join.agent = 1000 + i;
+    joins.Send(join);
+  }
+  ASSERT_TRUE(joins.Delivered());
+  ASSERT_TRUE(Eventually([this] { return service_problems_.Have("troupe/join: ignored participant"); }));
+  EXPECT_LE(service_.joins.items().size(), 64u);
+  EXPECT_TRUE(AgentJoins());
+}
+
+TEST_F(StrangerTest, AMessageBeyondTheLargestSizeIsDropped) {
+  const Stranger stranger(options_.session);
+  Forger<troupe_wire_Control> controls(stranger, dds::topics::kControl, dds::qos_profiles::Control());
+  ASSERT_TRUE(controls.Found());
+  ControlRequest request;
+  request.source = std::string(20'000'000, 'x');
+  controls.Send(request);
+  request.source = "a world";
+  controls.Send(request);
+  EXPECT_TRUE(service_.controls.WaitFor(20.0, [](const ControlRequest& heard) { return heard.source == "a world"; }));
+  EXPECT_EQ(service_.controls.items().size(), 1u);
+}
+
+}  // namespace
+}  // namespace troupe
