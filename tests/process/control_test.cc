@@ -30,7 +30,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
   ASSERT_EQ(hashes.size(), 121u);
 
   const std::string session = TestSession("step");
-  Program run = RunPen({"--paused", "--session", session, "--speed", "1"});
+  Program run = RunPen({"--paused", "--session", session, "--speed", "50"});
   ControlClient client(TestDomain(), session, "lo");
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   for (Tick tick = 0; tick < 120;) {

@@ -133,7 +133,7 @@ void RunControl::StartQueued(double now) {
 }
 
 void RunControl::StartStep(OpenRequest step, double now) {
-  engine_.SetTicksToPause(step.request.ticks);
+  engine_.SetTicksToPause(step.request.ticks, Pace::kRun);
   step_begun_ = run_.frame.state.tick;
   awaiting_pause_.push_back(std::move(step));
   engine_.Resume(now);

@@ -145,10 +145,13 @@ bool TickEngine::halted() const {
   return run_.options.settings.on_agent_loss == OnAgentLoss::kPause || run_.members.present_members() == 0;
 }
 
+double TickEngine::NextDue() const {
+  return pace_ == Pace::kAtOnce ? committed_at_ : pacer_.Due(run_.next_tick());
+}
+
 bool TickEngine::ReadyToCommit(double now) const {
-  const bool due = ticks_to_pause_.has_value() || now >= pacer_.Due(run_.next_tick());  // steps set their own pace
-  return run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) && due &&
-         !halted();
+  return run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) &&
+         now >= NextDue() && !halted();
 }
 
 void TickEngine::Begin(double now) {
@@ -285,8 +288,7 @@ double TickEngine::NextPoll() const {
   if (run_.phase == RunPhase::kEnding) return std::min(end_at_, resend_timer_.due());
   if (run_.phase != RunPhase::kRunning) return run_.created_at;
   const bool can_step = (run_.realtime() || barrier_.complete()) && !halted() && !run_.frame.paused;
-  const double due = ticks_to_pause_ ? committed_at_ : pacer_.Due(run_.next_tick());
-  const double step = can_step ? due : kNever;
+  const double step = can_step ? NextDue() : kNever;
   return barrier_.complete() ? step : std::min(step, resend_timer_.due());
 }
 

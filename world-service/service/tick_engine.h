@@ -20,6 +20,9 @@
 
 namespace troupe {
 
+// When the ticks before a pause are committed: at the run's speed, or without waiting for their time.
+enum class Pace : bool { kRun, kAtOnce };
+
 class TickEngine {
  public:
   // The run outlives the engine. Makes its first frame.
@@ -43,7 +46,11 @@ class TickEngine {
 
   // Ticks until the run pauses, 0 in a pause; nothing: no pause is planned.
   const std::optional<std::uint64_t>& ticks_to_pause() const { return ticks_to_pause_; }
-  void SetTicksToPause(std::optional<std::uint64_t> ticks) { ticks_to_pause_ = ticks; }
+  // By default a planned pause does not wait for the time of a tick: a slow run pauses as soon as a fast one.
+  void SetTicksToPause(std::optional<std::uint64_t> ticks, Pace pace = Pace::kAtOnce) {
+    ticks_to_pause_ = ticks;
+    pace_ = ticks ? pace : Pace::kRun;
+  }
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
   // Resends the frame without `paused`, so that the agents propose. REQUIRES: the frame is paused.
@@ -66,6 +73,8 @@ class TickEngine {
   void Reject(std::string reason, double now);
   void Lose(Member& member, const std::string& reason, double now);
   bool ReadyToCommit(double now) const;
+  // When the next tick may be committed.
+  double NextDue() const;
   void Commit(double now);
   // The proposals or the edit led to the frame.
   void Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now);
@@ -79,6 +88,7 @@ class TickEngine {
   Pacer pacer_;
   ResendTimer resend_timer_;
   std::optional<std::uint64_t> ticks_to_pause_;
+  Pace pace_ = Pace::kRun;
   std::uint64_t steps_ = 0;
   std::uint64_t frames_resent_ = 0;
 

@@ -180,6 +180,38 @@ TEST_F(ControlTest, AnswersWaitingClientsWhenTheRunEnds) {
   EXPECT_EQ(replies[0].state, RunState::kOver);
 }
 
+TEST_F(ControlTest, StepsAtTheSpeedOfTheRun) {
+  options.settings.speed = 2.0;
+  options.start_paused = true;
+  MakeAndStart(1);
+  AnswerPaused(1);
+  Wait(10.0);
+  Ask(ControlCommand::kStep, 2);
+  Propose(1);
+  EXPECT_EQ(tick(), 0u) << "a tick of 0.1 s lasts 0.05 s at this speed";
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.05, 1e-9);
+  Wait(0.051);
+  EXPECT_EQ(tick(), 1u);
+  Propose(1);
+  EXPECT_EQ(tick(), 1u);
+  Wait(0.05);
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_TRUE(paused());
+}
+
+TEST_F(ControlTest, APauseDoesNotWaitForTheTimeOfATickNeitherInAStep) {
+  options.settings.speed = 0.001;
+  options.start_paused = true;
+  MakeAndStart(1);
+  AnswerPaused(1);
+  Ask(ControlCommand::kStep, 5);
+  Propose(1);
+  Ask(ControlCommand::kPause);
+  Wait(0.0);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_TRUE(paused());
+}
+
 TEST_F(ControlTest, DoesNotCatchUpTheTimeOfAPause) {
   options.settings.speed = 1.0;
   MakeAndStart(1);
