@@ -161,7 +161,8 @@ TEST_F(CtlTest, PrintsTheReasonOfARefusal) {
   EXPECT_THAT(Problem({"spawn", "/nowhere/truck.inc"}), HasSubstr("/nowhere/truck.inc"));
   EXPECT_THAT(Problem({"load", "/nowhere/pen.world"}), HasSubstr("/nowhere/pen.world"));
   EXPECT_THAT(Problem({"spawn", WorldPath("pen.world")}), HasSubstr("found 10 models, expected one"));
-  EXPECT_NE(Ctl({"set-pose", "r0", "--pose=0,0,0"}).exit_status, 0);
+  EXPECT_THAT(Problem({"set-pose", "r0", "--pose=0,0,-5,0"}), HasSubstr("'r0' would be 5 m below the ground"));
+  EXPECT_EQ(Ctl({"set-pose", "r0", "--pose=0,0"}).exit_status, 2);
   EXPECT_NE(Ctl({"set-pose", "r0", "--pose=nan,0,0,0"}).exit_status, 0);
   EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "the run continues";
   run_.Signal(SIGINT);

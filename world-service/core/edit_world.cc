@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "common/geometry/limits.h"
+#include "common/spatial/overlap.h"
 #include "world-service/core/find_overlap.h"
 #include "world-service/core/grip.h"
 #include "world-service/core/initial_state.h"
+#include "world-service/core/lowest_point.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
@@ -68,8 +71,20 @@ EditedWorld Finish(StepWorkspace& workspace, std::shared_ptr<const Scene> scene)
   return {std::move(scene), std::move(workspace.next), std::move(workspace.robot_events)};
 }
 
-// The error names the obstacle that the entity overlaps.
-Status CheckRoom(const EditedWorld& edited, ModelId root) {
+// A world file may place a model below the ground, where nothing supports it; an edit may not.
+Status CheckAboveGround(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
+  if (X_WE.z >= 0.0) return {};
+  const double lowest = LowestPoint(*edited.scene, edited.state, root);
+  if (lowest >= -kNoticeableDepth) return {};
+  std::ostringstream reason;
+  reason << "'" << edited.scene->world().model(root).name << "' would be " << -lowest
+         << " m below the ground, expected z of at least " << std::min(0.0, X_WE.z - lowest);
+  return Refuse(reason.str());
+}
+
+// The error names the ground, or the obstacle that the entity overlaps.
+Status CheckRoom(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
+  if (Status below = CheckAboveGround(edited, root, X_WE); !below.ok()) return below;
   const std::optional<ModelId> obstacle = FindOverlap(*edited.scene, edited.state, root);
   if (!obstacle) return {};
   const WorldDescription& world = edited.scene->world();
@@ -203,7 +218,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
     after = std::make_shared<const Scene>(std::move(world));
   }
   EditedWorld edited = Finish(workspace, std::move(after));
-  if (const Status problem = CheckRoom(edited, root.value()); !problem.ok()) return problem.error();
+  if (const Status problem = CheckRoom(edited, root.value(), pose); !problem.ok()) return problem.error();
   return edited;
 }
 
@@ -243,7 +258,7 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
   edited.state = state;
   AppendState(world, edited.state);
   edited.scene = std::make_shared<const Scene>(std::move(world));
-  if (const Status problem = CheckRoom(edited, root); !problem.ok()) return problem.error();
+  if (const Status problem = CheckRoom(edited, root, pose); !problem.ok()) return problem.error();
   return edited;
 }
 

@@ -93,6 +93,25 @@ TEST_F(EditWorldTest, RefusesUnknownNamesPartsAndNumbersThatAreNotFinite) {
   EXPECT_EQ(state, PlacedState(test.world));
 }
 
+TEST_F(EditWorldTest, RefusesPosesBelowTheGround) {
+  test.AddRobot(Square(0.4), {0.0, 0.5}, {});
+  test.AddModel(Square(1.0), {0.0, 0.5}, {3.0, 0.0, 0.0, 0.0});
+  test.AddObject({0.0, 3.0, 0.0, 0.0});
+  test.AddModel(Square(0.2), {0.3, 0.4}, {5.0, 0.0, 0.0, 0.0});
+  Make(test.world);
+  EXPECT_EQ(Set("m0", {0.0, 0.0, -5.0, 0.0}), "error: 'm0' would be 5 m below the ground, expected z of at least 0");
+  EXPECT_EQ(Set("m1", {3.0, 0.0, -0.1, 0.0}), "error: 'm1' would be 0.1 m below the ground, expected z of at least 0");
+  EXPECT_EQ(Set("m2", {0.0, 3.0, -0.1, 0.0}), "error: 'm2' would be 0.1 m below the ground, expected z of at least 0");
+  EXPECT_EQ(Set("m3", {5.0, 0.0, -0.4, 0.0}),
+            "error: 'm3' would be 0.1 m below the ground, expected z of at least -0.3");
+  EXPECT_EQ(Set("m3", {5.0, 0.0, -0.3, 0.0}), "") << "its block is above its origin";
+  EXPECT_EQ(Set("m0", {0.0, 0.0, -1e-9, 0.0}), "") << "rounding";
+  GripperWorld box;
+  box.AddObject({});
+  EXPECT_EQ(Spawn(box.world, "b", {1.0, 5.0, -2.0, 0.0}),
+            "error: 'b' would be 2 m below the ground, expected z of at least 0");
+}
+
 TEST_F(EditWorldTest, ObjectsThatLoseTheirSupportFall) {
   test.AddModel(Square(1.0), {0.0, 0.5});
   const ObjectId lower = test.AddObject({0.0, 0.0, 0.5, 0.0});

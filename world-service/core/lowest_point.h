@@ -1,0 +1,13 @@
+// The height of an entity's lowest point.
+#pragma once
+
+#include "common/model/world_state.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+// Of all blocks of the tree of `root`, in m above the ground; the height of its origin without any block.
+// REQUIRES: `root` has no parent; the state belongs to the scene's world.
+double LowestPoint(const Scene& scene, const WorldState& state, ModelId root);
+
+}  // namespace troupe
