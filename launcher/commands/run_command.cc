@@ -9,6 +9,7 @@
 #include "common/base/output_file.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
 #include "launcher/supervise/in_process_run.h"
 #include "launcher/supervise/run_options.h"
@@ -27,6 +28,7 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
+  if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());
   }

@@ -1,13 +1,10 @@
 #include "launcher/supervise/run_options.h"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <filesystem>
 #include <utility>
 
@@ -20,45 +17,6 @@
 
 namespace troupe {
 namespace {
-
-using NamedFile = std::pair<const char*, const std::string*>;
-
-std::vector<NamedFile> OutputsOf(const RunOptions& options) {
-  return {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},   {"--scans", &options.scans},
-          {"--summary", &options.summary},   {"--record", &options.record}, {"--trace", &options.trace.file}};
-}
-
-Status CheckWritable(const NamedFile& output) {
-  int file = open(output.second->c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (file < 0) {
-    return Error{{}, std::string(output.first) + ": cannot write " + *output.second + ": " + strerror(errno)};
-  }
-  close(file);
-  return Status();
-}
-
-// Two outputs in one file would be mixed up. Devices may be shared.
-Status CheckDistinct(const std::vector<NamedFile>& outputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::size_t j = i + 1; j < outputs.size(); ++j) {
-      const std::string& path = *outputs[i].second;
-      if (path != *outputs[j].second) continue;
-      if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) continue;
-      return Error{{}, std::string(outputs[i].first) + " and " + outputs[j].first + " name the same file, " + path};
-    }
-  }
-  return Status();
-}
-
-Status CheckOutputs(const RunOptions& options) {
-  std::vector<NamedFile> outputs = OutputsOf(options);
-  std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
-  if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
-  for (const NamedFile& output : outputs) {
-    if (Status failure = CheckWritable(output); !failure.ok()) return failure;
-  }
-  return Status();
-}
 
 // "<world>-<pid>", without the characters that a session name cannot contain.
 std::string OwnSession(const std::string& file) {
@@ -155,7 +113,7 @@ Status CompleteRunOptions(RunOptions& options) {
   if (network.network_interface.empty()) {
     network.network_interface = options.hosts.empty() ? kLoopbackInterface : kAutomaticInterface;
   }
-  return CheckOutputs(options);
+  return Status();
 }
 
 std::string InterfaceOf(const HostSettings& host) {

@@ -52,8 +52,7 @@ struct RunOptions {
 // Declares the options, with the checks that need only their text. `options` must outlive the parsing.
 void AddRunOptions(CLI::App& command, RunOptions& options);
 
-// Fails if an output file cannot be written. Reads the hosts of a scenario; chooses a session name and a network
-// interface unless the options have them.
+// Reads the hosts of a scenario; chooses a session name and a network interface unless the options have them.
 Status CompleteRunOptions(RunOptions& options);
 
 // The arguments of the program world-service for this run, without the report's descriptor.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
@@ -93,6 +95,52 @@ TEST(Usage, BadOutputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(run.exit_status, 2);
   EXPECT_THAT(run.output, HasSubstr("--poses and --record name the same file"));
   EXPECT_EQ(folder.size(), 0u);
+}
+
+TEST(Usage, OneFileIsNotTwoOutputsByWhateverPaths) {
+  OutputFolder folder;
+  std::ofstream(folder.Path("file")) << "kept";
+  std::filesystem::create_symlink("file", folder.Path("link"));
+  std::filesystem::create_hard_link(folder.Path("file"), folder.Path("other"));
+  std::filesystem::create_directory(folder.Path("sub"));
+  for (const char* name : {"link", "other", "sub/../file"}) {
+    Finished run = Finish(RunPen({"--ticks", "5", "--scans", folder.Path("file"), "--trace", folder.Path(name)}));
+    EXPECT_EQ(run.exit_status, 2) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("--scans and --trace name the same file")) << name;
+  }
+  Finished run = Finish(RunPen({"--ticks", "5", "--poses", folder.Path("new"), "--trace", folder.Path("sub/../new")}));
+  EXPECT_EQ(run.exit_status, 2) << run.output;
+  EXPECT_EQ(folder.Read("file"), "kept");
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("new")));
+}
+
+// A scenario with a world, and an include in the world.
+void WriteScenario(const OutputFolder& folder) {
+  std::ofstream(folder.Path("own.json")) << R"({"world": "own.world", "ticks": 5})";
+  std::ofstream(folder.Path("own.world")) << "include \"own.inc\"\nposition ( name \"a\" )\n";
+  std::ofstream(folder.Path("own.inc")) << "define box model ( size [1 1 1] )\n";
+  std::filesystem::create_symlink("own.world", folder.Path("link"));
+}
+
+TEST(Usage, AnOutputIsNeverAFileThatTheRunReads) {
+  OutputFolder folder;
+  WriteScenario(folder);
+  for (const char* option : {"--hash-log", "--poses", "--scans", "--summary", "--record", "--trace"}) {
+    for (const char* name : {"own.json", "own.world", "own.inc", "link"}) {
+      Finished run = Finish(Troupe({"run", folder.Path("own.json"), option, folder.Path(name), "--in-process"}));
+      EXPECT_EQ(run.exit_status, 2) << run.output;
+      EXPECT_THAT(run.output, HasSubstr(std::string("error: ") + option + ": found " + folder.Path(name) +
+                                        ", which the run reads"));
+      EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    }
+  }
+  EXPECT_EQ(folder.Read("own.json"), R"({"world": "own.world", "ticks": 5})");
+  EXPECT_THAT(folder.Read("own.world"), HasSubstr("position"));
+  EXPECT_THAT(folder.Read("own.inc"), HasSubstr("define"));
+  for (int overwritten = 0; overwritten < 2; ++overwritten) {
+    Finished run = Finish(Troupe({"run", folder.Path("own.json"), "--poses", folder.Path("poses"), "--in-process"}));
+    EXPECT_EQ(run.exit_status, 0) << run.output;
+  }
 }
 
 TEST(Usage, EveryCommandHasHelp) {

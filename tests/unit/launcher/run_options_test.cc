@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "launcher/supervise/check_outputs.h"
+
 namespace troupe {
 namespace {
 
@@ -107,7 +109,7 @@ TEST(RunOptions, RefusesOutputFilesThatCannotBeWritten) {
   auto complete = [](std::vector<std::string> words) {
     words.insert(words.begin(), "w.world");
     RunOptions options = Parse(words).options;
-    Status failure = CompleteRunOptions(options);
+    Status failure = CheckOutputs(options);
     return !failure.ok() ? failure.error().ToString() : "";
   };
   EXPECT_THAT(complete({"--poses", "/no/such/folder/p"}),
