@@ -29,13 +29,15 @@ std::string SummaryText(const RunOutcome& outcome) {
                       outcome.processes == 1 ? "process" : "processes", run.startup_seconds);
   text += fmt::format("{} stalls, state hash {}\n", run.stalls, HashText(run.state_hash));
   if (run.rejected > 0) text += fmt::format("{} proposals rejected\n", run.rejected);
-  if (run.frames_repeated > 0) text += fmt::format("{} frames resent\n", run.frames_repeated);
+  // One process has no network, and its robots take turns: nothing is late.
+  const bool distributed = outcome.processes > 1;
+  if (distributed && run.frames_repeated > 0) text += fmt::format("{} frames resent\n", run.frames_repeated);
   text += fmt::format("peak memory: {:.1f} MiB", outcome.service_peak_memory_mib);
-  if (outcome.processes > 1) {
+  if (distributed) {
     text += fmt::format(" the world service, {:.1f} MiB the largest agent", outcome.agent_peak_memory_mib);
   }
   text += "\n";
-  if (!run.slowest.empty()) {
+  if (distributed && !run.slowest.empty()) {
     std::vector<std::string> slowest;
     for (const SlowRobot& slow : run.slowest) {
       auto host = outcome.hosts.find(slow.robot);

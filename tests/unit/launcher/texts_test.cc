@@ -74,6 +74,16 @@ TEST(Summary, ShowsLostRobotsAndMemory) {
   EXPECT_THAT(text, Not(HasSubstr("stopped before its end")));
 }
 
+TEST(Summary, OfOneProcessOmitsTheNetworkAndTheSlowestRobots) {
+  RunOutcome outcome = SomeOutcome();
+  outcome.run.frames_repeated = 3;
+  EXPECT_THAT(SummaryText(outcome), HasSubstr("slowest robots: r1"));
+  EXPECT_THAT(SummaryText(outcome), HasSubstr("3 frames resent"));
+  outcome.processes = 1;
+  EXPECT_THAT(SummaryText(outcome), Not(HasSubstr("slowest robots")));
+  EXPECT_THAT(SummaryText(outcome), Not(HasSubstr("frames resent")));
+}
+
 TEST(SessionTable, HasALineForEachSession) {
   SessionInfo running{"cave-1", 1, "host", 42, "cave", 100, WaitingStatus()};
   SessionInfo starting{"lab", 2, "host", 7, "lab", 3, std::nullopt};
