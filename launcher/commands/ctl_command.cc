@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "common/base/deterministic_math.h"
 #include "common/command_line/exit_status.h"
@@ -18,6 +17,7 @@
 #include "common/dds/tools/control_client.h"
 #include "common/dds/tools/session_monitor.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/commands/pose_text.h"
 
 namespace troupe {
 namespace {
@@ -30,7 +30,7 @@ struct CtlOptions {
   NetworkSettings network;  // session empty: the only one
   ControlRequest request;
   double timeout_seconds = 0.0;  // 0: no limit
-  std::vector<double> pose;      // x, y, z in m, heading in degrees
+  std::string pose;              // text for ParsePoseText; empty: none
 };
 
 const char* Word(RunState state) {
@@ -75,6 +75,23 @@ Result<std::string> FindSession(const NetworkSettings& network) {
   return Failure("found no session");
 }
 
+// The pose of the command line. Without a height an entity keeps the one that it has.
+Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, ControlRequest& request) {
+  if (options.pose.empty()) return Status();
+  const Result<PoseText> pose = ParsePoseText(options.pose);
+  if (!pose.ok()) return pose.error();
+  request.pose = pose.value().X_WE;
+  if (pose.value().has_height || request.command != ControlCommand::kSetPose) return Status();
+  ControlRequest question;
+  question.command = ControlCommand::kEntities;
+  question.name = request.name;
+  const Result<ControlReply> reply = client.Call(question, options.timeout_seconds);
+  if (!reply.ok()) return reply.error();
+  if (!reply.value().done) return Failure(reply.value().problem);
+  if (reply.value().entities.size() == 1) request.pose.z = reply.value().entities.front().X_WE.z;
+  return Status();
+}
+
 Result<ControlReply> SendRequest(const CtlOptions& options) {
   const NetworkSettings& network = options.network;
   std::string session = network.session;
@@ -85,7 +102,9 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
   }
   ControlClient client(network.domain, session, network.network_interface, network.service_address);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
-  return client.Call(options.request, options.timeout_seconds);
+  ControlRequest request = options.request;
+  if (Status failure = SetPoseOfRequest(options, client, request); !failure.ok()) return failure.error();
+  return client.Call(request, options.timeout_seconds);
 }
 
 void Print(const EntityReport& entity) {
@@ -117,9 +136,6 @@ std::string AbsolutePath(const std::string& source) {
 
 int CtlCommand(CtlOptions options) {
   options.request.source = AbsolutePath(options.request.source);
-  if (!options.pose.empty()) {
-    options.request.pose = {options.pose[0], options.pose[1], options.pose[2], DegreesToRadians(options.pose[3])};
-  }
   try {
     const Result<ControlReply> reply = SendRequest(options);
     if (!reply.ok()) return Fail(reply.error());
@@ -145,11 +161,14 @@ void AddName(CLI::App* action, const SharedOptions& options) {
   action->add_option("NAME", options->request.name, "Name of a robot, an object or a model")->required();
 }
 
-CLI::Option* AddPose(CLI::App* action, const SharedOptions& options) {
-  return action->add_option("--pose", options->pose, "Pose in the world frame: metres, and degrees for the heading")
-      ->delimiter(',')
-      ->expected(4)
-      ->type_name("X,Y,Z,HEADING");
+CLI::Option* AddPose(CLI::App* action, const SharedOptions& options, const char* help) {
+  const auto check = [](const std::string& text) {
+    const Result<PoseText> pose = ParsePoseText(text);
+    return pose.ok() ? std::string() : pose.error().message;
+  };
+  return action->add_option("--pose", options->pose, help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name("X,Y[,Z],HEADING");
 }
 
 // Options of a reset of some parts only.
@@ -193,13 +212,14 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
       ->required();
   spawn->add_option("--name", options->request.name, "Its name (default: derived from the model)")->type_name("NAME");
   spawn->add_flag("--rename", options->request.rename, "Choose another name if this one is in use");
-  AddPose(spawn, options);
+  AddPose(spawn, options, "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
   AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
           options);
   CLI::App* const set_pose =
       AddAction(command, options, "set-pose", "Move a robot, an object or a model to a pose", ControlCommand::kSetPose);
   AddName(set_pose, options);
-  AddPose(set_pose, options)->required();
+  AddPose(set_pose, options, "Pose in the world frame, in metres and degrees; without Z at its present height")
+      ->required();
 }
 
 void AddListActions(CLI::App* command, const SharedOptions& options) {

@@ -130,10 +130,14 @@ TEST_F(CtlTest, EditsTheWorld) {
   EXPECT_THAT(Done({"list"}), HasSubstr("robot  r0                       position     -2.000,-2.000,0.000,45.00"));
   EXPECT_THAT(Done({"set-pose", "r0", "--pose", "-1,-2,0,90"}), HasSubstr("paused tick 0"));
   EXPECT_THAT(Done({"get", "r0"}), HasSubstr("-1.000,-2.000,0.000,90.00"));
+  Done({"set-pose", "r0", "--pose=-1,-2,0.25,0"});
+  Done({"set-pose", "r0", "--pose=-1.5,-2,90"});
+  EXPECT_THAT(Done({"get", "r0"}), HasSubstr("-1.500,-2.000,0.250,90.00"))
+      << "without a height it keeps the one it has";
   EXPECT_THAT(Done({"spawnables"}), HasSubstr("rover                    position"));
   EXPECT_THAT(Done({"spawn", "rover", "--pose=0,-2,0,0"}), HasSubstr("robot  rover"));
-  EXPECT_THAT(Done({"spawn", "rover", "--pose=1,-2,0,0"}), HasSubstr("robot  rover0"));
-  EXPECT_THAT(Done({"delete", "r3"}), HasSubstr("edition 4"));
+  EXPECT_THAT(Done({"spawn", "rover", "--pose=1,-2,0"}), HasSubstr("robot  rover0"));
+  EXPECT_THAT(Done({"delete", "r3"}), HasSubstr("edition 6"));
   Done({"step", "3"});
   Done({"reset"});
   Done({"step", "3"});
@@ -143,10 +147,10 @@ TEST_F(CtlTest, EditsTheWorld) {
   EXPECT_THAT(poses, HasSubstr("\n3,rover0,"));
   EXPECT_THAT(poses, HasSubstr("\n3,r3,")) << "after the reset";
   const std::string record = folder_.Read("record");
-  EXPECT_THAT(record, HasSubstr(R"("edition":4,)"));
+  EXPECT_THAT(record, HasSubstr(R"("edition":6,)"));
   EXPECT_THAT(record, HasSubstr(R"("robots":["r0","r1","r2",null,"rover","rover0"])"));
   const std::string scans = folder_.Read("scans");
-  EXPECT_THAT(scans, HasSubstr(R"({"edition":5})"));
+  EXPECT_THAT(scans, HasSubstr(R"({"edition":7})"));
   EXPECT_THAT(scans, HasSubstr(R"({"tick":2,"robot":"rover0")"));
 }
 

@@ -1,0 +1,32 @@
+#include "launcher/commands/pose_text.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace troupe {
+namespace {
+
+TEST(PoseText, HasThreeOrFourNumbersAsInScenarios) {
+  const Result<PoseText> three = ParsePoseText("1.5,-2,90");
+  ASSERT_TRUE(three.ok());
+  EXPECT_EQ(three.value().X_WE, (Pose{1.5, -2.0, 0.0, std::numbers::pi / 2.0}));
+  EXPECT_FALSE(three.value().has_height);
+  const Result<PoseText> four = ParsePoseText("-1,2,0.5,0");
+  ASSERT_TRUE(four.ok());
+  EXPECT_EQ(four.value().X_WE, (Pose{-1.0, 2.0, 0.5, 0.0}));
+  EXPECT_TRUE(four.value().has_height);
+}
+
+TEST(PoseText, AnyOtherTextIsAnError) {
+  for (const char* text :
+       {"", "1", "1,2", "1,2,3,4,5", "1,2,x", "1,,2", "1,2,3,", ",1,2,3", "1 2 3", "1,2,nan", "1,2,1e999", "1, 2, 3"}) {
+    const Result<PoseText> read = ParsePoseText(text);
+    ASSERT_FALSE(read.ok()) << text;
+    EXPECT_EQ(read.error().message,
+              "found '" + std::string(text) + "', expected X,Y,HEADING or X,Y,Z,HEADING, in metres and degrees");
+  }
+}
+
+}  // namespace
+}  // namespace troupe
