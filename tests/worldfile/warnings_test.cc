@@ -14,10 +14,21 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
       ElementsAre("w.world:1:1: warning: property 'resolution' has no effect: geometry is exact, without cells",
                   "w.world:2:1: warning: property 'speedup' has no effect: the command line sets the speed",
                   "w.world:3:8: warning: property 'mass' has no effect: energy is not simulated",
-                  "w.world:4:2: warning: property 'gui_grid' has no effect: it only concerns Stage's window",
+                  "w.world:4:2: warning: no effect, because they only concern Stage's window: property 'gui_grid', "
+                  "'window'",
                   "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
-                  "w.world:6:2: warning: property 'colour' has no effect in a 'model'",
-                  "w.world:7:1: warning: 'window' has no effect: it only concerns Stage's window"));
+                  "w.world:6:2: warning: property 'colour' has no effect in a 'model'"));
+}
+
+TEST(Warnings, StatementsForStagesWindowShareOne) {
+  EXPECT_THAT(
+      WorldFolder().WarningsOf("show_clock 1\nmodel( gui_grid 1 )\nmodel( gui_grid 0\n gui_outline 1 )\n"
+                               "position( pose [5 0 0 0] ranger( sensor( color \"red\" ) ) )\nwindow( size [1 1] )\n"),
+      ElementsAre("w.world:1:1: warning: no effect, because they only concern Stage's window: property "
+                  "'show_clock', property 'gui_grid', property 'gui_outline', property 'color' of a sensor, "
+                  "'window'"));
+  EXPECT_THAT(WorldFolder().WarningsOf("model( )\nwindow( )\nwindow( )"),
+              ElementsAre("w.world:2:1: warning: 'window' has no effect: it only concerns Stage's window"));
 }
 
 TEST(Warnings, AreGivenOnceForALineHoweverManyModelsItMakes) {

@@ -49,7 +49,7 @@ void ModelBuilder::BuildChildren(const WorldNode& node, const Parent* parent) {
   for (std::size_t i = 0; i < node.children.size() && !context_.diagnostics.failed(); ++i) {
     const WorldNode& child = node.children[i];
     if (child.type == "window") {
-      context_.diagnostics.Warn(child.where, "'window' has no effect: it only concerns Stage's window");
+      context_.diagnostics.WarnOfWindow(child.where, "'window'");
     } else if (child.type == "block") {
       if (parent == nullptr)
         context_.diagnostics.Fail(child.where, "found a 'block' outside of a model, expected it inside one");

@@ -73,11 +73,17 @@ std::string_view FindReason(std::span<const NoEffect> reasons, const std::string
 }
 
 // `otherwise` follows the name of a property without a reason in the list.
-void WarnOfUnused(PropertyReader& reader, std::span<const NoEffect> reasons, const std::string& otherwise) {
+void WarnOfUnused(PropertyReader& reader, std::span<const NoEffect> reasons, const std::string& otherwise,
+                  bool in_sensor = false) {
   for (const Property* property : reader.Unused()) {
     const std::string_view reason = FindReason(reasons, property->name);
+    const std::string statement = "property " + Quoted(property->name);
+    if (reason == kWindow) {
+      reader.diagnostics().WarnOfWindow(property->where, statement + (in_sensor ? " of a sensor" : ""));
+      continue;
+    }
     const std::string ending = reason.empty() ? otherwise : ": " + std::string(reason);
-    reader.diagnostics().Warn(property->where, "property " + Quoted(property->name) + " has no effect" + ending);
+    reader.diagnostics().Warn(property->where, statement + " has no effect" + ending);
   }
 }
 
@@ -88,7 +94,7 @@ void WarnOfUnusedInWorld(PropertyReader& reader) {
 }
 
 void WarnOfUnusedInSensor(PropertyReader& reader) {
-  WarnOfUnused(reader, kSensorProperties, " in a 'sensor'");
+  WarnOfUnused(reader, kSensorProperties, " in a 'sensor'", true);
 }
 
 void WarnOfUnusedInBlock(PropertyReader& reader) {
