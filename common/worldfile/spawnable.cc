@@ -41,7 +41,9 @@ Result<WorldNode> MakeModel(const WorldTree& tree, const std::string& name) {
   if (!made.ok()) return made;
   const std::string& type = made.value().type;
   if (!IsModelType(type)) return Error{{}, "found " + Quoted(name) + ", expected a model"};
-  if (FindModelType(type) == nullptr) return Error{{}, "found " + Quoted(name) + ": " + UnknownTypeMessage(type)};
+  if (FindModelType(type) == nullptr) {
+    return Error{{}, (type == name ? "" : Quoted(name) + ": ") + UnknownTypeMessage(type, tree.defines)};
+  }
   return made;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "common/base/closest_name.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/library_controller.h"
 #include "troupe/parameters.h"
@@ -17,8 +18,8 @@ std::array<BuiltInController, 5> BuiltIns() {
 
 Error UnknownName(const std::string& name) {
   return {{},
-          fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so)", name,
-                      fmt::join(BuiltInControllers(), ", "))};
+          fmt::format("unknown controller '{}', expected one of: {}, or the path of a shared library (.so){}", name,
+                      fmt::join(BuiltInControllers(), ", "), DidYouMean(name, BuiltInControllers()))};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/base/closest_name.h"
 #include "common/base/json_text.h"
 #include "robot-agent/controller/nested_parameters.h"
 
@@ -110,8 +111,9 @@ Status Parameters::Finish() {
   for (const auto& [key, value] : content_->object.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::sort(known.begin(), known.end());
-    Fail(fmt::format("unknown parameter {}, expected {}", Shown(json(key)),
-                     known.empty() ? "none" : fmt::format("one of: {}", fmt::join(known, ", "))));
+    Fail(fmt::format("unknown parameter {}, expected {}{}", Shown(json(key)),
+                     known.empty() ? "none" : fmt::format("one of: {}", fmt::join(known, ", ")),
+                     DidYouMean(key, known)));
   }
   return status();
 }

@@ -143,6 +143,36 @@ TEST(Usage, AnOutputIsNeverAFileThatTheRunReads) {
   }
 }
 
+TEST(Usage, UnknownWordsAreNamedInOrderWithTheLikelyOnes) {
+  const std::string pen = WorldPath("pen.world");
+  const std::vector<BadUsage> cases = {
+      {{"run", pen, "--sped", "2", "--tikcs=5", "--zzzzzz"},
+       "error: found the unknown options --sped (did you mean --speed?), --tikcs (did you mean --ticks?), --zzzzzz; "
+       "troupe run --help lists the options\n"},
+      {{"run", "--rcord", "x"},
+       "error: found the unknown option --rcord (did you mean --record?); troupe run --help lists the options\n"},
+      {{"run", pen, "second", "third"}, "error: found 'second' 'third', expected no further argument\n"},
+      {{"rnu", pen}, "error: found the command 'rnu', expected one of run, check, "},
+      {{"rnu", pen}, "; did you mean 'run'?\n"},
+      {{"ctl", "stpe"}, "error: found the command 'stpe', expected one of status, pause, play, step, "},
+      {{"ctl", "stpe"}, "; did you mean 'step'?\n"},
+      {{"ctl", "step", "--sesion", "x"},
+       "error: found the unknown option --sesion (did you mean --session?); troupe ctl step --help lists the options"},
+      {{"--verson"}, "error: found the unknown option --verson (did you mean --version?); troupe --help lists"},
+      {{"run", pen, "--controller", "wandr"}, "; did you mean 'wander'?\n"},
+  };
+  for (const BadUsage& usage : cases) {
+    Finished run = Finish(Troupe(usage.arguments));
+    EXPECT_EQ(run.exit_status, 2) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(usage.message)) << testing::PrintToString(usage.arguments);
+  }
+  for (const char* program : {"world-service", "robot-agent"}) {
+    Finished run = Finish(Program({ProgramPath(program), "--sesion", "x"}));
+    EXPECT_EQ(run.exit_status, 2) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("--sesion (did you mean --session?); " + std::string(program) + " --help"));
+  }
+}
+
 TEST(Usage, EveryCommandHasHelp) {
   EXPECT_THAT(Finish(Troupe({"--version"})).output, testing::MatchesRegex("troupe [0-9.]+\n"));
   const std::vector<BadUsage> cases = {{{"--help"}, "Run a world"},

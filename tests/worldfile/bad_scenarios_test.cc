@@ -77,8 +77,7 @@ const BadScenario kAgainstTheSchema[] = {
     {"UnknownKey", "{\"wolrd\": \"office.world\"}",
      ":1:2: error: found the key 'wolrd', expected one of $schema, agent_deadline, controller, hosts, include, mode, "
      "models, name, network, on_agent_loss, override, properties, robots, robots_per_process, ros, seed, spawn, "
-     "speed, ticks, "
-     "world"},
+     "speed, ticks, world; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("\"robots\": [{\"name\": \"r0\",\n  \"position\": [0, 0, 0]}]"),
      ":3:3: error: found the key 'position', expected one of children, controller, model, name, pose, properties"},
     {"UnknownKeyOfAController", Alone("\"controller\": {\"name\": \"idle\", \"speed\": 1}"),
@@ -206,14 +205,20 @@ const BadScenario kOfTheWorld[] = {
     {"IncludeIsMissing", "{\"include\": [\"../include/robots.inc\",\n \"../include/no.inc\"]}",
      ":2:2: error: cannot read 'include/no.inc' (No such file or directory), expected a readable file"},
     {"UnknownModel", InOffice("\"robots\": [{\"model\": \"scuot\", \"pose\": [0, 0, 0]}]"),
-     ":2:22: error: found model type 'scuot', expected the name of a define, or one of model position ranger "
-     "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+     ":2:22: error: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
+     "meeting_table, parcel, porter, scanner, "
+     "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger "
+     "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator; did you mean 'scout'?"},
     {"UnknownChild", InOffice("\"models\": [{\"model\": \"table\",\n \"children\": [{\"model\": \"vase\"}]}]"),
-     ":3:25: error: found model type 'vase', expected the name of a define, or one of model position ranger actuator "
+     ":3:25: error: found model type 'vase', expected the name of a define (building, cart, carton, chair, furniture, "
+     "meeting_table, parcel, porter, scanner, "
+     "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger actuator "
      "blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
     {"UnknownSpawnModel", InOffice("\"spawn\": [{\"model\": \"scuot\", \"count\": 1, \"region\": [0, 0, 1, 1]}]"),
-     ":2:21: error: found model type 'scuot', expected the name of a define, or one of model position ranger "
-     "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+     ":2:21: error: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
+     "meeting_table, parcel, porter, scanner, "
+     "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger "
+     "actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator; did you mean 'scout'?"},
     {"SensorByItself", InOffice("\"models\": [{\"model\": \"sensor\"}]"),
      ":2:22: error: found 'sensor' by itself, expected it in the 'children' of a model"},
     {"PointBeforeTheFirst",

@@ -31,8 +31,14 @@ const BadValue kBadValues[] = {
     {"macro of a type of older versions",
      "define red_puck puck( )\n"
      "red_puck( )",
-     "w.world:2:1: error: found model type 'puck', which Stage 4 no longer has, expected the name of a define, or one "
+     "w.world:2:1: error: found model type 'puck', which Stage 4 no longer has, expected the name of a define "
+     "(red_puck), "
+     "or one "
      "of model position ranger actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator"},
+    {"misspelt type", "define rover position( )\ndefine box model( )\nrovr( )",
+     "w.world:3:1: error: found model type 'rovr', expected the name of a define (box, rover), or one of model "
+     "position "
+     "ranger actuator blinkenlight blobfinder bumper camera fiducial gripper lightindicator; did you mean 'rover'?"},
     {"use before the define",
      "rob( )\n"
      "define rob position( )\n",

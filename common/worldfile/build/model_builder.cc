@@ -89,7 +89,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, co
 }
 
 void ModelBuilder::FailForUnknownType(const WorldNode& node) {
-  std::string message = UnknownTypeMessage(node.type);
+  std::string message = UnknownTypeMessage(node.type, context_.tree.defines);
   const auto later = context_.tree.defines.find(node.type);
   if (later != context_.tree.defines.end()) {
     message = "found " + Quoted(node.type) + " before its define at line " + std::to_string(later->second.where.line) +

@@ -8,6 +8,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "common/base/closest_name.h"
 #include "common/worldfile/scenario/scenario_schema_text.h"
 #include "common/worldfile/text/quote.h"
 
@@ -56,10 +57,16 @@ const json& SchemaAt(const json& root, const Context& context, const json& docum
   return *schema;
 }
 
-std::string JoinKeys(const json& properties) {
+std::vector<std::string> KeysOf(const json& properties) {
+  std::vector<std::string> keys;
+  for (const auto& [key, unused] : properties.items()) keys.push_back(key);
+  return keys;
+}
+
+Error UnknownKey(const SourceLocation& where, const std::string& key, const std::vector<std::string>& known) {
   std::string list;
-  for (const auto& [key, unused] : properties.items()) list += (list.empty() ? "" : ", ") + key;
-  return list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  return {where, "found the key " + Quoted(key) + ", expected one of " + list + DidYouMean(key, known)};
 }
 
 struct Member {
@@ -92,8 +99,7 @@ std::optional<std::string> FindMissingKey(const json& schema, const json& object
 Error Explain(const JsonDocument& document, const json& root_schema, const json& schema, const json& value) {
   if (value.is_object()) {
     if (const std::optional<Member> unknown = FindUnknownMember(document, schema, value)) {
-      return {document.WhereKey(*unknown->value),
-              "found the key " + Quoted(unknown->key) + ", expected one of " + JoinKeys(schema.at("properties"))};
+      return UnknownKey(document.WhereKey(*unknown->value), unknown->key, KeysOf(schema.at("properties")));
     }
     if (const std::optional<std::string> missing = FindMissingKey(schema, value)) {
       const json& expected = FollowReference(root_schema, schema.at("properties").at(*missing));

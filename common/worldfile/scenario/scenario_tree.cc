@@ -108,7 +108,9 @@ class Adder {
     Result<WorldNode> made = Instantiate(tree_, model.text, model.where);
     if (!made.ok()) return Error{model.where, made.error().message};
     const std::string& type = made.value().type;
-    if (IsModelType(type) && FindModelType(type) == nullptr) return Error{model.where, UnknownTypeMessage(type)};
+    if (IsModelType(type) && FindModelType(type) == nullptr) {
+      return Error{model.where, UnknownTypeMessage(type, tree_.defines)};
+    }
     return made;
   }
 

@@ -50,7 +50,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"idle", R"({"speed": 1})", "idle: unknown parameter \"speed\", expected none"},
         Case{"wander", R"({"sped": 1})",
              "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
-             "steering_angle, turn_rate"},
+             "steering_angle, turn_rate; did you mean 'speed'?"},
+        Case{"wandr", "{}",
+             "unknown controller 'wandr', expected one of: expand, fetch, idle, script, wander, or the path of a "
+             "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
         Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},
         Case{"wander", R"({"speed": 1e999})", "wander: the parameters are not JSON"},

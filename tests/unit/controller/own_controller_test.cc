@@ -48,6 +48,10 @@ TEST_F(OwnControllerTest, BuildsOutsideTheTreeAndRuns) {
   const auto corner = Read(robot.sensors[0], [](double) { return 0.5; });
   EXPECT_EQ(controller.value()->Update(At(1, {corner})).twist.vx, 0.0);
 
+  const RobotDescription misspelt = MakeRobot(folder_ + "/follow_wall.so", R"({"sped": 0.4})", {MakeScanner()});
+  EXPECT_THAT(CreateFor(misspelt).error().message,
+              ::testing::EndsWith("follow_wall: unknown parameter \"sped\", expected one of: distance, speed; did you "
+                                  "mean 'speed'?"));
   const RobotDescription bad = MakeRobot(folder_ + "/follow_wall.so", R"({"speed": -1})", {MakeScanner()});
   const Result<std::unique_ptr<Controller>> refused = CreateFor(bad);
   ASSERT_FALSE(refused.ok());

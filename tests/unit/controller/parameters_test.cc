@@ -36,7 +36,8 @@ TEST(Parameters, KeepTheFirstErrorAndNameUnknownKeys) {
   Parameters unknown("p", R"({"sped": 1})");
   EXPECT_EQ(unknown.ReadNumber("speed", {0.0, 1.0}), std::nullopt);
   EXPECT_EQ(MessageOf(unknown.status()), "");
-  EXPECT_EQ(MessageOf(unknown.Finish()), "p: unknown parameter \"sped\", expected one of: speed");
+  EXPECT_EQ(MessageOf(unknown.Finish()),
+            "p: unknown parameter \"sped\", expected one of: speed; did you mean 'speed'?");
 }
 
 }  // namespace

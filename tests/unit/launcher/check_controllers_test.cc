@@ -17,7 +17,7 @@ TEST(CheckControllers, NamesTheLineOfAScenariosController) {
   std::ofstream(path) << "{\"robots\": [\n  {\"model\": \"position\", \"controller\": \"wonder\"}]}";
   EXPECT_EQ(Fault(path), path +
                              ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, idle, "
-                             "script, wander, or the path of a shared library (.so)");
+                             "script, wander, or the path of a shared library (.so); did you mean 'wander'?");
 }
 
 TEST(CheckControllers, ChecksParametersToo) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <vector>
 
+#include "common/base/closest_name.h"
 #include "common/worldfile/build/types/built_in_types.h"
 #include "common/worldfile/text/quote.h"
 
@@ -22,6 +24,16 @@ const auto& ModelTypes() {
 // Types of older versions of Stage.
 constexpr std::string_view kFormerTypes[] = {"charger", "laser", "map", "puck", "sonar", "wifi"};
 
+constexpr std::size_t kMostListed = 40;  // names in a message
+
+// " (chair, scout)"; "" without a name.
+std::string ListText(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i) text += (i == 0 ? " (" : ", ") + names[i];
+  if (names.size() > kMostListed) text += " and " + std::to_string(names.size() - kMostListed) + " more";
+  return text.empty() ? "" : text + ")";
+}
+
 }  // namespace
 
 const ModelType* FindModelType(std::string_view name) {
@@ -30,12 +42,17 @@ const ModelType* FindModelType(std::string_view name) {
   return found == types.end() ? nullptr : &*found;
 }
 
-std::string UnknownTypeMessage(const std::string& type) {
+std::string UnknownTypeMessage(const std::string& type, const std::map<std::string, Define>& defines) {
   const bool former = std::find(std::begin(kFormerTypes), std::end(kFormerTypes), type) != std::end(kFormerTypes);
+  std::vector<std::string> names;
+  for (const auto& [name, define] : defines) names.push_back(name);
   std::string message = "found model type " + Quoted(type) + (former ? ", which Stage 4 no longer has" : "") +
-                        ", expected the name of a define, or one of";
-  for (const ModelType& known : ModelTypes()) message += " " + std::string(known.name);
-  return message;
+                        ", expected the name of a define" + ListText(names) + ", or one of";
+  for (const ModelType& known : ModelTypes()) {
+    message += " " + std::string(known.name);
+    names.emplace_back(known.name);
+  }
+  return message + DidYouMean(type, names);
 }
 
 }  // namespace troupe
