@@ -35,6 +35,10 @@ Result<Speed> ParseSpeed(std::string_view text);
 // Wall time for all robots to join; 0: no limit.
 inline constexpr double kDefaultStartTimeoutSeconds = 60.0;
 
+// Restarts by the launcher of each agent that died.
+inline constexpr std::uint32_t kDefaultRestartAgents = 3;
+inline constexpr std::uint32_t kMaxRestartAgents = 1'000'000;
+
 // A scenario sets these.
 struct RunSettings {
   std::optional<std::uint64_t> ticks;  // nothing: until stopped
@@ -42,6 +46,7 @@ struct RunSettings {
   Speed speed;
   OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
   std::uint32_t robots_per_process = 1;
+  std::uint32_t restart_agents = kDefaultRestartAgents;  // 0: none; none either with OnAgentLoss::kAbort
   double agent_deadline_seconds = 10.0;  // wall time that the barrier waits for a silent agent before it is lost
   bool ros = false;                      // publish the robots to ROS 2
 };

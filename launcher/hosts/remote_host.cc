@@ -106,6 +106,7 @@ void RemoteHost::Send(const std::string& line) {
 
 Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, const std::vector<std::string>& arguments,
                                                  bool reports) {
+  if (lost_) return Failure("host " + name() + ": the connection is lost");
   const int id = static_cast<int>(children_.size());
   auto state = std::make_shared<State>();
   children_[id] = state;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/base/random.h"
 #include "common/command_line/trace_flags.h"
 #include "launcher/hosts/shell_words.h"
@@ -100,9 +101,11 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   std::vector<std::string> arguments =
       AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
-  std::string restart_command = ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments);
-  if (!scans_.empty()) restart_command += " --keep-scans";
-  // Not in the restart command: the file has the trace of the lost agent.
+  std::vector<std::string> restart_arguments = arguments;
+  if (!scans_.empty()) restart_arguments.emplace_back("--keep-scans");
+  std::string restart_command =
+      ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(restart_arguments);
+  // Not for a restart: the file has the trace of the lost agent.
   if (!traces_.empty()) {
     for (std::string& argument : TraceArguments(options_.trace, traces_.PathOn(*site.host, agent.group))) {
       arguments.push_back(std::move(argument));
@@ -111,7 +114,19 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   if (agent.delay > 0.0) arguments.push_back("--start-delay=" + std::to_string(agent.delay));
   Result<std::unique_ptr<Child>> process = site.host->Start("robot-agent", arguments, false);
   if (!process.ok()) return process.error();
-  agents_.push_back({std::move(process).value(), site.host, std::move(agent.robots), std::move(restart_command)});
+  agents_.push_back({agents_.size(), std::move(process).value(), site.host, std::move(agent.robots),
+                     std::move(restart_command), std::move(restart_arguments)});
+  ++running_;
+  return Status();
+}
+
+Status AgentFleet::Restart(std::size_t number) {
+  AgentProcess& agent = agents_.at(number);
+  TROUPE_CHECK(!agent.process->running());
+  Result<std::unique_ptr<Child>> process = agent.host->Start("robot-agent", agent.restart_arguments, false);
+  if (!process.ok()) return process.error();
+  peak_memory_mib_ = peak_memory_mib();
+  agent.process = std::move(process).value();
   ++running_;
   return Status();
 }
@@ -136,7 +151,7 @@ void AgentFleet::Kill() {
 }
 
 double AgentFleet::peak_memory_mib() const {
-  double peak = 0.0;
+  double peak = peak_memory_mib_;
   for (const AgentProcess& agent : agents_) {
     if (agent.process->end()) peak = std::max(peak, agent.process->end()->peak_memory_mib);
   }

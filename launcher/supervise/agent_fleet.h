@@ -16,10 +16,12 @@
 namespace troupe {
 
 struct AgentProcess {
-  std::unique_ptr<Child> process;
-  const Host* host;
+  std::size_t number;              // in the fleet; an agent that is started again keeps it
+  std::unique_ptr<Child> process;  // the newest one
+  Host* host;
   std::vector<std::string> robots;
   std::string restart_command;  // for a shell
+  std::vector<std::string> restart_arguments;
 };
 
 // Where agents run.
@@ -45,8 +47,13 @@ class AgentFleet {
   // Starts agents for new robots of the run, all at once. REQUIRES: Start was called.
   Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
 
+  // Starts the agent of this number again, for the same robots. Its scans follow those of its predecessor; it writes no
+  // trace. REQUIRES: PollEnded has returned it.
+  Status Restart(std::size_t number);
+
   // The agents that ended since the last call.
   std::vector<const AgentProcess*> PollEnded();
+  const AgentProcess& agent(std::size_t number) const { return agents_.at(number); }
   std::size_t size() const { return agents_.size() + waiting_.size(); }
   bool all_ended() const { return running_ == 0; }
   void Signal(int signal) const;
@@ -87,6 +94,7 @@ class AgentFleet {
   ReadyReport ready_;
   std::string service_address_;
   std::size_t running_ = 0;
+  double peak_memory_mib_ = 0.0;  // of the processes that were replaced
 };
 
 }  // namespace troupe

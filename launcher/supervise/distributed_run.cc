@@ -11,6 +11,7 @@
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
+#include "launcher/supervise/agent_restarts.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/run_hosts.h"
@@ -26,6 +27,10 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kStopTimeout = std::chrono::seconds(10);
 // The same for agents after the end of the service: they leave at once unless they hang.
 constexpr auto kLeaveTimeout = std::chrono::seconds(5);
+
+double Seconds(Clock::time_point time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
 
 class DistributedRun {
  public:
@@ -49,6 +54,8 @@ class DistributedRun {
   void React(const RunSummary& summary) { summary_ = summary; }
   void PrintOutput();
   void ReactToEnd(const AgentProcess& agent);
+  void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
+  void RestartAgents();
   Status CollectOutputs();
   void Stop();
   // Ends the run. Only the first failure counts.
@@ -62,6 +69,8 @@ class DistributedRun {
   Progress progress_;
   ServiceProcess service_;
   AgentFleet agents_;
+  AgentRestarts restarts_;  // none before the world service is ready
+  std::uint32_t restarted_ = 0;
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -73,11 +82,9 @@ class DistributedRun {
 };
 
 void DistributedRun::WaitForEvents() {
-  int timeout = -1;
-  if (kill_at_) {
-    auto left = std::chrono::duration_cast<std::chrono::milliseconds>(*kill_at_ - Clock::now());
-    timeout = std::max(0, static_cast<int>(left.count()) + 1);
-  }
+  std::optional<double> wake = restarts_.NextDue();
+  if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
+  const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
   poll(waited.data(), waited.size(), timeout);
@@ -95,6 +102,7 @@ void DistributedRun::ProcessEvents() {
   PrintOutput();
   ProcessReports();
   for (const AgentProcess* agent : agents_.PollEnded()) ReactToEnd(*agent);
+  RestartAgents();
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
     agents_.Kill();
@@ -124,6 +132,8 @@ void DistributedRun::ProcessReports() {
 void DistributedRun::React(const ReadyReport& ready) {
   if (kill_at_) return;
   robots_ = ready.robots.size();
+  // A run that ends when an agent is lost has no time for a restart.
+  if (!ready.aborts_on_loss) restarts_ = AgentRestarts(options_.restart_agents.value_or(ready.restart_agents));
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
   const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
@@ -163,11 +173,31 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
                   end.ToString());
   if (started_) {
-    progress_.Tell(text + "; to start it again" + (host.empty() ? "" : " there") + ":\n  " + agent.restart_command);
+    if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
+      progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
+    } else {
+      TellRestartCommand(agent, text);
+    }
   } else if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
     Fail({end.exit_code, std::nullopt, std::nullopt});
   } else {
     Fail(FailedRun(Failure(text + " before the run began")));
+  }
+}
+
+void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {
+  progress_.Tell(reason + "; to start it again" + (agent.host->name().empty() ? "" : " there") + ":\n  " +
+                 agent.restart_command);
+}
+
+void DistributedRun::RestartAgents() {
+  if (kill_at_ || summary_ || !service_.process().running()) return restarts_.Cancel();
+  for (const std::size_t number : restarts_.TakeDue(Seconds(Clock::now()))) {
+    if (Status status = agents_.Restart(number); status.ok()) {
+      ++restarted_;
+    } else {
+      TellRestartCommand(agents_.agent(number), status.error().ToString());
+    }
   }
 }
 
@@ -235,6 +265,7 @@ RunEnd DistributedRun::End() {
   outcome.run = *summary_;
   outcome.run.startup_seconds = startup_seconds_;
   outcome.processes = static_cast<std::uint32_t>(agents_.size() + 1);
+  outcome.agents_restarted = restarted_;
   outcome.service_peak_memory_mib = service_.process().end()->peak_memory_mib;
   outcome.hosts = agents_.hosts();
   outcome.agent_peak_memory_mib = agents_.peak_memory_mib();

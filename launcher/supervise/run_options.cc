@@ -82,6 +82,14 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(WholeNumber(1, 100000))
       ->type_name("K")
       ->group(processes);
+  command
+      .add_option("--restart-agents", options.restart_agents,
+                  fmt::format("Start each agent that dies again, up to N times; 0: never (default: the scenario's, or "
+                              "{})",
+                              kDefaultRestartAgents))
+      ->check(WholeNumber(0, kMaxRestartAgents))
+      ->type_name("N")
+      ->group(processes);
   AddSessionFlag(command, options.network,
                  "Name of the run on the network (default: the world's name and the process id)", processes);
   options.network.network_interface.clear();  // CompleteRunOptions chooses

@@ -29,6 +29,7 @@ struct RunOptions {
 
   bool in_process = false;
   std::optional<std::uint32_t> robots_per_process;  // nothing: the scenario's
+  std::optional<std::uint32_t> restart_agents;      // likewise
   NetworkSettings network;                          // session or interface empty: CompleteRunOptions chooses one
   std::vector<HostSettings> hosts;                  // of the scenario; none: this host only
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;

@@ -46,6 +46,10 @@ std::string SummaryText(const RunOutcome& outcome) {
     }
     text += "slowest robots: " + ListText(slowest) + "\n";
   }
+  if (outcome.agents_restarted > 0) {
+    text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
+                        outcome.agents_restarted == 1 ? "restart" : "restarts");
+  }
   if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
   return text;
 }
@@ -65,6 +69,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"real_time_factor", run.real_time_factor},
       {"robots", run.robots},
       {"processes", outcome.processes},
+      {"agents_restarted", outcome.agents_restarted},
       {"startup_seconds", run.startup_seconds},
       {"stalls", run.stalls},
       {"rejected", run.rejected},

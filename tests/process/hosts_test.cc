@@ -143,6 +143,20 @@ TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   EXPECT_THAT(run.output(), HasSubstr("without an agent at the end: r2"));
 }
 
+TEST_F(Hosts, StartAKilledAgentAgain) {
+  json far = HostHere("far");
+  far["robots"] = {"r2"};
+  Program run = Run({HostHere("near"), far}, {"--speed", "5", "--ticks", "100", "--lease", "0.5"});
+  run.WaitForLine("ready after");
+  for (pid_t process : Descendants(run.pid())) {
+    if (CommandLineOf(process).find("--robot=r2") != std::string::npos) kill(process, SIGKILL);
+  }
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("robot r2: the agent (on host far, process "));
+  EXPECT_THAT(run.output(), HasSubstr("; restart 1 of 3"));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+}
+
 TEST_F(Hosts, WithoutProgramsAreNamed) {
   json bad = HostHere("bad");
   bad["programs"] = "/no/such/folder";

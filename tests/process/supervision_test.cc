@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <vector>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
@@ -127,7 +128,8 @@ TEST(Supervision, AHangingAgentDoesNotPreventTheEndOfTheRun) {
 
 TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
   OutputFolder folder;
-  LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses")});
+  LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses"),
+               "--restart-agents", "0"});
   kill(run.Child("--robot=r1"), SIGKILL);
   EXPECT_EQ(run.program().Wait(), 0);
   EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
@@ -140,7 +142,7 @@ TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
 }
 
 TEST(AgentLoss, ARobotRestartedByHandRejoins) {
-  LongRun run;
+  LongRun run({"--restart-agents", "0"});
   kill(run.Child("--robot=r1"), SIGKILL);
   std::string command = run.program().WaitForLineAfter("to start it again:");
   run.program().WaitForLine("r1 has lost its agent");
@@ -152,13 +154,8 @@ TEST(AgentLoss, ARobotRestartedByHandRejoins) {
   run.ExpectNobodyLeft();
 }
 
-TEST(AgentLoss, ScansOfARestartedRobotAreInTheFile) {
-  OutputFolder folder;
-  LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--on-agent-loss", "pause"});
-  kill(run.Child("--robot=r1"), SIGKILL);
-  Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
-  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
-  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+// Every robot has scans to the end, whichever way its agent was started again.
+void ExpectAllScans(const OutputFolder& folder) {
   std::istringstream scans(folder.Read("scans"));
   std::map<std::string, int> last_tick;
   for (std::string line; std::getline(scans, line);) {
@@ -168,8 +165,83 @@ TEST(AgentLoss, ScansOfARestartedRobotAreInTheFile) {
   EXPECT_EQ(last_tick, (std::map<std::string, int>{{"r0", 99}, {"r1", 99}, {"r2", 99}, {"r3", 99}}));
 }
 
+TEST(AgentLoss, ScansOfARobotRestartedByHandAreInTheFile) {
+  OutputFolder folder;
+  LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--on-agent-loss", "pause", "--restart-agents", "0"});
+  kill(run.Child("--robot=r1"), SIGKILL);
+  Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
+  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  ExpectAllScans(folder);
+}
+
+// The events joined and left of a robot in a recording.
+std::vector<std::string> MembershipEventsOf(const std::string& robot, const std::string& record) {
+  std::vector<std::string> events;
+  std::istringstream lines(record);
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json tick = nlohmann::json::parse(line);
+    for (const nlohmann::json& event : tick.value("events", nlohmann::json::array())) {
+      if (event.value("robot", "") != robot) continue;
+      if (event["event"] == "joined" || event["event"] == "left") events.push_back(event["event"]);
+    }
+  }
+  return events;
+}
+
+TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
+  OutputFolder folder;
+  LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--summary", folder.Path("summary"), "--record",
+               folder.Path("record"), "--on-agent-loss", "pause"});
+  kill(run.Child("--robot=r1"), SIGKILL);
+  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); restart 1 of 3\n"));
+  EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("to start it again")));
+  ExpectAllScans(folder);
+  const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["agents_restarted"], 1);
+  EXPECT_EQ(summary["lost"], nlohmann::json::array());
+  EXPECT_THAT(MembershipEventsOf("r1", folder.Read("record")), testing::ElementsAre("joined", "left", "joined"));
+  run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
+  OutputFolder folder;
+  LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--restart-agents", "2"});
+  pid_t agent = run.Child("--robot=r2");
+  for (int restart = 1; restart <= 3; ++restart) {
+    kill(agent, SIGKILL);
+    if (restart == 3) break;
+    run.program().WaitForLine("restart " + std::to_string(restart) + " of 2");
+    const pid_t before = agent;
+    ASSERT_TRUE(Eventually([&] {
+      for (const pid_t child : ChildrenOf(run.program().pid())) {
+        if (child != before && CommandLineOf(child).find("--robot=r2") != std::string::npos) agent = child;
+      }
+      return agent != before;
+    }));
+  }
+  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
+  EXPECT_THAT(run.program().output(), HasSubstr("without an agent at the end: r2"));
+  const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["agents_restarted"], 2);
+  EXPECT_EQ(summary["ticks"], 400);
+  run.ExpectNobodyLeft();
+}
+
+TEST(AgentLoss, AnAgentThatWasStoppedInOrderIsNotStartedAgain) {
+  LongRun run;
+  kill(run.Child("--robot=r1"), SIGTERM);
+  run.program().WaitForLine("ended with exit status 130; to start it again:");
+  run.program().Signal(SIGINT);
+  EXPECT_EQ(run.program().Wait(), 130);
+  EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("; restart ")));
+  run.ExpectNobodyLeft();
+}
+
 TEST(AgentLoss, ARobotThatRejoinsWithinItsLeaseContinues) {
-  LongRun run({"--on-agent-loss", "pause"});
+  LongRun run({"--on-agent-loss", "pause", "--restart-agents", "0"});
   kill(run.Child("--robot=r3"), SIGKILL);
   Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
   run.program().WaitForLine("r3 has an agent");
@@ -184,6 +256,7 @@ TEST(AgentLoss, EndsTheRunUnderThePolicyAbort) {
   EXPECT_EQ(run.program().Wait(), 3);
   EXPECT_THAT(run.program().output(), HasSubstr("error: "));
   EXPECT_THAT(run.program().output(), HasSubstr("r0"));
+  EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("; restart ")));
   run.ExpectNobodyLeft();
 }
 

@@ -76,8 +76,9 @@ const BadScenario kAgainstTheSchema[] = {
     {"NoObject", "[1, 2]", ":1:1: error: found an array of 2, expected an object with the keys of a scenario"},
     {"UnknownKey", "{\"wolrd\": \"office.world\"}",
      ":1:2: error: found the key 'wolrd', expected one of $schema, agent_deadline, controller, hosts, include, mode, "
-     "models, name, network, on_agent_loss, override, properties, robots, robots_per_process, ros, seed, spawn, "
-     "speed, ticks, world; did you mean 'world'?"},
+     "models, name, network, on_agent_loss, override, properties, restart_agents, robots, robots_per_process, ros, "
+     "seed, "
+     "spawn, speed, ticks, world; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("\"robots\": [{\"name\": \"r0\",\n  \"position\": [0, 0, 0]}]"),
      ":3:3: error: found the key 'position', expected one of children, controller, model, name, pose, properties"},
     {"UnknownKeyOfAController", Alone("\"controller\": {\"name\": \"idle\", \"speed\": 1}"),
@@ -117,6 +118,8 @@ const BadScenario kAgainstTheSchema[] = {
      ":2:18: error: found the string 'restart', expected 'freeze', 'pause' or 'abort'"},
     {"NoRobotsPerProcess", Alone("\"robots_per_process\": 0"),
      ":2:23: error: found the number 0, expected an integer of at least 1"},
+    {"RestartsAreNegative", Alone("\"restart_agents\": -1"),
+     ":2:19: error: found the number -1, expected an integer from 0 to 1000000"},
     {"DeadlineIsNegative", Alone("\"agent_deadline\": -0.5"),
      ":2:19: error: found the number -0.5, expected a number of seconds above 0"},
     {"ControllerIsNumber", Alone("\"controller\": 3"),

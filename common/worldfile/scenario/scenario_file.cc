@@ -227,6 +227,7 @@ RunSettings Reader::ReadSettings(const json& root) {
   if (root.contains("robots_per_process")) {
     settings.robots_per_process = root["robots_per_process"].get<std::uint32_t>();
   }
+  if (root.contains("restart_agents")) settings.restart_agents = root["restart_agents"].get<std::uint32_t>();
   if (root.contains("agent_deadline")) settings.agent_deadline_seconds = root["agent_deadline"].get<double>();
   if (root.contains("ros")) settings.ros = root["ros"].get<bool>();
   return settings;

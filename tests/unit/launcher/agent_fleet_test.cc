@@ -1,6 +1,9 @@
 #include "launcher/supervise/agent_fleet.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <utility>
 
 namespace troupe {
 namespace {
@@ -9,12 +12,13 @@ class FakeChild final : public Child {
  public:
   pid_t pid() const override { return 1; }
   const std::optional<ProcessEnd>& end() const override { return end_; }
-  bool Poll() override { return false; }
+  bool Poll() override { return end_ && !std::exchange(told_, true); }
   void Signal(int) override {}
-  void Kill() override {}
+  void Kill() override { end_ = ProcessEnd{137, 9, 20.0}; }
 
  private:
   std::optional<ProcessEnd> end_;
+  bool told_ = false;
 };
 
 // Records the requested processes.
@@ -25,7 +29,9 @@ class FakeHost final : public Host {
   std::string ProgramPath(const std::string& program) const override { return program; }
   Result<std::unique_ptr<Child>> Start(const std::string&, const std::vector<std::string>& arguments, bool) override {
     started.push_back(arguments);
-    return std::unique_ptr<Child>(std::make_unique<FakeChild>());
+    auto child = std::make_unique<FakeChild>();
+    children.push_back(child.get());
+    return std::unique_ptr<Child>(std::move(child));
   }
   std::vector<int> descriptors() const override { return {}; }
   std::vector<std::string> ReadOutput() override { return {}; }
@@ -33,6 +39,7 @@ class FakeHost final : public Host {
   Status Fetch(const std::string&, const std::string&) override { return Status(); }
 
   std::vector<std::vector<std::string>> started;
+  std::vector<FakeChild*> children;
 
  private:
   std::string none_;
@@ -75,6 +82,40 @@ TEST_F(AgentFleetTest, StartsAgentsOfNewRobotsAtOnce) {
   Start(2);
   ASSERT_TRUE(fleet_.Add(std::vector<std::string>(40, "late"), std::vector<std::size_t>(40, 0)).ok());
   EXPECT_EQ(host_.started.size(), 42u);
+}
+
+TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
+  Start(3);
+  host_.children[1]->Kill();
+  const std::vector<const AgentProcess*> ended = fleet_.PollEnded();
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0]->number, 1u);
+  ASSERT_TRUE(fleet_.Restart(1).ok());
+  ASSERT_EQ(host_.started.size(), 4u);
+  EXPECT_EQ(host_.started[3], host_.started[1]);
+  EXPECT_EQ(fleet_.size(), 3u);
+  EXPECT_TRUE(fleet_.PollEnded().empty());
+  EXPECT_EQ(fleet_.peak_memory_mib(), 20.0) << "of the process that died";
+  for (std::size_t child : {0u, 2u, 3u}) host_.children[child]->Kill();
+  EXPECT_EQ(fleet_.PollEnded().size(), 3u);
+  EXPECT_TRUE(fleet_.all_ended());
+}
+
+TEST_F(AgentFleetTest, KeepsTheScansOfAnAgentThatIsStartedAgain) {
+  options_.scans = ::testing::TempDir() + "/fleet-scans";
+  options_.trace.file = ::testing::TempDir() + "/fleet-trace";
+  AgentFleet fleet(options_);
+  ReadyReport ready;
+  ready.robots = {"r0"};
+  ASSERT_TRUE(fleet.Start(ready, "127.0.0.1:1", {{&host_, "lo"}}, {0}).ok());
+  host_.children[0]->Kill();
+  ASSERT_EQ(fleet.PollEnded().size(), 1u);
+  ASSERT_TRUE(fleet.Restart(0).ok());
+  EXPECT_THAT(host_.started[0], testing::Not(testing::Contains("--keep-scans")));
+  EXPECT_THAT(host_.started[0], testing::Contains(testing::StartsWith("--trace=")));
+  EXPECT_THAT(host_.started[1], testing::Contains("--keep-scans"));
+  EXPECT_THAT(host_.started[1], testing::Contains(testing::StartsWith("--scans=")));
+  EXPECT_THAT(host_.started[1], testing::Not(testing::Contains(testing::StartsWith("--trace="))));
 }
 
 }  // namespace

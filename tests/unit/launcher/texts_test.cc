@@ -51,6 +51,7 @@ RunOutcome SomeOutcome() {
   outcome.run.lost = {"r0"};
   outcome.processes = 3;
   outcome.agent_peak_memory_mib = 8.5;
+  outcome.agents_restarted = 1;
   return outcome;
 }
 
@@ -58,6 +59,7 @@ TEST(Summary, IsAJsonObjectWithTheHashAsText) {
   nlohmann::json json = nlohmann::json::parse(SummaryJson(SomeOutcome()));
   EXPECT_EQ(json["ticks"], 600);
   EXPECT_EQ(json["processes"], 3);
+  EXPECT_EQ(json["agents_restarted"], 1);
   EXPECT_EQ(json["state_hash"], "0123456789abcdef");
   EXPECT_EQ(json["slowest_robots"][0]["robot"], "r1");
   for (const char* key : {"sim_seconds", "wall_seconds", "real_time_factor", "robots", "startup_seconds", "stalls",
@@ -70,6 +72,7 @@ TEST(Summary, ShowsLostRobotsAndMemory) {
   std::string text = SummaryText(SomeOutcome());
   EXPECT_THAT(text, HasSubstr("2 robots, 3 processes"));
   EXPECT_THAT(text, HasSubstr("8.5 MiB the largest agent"));
+  EXPECT_THAT(text, HasSubstr("1 restart of agents that died\n"));
   EXPECT_THAT(text, HasSubstr("without an agent at the end: r0"));
   EXPECT_THAT(text, Not(HasSubstr("stopped before its end")));
 }

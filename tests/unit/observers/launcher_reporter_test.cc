@@ -37,6 +37,7 @@ class LauncherReporterTest : public testing::Test {
 TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   LoadedWorld loaded;
   loaded.settings.robots_per_process = 3;
+  loaded.settings.restart_agents = 5;
   loaded.world.robots.resize(2);
   loaded.world.robots[0].name = "r0";
   loaded.world.robots[1].name = "bad \xff bytes";
@@ -46,6 +47,8 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   EXPECT_EQ(report["robots"].size(), 2u);
   EXPECT_EQ(report["robots"][0], "r0");
   EXPECT_EQ(report["robots_per_process"], 3);
+  EXPECT_EQ(report["restart_agents"], 5);
+  EXPECT_EQ(report["aborts_on_loss"], false);
   EXPECT_EQ(report["port"], 7410);
 }
 

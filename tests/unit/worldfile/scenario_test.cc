@@ -53,7 +53,7 @@ const RobotDescription& Robot(const LoadedWorld& loaded, const std::string& name
 TEST(Scenario, GivesTheSettingsOfARun) {
   const LoadedWorld loaded = MustLoad(R"({
     "name": "quiet", "seed": 9223372036854775807, "ticks": 12, "mode": "realtime", "speed": 2.5,
-    "on_agent_loss": "abort", "robots_per_process": 4, "agent_deadline": 1.5, "properties": {"interval_sim": 50}})");
+    "on_agent_loss": "abort", "robots_per_process": 4, "restart_agents": 9, "agent_deadline": 1.5, "properties": {"interval_sim": 50}})");
   EXPECT_EQ(loaded.world.name, "quiet");
   EXPECT_EQ(loaded.world.seed, 9223372036854775807u);
   EXPECT_EQ(loaded.world.interval_ns, 50'000'000);
@@ -62,6 +62,7 @@ TEST(Scenario, GivesTheSettingsOfARun) {
   EXPECT_EQ(loaded.settings.speed, 2.5);
   EXPECT_EQ(loaded.settings.on_agent_loss, OnAgentLoss::kAbort);
   EXPECT_EQ(loaded.settings.robots_per_process, 4u);
+  EXPECT_EQ(loaded.settings.restart_agents, 9u);
   EXPECT_EQ(loaded.settings.agent_deadline_seconds, 1.5);
 }
 
@@ -71,6 +72,7 @@ TEST(Scenario, LeavesTheDefaultsOfARun) {
   EXPECT_EQ(loaded.settings.mode, Mode::kLockstep);
   EXPECT_EQ(loaded.settings.speed, std::nullopt);
   EXPECT_EQ(loaded.settings.on_agent_loss, OnAgentLoss::kFreeze);
+  EXPECT_EQ(loaded.settings.restart_agents, kDefaultRestartAgents);
   EXPECT_TRUE(loaded.world.models.empty());
   EXPECT_THAT(loaded.files, testing::ElementsAre(testing::EndsWith("test.json")));
   EXPECT_EQ(MustLoad(R"({"speed": "max"})").settings.speed, std::nullopt);

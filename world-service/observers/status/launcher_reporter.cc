@@ -25,6 +25,8 @@ class LauncherReporter final : public Reporter {
           {"robots", std::move(robots)},
           {"libraries", LibrariesOf(loaded.world)},
           {"robots_per_process", loaded.settings.robots_per_process},
+          {"restart_agents", loaded.settings.restart_agents},
+          {"aborts_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kAbort},
           {"port", contact.port},
           {"participant", contact.participant},
           {"ros", loaded.settings.ros}});

@@ -1,0 +1,56 @@
+#include "launcher/supervise/agent_restarts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/command_line/exit_status.h"
+
+namespace troupe {
+namespace {
+
+// s. The first one is far below the lease, so that the robot mostly continues without a lost tick.
+constexpr double kFirstDelay = 0.1;
+constexpr double kLongestDelay = 10.0;
+constexpr int kMostDoublings = 20;
+
+// An agent that ended for another reason died: by a signal, or by a failure that may not return.
+bool MayBeRestarted(int exit_status) {
+  return exit_status != kExitDone && exit_status != kExitBadInput && exit_status != kExitOutputFailed &&
+         exit_status != kExitInterrupted;
+}
+
+double DelayBefore(std::uint32_t restart) {
+  const int doublings = static_cast<int>(std::min<std::uint32_t>(restart - 1, kMostDoublings));
+  return std::min(kLongestDelay, std::ldexp(kFirstDelay, doublings));
+}
+
+}  // namespace
+
+std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double now) {
+  if (!MayBeRestarted(exit_status) || CountOf(agent) >= limit_) return std::nullopt;
+  const double due = now + DelayBefore(++counts_[agent]);
+  due_[agent] = due;
+  return due;
+}
+
+std::vector<AgentRestarts::Agent> AgentRestarts::TakeDue(double now) {
+  std::vector<Agent> agents;
+  for (const auto& [agent, due] : due_) {
+    if (due <= now) agents.push_back(agent);
+  }
+  for (const Agent agent : agents) due_.erase(agent);
+  return agents;
+}
+
+std::optional<double> AgentRestarts::NextDue() const {
+  std::optional<double> next;
+  for (const auto& [agent, due] : due_) next = std::min(next.value_or(due), due);
+  return next;
+}
+
+std::uint32_t AgentRestarts::CountOf(Agent agent) const {
+  const auto count = counts_.find(agent);
+  return count == counts_.end() ? 0 : count->second;
+}
+
+}  // namespace troupe

@@ -1,0 +1,80 @@
+#include "launcher/supervise/agent_restarts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "common/command_line/exit_status.h"
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr int kKilled = 128 + SIGKILL;
+
+TEST(AgentRestartsTest, StartsADeadAgentAgainAfterADelay) {
+  AgentRestarts restarts(3);
+  EXPECT_EQ(restarts.NextDue(), std::nullopt);
+  EXPECT_EQ(restarts.OnEnd(7, kKilled, 50.0), 50.1);
+  EXPECT_EQ(restarts.NextDue(), 50.1);
+  EXPECT_THAT(restarts.TakeDue(50.05), IsEmpty());
+  EXPECT_THAT(restarts.TakeDue(50.1), ElementsAre(7));
+  EXPECT_THAT(restarts.TakeDue(60.0), IsEmpty());
+  EXPECT_EQ(restarts.NextDue(), std::nullopt);
+}
+
+TEST(AgentRestartsTest, StartsAnAgentAgainAsOftenAsTheLimitSays) {
+  AgentRestarts restarts(2);
+  EXPECT_TRUE(restarts.OnEnd(0, kKilled, 0.0));
+  EXPECT_TRUE(restarts.OnEnd(0, kExitFailed, 1.0));
+  EXPECT_EQ(restarts.CountOf(0), 2u);
+  EXPECT_FALSE(restarts.OnEnd(0, kKilled, 100.0));
+  EXPECT_TRUE(restarts.OnEnd(1, kKilled, 100.0)) << "another agent has restarts of its own";
+  AgentRestarts none(0);
+  EXPECT_FALSE(none.OnEnd(0, kKilled, 0.0));
+}
+
+TEST(AgentRestartsTest, WaitsLongerEachTimeUpToALimit) {
+  AgentRestarts restarts(1'000'000);
+  double last = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double delay = restarts.OnEnd(3, kKilled, 100.0).value() - 100.0;
+    EXPECT_GE(delay, last);
+    EXPECT_LE(delay, 10.0 + 1e-9);
+    last = delay;
+  }
+  EXPECT_NEAR(last, 10.0, 1e-9);
+}
+
+TEST(AgentRestartsTest, DoesNotRepeatAnEndInOrderOrABadInput) {
+  AgentRestarts restarts(3);
+  for (const int status : {kExitDone, kExitBadInput, kExitOutputFailed, kExitInterrupted}) {
+    EXPECT_FALSE(restarts.OnEnd(0, status, 0.0)) << status;
+  }
+  EXPECT_EQ(restarts.CountOf(0), 0u);
+  for (const int status : {1, kExitFailed, 127, 128 + SIGSEGV, kKilled}) {
+    EXPECT_TRUE(AgentRestarts(1).OnEnd(0, status, 0.0)) << status;
+  }
+}
+
+TEST(AgentRestartsTest, ReturnsDueAgentsByNumber) {
+  AgentRestarts restarts(3);
+  for (const std::size_t agent : {5u, 2u, 9u}) restarts.OnEnd(agent, kKilled, 1.0);
+  restarts.OnEnd(1, kKilled, 30.0);
+  EXPECT_EQ(restarts.NextDue(), 1.1);
+  EXPECT_THAT(restarts.TakeDue(2.0), ElementsAre(2, 5, 9));
+  EXPECT_EQ(restarts.NextDue(), 30.1);
+}
+
+TEST(AgentRestartsTest, MakesNoRestartOnceTheRunEnds) {
+  AgentRestarts restarts(3);
+  restarts.OnEnd(0, kKilled, 0.0);
+  restarts.Cancel();
+  EXPECT_EQ(restarts.NextDue(), std::nullopt);
+  EXPECT_THAT(restarts.TakeDue(100.0), IsEmpty());
+}
+
+}  // namespace
+}  // namespace troupe
