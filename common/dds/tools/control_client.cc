@@ -11,7 +11,7 @@
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/qos_profiles.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 
 namespace troupe {
 namespace {
@@ -29,8 +29,8 @@ class ControlClient::Implementation {
   Implementation(const dds::DomainConfig& config, const std::string& session)
       : session_(session),
         connection_(config, session, {}),
-        request_topic_(connection_.participant, dds::topics::kControl),
-        reply_topic_(connection_.participant, dds::topics::kControlReply),
+        request_topic_(connection_.participant, topics::kControl),
+        reply_topic_(connection_.participant, topics::kControlReply),
         requests_(connection_.publisher, request_topic_, dds::qos_profiles::Control()),
         replies_(connection_.subscriber, reply_topic_, dds::qos_profiles::ControlReply()),
         answered_(replies_),

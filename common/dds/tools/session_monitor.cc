@@ -11,7 +11,7 @@
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/qos_profiles.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 
 namespace troupe {
 namespace {
@@ -30,8 +30,8 @@ class SessionMonitor::Implementation {
  public:
   explicit Implementation(const dds::DomainConfig& config)
       : connection_(config, kAllSessions, {}),
-        session_topic_(connection_.participant, dds::topics::kSession),
-        status_topic_(connection_.participant, dds::topics::kStatus),
+        session_topic_(connection_.participant, topics::kSession),
+        status_topic_(connection_.participant, topics::kStatus),
         sessions_(connection_.subscriber, session_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Description())),
         statuses_(connection_.subscriber, status_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Status())),
         session_condition_(sessions_),

@@ -1,6 +1,6 @@
 #include "common/dds/transport/dds_agent_endpoint.h"
 
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 
 namespace troupe::dds {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/base/random_id.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 
 namespace troupe::dds {
 namespace {

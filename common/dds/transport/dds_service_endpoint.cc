@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 
 namespace troupe::dds {
 namespace {

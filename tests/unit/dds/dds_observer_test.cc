@@ -10,7 +10,7 @@
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_transport.h"
 #include "common/dds/transport/qos_profiles.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
@@ -84,10 +84,10 @@ class ScriptedService {
   dds::DomainParticipant participant_;
   dds::Publisher publisher_;
   dds::Subscriber subscriber_;
-  dds::Topic<troupe_wire_Session> session_topic_{participant_, dds::topics::kSession};
-  dds::Topic<troupe_wire_Frame> frame_topic_{participant_, dds::topics::kFrame};
-  dds::Topic<troupe_wire_Frame> whole_frame_topic_{participant_, dds::topics::kWholeFrame};
-  dds::Topic<troupe_wire_FrameRequest> request_topic_{participant_, dds::topics::kFrameRequest};
+  dds::Topic<troupe_wire_Session> session_topic_{participant_, topics::kSession};
+  dds::Topic<troupe_wire_Frame> frame_topic_{participant_, topics::kFrame};
+  dds::Topic<troupe_wire_Frame> whole_frame_topic_{participant_, topics::kWholeFrame};
+  dds::Topic<troupe_wire_FrameRequest> request_topic_{participant_, topics::kFrameRequest};
   dds::DataWriter<troupe_wire_Session> sessions_{publisher_, session_topic_, dds::qos_profiles::Description(2.0)};
   dds::DataWriter<troupe_wire_Frame> frames_{publisher_, frame_topic_, dds::qos_profiles::Frame()};
   dds::DataWriter<troupe_wire_Frame> whole_frames_{publisher_, whole_frame_topic_, dds::qos_profiles::WholeFrame()};
@@ -162,7 +162,7 @@ TEST_F(DdsObserverTest, AKilledObserverDelaysNoTick) {
   // Its first request shows that the process has joined.
   const dds::DomainParticipant participant(test::TestConfig());
   const dds::Subscriber subscriber(participant, dds::qos_profiles::Session(options_.session));
-  const dds::Topic<troupe_wire_FrameRequest> topic(participant, dds::topics::kFrameRequest);
+  const dds::Topic<troupe_wire_FrameRequest> topic(participant, topics::kFrameRequest);
   dds::DataReader<troupe_wire_FrameRequest> requests(subscriber, topic, dds::qos_profiles::FrameRequest());
 
   const auto transport = MakeDdsServiceTransport(options_).transport;

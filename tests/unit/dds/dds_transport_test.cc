@@ -11,7 +11,7 @@
 #include "common/dds/binding/exception.h"
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/qos_profiles.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
 
@@ -356,7 +356,7 @@ TEST_F(DdsTransportTest, TheAnswerToAToolWaitsUntilItsReaderIsFound) {
 
   const dds::DomainParticipant participant(
       dds::ToolConfig(options_.domain, "lo", "127.0.0.1:" + std::to_string(port_)));
-  const dds::Topic<troupe_wire_ControlReply> topic(participant, dds::topics::kControlReply);
+  const dds::Topic<troupe_wire_ControlReply> topic(participant, topics::kControlReply);
   const dds::Subscriber subscriber(participant, dds::qos_profiles::Session(options_.session));
   dds::DataReader<troupe_wire_ControlReply> reader(subscriber, topic, dds::qos_profiles::ControlReply());
   std::uint64_t heard = 0;
@@ -455,7 +455,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   config.participant_index = kIndex;
   const dds::DomainParticipant hostile(config);
   const dds::Publisher publisher(hostile, dds::qos_profiles::Session(options_.session));
-  const dds::Topic<troupe_wire_Frame> topic(hostile, dds::topics::kFrame);
+  const dds::Topic<troupe_wire_Frame> topic(hostile, topics::kFrame);
   dds::DataWriter<troupe_wire_Frame> writer(publisher, topic, dds::qos_profiles::Frame());
 
   port_ = dds::DiscoveryPort(options_.domain, kIndex);

@@ -13,7 +13,7 @@
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_transport.h"
 #include "common/dds/transport/qos_profiles.h"
-#include "common/dds/transport/topics.h"
+#include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
 
@@ -155,9 +155,9 @@ TEST_F(StrangerTest, ForgedFramesAndAdmissionsDoNotReachAnAgent) {
   ASSERT_TRUE(AgentJoins());
   ASSERT_TRUE(Eventually([this] { return !agent_.sessions.items().empty(); }));
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Frame> frames(stranger, dds::topics::kFrame, dds::qos_profiles::Frame());
-  Forger<troupe_wire_Admissions> admissions(stranger, dds::topics::kAdmission, dds::qos_profiles::Admission());
-  Forger<troupe_wire_Session> sessions(stranger, dds::topics::kSession, dds::qos_profiles::Description(1.0));
+  Forger<troupe_wire_Frame> frames(stranger, topics::kFrame, dds::qos_profiles::Frame());
+  Forger<troupe_wire_Admissions> admissions(stranger, topics::kAdmission, dds::qos_profiles::Admission());
+  Forger<troupe_wire_Session> sessions(stranger, topics::kSession, dds::qos_profiles::Description(1.0));
   ASSERT_TRUE(frames.Found() && admissions.Found() && sessions.Found());
 
   FrameMessage last;
@@ -191,8 +191,8 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
   ASSERT_TRUE(AgentJoins());
   {
     const Stranger stranger(options_.session);
-    Forger<troupe_wire_Join> joins(stranger, dds::topics::kJoin, dds::qos_profiles::Join(1.0));
-    Forger<troupe_wire_Proposal> proposals(stranger, dds::topics::kProposal, dds::qos_profiles::Proposal());
+    Forger<troupe_wire_Join> joins(stranger, topics::kJoin, dds::qos_profiles::Join(1.0));
+    Forger<troupe_wire_Proposal> proposals(stranger, topics::kProposal, dds::qos_profiles::Proposal());
     ASSERT_TRUE(joins.Found() && proposals.Found());
     JoinMessage join = Join();
     join.robots = {"another"};
@@ -216,7 +216,7 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
 
 TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Join> joins(stranger, dds::topics::kJoin, dds::qos_profiles::Join(1.0));
+  Forger<troupe_wire_Join> joins(stranger, topics::kJoin, dds::qos_profiles::Join(1.0));
   ASSERT_TRUE(joins.Found());
   for (std::size_t i = 0; i < kMany; ++i) {
     JoinMessage join = Join();
@@ -231,7 +231,7 @@ TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
 
 TEST_F(StrangerTest, AMessageBeyondTheLargestSizeIsDropped) {
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Control> controls(stranger, dds::topics::kControl, dds::qos_profiles::Control());
+  Forger<troupe_wire_Control> controls(stranger, topics::kControl, dds::qos_profiles::Control());
   ASSERT_TRUE(controls.Found());
   ControlRequest request;
   request.source = std::string(20'000'000, 'x');

@@ -1,7 +1,7 @@
-// The names of all topics of the simulation domain. Partition: the session's name.
+// The names of all topics of the simulation domain, for transports and for permissions.
 #pragma once
 
-namespace troupe::dds::topics {
+namespace troupe::topics {
 
 inline constexpr const char* kSession = "troupe/session";             // service to all
 inline constexpr const char* kJoin = "troupe/join";                   // agent to service
@@ -14,4 +14,4 @@ inline constexpr const char* kStatus = "troupe/status";               // service
 inline constexpr const char* kControl = "troupe/control";             // tool to service
 inline constexpr const char* kControlReply = "troupe/control_reply";  // service to tool
 
-}  // namespace troupe::dds::topics
+}  // namespace troupe::topics
