@@ -24,6 +24,7 @@ struct DomainConfig {
   std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   double lease_seconds = 10.0;     // others forget a participant that is silent for longer
+  std::string security_enclave;    // the folder with the participant's keys (common/base/enclave.h); empty: no security
 };
 
 // Of a tool that looks for world services. An empty address: those of this machine.

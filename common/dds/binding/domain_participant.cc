@@ -1,5 +1,6 @@
 #include "common/dds/binding/domain_participant.h"
 
+#include "common/base/enclave.h"
 #include "common/dds/binding/exception.h"
 
 namespace troupe::dds {
@@ -13,6 +14,10 @@ Entity CreateDomain(const DomainConfig& config, dds_domainid_t& local_id) {
   const std::string doing = "starting DDS domain " + std::to_string(config.domain) + " on network interface '" +
                             config.network_interface + "'";
   if (config.domain >= kDomains) throw Exception(DDS_RETCODE_BAD_PARAMETER, doing + " (expected 0 to 230)");
+  if (!config.security_enclave.empty()) {
+    const Status enclave = CheckEnclave(config.security_enclave);
+    if (!enclave.ok()) throw Exception(DDS_RETCODE_BAD_PARAMETER, doing + ": " + enclave.error().ToString());
+  }
   const std::string xml = ToXml(config);
   for (std::uint32_t attempt = 0; attempt < kDomains; ++attempt) {
     local_id = (config.domain + attempt) % kDomains;

@@ -10,7 +10,7 @@ namespace troupe::dds {
 
 class DomainParticipant {
  public:
-  // Throws Exception: no such network interface, ports in use, out of resources.
+  // Throws Exception: no such network interface, ports in use, out of resources, unreadable keys.
   explicit DomainParticipant(const DomainConfig& config, const Qos& qos = Qos());
 
   GuidPrefix guid_prefix() const;
