@@ -32,6 +32,7 @@ set(may_include_common/worldfile
   common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/scenario
   common/worldfile/stage common/worldfile/text)
 set(may_include_common/protocol common/base common/geometry common/model)
+set(may_include_common/security common/base common/protocol)
 set(may_include_common/trace common/base)
 set(may_include_common/command_line common/base common/protocol common/ros common/run common/trace)
 set(may_include_common/dds/binding common/base)

@@ -1,0 +1,202 @@
+// The permissions of the roles, as Cyclone's plugins enforce them between participants on the network.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "common/base/enclave.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/protocol/topics.h"
+#include "common/security/certificate.h"
+#include "common/security/key_authority.h"
+#include "common/security/security_documents.h"
+#include "tests/process/output_folder.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::dds {
+namespace {
+
+using test::Eventually;
+using test::OutputFolder;
+using test::TestConfig;
+
+DomainConfig ConfigWith(const std::string& enclave) {
+  DomainConfig config = TestConfig();
+  config.security_enclave = enclave;
+  return config;
+}
+
+Qos Reliably() {
+  return Qos() << Reliability::Reliable(1.0) << Durability::TransientLocal();
+}
+
+// Permissions are about topics, not about types.
+using Sample = troupe_wire_Status;
+
+class Participant {
+ public:
+  explicit Participant(const std::string& enclave) : participant_(ConfigWith(enclave)) {}
+
+  DataWriter<Sample> Writer(const char* topic, const std::string& partition) {
+    publishers_.push_back(std::make_unique<Publisher>(participant_, Qos() << Partition{partition}));
+    return {*publishers_.back(), TopicOf(topic), Reliably()};
+  }
+  DataReader<Sample> Reader(const char* topic, const std::string& partition) {
+    subscribers_.push_back(std::make_unique<Subscriber>(participant_, Qos() << Partition{partition}));
+    return {*subscribers_.back(), TopicOf(topic), Reliably()};
+  }
+
+ private:
+  const Topic<Sample>& TopicOf(const char* name) {
+    topics_.push_back(std::make_unique<Topic<Sample>>(participant_, name));
+    return *topics_.back();
+  }
+
+  DomainParticipant participant_;
+  std::vector<std::unique_ptr<Topic<Sample>>> topics_;
+  std::vector<std::unique_ptr<Publisher>> publishers_;
+  std::vector<std::unique_ptr<Subscriber>> subscribers_;
+};
+
+std::int32_t MatchedBy(const DataReader<Sample>& reader) {
+  return reader.subscription_matched_status().current_count;
+}
+std::int32_t MatchedBy(const DataWriter<Sample>& writer) {
+  return writer.publication_matched_status().current_count;
+}
+
+class PermissionsTest : public testing::Test {
+ protected:
+  std::string Keys(const Role& role) { return Keys(authority_, "keys/" + KeyFolder(role), role); }
+  std::string Keys(const Result<KeyAuthority>& authority, const std::string& name, const Role& role) {
+    const std::string folder = folder_.Path(name);
+    const Status written = authority.value().WriteIdentity(folder, role);
+    EXPECT_TRUE(written.ok());
+    return folder;
+  }
+
+  // An agent whose own plugins check nothing, as those of a changed program would. Cyclone compares the domain of a
+  // rule with the number by which the process knows the domain, so a rule for `own_domain` counts for this participant
+  // only.
+  std::string UncheckedKeys(const std::string& agent, std::uint32_t own_domain) {
+    const std::string folder = Keys(Role::Agent(agent));
+    EXPECT_TRUE(authority_.value().Save(folder_.Path("authority")).ok());
+    const Result<CertifiedKey> key =
+        ReadCertifiedKey(folder_.Read("authority/ca.key.pem"), folder_.Read("authority/ca.cert.pem"));
+    const std::string all = "<topics><topic>*</topic></topics><partitions><partition>*</partition></partitions>";
+    std::string document =
+        PermissionsDocument(Role::Agent(agent), "CN=troupe-agent-" + agent, ValidityOf(key.value()).value());
+    document.insert(document.find("<allow_rule>"), "<allow_rule><domains><id>" + std::to_string(own_domain) +
+                                                       "</id></domains><publish>" + all + "</publish><subscribe>" +
+                                                       all + "</subscribe></allow_rule>\n");
+    std::ofstream(folder + "/" + kPermissionsFile) << SignedDocument(document, key.value()).value();
+    return folder;
+  }
+
+  const OutputFolder folder_;
+  const Result<KeyAuthority> authority_ = KeyAuthority::Create();
+  const std::string session_ = test::TestSession("permissions");
+};
+
+TEST_F(PermissionsTest, TheRolesOfARunMeet) {
+  Participant service(Keys(Role::Service()));
+  Participant agent(Keys(Role::Agent("a1")));
+  Participant tool(Keys(Role::Operator()));
+  Participant viewer(Keys(Role::Observer()));
+  const DataWriter<Sample> frames = service.Writer(topics::kFrame, session_);
+  const DataReader<Sample> joins = service.Reader(topics::kJoin, session_ + "/*");
+  const DataReader<Sample> controls = service.Reader(topics::kControl, session_);
+  const DataWriter<Sample> join = agent.Writer(topics::kJoin, session_ + "/a1");
+  const DataReader<Sample> agent_frames = agent.Reader(topics::kFrame, session_);
+  const DataWriter<Sample> control = tool.Writer(topics::kControl, session_);
+  const DataReader<Sample> seen = viewer.Reader(topics::kFrame, session_);
+  const DataReader<Sample> any_session = viewer.Reader(topics::kSession, "*");
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(frames) == 2 && MatchedBy(agent_frames) == 1; }));
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(joins) == 1 && MatchedBy(join) == 1; }));
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(controls) == 1 && MatchedBy(seen) == 1; }));
+}
+
+TEST_F(PermissionsTest, AParticipantMakesOnlyTheWritersAndReadersOfItsRole) {
+  Participant agent(Keys(Role::Agent("a1")));
+  EXPECT_NO_THROW(agent.Writer(topics::kProposal, session_ + "/a1"));
+  EXPECT_THROW(agent.Writer(topics::kProposal, session_ + "/a2"), Exception);
+  EXPECT_THROW(agent.Writer(topics::kProposal, session_), Exception);
+  EXPECT_THROW(agent.Writer(topics::kProposal, "*"), Exception);
+  EXPECT_THROW(agent.Writer(topics::kFrame, session_), Exception);
+  EXPECT_THROW(agent.Reader(topics::kJoin, session_), Exception);
+  EXPECT_THROW(agent.Writer("troupe/other", session_), Exception);
+  Participant viewer(Keys(Role::Observer()));
+  EXPECT_NO_THROW(viewer.Writer(topics::kFrameRequest, session_));
+  EXPECT_THROW(viewer.Writer(topics::kControl, session_), Exception);
+  EXPECT_THROW(viewer.Reader(topics::kControlReply, session_), Exception);
+}
+
+TEST_F(PermissionsTest, OthersRefuseWritersBeyondTheRole) {
+  Participant service(Keys(Role::Service()));
+  Participant victim(Keys(Role::Agent("a2")));
+  Participant hostile(UncheckedKeys("a1", test::TestDomain() + 2));  // the third one of this process
+  const DataReader<Sample> joins = service.Reader(topics::kJoin, session_ + "/*");
+  const DataReader<Sample> frames = victim.Reader(topics::kFrame, session_);
+  const DataWriter<Sample> forged_frame = hostile.Writer(topics::kFrame, session_);
+  const DataWriter<Sample> forged_join = hostile.Writer(topics::kJoin, session_ + "/a2");
+  const DataWriter<Sample> forged_pattern = hostile.Writer(topics::kJoin, session_ + "/a?");
+  const DataReader<Sample> spy = hostile.Reader(topics::kControlReply, session_);
+  // Discovered after the forged ones.
+  const DataWriter<Sample> own_join = hostile.Writer(topics::kJoin, session_ + "/a1");
+  const DataReader<Sample> own_frames = hostile.Reader(topics::kFrame, session_);
+  const DataWriter<Sample> true_frame = service.Writer(topics::kFrame, session_);
+  const DataWriter<Sample> reply = service.Writer(topics::kControlReply, session_);
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(own_join) == 1 && MatchedBy(joins) >= 1; }));
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(true_frame) == 2 && MatchedBy(frames) >= 1; }));
+  EXPECT_EQ(MatchedBy(joins), 1) << "the join in its own partition alone";
+  EXPECT_EQ(MatchedBy(frames), 1) << "the service's frames alone";
+  EXPECT_EQ(MatchedBy(reply), 0);
+}
+
+TEST_F(PermissionsTest, StrangersAreInvisible) {
+  const Result<KeyAuthority> other = KeyAuthority::Create();
+  Participant open("");
+  Participant open_witness("");
+  Participant foreign(Keys(other, "other/service", Role::Service()));
+  Participant foreign_witness(Keys(other, "other/agent", Role::Agent("a1")));
+  const DataWriter<Sample> open_writer = open.Writer(topics::kFrame, session_);
+  const DataReader<Sample> open_reader = open_witness.Reader(topics::kFrame, session_);
+  const DataWriter<Sample> foreign_writer = foreign.Writer(topics::kFrame, session_);
+  const DataReader<Sample> foreign_reader = foreign_witness.Reader(topics::kFrame, session_);
+  Participant service(Keys(Role::Service()));
+  Participant agent(Keys(Role::Agent("a1")));
+  const DataWriter<Sample> frame = service.Writer(topics::kFrame, session_);
+  const DataReader<Sample> frames = agent.Reader(topics::kFrame, session_);
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(open_writer) >= 1 && MatchedBy(foreign_writer) >= 1; }));
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(frame) >= 1 && MatchedBy(frames) >= 1; }));
+  for (const DataWriter<Sample>* writer : {&open_writer, &foreign_writer, &frame}) EXPECT_EQ(MatchedBy(*writer), 1);
+  for (const DataReader<Sample>* reader : {&open_reader, &foreign_reader, &frames}) EXPECT_EQ(MatchedBy(*reader), 1);
+}
+
+TEST_F(PermissionsTest, AParticipantWithoutItsKeysNamesTheFile) {
+  const std::string folder = Keys(Role::Service());
+  std::filesystem::remove(folder + "/" + kPrivateKeyFile);
+  try {
+    const DomainParticipant participant(ConfigWith(folder));
+    FAIL() << "expected an exception";
+  } catch (const Exception& exception) {
+    EXPECT_NE(std::string(exception.what()).find(folder + "/key.pem: error: "), std::string::npos) << exception.what();
+  }
+}
+
+TEST_F(PermissionsTest, EveryNetworkProfileHasSecurity) {
+  for (const char* profile : {"one-host", "lan", "unicast"}) {
+    DomainConfig config = ConfigWith("/a & $b/<keys>");
+    config.network = profile;
+    const std::string xml = ToXml(config);
+    EXPECT_NE(xml.find("<PrivateKey>file:///a &amp; \\$b/&lt;keys>/key.pem</PrivateKey>"), std::string::npos) << xml;
+    config.security_enclave.clear();
+    EXPECT_EQ(ToXml(config).find("<Security>"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace troupe::dds
