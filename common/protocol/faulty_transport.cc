@@ -140,6 +140,9 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
   void OnServiceGone() override {
     line_.PassIntact([handler = handler_] { handler->OnServiceGone(); });
   }
+  void OnServiceLost() override {
+    line_.PassIntact([handler = handler_] { handler->OnServiceLost(); });
+  }
 
   FaultyLine line_;
   AgentHandler* handler_ = nullptr;

@@ -49,8 +49,11 @@ class AgentHandler {
   virtual void OnSession(const SessionMessage& session) = 0;
   virtual void OnAdmission(const AdmissionMessage& admission) = 0;  // of any agent
   virtual void OnFrame(const FrameMessage& frame) = 0;
-  // The service has ended, or its lease has expired.
+  // The service has ended.
   virtual void OnServiceGone() = 0;
+  // The lease of the service has expired: it has died, or it or this process was stopped for a time. In the latter case
+  // the service continues, and its messages follow.
+  virtual void OnServiceLost() { OnServiceGone(); }
 };
 
 // An agent's end.

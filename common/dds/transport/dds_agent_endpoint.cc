@@ -50,7 +50,12 @@ void DdsAgentEndpoint::DrainSessions() {
         for (const RunId run : services_.Forget(ended.participant)) {
           // The late end of an earlier run of the session does not concern this agent.
           const RunId joined = joined_run_;
-          if (run == joined || (joined == 0 && services_.empty())) handler_->OnServiceGone();
+          if (run != joined && (joined != 0 || !services_.empty())) continue;
+          if (ended.disposed) {
+            handler_->OnServiceGone();
+          } else {
+            handler_->OnServiceLost();
+          }
         }
       });
   sessions_.Clear();  // a world may be large, and is received once

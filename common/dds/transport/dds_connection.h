@@ -54,6 +54,15 @@ class Outbox {
     }
   }
 
+  // Tells the readers that this writer will end, in order.
+  void Dispose() {
+    try {
+      writer_.dispose(Wire{});
+    } catch (const Exception& failure) {
+      connection_.Report(topic_.name() + ": not disposed: " + failure.what());
+    }
+  }
+
   DataWriter<Wire>& writer() { return writer_; }
 
  private:
@@ -92,9 +101,13 @@ class WireInbox {
       reader_.take(buffer_);
       for (std::size_t i = 0; i < buffer_.length(); ++i) {
         const SampleInfo info = buffer_.info(i);
-        if (!info.valid()) continue;
         const std::optional<Sender> sender = senders_.Find(reader_.handle(), info.publication_handle());
-        if (sender) on_sample(buffer_.data(i), *sender);
+        if (!sender) continue;
+        if (info.valid()) {
+          on_sample(buffer_.data(i), *sender);
+        } else if (info.instance_disposed()) {
+          senders_.Dispose(*sender);
+        }
       }
     } while (buffer_.full());  // later samples are announced again
     if (!matches_changed_.exchange(false)) return;

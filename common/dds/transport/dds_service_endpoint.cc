@@ -47,6 +47,7 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   controls_.Close();
   frame_requests_.Close();
   rivals_.Close();
+  sessions_.Dispose();
 }
 
 void DdsServiceEndpoint::Start(ServiceHandler& handler) {

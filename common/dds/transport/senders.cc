@@ -7,11 +7,14 @@
 namespace troupe::dds {
 
 std::optional<Sender> Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
-  if (const auto known = known_.find(writer); known != known_.end()) return Sender{writer, known->second};
+  if (const auto known = known_.find(writer); known != known_.end()) return known->second;
   const std::optional<PublicationData> publication = MatchedPublicationData(reader, writer);
   if (!publication) return std::nullopt;
-  known_.emplace(writer, publication->participant);
-  return Sender{writer, publication->participant};
+  return known_.emplace(writer, Sender{writer, publication->participant}).first->second;
+}
+
+void Senders::Dispose(const Sender& sender) {
+  if (const auto known = known_.find(sender.writer); known != known_.end()) known->second.disposed = true;
 }
 
 bool Senders::Refuse(const Sender& sender) {
@@ -28,7 +31,7 @@ std::vector<Sender> Senders::ForgetEnded(dds_entity_t reader) {
   std::vector<Sender> ended;
   std::erase_if(known_, [&](const auto& known) {
     if (!has_ended(known.first)) return false;
-    ended.push_back({known.first, known.second});
+    ended.push_back(known.second);
     return true;
   });
   const std::lock_guard lock(mutex_);

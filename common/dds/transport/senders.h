@@ -18,6 +18,7 @@ namespace troupe::dds {
 struct Sender {
   dds_instance_handle_t writer = 0;
   GuidPrefix participant;
+  bool disposed = false;  // it has disposed its data: it ends in order
 };
 
 class Senders : public SampleFilter {
@@ -28,13 +29,16 @@ class Senders : public SampleFilter {
   // No sample of this writer is accepted any more. False if that was so before.
   bool Refuse(const Sender& sender);
 
+  // The sender has disposed its data.
+  void Dispose(const Sender& sender);
+
   // Forgets the senders whose writers have ended, and returns them.
   std::vector<Sender> ForgetEnded(dds_entity_t reader);
 
   bool Accepts(dds_instance_handle_t writer) const override;
 
  private:
-  std::map<dds_instance_handle_t, GuidPrefix> known_;
+  std::map<dds_instance_handle_t, Sender> known_;
   std::atomic<bool> any_refused_ = false;
   mutable std::mutex mutex_;  // guards the member below, which Cyclone's threads read
   std::set<dds_instance_handle_t> refused_;

@@ -17,6 +17,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
+  void Signal(int signal) const { kill(pid_, signal); }
   // Sends the signal and waits until the process has ended.
   void End(int signal);
 

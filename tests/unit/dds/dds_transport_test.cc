@@ -1,5 +1,6 @@
 #include "common/dds/transport/dds_transport.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -69,6 +70,7 @@ class Agent : public AgentHandler {
     if (on_frame) on_frame(frame);
   }
   void OnServiceGone() override { Keep(services_gone, 1); }
+  void OnServiceLost() override { Keep(services_lost, 1); }
 
   template <typename Message>
   std::vector<Message> Heard(const std::vector<Message>& kept) {
@@ -82,6 +84,7 @@ class Agent : public AgentHandler {
   std::vector<AdmissionMessage> admissions;
   std::vector<FrameMessage> frames;
   std::vector<int> services_gone;
+  std::vector<int> services_lost;
 
  private:
   template <typename Message>
@@ -407,7 +410,7 @@ TEST_F(DdsTransportTest, OnlyTheKilledAgentIsReportedGone) {
   EXPECT_EQ((std::vector<AgentId>{31, 32}), service.Heard(service.gone));
 }
 
-TEST_F(DdsTransportTest, AServiceThatEndsIsReportedGone) {
+TEST_F(DdsTransportTest, AServiceThatEndsIsReportedGoneAndOneThatIsKilledLost) {
   for (const int signal : {SIGTERM, SIGKILL}) {
     options_.lease_seconds = 1.0;
     options_.session += "x";
@@ -420,8 +423,27 @@ TEST_F(DdsTransportTest, AServiceThatEndsIsReportedGone) {
     agent_end->SendJoin(Join(41, 1));
     EXPECT_TRUE(agent.Heard(agent.services_gone).empty());
     service.End(signal);
-    EXPECT_TRUE(Eventually([&] { return agent.Heard(agent.services_gone).size() == 1; })) << "signal " << signal;
+    const std::vector<int>& expected = signal == SIGTERM ? agent.services_gone : agent.services_lost;
+    const std::vector<int>& other = signal == SIGTERM ? agent.services_lost : agent.services_gone;
+    EXPECT_TRUE(Eventually([&] { return agent.Heard(expected).size() == 1; })) << "signal " << signal;
+    EXPECT_THAT(agent.Heard(other), testing::IsEmpty()) << "signal " << signal;
   }
+}
+
+TEST_F(DdsTransportTest, AServiceThatWasStoppedBeyondItsLeaseIsLostAndAnnouncesItselfAgain) {
+  options_.lease_seconds = 0.5;
+  ChildProcess service(Peer("service", 41));
+  const auto agent_transport = MakeDdsAgentTransport(options_);
+  Agent agent;
+  const auto agent_end = agent_transport->MakeAgentEndpoint(1);
+  agent_end->Start(agent);
+  ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 1; }));
+  agent_end->SendJoin(Join(41, 1));
+  service.Signal(SIGSTOP);
+  ASSERT_TRUE(Eventually([&] { return agent.Heard(agent.services_lost).size() == 1; }));
+  service.Signal(SIGCONT);
+  EXPECT_TRUE(Eventually([&] { return agent.Heard(agent.sessions).size() == 2; }));
+  EXPECT_THAT(agent.Heard(agent.services_gone), testing::IsEmpty());
 }
 
 TEST_F(DdsTransportTest, TheEndOfAnEarlierServiceDoesNotAffectTheNextRun) {
