@@ -28,6 +28,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
       bodies_(*run.scene),
       proposals_(run.world(), run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
+      resend_timer_(run.options.settings.agent_deadline_seconds),
       committed_at_(now),
       arrived_at_(now) {
   if (run_.options.start_paused) ticks_to_pause_ = 0;
