@@ -158,7 +158,10 @@ bool TickEngine::ReadyToCommit(double now) const {
 void TickEngine::Begin(double now) {
   run_.phase = RunPhase::kRunning;
   std::vector<AdmissionMessage> admissions;
-  for (const AgentId agent : run_.members.PresentMembers()) admissions.push_back({run_.options.run, agent, true, {}});
+  for (const AgentId agent : run_.members.PresentMembers()) {
+    run_.members.Find(agent)->silent_since.reset();  // its silence counts from the first frame on, not from its join
+    admissions.push_back({run_.options.run, agent, true, {}});
+  }
   run_.endpoint.SendAdmissions(admissions);
   run_.started_at = now;
   pacer_.Start(now);

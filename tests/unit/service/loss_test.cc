@@ -155,6 +155,19 @@ TEST_F(LossTest, AnotherAgentMayJoinForALostRobot) {
   EXPECT_THAT(Events(), ElementsAre("proposal_rejected"));
 }
 
+TEST_F(LossTest, TheSilenceOfAnAgentCountsFromTheBeginOfTheRunNotFromItsJoin) {
+  options.settings.agent_deadline_seconds = 3.0;
+  Make(2);
+  Join(1);
+  now += 30.0;
+  Join(2);
+  ASSERT_EQ(coordinator->phase(), Phase::kRunning);
+  Wait(2.9);
+  EXPECT_EQ(coordinator->present_agents(), 2u);
+  Wait(0.2);
+  EXPECT_EQ(coordinator->present_agents(), 0u);
+}
+
 TEST_F(LossTest, ANewAgentHasTheWholeDeadlineHoweverLongTheBarrierHasWaited) {
   options.settings.on_agent_loss = OnAgentLoss::kPause;
   options.settings.agent_deadline_seconds = 3.0;
