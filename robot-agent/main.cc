@@ -54,6 +54,7 @@ int Run(const AgentCommandLine& line) {
   AgentOptions options = line.agent;
   options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);
+  options.on_notice = [&line](const std::string& text) { Report(line, text); };
   if (line.ros_on.value_or(false)) options.make_gateway = MakeRosGateway(line.ros);
   const Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, signals.requested());
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;

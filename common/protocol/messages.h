@@ -53,7 +53,9 @@ struct AdmissionMessage {
   RunId run = 0;
   AgentId agent = 0;
   bool admitted = false;
-  std::string reason;  // of a refusal; empty when admitted
+  // Of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its proposal
+  // has arrived, but it is unknown (any more).
+  std::string reason;
   bool operator==(const AdmissionMessage&) const = default;
 };
 

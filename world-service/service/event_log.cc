@@ -16,7 +16,7 @@ void EventLog::Add(EventType type, Tick tick, std::optional<RobotId> robot, std:
   between_frames_.push_back(unreported_.back());
 }
 
-void EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now) {
+bool EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now) {
   ++rejected_;
   if (now - second_began_ >= 1.0) {
     second_began_ = now;
@@ -27,9 +27,10 @@ void EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
   }
   if (++rejected_this_second_ > kReportedPerSecond) {
     ++silent_;
-  } else {
-    Add(EventType::kProposalRejected, tick, robot, std::move(reason));
+    return false;
   }
+  Add(EventType::kProposalRejected, tick, robot, std::move(reason));
+  return true;
 }
 
 std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step) {

@@ -16,8 +16,8 @@ class EventLog {
   void Add(EventType type, Tick tick, std::optional<RobotId> robot, std::string detail);
 
   // A proposal was rejected. All are counted; of more than ten in a second, the others are reported as one sum, so that
-  // a hostile peer cannot hide other events.
-  void Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now);
+  // a hostile peer cannot hide other events. Returns whether this one is reported itself.
+  bool Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now);
 
   // Returns the events of frame `tick`: those since the frame before, by robot, then those of the step.
   std::vector<Event> CompleteFrame(Tick tick, std::vector<Event> of_step);

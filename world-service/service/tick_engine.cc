@@ -50,7 +50,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   const FrameMessage& frame = run_.frame;
   if (proposal.run != run_.options.run) return Reject("a proposal for another run", now);
   Member* const member = run_.members.Find(proposal.agent);
-  if (member == nullptr) return Reject("a proposal of an agent that has not joined", now);
+  if (member == nullptr) return RejectUnknown(proposal.agent, now);
   if (proposal.edition < frame.edition) return;  // of the world before an edit
   if (proposal.edition > frame.edition) {
     return Reject("a proposal of " + Describe(*member) + " for edition " + std::to_string(proposal.edition) +
@@ -100,6 +100,14 @@ void TickEngine::Collect(Member& member, const ProposalMessage& message, double 
 
 void TickEngine::Reject(std::string reason, double now) {
   run_.events.Reject(run_.frame.state.tick, std::nullopt, std::move(reason), now);
+}
+
+// An agent that was lost when the world was edited, or that another one has replaced, does not know it.
+void TickEngine::RejectUnknown(AgentId agent, double now) {
+  const bool reported =
+      run_.events.Reject(run_.frame.state.tick, std::nullopt, "a proposal of an agent that has not joined", now);
+  if (!reported) return;  // of many, not all are answered
+  run_.endpoint.SendAdmissions({{run_.options.run, agent, false, {}}});
 }
 
 void TickEngine::OnAgentGone(AgentId agent, double now) {

@@ -71,6 +71,7 @@ class TickEngine {
  private:
   void Collect(Member& member, const ProposalMessage& message, double now);
   void Reject(std::string reason, double now);
+  void RejectUnknown(AgentId agent, double now);
   void Lose(Member& member, const std::string& reason, double now);
   bool ReadyToCommit(double now) const;
   // When the next tick may be committed.

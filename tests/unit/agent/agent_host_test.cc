@@ -299,6 +299,21 @@ TEST(AgentHostTest, AServiceThatEndsDuringTheRunIsAnError) {
   EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kFailure);
 }
 
+TEST(AgentHostTest, AServiceThatWasLostAndReturnsIsJoinedAgain) {
+  ScriptedService service(TwoRobots());
+  service.StartAndAdmit();
+  service.SendFrame(0);
+  service.Lose();
+  const JoinMessage join = service.AwaitJoin(2);
+  EXPECT_EQ(join.run, 1u);
+  EXPECT_EQ(join.agent, 7u);
+  EXPECT_THAT(join.robots, ElementsAre("r0", "r1"));
+  service.SendFrame(1);
+  EXPECT_THAT(service.proposals(), SizeIs(1));
+  service.Admit();
+  EXPECT_EQ(service.AwaitProposal(2).tick, 2u);
+}
+
 TEST(AgentHostTest, AServiceThatEndsBeforeItAnswersMayBeReplaced) {
   ScriptedService service(TwoRobots());
   service.StartAgent();
@@ -480,12 +495,13 @@ TEST_F(EditedAgentTest, TheAgentOfADeletedRobotLeavesEvenIfAResetFollowsAtOnce) 
   EXPECT_THAT(service_.proposals(), SizeIs(2));
 }
 
-TEST_F(EditedAgentTest, AWorldThatChangedWithoutItIsAnError) {
+TEST_F(EditedAgentTest, FollowsAWorldThatChangedWithoutIt) {
   StartAndAnswerTick0();
   SendSession(1, Without({"r0"}));
   Edit(2, Without({"r1"}));
-  EXPECT_EQ(service_.AwaitError(), "error: the world was edited while this agent was lost");
-  EXPECT_EQ(service_.AwaitEnd().error().code, ErrorCode::kFailure);
+  const ProposalMessage answer = service_.AwaitProposal(2);
+  EXPECT_EQ(answer.edition, 2u);
+  EXPECT_TRUE(answer.paused);
 }
 
 TEST_F(EditedAgentTest, ARunThatEndsDuringAChangeIsOver) {

@@ -79,6 +79,9 @@ class ScriptedService {
   void Leave() {
     Deliver([](AgentHandler& handler) { handler.OnServiceGone(); });
   }
+  void Lose() {
+    Deliver([](AgentHandler& handler) { handler.OnServiceLost(); });
+  }
   void Stop() { stop_ = true; }
 
   // Awaits the n-th join, from 1 on.

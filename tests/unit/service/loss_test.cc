@@ -150,9 +150,19 @@ TEST_F(LossTest, AnotherAgentMayJoinForALostRobot) {
   coordinator->OnProposal({kRun, 12, joined_at + 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), joined_at + 1);
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
-  // The old agent, which lost the robot, has no influence any more.
+  // The old agent, which lost the robot, has no influence any more, and is asked to join again.
   Propose(2);
   EXPECT_THAT(Events(), ElementsAre("proposal_rejected"));
+  EXPECT_EQ(endpoint.admissions.back(), (AdmissionMessage{kRun, 2, false, ""}));
+}
+
+TEST_F(LossTest, OfManyUnknownAgentsAFewAreAskedToJoinAgain) {
+  MakeAndStart(1);
+  endpoint.admissions.clear();
+  for (AgentId agent = 100; agent < 200; ++agent) {
+    coordinator->OnProposal({kRun, agent, 1, {}, {}}, now);
+  }
+  EXPECT_EQ(endpoint.admissions.size(), 10u);
 }
 
 TEST_F(LossTest, TheSilenceOfAnAgentCountsFromTheBeginOfTheRunNotFromItsJoin) {

@@ -1,0 +1,36 @@
+// AgentOptions: the settings of an agent.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/allowed_paths.h"
+#include "common/protocol/messages.h"
+#include "common/trace/tick_trace.h"
+#include "robot-agent/agent/gateway.h"
+
+namespace troupe {
+
+struct AgentOptions {
+  AgentId agent = 0;
+  std::vector<std::string> robots;  // names; empty: every robot of the world
+  std::string scan_log;             // file for the readings of all sensors; empty: none
+  bool keep_scan_log = false;       // append to the file
+  AllowedPaths libraries = {};      // that may be a robot's controller
+  TraceOptions trace = {};
+  std::size_t threads = 1;              // that divide the robots; one with a scan log, for the order of its lines
+  double session_timeout_seconds = 60;  // to wait for a session, at first or again; 0: without limit
+  MakeGateway make_gateway = {};        // empty: none
+  // Receives lines for people, on the thread of RunAgent; may be empty.
+  std::function<void(const std::string&)> on_notice = {};
+};
+
+enum class AgentEnd : std::uint8_t {
+  kRunOver,  // the service ended the run, or an edit removed all robots of the agent
+  kStopped,  // by `stop`
+};
+
+}  // namespace troupe

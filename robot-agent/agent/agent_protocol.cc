@@ -1,0 +1,295 @@
+#include "robot-agent/agent/agent_protocol.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/host_name.h"
+#include "common/base/version.h"
+#include "robot-agent/robot/scan_log.h"
+
+namespace troupe {
+namespace {
+
+// Wall times, s.
+constexpr double kJoinPeriod = 0.1;  // from a join without an answer to the next one, at first
+// The period doubles up to this, until the run has begun.
+constexpr double kLongestJoinPeriod = 3.2;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// With the code of a failure: the caller cannot correct it.
+Error AsFailure(Error error) {
+  error.code = ErrorCode::kFailure;
+  return error;
+}
+
+}  // namespace
+
+AgentProtocol::AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs,
+                             double now)
+    : endpoint_(endpoint), options_(options), outputs_(outputs) {
+  WaitForSession(now);
+}
+
+void AgentProtocol::WaitForSession(double now) {
+  const double timeout = options_.session_timeout_seconds;
+  stage_ = Stage::kWaiting;
+  waiting_until_ = timeout > 0.0 ? now + timeout : kNever;
+  session_.reset();
+  kept_frame_.reset();
+}
+
+void AgentProtocol::Choose(const SessionMessage& session) {
+  if (session.run != run_) kept_frame_.reset();
+  session_ = std::make_unique<SessionMessage>(session);
+  run_ = session.run;
+  world_edition_ = session.world_edition;
+  run_has_begun_ = session.begun;
+  stage_ = Stage::kPreparing;
+}
+
+void AgentProtocol::StartJoining() {
+  stage_ = Stage::kJoining;
+  joined_at_ = -kNever;
+  join_period_ = kJoinPeriod;
+}
+
+void AgentProtocol::ExpectRejoin(double now) {
+  const double timeout = options_.session_timeout_seconds;
+  if (!rejoin_until_) rejoin_until_ = timeout > 0.0 ? now + timeout : kNever;
+  if (stage_ == Stage::kRunning) StartJoining();
+}
+
+double AgentProtocol::NextJoin() const {
+  return joined_at_ + (run_has_begun_ ? kJoinPeriod : join_period_);
+}
+
+std::optional<JoinMessage> AgentProtocol::Poll(double now) {
+  if (stage_ == Stage::kWaiting && now >= waiting_until_) {
+    Fail(Failure(fmt::format("no world service appeared within {} s", options_.session_timeout_seconds)));
+  }
+  if (stage_ != Stage::kJoining) return std::nullopt;
+  if (rejoin_until_ && now >= *rejoin_until_) {
+    Fail(Failure(fmt::format("the world service is gone: it has not admitted this agent again within {} s",
+                             options_.session_timeout_seconds)));
+    return std::nullopt;
+  }
+  if (now < NextJoin()) return std::nullopt;
+  // Frequent joins of hundreds of agents before the run begins would delay the service.
+  if (joined_at_ > -kNever) join_period_ = std::min(2.0 * join_period_, kLongestJoinPeriod);
+  joined_at_ = now;
+  JoinMessage join = MakeJoin();
+  if (join.robots.empty()) {
+    stage_ = Stage::kRunOver;
+    return std::nullopt;
+  }
+  return join;
+}
+
+double AgentProtocol::NextPoll() const {
+  if (stage_ == Stage::kWaiting) return waiting_until_;
+  if (stage_ == Stage::kJoining) return std::min(NextJoin(), rejoin_until_.value_or(kNever));
+  return kNever;
+}
+
+JoinMessage AgentProtocol::MakeJoin() {
+  JoinMessage join{.run = run_,
+                   .agent = options_.agent,
+                   .protocol_version = kProtocolVersion,
+                   .world_hash = world_hash_,
+                   .host = HostName(),
+                   .pid = static_cast<std::uint32_t>(getpid()),
+                   .robots = replica_->RobotNames(),
+                   .world_edition = world_edition_};
+  if (session_) {
+    // The world was edited since the agent was lost. The next frame says how the replica is to follow.
+    if (session_hash_ == 0) session_hash_ = Hash(session_->world);
+    join.world_hash = session_hash_;
+    join.world_edition = session_->world_edition;
+    std::erase_if(join.robots, [this](const std::string& name) { return !FindRobot(session_->world, name); });
+  }
+  return join;
+}
+
+bool AgentProtocol::has_task() const {
+  return (stage_ == Stage::kPreparing && session_ != nullptr) || (stage_ == Stage::kChanging && replica_ != nullptr);
+}
+
+std::optional<ReplicaTask> AgentProtocol::BeginTask() {
+  if (!has_task()) return std::nullopt;
+  ReplicaTask task;
+  if (stage_ == Stage::kChanging) {
+    task = std::exchange(change_, {});
+  } else {
+    task.is_new = true;
+    task.session = std::move(session_);
+  }
+  task.replica = std::move(replica_);
+  return task;
+}
+
+void AgentProtocol::FinishTask(ReplicaTask& task, double now) {
+  // Else the run has ended meanwhile, or another session is to be prepared for.
+  if (task.is_new && stage_ == Stage::kPreparing && session_ == nullptr) FinishMaking(task);
+  if (!task.is_new && stage_ == Stage::kChanging) FinishChange(task, now);
+}
+
+void AgentProtocol::FinishMaking(ReplicaTask& task) {
+  if (!task.outcome.ok()) return Fail(task.outcome.error());
+  replica_ = std::move(task.replica);
+  world_hash_ = task.world_hash;
+  answered_.reset();
+  fresh_edition_.reset();
+  StartJoining();
+}
+
+void AgentProtocol::FinishChange(ReplicaTask& task, double now) {
+  if (!task.outcome.ok()) return Fail(task.outcome.error());
+  replica_ = std::move(task.replica);
+  if (task.session) world_hash_ = task.world_hash;
+  if (!replica_->has_robots()) {
+    stage_ = Stage::kRunOver;
+    return;
+  }
+  stage_ = Stage::kRunning;
+  if (rejoin_until_) return ExpectRejoin(now);
+  ProcessKept();
+}
+
+void AgentProtocol::OnSession(const SessionMessage& session) {
+  if (over()) return;
+  if (was_admitted()) {
+    if (session.run != run_) return;
+    if (stage_ == Stage::kJoining) StartJoining();  // the service has returned
+    if (session.world_edition <= (session_ ? session_->world_edition : world_edition_)) return;
+    session_ = std::make_unique<SessionMessage>(session);
+    session_hash_ = 0;
+    if (stage_ == Stage::kRunning) ProcessKept();
+    return;
+  }
+  // After the choice of a session, this may be its world after an edit, or the next run in place of one that ended
+  // before it answered.
+  if (stage_ != Stage::kWaiting && session.run == run_ && session.world_edition <= world_edition_) return;
+  Choose(session);
+}
+
+void AgentProtocol::OnAdmission(const AdmissionMessage& admission, double now) {
+  if (admission.run != run_ || admission.agent != options_.agent) return;
+  if (stage_ == Stage::kRunning && !admission.admitted && admission.reason.empty()) return ExpectRejoin(now);
+  if (stage_ != Stage::kJoining) return;
+  if (!admission.admitted) {
+    if (!admission.reason.empty()) Fail({{}, "the world service refused: " + admission.reason});
+    return;
+  }
+  if (rejoin_until_) notices_.emplace_back("joined the run again");
+  rejoin_until_.reset();
+  stage_ = Stage::kRunning;
+  ProcessKept();
+}
+
+void AgentProtocol::OnFrame(const FrameMessage& frame) {
+  if (over() || stage_ == Stage::kWaiting || frame.run != run_) return;
+  run_has_begun_ = true;
+  if (frame.last) {
+    stage_ = Stage::kRunOver;
+  } else if (stage_ == Stage::kRunning) {
+    Process(frame);
+  } else {
+    Keep(frame);
+  }
+}
+
+void AgentProtocol::OnServiceGone(double now) {
+  if (over()) return;
+  if (was_admitted()) return Fail(Failure("the world service is gone"));
+  WaitForSession(now);  // another service may replace one that left before it answered
+}
+
+void AgentProtocol::OnServiceLost(double now) {
+  if (over()) return;
+  if (!was_admitted()) return WaitForSession(now);
+  if (rejoin_until_) return;
+  notices_.emplace_back("the world service is silent; waiting for it to return");
+  ExpectRejoin(now);
+}
+
+void AgentProtocol::Process(const FrameMessage& frame) {
+  if (frame.world_edition < world_edition_ || (answered_ && PlaceOf(frame) < *answered_)) return;
+  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
+  if (frame.world_edition == world_edition_ && !fresh) return Answer(frame);
+  Keep(frame);
+  const bool has_world =
+      frame.world_edition == world_edition_ || (session_ && session_->world_edition == frame.world_edition);
+  if (has_world) BeginChange(frame, fresh);
+}
+
+void AgentProtocol::BeginChange(const FrameMessage& frame, bool fresh) {
+  change_.fresh = fresh;
+  change_.fresh_edition = frame.fresh_edition;
+  if (frame.world_edition != world_edition_) change_.session = std::move(session_);
+  world_edition_ = frame.world_edition;
+  if (fresh) fresh_edition_ = frame.fresh_edition;
+  stage_ = Stage::kChanging;
+}
+
+void AgentProtocol::ProcessKept() {
+  if (kept_frame_) Process(*std::exchange(kept_frame_, std::nullopt));
+}
+
+void AgentProtocol::Keep(const FrameMessage& frame) {
+  if (!kept_frame_ || PlaceOf(frame) > PlaceOf(*kept_frame_)) kept_frame_ = frame;
+}
+
+void AgentProtocol::Answer(const FrameMessage& frame) {
+  const FramePlace place = PlaceOf(frame);
+  const bool is_new = !answered_ || place > *answered_;
+  if (!is_new && !frame.awaited.empty() &&
+      std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) == frame.awaited.end()) {
+    return;  // the answer has arrived
+  }
+  const Tick next = frame.state.tick + 1;
+  // A tick that was published in a pause is not published again.
+  const bool is_shown =
+      answered_ && std::get<Edition>(*answered_) == frame.edition && std::get<Tick>(*answered_) == frame.state.tick;
+  if (is_new && !ComputeAnswer(frame)) return;
+  // A paused tick is published first: the answers of all agents mean that every gateway shows the tick.
+  if (is_new && frame.paused) replica_->Publish(frame.state);
+  Enter(replica_->lane(), TickPhase::kSend, next);
+  endpoint_.SendProposal(answer_);
+  if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
+  if (outputs_.trace == nullptr) return;
+  outputs_.trace->WriteSome();
+  Enter(replica_->lane(), TickPhase::kWait, next + 1);
+}
+
+bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
+  Enter(replica_->lane(), TickPhase::kApply, frame.state.tick + 1);
+  if (const Status status = replica_->CheckState(frame.state); !status.ok()) {
+    Fail(Failure("the world service sent a bad frame: " + status.error().message));
+    return false;
+  }
+  const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
+  if (was_edited) replica_->Relocate(frame.state);
+  answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state);
+  answer_.run = run_;
+  answer_.agent = options_.agent;
+  answer_.edition = frame.edition;
+  answered_ = PlaceOf(frame);
+  ScanLog* const log = outputs_.scan_log;
+  if (!fresh_edition_ && frame.fresh_edition > 0 && log != nullptr) log->Restart(frame.fresh_edition);
+  fresh_edition_ = frame.fresh_edition;
+  if (log != nullptr && !log->status().ok()) {
+    Fail(AsFailure(log->status().error()));
+    return false;
+  }
+  return true;
+}
+
+void AgentProtocol::Fail(Error error) {
+  stage_ = Stage::kFailed;
+  failure_ = std::move(error);
+}
+
+}  // namespace troupe

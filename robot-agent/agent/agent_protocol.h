@@ -1,0 +1,117 @@
+// AgentProtocol: an agent's side of the tick protocol, without its threads and clock. It joins a run, answers each
+// frame with one proposal message, joins again after it was lost, and ends with the run. docs/tick-protocol.md
+// describes it.
+//
+// Passive: it acts only inside the calls below, which must be made one at a time, and knows the time only from `now`:
+// wall time in s, of a clock that never decreases. It answers a frame inside OnFrame. The replica is made and changed
+// by tasks that the caller performs between BeginTask and FinishTask, in which all other calls may be made.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/transport.h"
+#include "robot-agent/agent/agent_options.h"
+#include "robot-agent/agent/replica.h"
+#include "robot-agent/agent/replica_task.h"
+
+namespace troupe {
+
+class AgentProtocol {
+ public:
+  // All of them outlive the protocol. It only sends proposals through the endpoint.
+  AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs, double now);
+
+  // Deliveries of the transport.
+  void OnSession(const SessionMessage& session);
+  void OnAdmission(const AdmissionMessage& admission, double now);
+  void OnFrame(const FrameMessage& frame);
+  void OnServiceGone(double now);
+  void OnServiceLost(double now);
+
+  // Acts on the time that has passed; call at NextPoll(), or earlier. Returns the join that the caller is to send.
+  std::optional<JoinMessage> Poll(double now);
+  double NextPoll() const;
+
+  // A task that the caller is to perform; nothing: there is none. FinishTask applies its results, but for a replica of
+  // no use, which remains in the task.
+  bool has_task() const;
+  std::optional<ReplicaTask> BeginTask();
+  void FinishTask(ReplicaTask& task, double now);
+
+  // The agent has ended: by the end of its run, or by failure().
+  bool over() const { return stage_ == Stage::kRunOver || stage_ == Stage::kFailed; }
+  const Status& failure() const { return failure_; }
+  // Lines for people, each returned once.
+  std::vector<std::string> DrainNotices() { return std::exchange(notices_, {}); }
+
+ private:
+  // Messages of another stage change nothing.
+  enum class Stage : std::uint8_t {
+    kWaiting,    // for a session
+    kPreparing,  // the replica for run_ is to be made
+    kJoining,    // joins are sent: for the first time, or again
+    kRunning,    // admitted: frames are answered
+    kChanging,   // admitted: the replica is to be changed as change_ says
+    kRunOver,    // the service ended the run, or all robots were removed
+    kFailed,     // by failure_
+  };
+  // The order of frames: a tick that pauses has a paused frame first, then one to be answered with proposals.
+  using FramePlace = std::tuple<Edition, Tick, bool>;
+  static FramePlace PlaceOf(const FrameMessage& frame) { return {frame.edition, frame.state.tick, !frame.paused}; }
+
+  bool is_admitted() const { return stage_ == Stage::kRunning || stage_ == Stage::kChanging; }
+  // The service has admitted this agent to run_ at some time.
+  bool was_admitted() const { return is_admitted() || rejoin_until_.has_value(); }
+  void WaitForSession(double now);
+  // Prepares for a session before the admission.
+  void Choose(const SessionMessage& session);
+  void StartJoining();
+  // The run of which the agent was a member has to admit it again.
+  void ExpectRejoin(double now);
+  double NextJoin() const;
+  JoinMessage MakeJoin();
+  // Answers a frame in the stage kRunning, or begins the stage kChanging if an edit came before the frame.
+  void Process(const FrameMessage& frame);
+  void ProcessKept();
+  // Keeps a frame that cannot be answered yet, unless a newer one is kept.
+  void Keep(const FrameMessage& frame);
+  void BeginChange(const FrameMessage& frame, bool fresh);
+  void Answer(const FrameMessage& frame);
+  // Computes answer_ for a new frame; false if the frame cannot be answered.
+  bool ComputeAnswer(const FrameMessage& frame);
+  void FinishMaking(ReplicaTask& task);
+  void FinishChange(ReplicaTask& task, double now);
+  void Fail(Error error);
+
+  AgentEndpoint& endpoint_;
+  const AgentOptions& options_;
+  const AgentOutputs outputs_;
+  Stage stage_ = Stage::kWaiting;
+  double waiting_until_ = 0.0;               // for a session
+  std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used
+  std::uint64_t session_hash_ = 0;           // of its world; 0: not computed yet
+  RunId run_ = 0;                            // from preparing on
+  std::unique_ptr<Replica> replica_;         // from joining on, but for a task
+  std::uint64_t world_hash_ = 0;             // of the replica's world
+  Edition world_edition_ = 0;                // of the replica, or of change_
+  ReplicaTask change_;                       // in the stage kChanging
+  double joined_at_ = 0.0;                   // the newest join
+  double join_period_ = 0.0;
+  bool run_has_begun_ = false;              // a frame of it has arrived
+  std::optional<double> rejoin_until_;      // the agent was lost
+  std::optional<Edition> fresh_edition_;    // the edition that its robots started at; nothing: no frame was answered
+  std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet
+  std::optional<FramePlace> answered_;      // of the frame that answer_ answers
+  ProposalMessage answer_;
+  Status failure_;
+  std::vector<std::string> notices_;
+};
+
+}  // namespace troupe

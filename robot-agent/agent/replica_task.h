@@ -1,0 +1,44 @@
+// ReplicaTask: makes or changes the replica of an agent. It may last long, and a gateway may have a DDS participant,
+// whose end waits for all threads of DDS: so a task must not run, nor end, on a thread that delivers messages or while
+// such a thread waits for the caller.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/protocol/messages.h"
+#include "common/trace/tick_trace.h"
+#include "robot-agent/agent/agent_options.h"
+#include "robot-agent/agent/replica.h"
+
+namespace troupe {
+
+// The output files of an agent; null: none.
+struct AgentOutputs {
+  ScanLog* scan_log = nullptr;
+  TickTrace* trace = nullptr;
+};
+
+struct ReplicaTask {
+  bool is_new = false;  // the replica is made for `session`; false: it is changed
+  // Of a change:
+  bool fresh = false;         // all robots start anew
+  Edition fresh_edition = 0;  // of the newest fresh start
+  // With the world; null: the world is as before.
+  std::unique_ptr<SessionMessage> session;
+  // The replica to change; after a success the result. A replica to be replaced ends first, because the names of its
+  // gateway may be those of the next one.
+  std::unique_ptr<Replica> replica;
+  std::uint64_t world_hash = 0;  // result: of the session's world
+  Status outcome;                // result
+
+  // Sets the results. REQUIRES: `options` and `outputs` are those of all tasks of the agent.
+  void Perform(const AgentOptions& options, const AgentOutputs& outputs);
+
+ private:
+  Status Make(const AgentOptions& options, const AgentOutputs& outputs);
+  Status Change();
+};
+
+}  // namespace troupe

@@ -1,0 +1,142 @@
+// Processes of a run that are stopped for longer than their lease, and then continue: as by swapping, a debugger or a
+// laptop that sleeps.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/dds/tools/control_client.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
+
+const std::vector<std::string>& Robots() {
+  static const std::vector<std::string> robots = {"r0", "r1", "r2", "r3"};
+  return robots;
+}
+
+std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part) {
+  std::vector<pid_t> children;
+  for (const pid_t child : ChildrenOf(program.pid())) {
+    if (CommandLineOf(child).find(part) != std::string::npos) children.push_back(child);
+  }
+  return children;
+}
+
+void SignalAll(const std::vector<pid_t>& processes, int signal) {
+  for (const pid_t process : processes) kill(process, signal);
+}
+
+// The hashes of 100 ticks without any fault.
+const std::string& ExpectedHashes() {
+  static const std::string hashes = [] {
+    const OutputFolder folder;
+    const Finished run = Finish(RunPen({"--in-process", "--ticks", "100", "--hash-log", folder.Path("hashes")}));
+    EXPECT_EQ(run.exit_status, 0) << run.output;
+    return folder.Read("hashes");
+  }();
+  return hashes;
+}
+
+// A run of 100 ticks in 2 s that waits for lost robots.
+class StoppedProcess : public testing::Test {
+ protected:
+  StoppedProcess()
+      : program_(RunPen({"--speed", "5", "--lease", "0.5", "--ticks", "100", "--on-agent-loss", "pause", "--hash-log",
+                         folder_.Path("hashes"), "--summary", folder_.Path("summary")})) {
+    program_.WaitForLine("4 robots in 4 agent processes, ready");
+  }
+  // The agents have returned with the memory of their controllers.
+  void ExpectTheHashesOfAnUndisturbedRun() {
+    EXPECT_EQ(program_.Wait(), 0) << program_.output();
+    EXPECT_EQ(folder_.Read("hashes"), ExpectedHashes()) << program_.output();
+    const nlohmann::json summary = nlohmann::json::parse(folder_.Read("summary"), nullptr, false);
+    EXPECT_EQ(summary["lost"], nlohmann::json::array());
+  }
+
+  OutputFolder folder_;
+  Program program_;
+};
+
+TEST_F(StoppedProcess, OneAgentRejoins) {
+  const std::vector<pid_t> agent = ChildrenWith(program_, "--robot=r2");
+  ASSERT_EQ(agent.size(), 1u);
+  SignalAll(agent, SIGSTOP);
+  program_.WaitForLine("r2 has lost its agent");
+  SignalAll(agent, SIGCONT);
+  program_.WaitForLine("r2 has an agent");
+  ExpectTheHashesOfAnUndisturbedRun();
+}
+
+TEST_F(StoppedProcess, AllAgentsRejoin) {
+  const std::vector<pid_t> agents = ChildrenWith(program_, "--robot=");
+  ASSERT_EQ(agents.size(), 4u);
+  SignalAll(agents, SIGSTOP);
+  for (const std::string& robot : Robots()) program_.WaitForLine(robot + " has lost its agent");
+  SignalAll(agents, SIGCONT);
+  for (const std::string& robot : Robots()) program_.WaitForLine(robot + " has an agent");
+  ExpectTheHashesOfAnUndisturbedRun();
+}
+
+TEST_F(StoppedProcess, TheAgentsRejoinAServiceThatReturns) {
+  const std::vector<pid_t> service = ChildrenWith(program_, "world-service");
+  ASSERT_EQ(service.size(), 1u);
+  SignalAll(service, SIGSTOP);
+  for (const std::string& robot : Robots()) program_.WaitForLine("agent of " + robot + ": the world service is silent");
+  SignalAll(service, SIGCONT);
+  for (const std::string& robot : Robots()) program_.WaitForLine("agent of " + robot + ": joined the run again");
+  ExpectTheHashesOfAnUndisturbedRun();
+}
+
+TEST(StoppedAgent, RejoinsAWorldThatWasEditedMeanwhile) {
+  const std::string session = TestSession("edited-meanwhile");
+  Program run = RunPen({"--speed", "5", "--lease", "0.5", "--session", session});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  const std::vector<pid_t> agent = ChildrenWith(run, "--robot=r2");
+  ASSERT_EQ(agent.size(), 1u);
+  SignalAll(agent, SIGSTOP);
+  run.WaitForLine("r2 has lost its agent");
+  ControlClient client(TestDomain(), session, "lo");
+  const Status found = client.WaitForService(kSeconds);
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  ControlRequest removal;
+  removal.command = ControlCommand::kDelete;
+  removal.name = "r3";
+  const Result<ControlReply> reply = client.Call(removal, kSeconds);
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
+  EXPECT_TRUE(reply.value().done) << reply.value().problem;
+  SignalAll(agent, SIGCONT);
+  run.WaitForLine("r2 has an agent");
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+TEST(StoppedAgent, GivesUpAServiceThatDoesNotReturn) {
+  const std::string session = TestSession("killed-service");
+  const std::string domain = std::to_string(TestDomain());
+  Program service({ProgramPath("world-service"), WorldPath("pen.world"), "--session", session, "--domain", domain,
+                   "--lease", "0.5", "--speed", "5"});
+  std::vector<Program> agents;
+  for (const std::string& robot : Robots()) {
+    agents.emplace_back(std::vector<std::string>{ProgramPath("robot-agent"), "--session", session, "--domain", domain,
+                                                 "--lease", "0.5", "--robot", robot, "--session-timeout", "1"});
+  }
+  service.WaitForLine("all robots have agents");
+  service.Signal(SIGKILL);
+  for (Program& agent : agents) {
+    EXPECT_EQ(agent.Wait(), 3);
+    EXPECT_THAT(agent.output(), HasSubstr("error: the world service is gone: it has not admitted this agent again "
+                                          "within 1 s"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe::test

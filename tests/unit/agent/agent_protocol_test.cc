@@ -1,0 +1,266 @@
+// The agent's side of the tick protocol, on a time that only the test advances.
+#include "robot-agent/agent/agent_protocol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/base/version.h"
+#include "tests/support/small_world.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr RunId kRun = 4;
+constexpr AgentId kAgent = 7;
+
+WorldDescription World() {
+  SmallWorld world;
+  world.SetController(world.AddRobot("r0", {}), "script", R"({"commands": [{"at": 0, "vx": 0.5}]})");
+  world.AddRobot("r1", {2.0, 0.0, 0.0, 0.0});
+  return world.world();
+}
+
+WorldDescription Without(const std::set<std::string>& robots) {
+  WorldDescription world = World();
+  for (ModelDescription& model : world.models) model.removed = robots.contains(model.name);
+  return world;
+}
+
+class Proposals final : public AgentEndpoint {
+ public:
+  void Start(AgentHandler&) override {}
+  void SendJoin(const JoinMessage&) override {}
+  void SendProposal(const ProposalMessage& proposal) override { sent.push_back(proposal); }
+
+  std::vector<ProposalMessage> sent;
+};
+
+class AgentProtocolTest : public testing::Test {
+ protected:
+  AgentProtocolTest() {
+    options_.agent = kAgent;
+    options_.session_timeout_seconds = 20.0;
+  }
+
+  void SendSession(Edition edition = 0, const WorldDescription& world = World(), RunId run = kRun) {
+    SessionMessage session;
+    session.run = run;
+    session.protocol_version = kProtocolVersion;
+    session.world = world;
+    session.world_edition = edition;
+    protocol_.OnSession(session);
+  }
+  void PerformTask() {
+    std::optional<ReplicaTask> task = protocol_.BeginTask();
+    ASSERT_TRUE(task.has_value());
+    task->Perform(options_, {});
+    protocol_.FinishTask(*task, now_);
+  }
+  static FrameMessage Frame(Tick tick, Edition edition = 0) {
+    FrameMessage frame;
+    frame.run = kRun;
+    frame.state = PlacedState(World());
+    frame.state.tick = tick;
+    frame.edition = frame.world_edition = edition;
+    return frame;
+  }
+  void SendFrame(Tick tick, Edition edition = 0) { protocol_.OnFrame(Frame(tick, edition)); }
+  void Answer(bool admitted, const std::string& reason = {}) {
+    protocol_.OnAdmission({kRun, kAgent, admitted, reason}, now_);
+  }
+  std::optional<JoinMessage> PollAfter(double seconds) {
+    now_ += seconds;
+    return protocol_.Poll(now_);
+  }
+  // Joins, and answers frame 0.
+  void JoinAndRun() {
+    SendSession();
+    PerformTask();
+    ASSERT_TRUE(PollAfter(0.0).has_value());
+    Answer(true);
+    SendFrame(0);
+    ASSERT_THAT(endpoint_.sent, SizeIs(1));
+  }
+  // The times of the joins in the next `seconds`, from now on.
+  std::vector<double> Joins(double seconds) {
+    std::vector<double> times;
+    const double begin = now_;
+    while (protocol_.NextPoll() <= begin + seconds) {
+      now_ = std::max(now_, protocol_.NextPoll());
+      if (protocol_.Poll(now_)) times.push_back(now_ - begin);
+      if (protocol_.over()) break;
+    }
+    now_ = begin + seconds;
+    return times;
+  }
+
+  AgentOptions options_;
+  Proposals endpoint_;
+  double now_ = 100.0;
+  AgentProtocol protocol_{endpoint_, options_, {}, now_};
+};
+
+TEST_F(AgentProtocolTest, JoinsLessAndLessOftenUntilTheRunHasBegun) {
+  SendSession();
+  PerformTask();
+  EXPECT_THAT(Joins(13.0), SizeIs(9));  // 0, 0.1, 0.3, 0.7, ... 3.1, 6.3, 9.5, 12.7
+  SendFrame(0);                         // the admission was lost
+  EXPECT_THAT(Joins(1.0).size(), ::testing::Ge(9u));
+}
+
+TEST_F(AgentProtocolTest, ALostServiceIsJoinedAgainAndTheRobotsContinue) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  EXPECT_FALSE(protocol_.over());
+  SendFrame(1);
+  EXPECT_THAT(endpoint_.sent, SizeIs(1)) << "not a member";
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->agent, kAgent);
+  EXPECT_EQ(join->world_hash, Hash(World()));
+  EXPECT_THAT(join->robots, ElementsAre("r0", "r1"));
+  Answer(true);
+  ASSERT_THAT(endpoint_.sent, SizeIs(2));
+  EXPECT_EQ(endpoint_.sent.back().tick, 2u);
+  EXPECT_FALSE(protocol_.has_task()) << "the replica is kept";
+}
+
+TEST_F(AgentProtocolTest, AServiceThatReturnsIsJoinedAtOnce) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  Joins(5.03);
+  SendSession();
+  EXPECT_TRUE(PollAfter(0.0).has_value());
+}
+
+TEST_F(AgentProtocolTest, GivesUpALostServiceAfterTheSessionTimeout) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  Joins(19.9);
+  EXPECT_FALSE(protocol_.over());
+  Joins(0.2);
+  ASSERT_TRUE(protocol_.over());
+  EXPECT_EQ(protocol_.failure().error().message,
+            "the world service is gone: it has not admitted this agent again within 20 s");
+  EXPECT_EQ(protocol_.failure().error().code, ErrorCode::kFailure);
+}
+
+TEST_F(AgentProtocolTest, TheEndOfTheServiceEndsAnAgentThatWaitsForIt) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  protocol_.OnServiceGone(now_);
+  ASSERT_TRUE(protocol_.over());
+  EXPECT_EQ(protocol_.failure().error().message, "the world service is gone");
+}
+
+TEST_F(AgentProtocolTest, TheLastFrameEndsAnAgentThatWaitsForTheService) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  FrameMessage last = Frame(9);
+  last.last = true;
+  protocol_.OnFrame(last);
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_TRUE(protocol_.failure().ok());
+}
+
+TEST_F(AgentProtocolTest, AnotherRunDoesNotReplaceALostService) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  SendSession(0, World(), kRun + 1);
+  EXPECT_FALSE(protocol_.has_task());
+  EXPECT_EQ(PollAfter(0.0)->run, kRun);
+}
+
+TEST_F(AgentProtocolTest, AnAgentThatIsUnknownJoinsAgain) {
+  JoinAndRun();
+  Answer(false);
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Answer(false);  // a duplicate
+  EXPECT_FALSE(protocol_.over());
+  Answer(true);
+  SendFrame(1);
+  EXPECT_THAT(endpoint_.sent, SizeIs(2));
+}
+
+TEST_F(AgentProtocolTest, ALateRefusalOfAnEarlierJoinDoesNotEndAMember) {
+  JoinAndRun();
+  Answer(false, "the robot has an agent already");
+  SendFrame(1);
+  EXPECT_THAT(endpoint_.sent, SizeIs(2));
+}
+
+TEST_F(AgentProtocolTest, JoinsForTheWorldThatWasEditedMeanwhileAndFollowsTheEditOnceAdmitted) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  SendSession(2, Without({"r1"}));
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->world_edition, 2u);
+  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
+  EXPECT_THAT(join->robots, ElementsAre("r0"));
+  SendFrame(3, 2);
+  Answer(true);
+  PerformTask();
+  ASSERT_THAT(endpoint_.sent, SizeIs(2));
+  EXPECT_EQ(endpoint_.sent.back().edition, 2u);
+  EXPECT_THAT(endpoint_.sent.back().proposals, SizeIs(1));
+}
+
+TEST_F(AgentProtocolTest, AnAgentWhoseRobotsWereDeletedMeanwhileEnds) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  SendSession(1, Without({"r0", "r1"}));
+  EXPECT_FALSE(PollAfter(0.0).has_value());
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_TRUE(protocol_.failure().ok());
+}
+
+TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {
+  JoinAndRun();
+  SendSession(1, Without({"r1"}));
+  SendFrame(0, 1);
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  protocol_.OnServiceLost(now_);
+  EXPECT_FALSE(PollAfter(0.0).has_value());
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task, now_);
+  EXPECT_THAT(endpoint_.sent, SizeIs(1));
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
+  Answer(true);
+  EXPECT_THAT(endpoint_.sent, SizeIs(2));
+}
+
+TEST_F(AgentProtocolTest, AServiceThatIsLostBeforeItsAnswerMayBeReplaced) {
+  SendSession();
+  PerformTask();
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  protocol_.OnServiceLost(now_);
+  EXPECT_FALSE(PollAfter(1.0).has_value());
+  SendSession(0, World(), kRun + 1);
+  PerformTask();
+  EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
+}
+
+TEST_F(AgentProtocolTest, AReplicaForASessionThatWasReplacedIsOfNoUse) {
+  SendSession();
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  SendSession(0, World(), kRun + 1);
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task, now_);
+  EXPECT_NE(task->replica, nullptr);
+  PerformTask();
+  EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
+}
+
+}  // namespace
+}  // namespace troupe
