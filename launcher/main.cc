@@ -8,6 +8,7 @@
 #include "launcher/commands/ctl_command.h"
 #include "launcher/commands/export_map_command.h"
 #include "launcher/commands/host_command.h"
+#include "launcher/commands/keys_command.h"
 #include "launcher/commands/run_command.h"
 #include "launcher/commands/snapshot_command.h"
 #include "launcher/commands/top_command.h"
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   troupe::AddCtlCommand(app, exit_status);
   troupe::AddSnapshotCommand(app, exit_status);
   troupe::AddExportMapCommand(app, exit_status);
+  troupe::AddKeysCommand(app, exit_status);
   troupe::AddHostCommand(app, exit_status);
   return troupe::ParseCommandLine(app, argc, argv).value_or(exit_status);
 }

@@ -107,6 +107,7 @@ set(may_include_launcher/supervise
   robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/service)
 set(may_include_launcher/commands
   common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol common/run
+  common/security
   common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
   common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise
   robot-agent/controller world-service/service)

@@ -22,10 +22,18 @@ Error SystemFailure(const fs::path& path, const std::string& failed) {
   return {{path.string()}, failed + ": " + std::strerror(errno), ErrorCode::kFailure};
 }
 
+// Most often the user has named a place where no folder can be.
+Error FolderFailure(const fs::path& path) {
+  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EIO;
+  Error error = SystemFailure(path, "cannot make the folder");
+  if (!full) error.code = ErrorCode::kBadInput;
+  return error;
+}
+
 Status MakeFolders(const fs::path& folder) {
   if (folder.empty() || fs::is_directory(folder)) return {};
   if (Status above = MakeFolders(folder.parent_path()); !above.ok()) return above;
-  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return SystemFailure(folder, "cannot make the folder");
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return FolderFailure(folder);
   return {};
 }
 
@@ -51,7 +59,7 @@ Status Publish(const fs::path& temporary, const fs::path& folder) {
   if (errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR) {
     return Error{{folder.string()}, "exists already, and is not overwritten"};
   }
-  return SystemFailure(folder, "cannot make the folder");
+  return FolderFailure(folder);
 }
 
 }  // namespace
@@ -61,7 +69,7 @@ Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFi
   if (!path.has_filename()) path = path.parent_path();  // written with a slash at its end
   if (Status above = MakeFolders(path.parent_path()); !above.ok()) return above;
   std::string temporary = path.string() + ".new-XXXXXX";
-  if (mkdtemp(temporary.data()) == nullptr) return SystemFailure(temporary, "cannot make the folder");
+  if (mkdtemp(temporary.data()) == nullptr) return FolderFailure(path);
   Status status;
   for (const PrivateFile& file : files) {
     status = WriteFile(fs::path(temporary) / file.name, file.content);
