@@ -11,6 +11,8 @@
 #include "common/base/stop_signals.h"
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
+#include "common/protocol/agent_name.h"
+#include "common/security/session_keys.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
 
@@ -37,9 +39,11 @@ bool Wait(double seconds, const std::atomic<bool>& stop) {
   return !stop;
 }
 
-std::unique_ptr<Transport> MakeTransport(const AgentCommandLine& line) {
+std::unique_ptr<Transport> MakeTransport(const AgentCommandLine& line, const std::string& enclave) {
   DdsOptions options;
   static_cast<NetworkSettings&>(options) = line.network;
+  options.enclave = enclave;
+  options.robots = line.agent.robots;
   options.on_problem = [&line](const std::string& problem) { Report(line, "warning: " + problem); };
   std::unique_ptr<Transport> transport = MakeDdsAgentTransport(options);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
@@ -50,7 +54,11 @@ int Run(const AgentCommandLine& line) {
   const StopSignals signals;
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
   const dds::NetworkLog network_log([&line](const std::string& text) { Report(line, "warning: " + text); });
-  const std::unique_ptr<Transport> transport = MakeTransport(line);
+  const NetworkSettings& network = line.network;
+  const Result<std::string> enclave =
+      EnclaveOf(network.security, network.domain, network.session, Role::Agent(AgentName(line.agent.robots)));
+  if (!enclave.ok()) return FailedAgent(line, enclave.error());
+  const std::unique_ptr<Transport> transport = MakeTransport(line, enclave.value());
   AgentOptions options = line.agent;
   options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);

@@ -8,6 +8,7 @@
 #include "common/base/stop_signals.h"
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
+#include "common/security/session_keys.h"
 #include "common/spatial/scene.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
@@ -37,8 +38,18 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;
+  const std::string& security = line.network.security;
+  const bool secured = security != kSecurityAuto && security != kSecurityOff;
+  Result<PublishedKeys> published =
+      PublishedKeys::Publish(line.network.domain, line.network.session, secured ? security : std::string());
+  if (!published.ok()) return fail(published.error());
   DdsOptions dds;
   static_cast<NetworkSettings&>(dds) = line.network;
+  if (secured) {
+    Result<std::string> enclave = EnclaveOf(security, line.network.domain, line.network.session, Role::Service());
+    if (!enclave.ok()) return fail(enclave.error());
+    dds.enclave = std::move(enclave).value();
+  }
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
   auto [transport, port, participant] = MakeDdsServiceTransport(dds);

@@ -22,6 +22,16 @@ void AddInterfaceFlag(CLI::App& app, NetworkSettings& settings, const std::strin
   app.add_option("--interface", settings.network_interface, help)->type_name("NAME")->group(group);
 }
 
+void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string& automatic,
+                     const std::string& group) {
+  app.add_option("--security", settings.security,
+                 "Folder of keys (see 'troupe keys'); off: any program of the network is a peer; auto: " + automatic +
+                     " (default: auto)")
+      ->check(NotEmpty())
+      ->type_name("DIR|auto|off")
+      ->group(group);
+}
+
 }  // namespace
 
 CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
@@ -34,7 +44,7 @@ void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::
 }
 
 void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
-                            const std::string& group) {
+                            const std::string& security, const std::string& group) {
   AddDomainFlag(app, settings, group);
   AddInterfaceFlag(app, settings, default_interface, group);
   app.add_option("--network", settings.network_profile,
@@ -43,6 +53,7 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
       ->check(NetworkName())
       ->type_name("NAME")
       ->group(group);
+  AddSecurityFlag(app, settings, security, group);
   app.add_option("--lease", settings.lease_seconds,
                  fmt::format("Seconds of silence after which a process is lost (default: {})", settings.lease_seconds))
       ->check(PositiveNumber())
@@ -54,6 +65,7 @@ void AddToolNetworkFlags(CLI::App& app, NetworkSettings& settings) {
   AddDomainFlag(app, settings, "Options");
   AddInterfaceFlag(app, settings, settings.network_interface, "Options");
   AddServiceAddressFlag(app, settings, "Address of a world service that multicast does not reach");
+  AddSecurityFlag(app, settings, "the keys of your own runs on this host, if they have any", "Options");
 }
 
 }  // namespace troupe

@@ -20,11 +20,12 @@ CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std:
 // --service HOST[:PORT]
 void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help);
 
-// For a process of a run: --domain, --interface, --network and --lease. `default_interface` is a part of a help text.
+// For a process of a run: --domain, --interface, --network, --security and --lease. `default_interface` and `security`
+// (the meaning of "auto") are parts of help texts.
 void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
-                            const std::string& group = "Options");
+                            const std::string& security, const std::string& group = "Options");
 
-// For a tool that observes or controls runs: --domain, --interface and --service.
+// For a tool that observes or controls runs: --domain, --interface, --service and --security.
 void AddToolNetworkFlags(CLI::App& app, NetworkSettings& settings);
 
 }  // namespace troupe

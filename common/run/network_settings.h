@@ -10,6 +10,9 @@ namespace troupe {
 inline constexpr const char* kLoopbackInterface = "lo";     // this host only
 inline constexpr const char* kAutomaticInterface = "auto";  // the middleware chooses one
 inline constexpr std::uint32_t kMaxDomain = 230;            // the last domain whose ports are valid
+// Values of NetworkSettings::security, beside folders of keys.
+inline constexpr const char* kSecurityAuto = "auto";
+inline constexpr const char* kSecurityOff = "off";
 inline constexpr double kDefaultLeaseSeconds = 2.0;         // wall time
 
 struct NetworkSettings {
@@ -21,6 +24,9 @@ struct NetworkSettings {
   // Of the world service, as 24 hexadecimal digits, for an agent: no other participant is one. Empty: the participant
   // that announces a run is the service of that run.
   std::string service_participant;
+  // A folder of keys (docs/security.md), "off", or "auto": of a launcher, keys for its run alone; of any other program,
+  // the keys that the user's run of this session has published, if it has any.
+  std::string security = kSecurityAuto;
   double lease_seconds = kDefaultLeaseSeconds;  // a process that is silent for longer is lost
 };
 

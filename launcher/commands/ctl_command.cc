@@ -61,7 +61,7 @@ const char* Word(EntityKind kind) {
 
 // The name of the only session in the domain.
 Result<std::string> FindSession(const NetworkSettings& network) {
-  SessionMonitor monitor(network.domain, network.network_interface, network.service_address);
+  SessionMonitor monitor(network);
   const auto deadline = Clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
   while (Clock::now() < deadline) {
     monitor.WaitForChange(0.1);
@@ -93,14 +93,13 @@ Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, Contro
 }
 
 Result<ControlReply> SendRequest(const CtlOptions& options) {
-  const NetworkSettings& network = options.network;
-  std::string session = network.session;
-  if (session.empty()) {
+  NetworkSettings network = options.network;
+  if (network.session.empty()) {
     Result<std::string> found = FindSession(network);
     if (!found.ok()) return found.error();
-    session = std::move(found).value();
+    network.session = std::move(found).value();
   }
-  ControlClient client(network.domain, session, network.network_interface, network.service_address);
+  ControlClient client(network);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
   ControlRequest request = options.request;
   if (Status failure = SetPoseOfRequest(options, client, request); !failure.ok()) return failure.error();

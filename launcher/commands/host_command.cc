@@ -56,6 +56,7 @@ class HostServer {
   void Send(const HostMessage& message) { connected_ &= WriteAll(STDOUT_FILENO, ToLine(message)); }
   void Execute(const HostMessage& request);
   void Start(int id, const HostMessage& request);
+  void KeepKey(const std::string& name, const std::string& content);
   void SendFile(const std::string& path);
   void SendNews();
 
@@ -90,6 +91,15 @@ void HostServer::SendFile(const std::string& path) {
   close(file);
 }
 
+void HostServer::KeepKey(const std::string& name, const std::string& content) {
+  const std::filesystem::path path = std::filesystem::path(folder_.path()) / kKeysFolderOfHost / name;
+  std::error_code failure;
+  std::filesystem::create_directories(path.parent_path(), failure);  // in a folder of mode 0700
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const bool written = file >= 0 && WriteAll(file, content);
+  if (!written || close(file) != 0) Send({{"output", "error: cannot write " + path.string() + ": " + strerror(errno)}});
+}
+
 void HostServer::Execute(const HostMessage& request) {
   try {
     if (request.contains("start")) {
@@ -97,6 +107,8 @@ void HostServer::Execute(const HostMessage& request) {
     } else if (request.contains("signal")) {
       const auto child = children_.find(request["signal"]);
       if (child != children_.end()) child->second->Signal(request.at("number"));
+    } else if (request.contains("key")) {
+      KeepKey(request["key"], FromHexadecimal(request.at("data")));
     } else if (request.contains("read")) {
       SendFile(request["read"]);
     }

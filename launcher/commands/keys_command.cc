@@ -13,7 +13,7 @@
 
 #include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
-#include "common/security/agent_name.h"
+#include "common/protocol/agent_name.h"
 #include "common/security/key_authority.h"
 #include "launcher/commands/command_failure.h"
 

@@ -53,7 +53,7 @@ void PrintUntilStopped(SessionMonitor& monitor, const TopOptions& options, Signa
 int TopCommand(const TopOptions& options) {
   SignalWatch signals;
   try {
-    SessionMonitor monitor(options.network.domain, options.network.network_interface, options.network.service_address);
+    SessionMonitor monitor(options.network);
     if (options.once) {
       PrintOnce(monitor, options);
     } else {

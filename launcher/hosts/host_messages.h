@@ -2,6 +2,7 @@
 //
 // To the host, on its standard input; the end of the input terminates all processes that were started:
 //   {"start": id, "program": name, "arguments": [..], "reports": bool}    {"signal": id, "number": n}    {"read": path}
+//   {"key": path, "data": hexadecimal}    a file below the host's folder of keys
 // From the host, on its standard output:
 //   {"host": version, "folder": path, "programs": path}         first; the folder is for output, and is deleted at the
 //   end
@@ -15,6 +16,9 @@
 #include <string>
 
 namespace troupe {
+
+// The folder of keys in the host's folder.
+inline constexpr const char* kKeysFolderOfHost = "keys";
 
 using HostMessage = nlohmann::json;
 

@@ -16,6 +16,7 @@ class LocalHost : public Host {
   std::string ProgramPath(const std::string& program) const override;
   Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
                                        bool reports) override;
+  Result<std::string> PlaceKeys(const std::string& keys, const std::string&) override { return keys; }
   std::vector<int> descriptors() const override;
   std::vector<std::string> ReadOutput() override { return output_.Read(); }
   std::vector<std::string> ReadReports() override { return reports_.Read(); }

@@ -9,9 +9,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
+#include "common/base/enclave.h"
 #include "common/base/version.h"
 #include "launcher/hosts/host_messages.h"
 #include "launcher/hosts/shell_words.h"
@@ -113,6 +116,21 @@ Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, con
   std::vector<std::string> words = arguments;
   Send(ToLine({{"start", id}, {"program", program}, {"arguments", words}, {"reports", reports}}));
   return std::unique_ptr<Child>(std::make_unique<RemoteChild>(*this, id, std::move(state)));
+}
+
+Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::string& enclave) {
+  if (enclaves_.insert(enclave).second) {
+    for (const char* name : kEnclaveFiles) {
+      const std::string path = enclave + "/" + name;
+      std::ifstream file(keys + "/" + path, std::ios::binary);
+      std::ostringstream content;
+      content << file.rdbuf();
+      if (!file) return Error{{keys + "/" + path}, "cannot read a file of the folder of keys"};
+      const std::string data = content.str();
+      Send(ToLine({{"key", path}, {"data", ToHexadecimal(data.data(), data.size())}}));
+    }
+  }
+  return folder_ + "/" + kKeysFolderOfHost;
 }
 
 std::vector<int> RemoteHost::descriptors() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "common/run/host_settings.h"
 #include "launcher/hosts/host.h"
@@ -24,6 +25,7 @@ class RemoteHost : public Host {
   std::string ProgramPath(const std::string& program) const override { return programs_ + "/" + program; }
   Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
                                        bool reports) override;
+  Result<std::string> PlaceKeys(const std::string& keys, const std::string& enclave) override;
   std::vector<int> descriptors() const override;
   std::vector<std::string> ReadOutput() override;
   std::vector<std::string> ReadReports() override;
@@ -67,6 +69,7 @@ class RemoteHost : public Host {
   std::vector<std::string> reports_;
   std::string last_error_line_;
   std::optional<FileFetch> fetch_;  // during Fetch
+  std::set<std::string> enclaves_;  // whose keys were sent
 };
 
 }  // namespace troupe

@@ -13,8 +13,10 @@ namespace {
 
 constexpr double kMaxStartDelay = 0.5;  // s, with --shuffle-start
 
-// Limit of agents per host that are started and have not joined. docs/performance.md has figures.
+// Limits of agents per host that are started and have not joined. docs/performance.md has figures. With security, an
+// agent waits a third of a second for timers of the handshake, without work.
 constexpr std::size_t kMaxStarting = 16;
+constexpr std::size_t kMaxStartingSecured = 64;
 
 // The order in which `count` agents are started: by index, or shuffled (Fisher and Yates).
 std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::uint64_t>& shuffle) {
@@ -47,8 +49,8 @@ std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std:
 
 }  // namespace
 
-AgentFleet::AgentFleet(const RunOptions& options)
-    : options_(options), scans_("--scans", options.scans), traces_("--trace", options.trace.file) {}
+AgentFleet::AgentFleet(const RunOptions& options, const RunKeys& keys)
+    : options_(options), keys_(keys), scans_("--scans", options.scans), traces_("--trace", options.trace.file) {}
 
 Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
                          const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot) {
@@ -60,7 +62,7 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
 }
 
 Status AgentFleet::StartAfterJoins(std::size_t agents) {
-  return StartUpTo(agents + kMaxStarting * sites_.size());
+  return StartUpTo(agents + (keys_.any() ? kMaxStartingSecured : kMaxStarting) * sites_.size());
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
@@ -98,6 +100,9 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
   options.network.service_participant = ready_.participant;
+  Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
+  if (!security.ok()) return security.error();
+  options.network.security = std::move(security).value();
   std::vector<std::string> arguments =
       AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));

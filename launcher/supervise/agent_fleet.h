@@ -10,6 +10,7 @@
 #include "common/base/result.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/agent_output.h"
+#include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/service_report.h"
 
@@ -33,7 +34,8 @@ struct AgentSite {
 class AgentFleet {
  public:
   // The options must outlive this.
-  explicit AgentFleet(const RunOptions& options);
+  // Both must outlive this.
+  AgentFleet(const RunOptions& options, const RunKeys& keys);
 
   // Plans an agent for every `robots_per_process` consecutive robots of one site; site_of_robot[i] is the index in
   // `sites` of the site of ready.robots[i]. Starts a limited number of agents, and StartAfterJoins the others: hundreds
@@ -85,6 +87,7 @@ class AgentFleet {
   Status StartAgent(WaitingAgent agent);
 
   const RunOptions& options_;
+  const RunKeys& keys_;
   AgentOutput scans_;
   AgentOutput traces_;
   std::vector<AgentProcess> agents_;  // in the order of starting

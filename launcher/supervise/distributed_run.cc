@@ -35,7 +35,7 @@ double Seconds(Clock::time_point time) {
 class DistributedRun {
  public:
   explicit DistributedRun(const RunOptions& options)
-      : options_(options), hosts_(options), service_(options, hosts_), agents_(options) {}
+      : options_(options), hosts_(options), service_(options, hosts_), agents_(options, keys_) {}
 
   RunEnd Run();
 
@@ -66,6 +66,7 @@ class DistributedRun {
   const RunOptions& options_;
   SignalWatch signals_;
   RunHosts hosts_;
+  RunKeys keys_;
   Progress progress_;
   ServiceProcess service_;
   AgentFleet agents_;
@@ -278,7 +279,10 @@ RunEnd DistributedRun::Run() {
     if (signals_.stop_requested()) end.exit_status = kExitInterrupted;
     return end;
   }
-  if (const Status status = service_.Start(); !status.ok()) return FailedRun(status.error());
+  Result<RunKeys> keys = RunKeys::Make(options_.network);
+  if (!keys.ok()) return FailedRun(keys.error());
+  keys_ = std::move(keys).value();
+  if (const Status status = service_.Start(keys_); !status.ok()) return FailedRun(status.error());
   SuperviseUntilServiceEnds();
   AwaitAgents();
   return End();

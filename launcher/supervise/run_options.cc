@@ -44,6 +44,7 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
   Append(arguments, "--interface", network.network_interface);
   Append(arguments, "--network", network.network_profile);
   Append(arguments, "--lease", fmt::format("{}", network.lease_seconds));
+  Append(arguments, "--security", network.security);
   Append(arguments, "--faults", options.faults);
   return arguments;
 }
@@ -93,7 +94,8 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddSessionFlag(command, options.network,
                  "Name of the run on the network (default: the world's name and the process id)", processes);
   options.network.network_interface.clear();  // CompleteRunOptions chooses
-  AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts", processes);
+  AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts",
+                         "keys for this run alone", processes);
   AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
   command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
 

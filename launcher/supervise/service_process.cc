@@ -23,14 +23,18 @@ RunOptions ServiceProcess::OptionsThere() const {
   return options;
 }
 
-Status ServiceProcess::Start() {
+Status ServiceProcess::Start(const RunKeys& keys) {
   if (!options_.trace.file.empty()) {
     Result<std::string> part = trace_parts_.Add();
     if (!part.ok()) return part.error();
     trace_file_ = std::move(part).value();
   }
+  Result<std::string> security = keys.ForService(hosts_.service_host());
+  if (!security.ok()) return security.error();
+  RunOptions options = OptionsThere();
+  options.network.security = std::move(security).value();
   Result<std::unique_ptr<Child>> process =
-      hosts_.service_host().Start("world-service", ServiceArguments(OptionsThere()), true);
+      hosts_.service_host().Start("world-service", ServiceArguments(options), true);
   if (!process.ok()) return process.error();
   process_ = std::move(process).value();
   return Status();

@@ -9,6 +9,7 @@
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/output_parts.h"
 #include "launcher/supervise/run_hosts.h"
+#include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
 
 namespace troupe {
@@ -18,7 +19,7 @@ class ServiceProcess {
   // The options and the hosts must outlive this.
   ServiceProcess(const RunOptions& options, const RunHosts& hosts);
 
-  Status Start();
+  Status Start(const RunKeys& keys);
 
   // REQUIRES, for all below: Start has succeeded.
   Child& process() const { return *process_; }

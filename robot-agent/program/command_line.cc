@@ -29,7 +29,8 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
       ->check(ParticipantValue())
       ->type_name("HEX");
   line.network.network_interface.clear();  // follows from --service
-  AddProcessNetworkFlags(app, line.network, "lo: this host only; auto with --service");
+  AddProcessNetworkFlags(app, line.network, "lo: this host only; auto with --service",
+                         "the keys of your own run of this session on this host, if it has any");
   app.add_option("--session-timeout", line.agent.session_timeout_seconds,
                  fmt::format("Seconds to wait for the world service; 0: no limit (default: {})",
                              line.agent.session_timeout_seconds))

@@ -31,7 +31,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
 
   const std::string session = TestSession("step");
   Program run = RunPen({"--paused", "--session", session, "--speed", "50"});
-  ControlClient client(TestDomain(), session, "lo");
+  ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   for (Tick tick = 0; tick < 120;) {
     const std::uint64_t ticks = tick < 100 ? 1 : 10;

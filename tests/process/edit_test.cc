@@ -77,7 +77,7 @@ std::vector<std::uint64_t> HashesOf(Call call) {
 std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) {
   const std::string session = TestSession("edits" + robots_per_process);
   Program run = RunPen({"--paused", "--session", session, "--robots-per-process", robots_per_process});
-  ControlClient client(TestDomain(), session, "lo");
+  ControlClient client(NetworkOf(session));
   if (Status missing = client.WaitForService(kSeconds); !missing.ok()) {
     ADD_FAILURE() << missing.error().message << run.output();
     return {};
@@ -218,7 +218,7 @@ class EmptyWorldTest : public testing::Test {
   OutputFolder folder_;
   const std::string session_ = TestSession("empty");
   std::optional<Program> run_;
-  ControlClient client_{TestDomain(), session_, "lo"};
+  ControlClient client_{NetworkOf(session_)};
 };
 
 TEST_F(EmptyWorldTest, AnswersAllRequests) {

@@ -71,7 +71,7 @@ class FastDdsClientTest : public testing::Test {
 // Steps a run by the control topic.
 class Stepper {
  public:
-  explicit Stepper(const std::string& session) : client_(TestDomain(), session, "lo") {
+  explicit Stepper(const std::string& session) : client_(NetworkOf(session)) {
     EXPECT_TRUE(client_.WaitForService(kSeconds).ok());
   }
   void Pause() { Do(ControlCommand::kPause, 0); }

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/base/enclave.h"
-#include "common/security/agent_name.h"
+#include "common/protocol/agent_name.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 

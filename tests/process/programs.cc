@@ -125,6 +125,13 @@ std::string Program::output() {
   return text;
 }
 
+NetworkSettings NetworkOf(const std::string& session) {
+  NetworkSettings network;
+  network.domain = TestDomain();
+  network.session = session;
+  return network;
+}
+
 Program Troupe(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), ProgramPath("troupe"));
   return Program(std::move(arguments));

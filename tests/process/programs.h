@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/run/network_settings.h"
 #include "launcher/process/line_pipe.h"
 #include "launcher/process/process.h"
 
@@ -48,6 +49,9 @@ class Program {
   Process process_;
   std::vector<std::string> lines_;
 };
+
+// For tools of this test that follow or control a run which RunPen or Troupe has started in TestDomain().
+NetworkSettings NetworkOf(const std::string& session);
 
 // `troupe` with these arguments.
 Program Troupe(std::vector<std::string> arguments);

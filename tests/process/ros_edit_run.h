@@ -125,7 +125,7 @@ class RosEditRun {
   const std::string session_;
   RosGraph graph_;
   Program run_;
-  ControlClient client_{TestDomain(), session_, "lo"};
+  ControlClient client_{NetworkOf(session_)};
   ControlReply newest_;
 };
 

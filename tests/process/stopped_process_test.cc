@@ -104,7 +104,7 @@ TEST(StoppedAgent, RejoinsAWorldThatWasEditedMeanwhile) {
   ASSERT_EQ(agent.size(), 1u);
   SignalAll(agent, SIGSTOP);
   run.WaitForLine("r2 has lost its agent");
-  ControlClient client(TestDomain(), session, "lo");
+  ControlClient client(NetworkOf(session));
   const Status found = client.WaitForService(kSeconds);
   ASSERT_TRUE(found.ok()) << found.error().message;
   ControlRequest removal;

@@ -16,6 +16,9 @@ class WaitSet {
   explicit WaitSet(const DomainParticipant& participant)
       : entity_(Check(dds_create_waitset(participant.handle()), "creating a wait set")) {}
 
+  // For conditions of any participants.
+  WaitSet() : entity_(Check(dds_create_waitset(DDS_CYCLONEDDS_HANDLE), "creating a wait set")) {}
+
   // wait() returns `token` when the condition is true. REQUIRES: each condition has a token of its own.
   template <typename Condition>
   void attach(const Condition& condition, int token) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/base/random_id.h"
 #include "common/dds/binding/condition.h"
 #include "common/dds/binding/wait_set.h"
@@ -12,6 +13,7 @@
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/qos_profiles.h"
 #include "common/protocol/topics.h"
+#include "common/security/session_keys.h"
 
 namespace troupe {
 namespace {
@@ -19,15 +21,19 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Deadline = std::chrono::time_point<Clock, std::chrono::duration<double>>;
 
+// Between two looks for the keys of a run that has not been found yet.
+constexpr std::chrono::milliseconds kKeysPeriod(100);
+
 // s; a longer wait is several of these.
 constexpr double kLongestWait = 1.0;
 
 }  // namespace
 
-class ControlClient::Implementation {
+class ControlClient::Connection {
  public:
-  Implementation(const dds::DomainConfig& config, const std::string& session)
-      : session_(session),
+  Connection(const dds::DomainConfig& config, const std::string& session)
+      : enclave_(config.security_enclave),
+        session_(session),
         connection_(config, session, {}),
         request_topic_(connection_.participant, topics::kControl),
         reply_topic_(connection_.participant, topics::kControlReply),
@@ -42,13 +48,19 @@ class ControlClient::Implementation {
     changes_.attach(replies_, 2);
   }
 
-  Status WaitForService(double seconds) {
-    const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
-    while (!connected()) {
-      if (Clock::now() > deadline) return Failure("no world service found in session '" + session_ + "'");
-      WaitUntil(deadline);
-    }
-    return {};
+  const std::string& enclave() const { return enclave_; }
+
+  // Reads both statuses each time, because reading clears them, and the wait set wakes for a new one only.
+  bool connected() const {
+    const auto offered = requests_.publication_matched_status();
+    const auto requested = replies_.subscription_matched_status();
+    return offered.current_count > 0 && requested.current_count > 0;
+  }
+
+  // Returns early when a reply arrives, or a service appears or disappears.
+  void WaitUntil(Deadline deadline) {
+    const std::chrono::duration<double> left = deadline - Clock::now();
+    changes_.wait(std::clamp(left.count(), 0.0, kLongestWait));
   }
 
   Result<ControlReply> Call(ControlRequest request, double seconds) {
@@ -73,19 +85,7 @@ class ControlClient::Implementation {
   }
 
  private:
-  // Reads both statuses each time, because reading clears them, and the wait set wakes for a new one only.
-  bool connected() const {
-    const auto offered = requests_.publication_matched_status();
-    const auto requested = replies_.subscription_matched_status();
-    return offered.current_count > 0 && requested.current_count > 0;
-  }
-
-  // Returns early when a reply arrives, or a service appears or disappears.
-  void WaitUntil(Deadline deadline) {
-    const std::chrono::duration<double> left = deadline - Clock::now();
-    changes_.wait(std::clamp(left.count(), 0.0, kLongestWait));
-  }
-
+  const std::string enclave_;
   std::string session_;
   dds::DdsConnection connection_;
   dds::Topic<troupe_wire_Control> request_topic_;
@@ -98,19 +98,32 @@ class ControlClient::Implementation {
   std::uint64_t number_ = 0;
 };
 
-ControlClient::ControlClient(std::uint32_t domain, const std::string& session, const std::string& network_interface,
-                             const std::string& service_address)
-    : implementation_(
-          std::make_unique<Implementation>(dds::ToolConfig(domain, network_interface, service_address), session)) {}
+ControlClient::ControlClient(const NetworkSettings& network) : network_(network) {}
 
 ControlClient::~ControlClient() = default;
 
 Status ControlClient::WaitForService(double seconds) {
-  return implementation_->WaitForService(seconds);
+  const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  for (;;) {
+    // The run may publish its keys while this waits.
+    const Result<std::string> enclave =
+        EnclaveOf(network_.security, network_.domain, network_.session, Role::Operator());
+    if (!enclave.ok()) return enclave.error();
+    if (!connection_ || connection_->enclave() != enclave.value()) {
+      dds::DomainConfig config =
+          dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
+      config.security_enclave = enclave.value();
+      connection_ = std::make_unique<Connection>(config, network_.session);
+    }
+    if (connection_->connected()) return {};
+    if (Clock::now() > deadline) return Failure("no world service found in session '" + network_.session + "'");
+    connection_->WaitUntil(std::min(deadline, Deadline(Clock::now() + kKeysPeriod)));
+  }
 }
 
 Result<ControlReply> ControlClient::Call(ControlRequest request, double seconds) {
-  return implementation_->Call(std::move(request), seconds);
+  TROUPE_CHECK(connection_ != nullptr);
+  return connection_->Call(std::move(request), seconds);
 }
 
 Result<ControlReply> ControlClient::Call(ControlCommand command, std::uint64_t ticks, double seconds) {

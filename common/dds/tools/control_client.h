@@ -7,27 +7,30 @@
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
+#include "common/run/network_settings.h"
 
 namespace troupe {
 
 class ControlClient {
  public:
-  // Reaches services on the same network that multicast reaches, and the one at `service_address` ("host" or
-  // "host:port"). Throws dds::Exception (common/dds/binding/exception.h) when DDS cannot start.
-  ControlClient(std::uint32_t domain, const std::string& session, const std::string& network_interface,
-                const std::string& service_address = "");
+  // Of the service of `network.session`. Reaches services on the same network that multicast reaches, and the one at
+  // network.service_address.
+  explicit ControlClient(const NetworkSettings& network);
   ~ControlClient();
 
-  // Waits for the service, at most `seconds`. The error is for people.
+  // Waits for the service, at most `seconds`. The error is for people; kBadInput: the keys of network.security are not
+  // those of an operator. Throws dds::Exception (common/dds/binding/exception.h) when DDS cannot start.
   Status WaitForService(double seconds);
 
   // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived.
+  // REQUIRES: WaitForService has succeeded.
   Result<ControlReply> Call(ControlRequest request, double seconds);
   Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  class Connection;
+  NetworkSettings network_;
+  std::unique_ptr<Connection> connection_;  // null: none yet
 };
 
 }  // namespace troupe

@@ -1,8 +1,12 @@
 #include "common/dds/tools/session_monitor.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
+#include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "common/dds/binding/builtin_topic.h"
 #include "common/dds/binding/condition.h"
@@ -12,6 +16,7 @@
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/qos_profiles.h"
 #include "common/protocol/topics.h"
+#include "common/security/session_keys.h"
 
 namespace troupe {
 namespace {
@@ -24,38 +29,33 @@ struct KnownRun {
   dds_instance_handle_t session_writer = 0;
 };
 
-}  // namespace
-
-class SessionMonitor::Implementation {
+// The sessions that one participant sees.
+class MonitoringParticipant {
  public:
-  explicit Implementation(const dds::DomainConfig& config)
+  explicit MonitoringParticipant(const dds::DomainConfig& config)
       : connection_(config, kAllSessions, {}),
         session_topic_(connection_.participant, topics::kSession),
         status_topic_(connection_.participant, topics::kStatus),
         sessions_(connection_.subscriber, session_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Description())),
         statuses_(connection_.subscriber, status_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Status())),
         session_condition_(sessions_),
-        status_condition_(statuses_),
-        wait_set_(connection_.participant) {
+        status_condition_(statuses_) {
     dds::Check(dds_set_status_mask(sessions_.handle(), DDS_SUBSCRIPTION_MATCHED_STATUS), "watching a reader");
-    wait_set_.attach(sessions_, 2);
-    wait_set_.attach(session_condition_, 0);
-    wait_set_.attach(status_condition_, 1);
   }
 
-  std::vector<SessionInfo> Sessions() {
+  template <typename Use>
+  void ForEachCondition(const Use& use) const {
+    use(sessions_);
+    use(session_condition_);
+    use(status_condition_);
+  }
+
+  void AddSessions(std::vector<SessionInfo>& list) {
     ReadSessions();
     ReadStatuses();
     ForgetEnded();
-    std::vector<SessionInfo> list;
     for (const auto& [run, known] : runs_) list.push_back(known.info);
-    std::sort(list.begin(), list.end(), [](const SessionInfo& a, const SessionInfo& b) {
-      return std::tie(a.session, a.run) < std::tie(b.session, b.run);
-    });
-    return list;
   }
-
-  void WaitForChange(double seconds) { wait_set_.wait(seconds); }
 
  private:
   void ReadSessions() {
@@ -112,13 +112,69 @@ class SessionMonitor::Implementation {
   dds::DataReader<troupe_wire_Status> statuses_;
   dds::ReadCondition session_condition_;
   dds::ReadCondition status_condition_;
-  dds::WaitSet wait_set_;
   std::map<RunId, KnownRun> runs_;
 };
 
-SessionMonitor::SessionMonitor(std::uint32_t domain, const std::string& network_interface,
-                               const std::string& service_address)
-    : implementation_(std::make_unique<Implementation>(dds::ToolConfig(domain, network_interface, service_address))) {}
+}  // namespace
+
+class SessionMonitor::Implementation {
+ public:
+  explicit Implementation(const NetworkSettings& network) : network_(network) { FindParticipants(); }
+
+  std::vector<SessionInfo> Sessions() {
+    FindParticipants();
+    std::vector<SessionInfo> list;
+    for (auto& [enclave, participant] : participants_) participant->AddSessions(list);
+    std::sort(list.begin(), list.end(), [](const SessionInfo& a, const SessionInfo& b) {
+      return std::tie(a.session, a.run) < std::tie(b.session, b.run);
+    });
+    return list;
+  }
+
+  void WaitForChange(double seconds) { changes_.wait(seconds); }
+
+ private:
+  // One for the runs without security, and one for each set of keys.
+  void FindParticipants() {
+    std::set<std::string> enclaves;
+    if (network_.security == kSecurityAuto) {
+      enclaves.insert("");
+      for (const SessionKeys& published : FindSessionKeys(network_.domain)) {
+        // A run that ends now is none of the monitor's.
+        const Result<std::string> enclave = EnclaveOf(published.keys, network_.domain, {}, Role::Observer());
+        if (enclave.ok()) enclaves.insert(enclave.value());
+      }
+    } else {
+      const Result<std::string> enclave = EnclaveOf(network_.security, network_.domain, {}, Role::Observer());
+      if (!enclave.ok()) throw std::runtime_error(enclave.error().ToString());
+      enclaves.insert(enclave.value());
+    }
+    for (auto known = participants_.begin(); known != participants_.end();) {
+      const bool ended = !enclaves.contains(known->first);
+      if (ended) known->second->ForEachCondition([this](const auto& condition) { changes_.detach(condition); });
+      known = ended ? participants_.erase(known) : std::next(known);
+    }
+    for (const std::string& enclave : enclaves) {
+      if (!participants_.contains(enclave)) AddParticipant(enclave);
+    }
+  }
+
+  void AddParticipant(const std::string& enclave) {
+    dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
+    config.security_enclave = enclave;
+    auto participant = std::make_unique<MonitoringParticipant>(config);
+    participant->ForEachCondition([this](const auto& condition) { changes_.attach(condition, next_token_++); });
+    participants_.emplace(enclave, std::move(participant));
+  }
+
+  const NetworkSettings network_;
+  std::map<std::string, std::unique_ptr<MonitoringParticipant>> participants_;  // by the folders of their keys
+  dds::WaitSet changes_;
+  int next_token_ = 0;
+};
+
+SessionMonitor::SessionMonitor(const NetworkSettings& network)
+    : implementation_(std::make_unique<Implementation>(network)) {}
 
 SessionMonitor::~SessionMonitor() = default;
 

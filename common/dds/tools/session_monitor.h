@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/run/network_settings.h"
 
 namespace troupe {
 
@@ -23,9 +24,11 @@ struct SessionInfo {
 
 class SessionMonitor {
  public:
-  // Sees services on the same network that multicast reaches, and the one at `service_address` ("host" or "host:port").
-  // Throws dds::Exception (common/dds/binding/exception.h) when DDS cannot start.
-  SessionMonitor(std::uint32_t domain, const std::string& network_interface, const std::string& service_address = "");
+  // Sees services on the same network that multicast reaches, and the one at network.service_address. With security
+  // "auto" these are the runs without security, and the secured ones that this user's runs publish on this host; with a
+  // folder of keys those of its authority; with "off" those without security. Throws std::exception when DDS cannot
+  // start, or the keys cannot be read.
+  explicit SessionMonitor(const NetworkSettings& network);
   ~SessionMonitor();
 
   // The sessions known now, by name and run. A session is discovered after a moment, and leaves the list when its

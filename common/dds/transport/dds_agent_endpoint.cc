@@ -16,6 +16,8 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
   admissions_.Close();
   frames_.Close();
+  // The service learns the end of the writer only when the lease expires, if this process ends before all is sent.
+  joins_.Dispose();
 }
 
 void DdsAgentEndpoint::Start(AgentHandler& handler) {

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
 
 #include "common/base/result.h"
@@ -20,15 +19,21 @@
 namespace troupe::dds {
 
 struct DdsConnection {
-  DdsConnection(const DomainConfig& config, const std::string& session, const FloodLimiter::Tell& on_problem)
-      : participant(config),
-        publisher(participant, qos_profiles::Session(session)),
+  // `agent`: the name of the agent that sends (common/protocol/agent_name.h); empty: another participant does.
+  DdsConnection(const DomainConfig& config, const std::string& session_name, const FloodLimiter::Tell& on_problem,
+                const std::string& agent = {})
+      : session(session_name),
+        secured(!config.security_enclave.empty()),
+        participant(config),
+        publisher(participant, agent.empty() ? qos_profiles::Session(session) : qos_profiles::Agent(session, agent)),
         subscriber(participant, qos_profiles::Session(session)),
         lease_seconds(config.lease_seconds),
         problems(on_problem) {}
 
   void Report(const std::string& problem) const { problems.Add(problem); }
 
+  const std::string session;
+  const bool secured;  // DDS Security keeps others out
   DomainParticipant participant;
   Publisher publisher;
   Subscriber subscriber;
@@ -76,9 +81,9 @@ template <typename Wire>
 class WireInbox {
  public:
   WireInbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection),
-        topic_(connection.participant, topic, senders_),
-        reader_(connection.subscriber, topic_, qos) {}
+      : WireInbox(connection, connection.subscriber, topic, qos) {}
+  WireInbox(const DdsConnection& connection, const Subscriber& subscriber, const char* topic, const Qos& qos)
+      : connection_(connection), topic_(connection.participant, topic, senders_), reader_(subscriber, topic_, qos) {}
 
   // Calls `drain`, on a thread of Cyclone's, whenever there may be samples, or a sender may have ended.
   void Listen(const std::function<void()>& drain) {
@@ -94,19 +99,22 @@ class WireInbox {
   // No call of `drain` runs any more when it returns.
   void Close() { reader_.clear_listener(); }
 
-  // Empties the reader: on_sample gets each sample and its sender, then on_end each sender that has ended.
+  // Empties the reader: on_sample gets each sample and its sender, and on_end each sender that has ended, or has disposed
+  // its data because it will.
   template <typename OnSample, typename OnEnd>
   void Drain(OnSample on_sample, OnEnd on_end) {
     do {
       reader_.take(buffer_);
       for (std::size_t i = 0; i < buffer_.length(); ++i) {
         const SampleInfo info = buffer_.info(i);
-        const std::optional<Sender> sender = senders_.Find(reader_.handle(), info.publication_handle());
-        if (!sender) continue;
+        const Sender* sender = senders_.Find(reader_.handle(), info.publication_handle());
+        if (sender == nullptr) continue;
         if (info.valid()) {
           on_sample(buffer_.data(i), *sender);
         } else if (info.instance_disposed()) {
-          senders_.Dispose(*sender);
+          Sender leaving = senders_.Forget(sender->writer);
+          leaving.disposed = true;
+          on_end(leaving);
         }
       }
     } while (buffer_.full());  // later samples are announced again

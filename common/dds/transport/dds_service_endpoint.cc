@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/protocol/agent_name.h"
 #include "common/protocol/topics.h"
 
 namespace troupe::dds {
@@ -34,12 +35,14 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
       statuses_(connection, topics::kStatus, qos_profiles::Status()),
       control_replies_(connection, topics::kControlReply, qos_profiles::ControlReply()),
-      joins_(connection, topics::kJoin, qos_profiles::FromMany(qos_profiles::Join())),
-      proposals_(connection, topics::kProposal, qos_profiles::FromMany(qos_profiles::Proposal())),
+      from_agents_(connection.participant, qos_profiles::AllAgents(connection.session)),
+      joins_(connection, from_agents_, topics::kJoin, qos_profiles::FromMany(qos_profiles::Join())),
+      proposals_(connection, from_agents_, topics::kProposal, qos_profiles::FromMany(qos_profiles::Proposal())),
       controls_(connection, topics::kControl, qos_profiles::FromMany(qos_profiles::Control())),
       frame_requests_(connection, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
       rivals_(connection, topics::kSession,
-              qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()) {}
+              qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()),
+      secured_(connection.secured) {}
 
 DdsServiceEndpoint::~DdsServiceEndpoint() {
   joins_.Close();
@@ -72,6 +75,10 @@ void DdsServiceEndpoint::DrainJoins() {
   const std::lock_guard lock(mutex_);
   joins_.Drain(
       [this](const troupe_wire_Join& join, const Sender& sender) {
+        if (!MayJoinFor(Strings(join.robots), sender)) {
+          joins_.Refuse(sender, "its keys are those of an agent of other robots");
+          return false;
+        }
         if (Bind(join.agent, sender)) return true;
         joins_.Refuse(sender, "it joins as the agent of another participant, or as too many");
         return false;
@@ -86,6 +93,18 @@ bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
   if (std::count_if(agents_.begin(), agents_.end(), is_of_sender) >= kAgentsOfWriter) return false;
   agents_.emplace(agent, sender);
   return true;
+}
+
+bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, const Sender& sender) {
+  if (!secured_) return true;
+  // The permissions of its keys have the name, and so has the partition, which DDS Security has compared with them.
+  const std::string name = qos_profiles::AgentOfPartition(sender.partition);
+  if (AgentName(robots) == name) robots_of_agents_[name] = {robots.begin(), robots.end()};
+  // After an edit it may join for those that are left.
+  const auto known = robots_of_agents_.find(name);
+  return known != robots_of_agents_.end() && std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) {
+    return known->second.contains(robot);
+  });
 }
 
 void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {

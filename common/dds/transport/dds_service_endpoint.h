@@ -5,6 +5,8 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
@@ -29,6 +31,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void DrainJoins();
   // Binds the agent to its first writer; false for any other one.
   bool Bind(AgentId agent, const Sender& sender);
+  // Whether the sender's keys are for an agent of these robots.
+  bool MayJoinFor(const std::vector<std::string>& robots, const Sender& sender);
   void LoseAgentsOf(const Sender& ended);
   void DrainProposals();
   void DrainControls();
@@ -43,6 +47,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   Outbox<troupe_wire_Frame> whole_frames_;  // to observers that have requested one
   Outbox<troupe_wire_Status> statuses_;
   Outbox<troupe_wire_ControlReply> control_replies_;
+  Subscriber from_agents_;
   Inbox<troupe_wire_Join, JoinMessage> joins_;
   Inbox<troupe_wire_Proposal, ProposalMessage> proposals_;
   Inbox<troupe_wire_Control, ControlRequest> controls_;
@@ -56,6 +61,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
+  const bool secured_;
+  std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
   std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
 };
 

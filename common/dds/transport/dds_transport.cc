@@ -8,6 +8,7 @@
 #include "common/dds/transport/dds_agent_endpoint.h"
 #include "common/dds/transport/dds_observer_endpoint.h"
 #include "common/dds/transport/dds_service_endpoint.h"
+#include "common/protocol/agent_name.h"
 
 namespace troupe {
 namespace {
@@ -37,7 +38,7 @@ class DdsTransport : public Transport {
   enum class Role { kService, kAgent, kObserver };
 
   DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
-      : role_(role), connection_(config, options.session, options.on_problem), service_(ServiceOf(options)) {}
+      : role_(role), connection_(config, options.session, options.on_problem, AgentOf(role, options)), service_(ServiceOf(options)) {}
 
   std::string participant() const { return dds::ToText(connection_.participant.guid_prefix()); }
 
@@ -55,6 +56,10 @@ class DdsTransport : public Transport {
   }
 
  private:
+  static std::string AgentOf(Role role, const DdsOptions& options) {
+    return role == Role::kAgent ? AgentName(options.robots) : std::string();
+  }
+
   void CheckRole(Role role, const char* doing) const {
     if (role != role_) throw dds::Exception(DDS_RETCODE_ILLEGAL_OPERATION, doing);
   }
@@ -77,6 +82,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   config.network_interface = options.network_interface;
   config.network = options.network_profile;
   config.lease_seconds = options.lease_seconds;
+  config.security_enclave = options.enclave;
   return config;
 }
 

@@ -3,6 +3,8 @@
 namespace troupe::dds::qos_profiles {
 namespace {
 
+constexpr char kAgentMark = '/';  // not in the names of sessions
+
 // s; a service discovers the client that it has answered long before.
 constexpr double kReplyLifespan = 10.0;
 
@@ -32,6 +34,19 @@ Qos KeptForLatecomers() {
 
 Qos Session(const std::string& session) {
   return Qos() << Partition{session};
+}
+
+Qos Agent(const std::string& session, const std::string& name) {
+  return Session(session + kAgentMark + name);
+}
+
+Qos AllAgents(const std::string& session) {
+  return Session(session + kAgentMark + "*");
+}
+
+std::string AgentOfPartition(const std::string& partition) {
+  const std::size_t mark = partition.find(kAgentMark);
+  return mark == std::string::npos ? std::string() : partition.substr(mark + 1);
 }
 
 Qos FromMany(Qos profile) {

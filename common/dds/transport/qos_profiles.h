@@ -18,6 +18,12 @@ Qos FromMany(Qos profile);
 
 // Of all publishers and subscribers: only those of the same session match.
 Qos Session(const std::string& session);
+// Of the publisher of an agent with this name: a partition of its own, so that permissions tell agents apart.
+Qos Agent(const std::string& session, const std::string& name);
+// Of the subscriber of all agents' messages.
+Qos AllAgents(const std::string& session);
+// The name of the agent that publishes in this partition; empty: it is not an agent's.
+std::string AgentOfPartition(const std::string& partition);
 
 // The session and the world: kept for latecomers. The lease tells agents that the service has ended.
 Qos Description(double lease_seconds = kInfinite);

@@ -6,15 +6,17 @@
 
 namespace troupe::dds {
 
-std::optional<Sender> Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
-  if (const auto known = known_.find(writer); known != known_.end()) return known->second;
+const Sender* Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
+  if (const auto known = known_.find(writer); known != known_.end()) return &known->second;
   const std::optional<PublicationData> publication = MatchedPublicationData(reader, writer);
-  if (!publication) return std::nullopt;
-  return known_.emplace(writer, Sender{writer, publication->participant}).first->second;
+  if (!publication) return nullptr;
+  const std::string partition = publication->partitions.empty() ? "" : publication->partitions.front();
+  return &known_.emplace(writer, Sender{writer, publication->participant, partition}).first->second;
 }
 
-void Senders::Dispose(const Sender& sender) {
-  if (const auto known = known_.find(sender.writer); known != known_.end()) known->second.disposed = true;
+Sender Senders::Forget(dds_instance_handle_t writer) {
+  const auto node = known_.extract(writer);
+  return node.empty() ? Sender{} : node.mapped();
 }
 
 bool Senders::Refuse(const Sender& sender) {

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "common/dds/binding/guid_prefix.h"
@@ -18,19 +18,20 @@ namespace troupe::dds {
 struct Sender {
   dds_instance_handle_t writer = 0;
   GuidPrefix participant;
-  bool disposed = false;  // it has disposed its data: it ends in order
+  std::string partition;  // the first of the writer's
+  bool disposed = false;  // it ends in order, and has disposed its data before
 };
 
 class Senders : public SampleFilter {
  public:
-  // The writer with this handle, which `reader` has received a sample from; nothing if it has ended.
-  std::optional<Sender> Find(dds_entity_t reader, dds_instance_handle_t writer);
+  // The writer with this handle, which `reader` has received a sample from; null if it has ended. Valid until ForgetEnded.
+  const Sender* Find(dds_entity_t reader, dds_instance_handle_t writer);
 
   // No sample of this writer is accepted any more. False if that was so before.
   bool Refuse(const Sender& sender);
 
-  // The sender has disposed its data.
-  void Dispose(const Sender& sender);
+  // Forgets this sender, and returns it.
+  Sender Forget(dds_instance_handle_t writer);
 
   // Forgets the senders whose writers have ended, and returns them.
   std::vector<Sender> ForgetEnded(dds_entity_t reader);

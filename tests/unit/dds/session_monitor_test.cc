@@ -16,7 +16,7 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   DdsOptions options;
   options.domain = test::TestDomain();
   const std::string prefix = test::TestSession("monitor");
-  SessionMonitor monitor(options.domain, "lo");
+  SessionMonitor monitor(options);
   // Sessions of other tests may exist.
   std::vector<SessionInfo> seen;
   const auto sees = [&](std::size_t count) {

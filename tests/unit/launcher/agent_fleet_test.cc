@@ -33,6 +33,7 @@ class FakeHost final : public Host {
     children.push_back(child.get());
     return std::unique_ptr<Child>(std::move(child));
   }
+  Result<std::string> PlaceKeys(const std::string& keys, const std::string&) override { return keys; }
   std::vector<int> descriptors() const override { return {}; }
   std::vector<std::string> ReadOutput() override { return {}; }
   std::vector<std::string> ReadReports() override { return {}; }
@@ -55,7 +56,8 @@ class AgentFleetTest : public testing::Test {
 
   RunOptions options_;
   FakeHost host_;
-  AgentFleet fleet_{options_};
+  RunKeys keys_;
+  AgentFleet fleet_{options_, keys_};
 };
 
 TEST_F(AgentFleetTest, StartsALimitedNumberAndOthersAsAgentsJoin) {
@@ -104,7 +106,7 @@ TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
 TEST_F(AgentFleetTest, KeepsTheScansOfAnAgentThatIsStartedAgain) {
   options_.scans = ::testing::TempDir() + "/fleet-scans";
   options_.trace.file = ::testing::TempDir() + "/fleet-trace";
-  AgentFleet fleet(options_);
+  AgentFleet fleet(options_, keys_);
   ReadyReport ready;
   ready.robots = {"r0"};
   ASSERT_TRUE(fleet.Start(ready, "127.0.0.1:1", {{&host_, "lo"}}, {0}).ok());

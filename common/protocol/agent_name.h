@@ -6,7 +6,7 @@
 
 namespace troupe {
 
-// 16 digits of [0-9a-f] that depend on the names of its robots, in their order.
+// 16 digits of [0-9a-f] that depend on the names of its robots, not on their order.
 std::string AgentName(const std::vector<std::string>& robots);
 
 }  // namespace troupe

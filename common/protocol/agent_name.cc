@@ -1,7 +1,8 @@
-#include "common/security/agent_name.h"
+#include "common/protocol/agent_name.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
 #include "common/base/hash.h"
@@ -9,8 +10,10 @@
 namespace troupe {
 
 std::string AgentName(const std::vector<std::string>& robots) {
+  std::vector<std::string> sorted = robots;
+  std::sort(sorted.begin(), sorted.end());
   Hasher hash;
-  for (const std::string& robot : robots) hash.Add(std::string_view(robot));
+  for (const std::string& robot : sorted) hash.Add(std::string_view(robot));
   return fmt::format("{:016x}", hash.value());
 }
 

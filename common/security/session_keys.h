@@ -1,0 +1,49 @@
+// SessionKeys: where the programs of a user find the keys of the runs on this host. A world service publishes the folder
+// of its keys (KeyFolder in role.h has the layout) under the name of its session, in a folder that only its user can
+// read, so that the tools of that user alone find the keys of a run by its session.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/security/role.h"
+
+namespace troupe {
+
+// The folder of this user's sessions: $XDG_RUNTIME_DIR/troupe or, without that variable, troupe-<user id> in the
+// temporary folder. Made if it is missing (mode 0700). Fails if another user owns it or could read it.
+Result<std::string> SessionsFolder();
+
+// A run's keys under the name of its session, as long as this object lives.
+class PublishedKeys {
+ public:
+  PublishedKeys() = default;  // publishes nothing
+  // Replaces what an earlier run of the session has left; without `keys`, a run without security publishes nothing.
+  // REQUIRES: no other service of the session runs on this host.
+  static Result<PublishedKeys> Publish(std::uint32_t domain, const std::string& session, const std::string& keys);
+
+  PublishedKeys(PublishedKeys&& other) noexcept;
+  PublishedKeys& operator=(PublishedKeys&& other) noexcept;
+  ~PublishedKeys();
+
+ private:
+  std::string link_;
+};
+
+struct SessionKeys {
+  std::string session;
+  std::string keys;  // the folder
+};
+
+// The sessions with keys in a domain, by name.
+std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain);
+
+// The folder with the keys of a participant, or nothing (an empty text) for one without security.
+// `security`: "auto" (the keys that this user's run of that session has published; without any, no security), "off", or
+// a folder of keys. Fails if the folder lacks the keys of the role.
+Result<std::string> EnclaveOf(const std::string& security, std::uint32_t domain, const std::string& session,
+                              const Role& role);
+
+}  // namespace troupe
