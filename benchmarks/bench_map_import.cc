@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "common/bitmap/image_file.h"
 #include "common/bitmap/rectangle_cover.h"
+#include "common/image/image_file.h"
 
 namespace troupe {
 namespace {

@@ -35,7 +35,7 @@ void Run(benchmark::State& state, Cast cast) {
   }
   state.counters["rays"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * kRays, benchmark::Counter::kIsRate);
-  state.counters["rectangles"] = static_cast<double>(scene.static_index().pieces().size());
+  state.counters["rectangles"] = static_cast<double>(scene.static_index().kept_pieces().size());
   state.counters["robots"] = static_cast<double>(world_state.robots.size());
 }
 

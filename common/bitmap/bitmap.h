@@ -27,6 +27,23 @@ class Bitmap {
   std::span<const std::uint64_t> row(int y) const { return {words_.data() + WordIndex(y), words_per_row()}; }
   std::span<std::uint64_t> row(int y) { return {words_.data() + WordIndex(y), words_per_row()}; }
 
+  // The first column from x on whose pixel in row y is occupied or free, as `value` says; width() if there is none.
+  // REQUIRES: 0 <= x <= width()
+  int FirstFrom(int x, int y, bool value) const;
+  // The first column of the run of occupied pixels that a pixel belongs to. REQUIRES: occupied(x, y)
+  int RunStart(int x, int y) const;
+
+  // All pixels row by row without gaps: pixel i is bit i % 64 of bits[i / 64]; for messages.
+  static std::size_t WordsOf(int width, int height) {
+    return (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 63) / 64;
+  }
+  // REQUIRES: bits has WordsOf(width(), height()) words, all 0
+  void Pack(std::span<std::uint64_t> bits) const;
+  // REQUIRES: bits has WordsOf(width, height) words
+  static Bitmap Unpacked(int width, int height, std::span<const std::uint64_t> bits);
+
+  bool operator==(const Bitmap&) const = default;
+
  private:
   std::size_t words_per_row() const { return static_cast<std::size_t>(stride_) >> 6; }
   std::size_t WordIndex(int y) const { return static_cast<std::size_t>(y) * words_per_row(); }

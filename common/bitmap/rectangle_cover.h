@@ -1,6 +1,8 @@
 // From pixels to few rectangles.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "common/bitmap/bitmap.h"
@@ -17,7 +19,11 @@ struct PixelRectangle {
 };
 
 // An exact cover of the occupied pixels by disjoint rectangles: every occupied pixel is in exactly one, no free pixel
-// in any. Few, in a fixed order (by y0, then x0).
+// in any. Few, in a fixed order (by y0, then x0). A rectangle is a run of a row with all equal runs in the rows that
+// follow without a gap.
 std::vector<PixelRectangle> CoverByRectangles(const Bitmap& bitmap);
+
+// The same; nothing if there are more than `max_count`, for which no memory is needed then.
+std::optional<std::vector<PixelRectangle>> CoverByRectangles(const Bitmap& bitmap, std::size_t max_count);
 
 }  // namespace troupe

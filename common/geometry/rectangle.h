@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "common/geometry/vec2.h"
@@ -42,5 +43,10 @@ struct Rectangle {
   Vec2 center() const { return {0.5 * (min_x + max_x), 0.5 * (min_y + max_y)}; }
   bool operator==(const Rectangle&) const = default;
 };
+
+// Counter-clockwise from the one with the smallest coordinates.
+inline std::array<Vec2, 4> Corners(const Rectangle& r) {
+  return {Vec2(r.min_x, r.min_y), Vec2(r.max_x, r.min_y), Vec2(r.max_x, r.max_y), Vec2(r.min_x, r.max_y)};
+}
 
 }  // namespace troupe

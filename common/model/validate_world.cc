@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "common/geometry/limits.h"
 #include "common/model/world_description.h"
@@ -67,6 +68,22 @@ Status CheckShape(const Shape& shape) {
   }
   if (!IsUsable(shape.rectangles_z))
     return Problem("the height interval of the rectangles is not finite or upside down");
+  if (!shape.area) return Status();
+  if (!shape.rectangles.empty()) return Problem("it has both rectangles and the area of a bitmap");
+  return shape.area->Check();
+}
+
+// REQUIRES: the models, robots and objects are valid.
+Status CheckAreas(const WorldDescription& world) {
+  std::vector<bool> moves(world.models.size());
+  for (const RobotDescription& robot : world.robots) moves[robot.root.index()] = true;
+  for (const ModelId object : world.objects) moves[object.index()] = true;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.parent && moves[model.parent->index()]) moves[i] = true;
+    if (!moves[i] || !world.shape(model.shape).area) continue;
+    return InPart(Problem("it moves, so its bitmap must be a list of rectangles"), "model", i, model.name);
+  }
   return Status();
 }
 
@@ -248,6 +265,7 @@ Status Validate(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (Status error = InPart(CheckObject(world, i), "object", i); !error.ok()) return error;
   }
+  if (Status error = CheckAreas(world); !error.ok()) return error;
   if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");
   return Status();
 }

@@ -1,8 +1,28 @@
 #include "common/model/world_description.h"
 
+#include <utility>
+
 #include "common/base/hash.h"
 
 namespace troupe {
+
+Shape Listed(Shape shape) {
+  if (!shape.area) return shape;
+  const Transform2 transform(shape.area->X_MA());
+  const bool turned = shape.area->X_MA().heading != 0.0;
+  shape.area->ForEach([&](const Rectangle& r) {
+    if (!turned) {
+      shape.rectangles.push_back(r);
+      return;
+    }
+    Block block{{}, shape.rectangles_z};
+    for (const Vec2& corner : Corners(r)) block.outline.push_back(transform * corner);
+    shape.blocks.push_back(std::move(block));
+  });
+  if (turned) shape.rectangles_z = {};
+  shape.area.reset();
+  return shape;
+}
 
 bool NamesLibrary(const std::string& controller) {
   return controller.find('/') != std::string::npos || controller.ends_with(".so");
@@ -65,10 +85,29 @@ class DescriptionHasher {
     AddAll(block.outline);
     Add(block.z);
   }
+  // An area counts as the list of its rectangles, or of blocks where it is turned: the hash is that of the geometry.
   void Add(const Shape& shape) {
-    AddAll(shape.blocks);
-    AddAll(shape.rectangles);
-    Add(shape.rectangles_z);
+    if (!shape.area) {
+      AddAll(shape.blocks);
+      AddAll(shape.rectangles);
+      Add(shape.rectangles_z);
+      return;
+    }
+    const PixelArea& area = *shape.area;
+    const bool turned = area.X_MA().heading != 0.0;
+    Add(std::uint64_t{shape.blocks.size() + (turned ? area.cover().count() : 0)});
+    for (const Block& block : shape.blocks) Add(block);
+    const Transform2 transform(area.X_MA());
+    if (turned) {
+      area.ForEach([&](const Rectangle& r) {
+        Add(std::uint64_t{4});
+        for (const Vec2& corner : Corners(r)) Add(Vec2(transform * corner));
+        Add(shape.rectangles_z);
+      });
+    }
+    Add(std::uint64_t{turned ? 0 : area.cover().count()});
+    if (!turned) area.ForEach([this](const Rectangle& r) { Add(r); });
+    Add(turned ? ZRange() : shape.rectangles_z);
   }
   void Add(const ModelDescription& model) {
     Add(model.name);

@@ -9,6 +9,7 @@
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
 // - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
+// - only models that never move, so neither robots nor objects nor parts of them, have shapes with an area;
 // - objects are in order, have gripper_return and no parent, and are not the roots of robots.
 #pragma once
 
@@ -19,6 +20,7 @@
 
 #include "common/base/ids.h"
 #include "common/base/result.h"
+#include "common/bitmap/pixel_area.h"
 #include "common/geometry/polygon.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/rectangle.h"
@@ -50,8 +52,16 @@ struct Shape {
   // The occupied area of a bitmap: rectangles that do not overlap, m, frame M, all of one height interval.
   std::vector<Rectangle> rectangles;
   ZRange rectangles_z;
+  // The same for a bitmap with too many rectangles for its pixels, instead of a list; of that height interval as well.
+  // Only shapes of static models have one.
+  std::optional<PixelArea> area = {};
+
+  bool empty() const { return blocks.empty() && rectangles.empty() && !area; }
   bool operator==(const Shape&) const = default;
 };
+
+// The shape with the rectangles of its area as a list, or as blocks where the area is turned.
+Shape Listed(Shape shape);
 
 struct ModelDescription {
   std::string name;  // unique, children as "parent.child"

@@ -3,6 +3,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -153,6 +154,30 @@ void Canvas::FillUnion(const std::vector<Polygon>& loops, const Color& color) {
   cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_WINDING);
   Fill(loops, color);
   cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_EVEN_ODD);
+}
+
+void Canvas::Fill(const PixelMask& mask, const Color& color) {
+  if (mask.width == 0) return;
+  cairo_matrix_t matrix;
+  cairo_matrix_init(&matrix, mask.along_x.x(), mask.along_x.y(), mask.along_y.x(), mask.along_y.y(), mask.origin.x(),
+                    mask.origin.y());
+  if (cairo_matrix_invert(&matrix) != CAIRO_STATUS_SUCCESS) return;  // the area is too small to be seen
+  cairo_surface_t* cells = cairo_image_surface_create(CAIRO_FORMAT_A8, mask.width, mask.height);
+  if (unsigned char* const bytes = cairo_image_surface_get_data(cells)) {  // none without memory
+    const int stride = cairo_image_surface_get_stride(cells);
+    for (int row = 0; row < mask.height; ++row) {
+      std::copy_n(mask.coverage.begin() + static_cast<std::ptrdiff_t>(row) * mask.width, mask.width,
+                  bytes + static_cast<std::ptrdiff_t>(row) * stride);
+    }
+    cairo_surface_mark_dirty(cells);
+  }
+  cairo_pattern_t* pattern = cairo_pattern_create_for_surface(cells);
+  cairo_pattern_set_matrix(pattern, &matrix);
+  cairo_pattern_set_filter(pattern, mask.sharp ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
+  SetColor(color);
+  cairo_mask(cairo_, pattern);  // keeps an error of the surface for Finish
+  cairo_pattern_destroy(pattern);
+  cairo_surface_destroy(cells);
 }
 
 void Canvas::Stroke(const std::vector<Polygon>& loops, double line_width, const Color& color) {

@@ -10,6 +10,7 @@
 #include "common/geometry/rectangle.h"
 #include "common/model/world_description.h"
 #include "common/picture/draw_picture.h"
+#include "common/picture/pixel_mask.h"
 
 typedef struct _cairo cairo_t;
 typedef struct _cairo_surface cairo_surface_t;
@@ -42,6 +43,7 @@ class Canvas {
   void Fill(const std::vector<Polygon>& loops, const Color& color);
   // The area inside any of the loops, where all turn the same way.
   void FillUnion(const std::vector<Polygon>& loops, const Color& color);
+  void Fill(const PixelMask& mask, const Color& color);
   void Stroke(const std::vector<Polygon>& loops, double line_width, const Color& color);
   void Fill(const Rectangle& box, const Color& color);
   void Stroke(const Rectangle& box, double line_width, const Color& color);

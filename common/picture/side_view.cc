@@ -21,6 +21,7 @@ void DrawSilhouettes(Canvas& canvas, const Viewport& viewport, const Drawing& dr
   std::vector<Rectangle> boxes;
   for (const Solid& solid : drawing.solids) {
     if (solid.kind != SolidKind::kMap) continue;
+    if (solid.area != nullptr) boxes.push_back(Elevation(solid));
     for (const Polygon& loop : solid.loops) {
       const Rectangle box = BoundingBox(loop);
       boxes.push_back({box.min_x, solid.z.min, box.max_x, solid.z.max});

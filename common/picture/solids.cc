@@ -26,11 +26,20 @@ Solid MakeSolid(const std::vector<Polygon>& loops_M, const ZRange& z_M, const Po
 
 Rectangle BoxAround(const Rectangle& r, const Transform2& X_WM) {
   Rectangle box = Rectangle::Nothing();
-  for (const Vec2& corner :
-       {Vec2(r.min_x, r.min_y), Vec2(r.max_x, r.min_y), Vec2(r.max_x, r.max_y), Vec2(r.min_x, r.max_y)}) {
-    box.Extend(X_WM * corner);
-  }
+  for (const Vec2& corner : Corners(r)) box.Extend(X_WM * corner);
   return box;
+}
+
+Solid MakeSolid(const PixelArea& area, const ZRange& z_M, const Pose& X_WM) {
+  const Transform2 model(X_WM);
+  const Transform2 lines(area.X_MA());
+  Solid solid;
+  solid.z = z_M + X_WM.z;
+  solid.box = Rectangle::Nothing();
+  for (const Vec2& corner : Corners(area.bounds())) solid.box.Extend(model * (lines * corner));
+  solid.area = &area;
+  solid.X_WM = X_WM;
+  return solid;
 }
 
 // A solid's height is relative to the solids that it is compared with by eye: its robot's parts, or all objects.
@@ -66,16 +75,17 @@ std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState
     const ModelDescription& model = world.models[i];
     if (model.parent) robot_of[i] = robot_of[model.parent->index()];
     const Shape& shape = world.shape(model.shape);
-    const bool map = !robot_of[i] && !shape.rectangles.empty() && !model.gripper_return;
+    const bool map = !robot_of[i] && (!shape.rectangles.empty() || shape.area) && !model.gripper_return;
     const auto add = [&](Solid solid) {
       solid.kind = map ? SolidKind::kMap : robot_of[i] ? SolidKind::kRobot : SolidKind::kObject;
       solid.model = ModelId(i);
       solid.robot = robot_of[i];
-      if (!solid.loops.empty()) solids.push_back(std::move(solid));
+      if (!solid.loops.empty() || solid.area != nullptr) solids.push_back(std::move(solid));
     };
     Solid bitmap = MakeSolid(OutlineOf(shape.rectangles), shape.rectangles_z, X_WM[i]);
     for (const Rectangle& r : shape.rectangles) bitmap.cover.push_back(BoxAround(r, Transform2(X_WM[i])));
     add(std::move(bitmap));
+    if (shape.area) add(MakeSolid(*shape.area, shape.rectangles_z, X_WM[i]));
     for (const Block& block : shape.blocks) add(MakeSolid({block.outline}, block.z, X_WM[i]));
   }
   SetHeights(solids, world.robots.size());

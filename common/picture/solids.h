@@ -21,8 +21,11 @@ struct Solid {
   SolidKind kind = SolidKind::kObject;
   ModelId model;
   std::optional<RobotId> robot;
-  std::vector<Polygon> loops;    // m, frame W; the area inside an odd number of them
-  Rectangle box;                 // m, frame W, around the loops
+  std::vector<Polygon> loops;  // m, frame W; the area inside an odd number of them
+  Rectangle box;               // m, frame W, around the loops or the area
+  // The area of a dense bitmap instead of loops, and the pose of its model. Part of the world that is drawn.
+  const PixelArea* area = nullptr;
+  Pose X_WM;
   std::vector<Rectangle> cover;  // m, frame W: boxes that cover a map's area (roughly, where it is turned)
   ZRange z;                      // m, frame W
   double height = 0.0;           // 0..1: where its top lies between the lowest and the highest of its kind or robot

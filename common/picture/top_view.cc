@@ -177,7 +177,9 @@ std::vector<Rectangle> DrawWalls(Canvas& canvas, const Viewport& viewport, const
   std::vector<Rectangle> walls;
   for (const Solid& solid : drawing.solids) {
     if (solid.kind != SolidKind::kMap) continue;
-    canvas.Fill(viewport.ToPage(solid.loops), WallColor(drawing.world.model(solid.model).color));
+    const Color color = WallColor(drawing.world.model(solid.model).color);
+    canvas.Fill(viewport.ToPage(solid.loops), color);
+    if (solid.area != nullptr) canvas.Fill(MakePixelMask(*solid.area, solid.X_WM, viewport), color);
     for (const Rectangle& part : solid.cover) {
       const Rectangle wall = viewport.ToPage(part);
       if (wall.Overlaps(viewport.plot)) walls.push_back(wall);

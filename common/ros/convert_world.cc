@@ -111,7 +111,7 @@ MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<s
                              dds::WireArena& arena, bool replaces) {
   Markers markers(scene.world(), "blocks");
   if (replaces) markers.DeleteOthers(arena);
-  markers.Add(ByModel(scene.static_index().pieces()), kMapFrame, {}, false, arena);
+  markers.Add(ByModel(scene.static_index().kept_pieces()), kMapFrame, {}, false, arena);
   for (std::size_t i = 0; i < robot_frames.size(); ++i) {
     const Body& body = scene.body(scene.body_of(RobotId(i)));
     std::vector<std::vector<ConvexPiece>> pieces(body.links.size());

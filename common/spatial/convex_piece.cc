@@ -1,5 +1,7 @@
 #include "common/spatial/convex_piece.h"
 
+#include <algorithm>
+
 #include "common/geometry/convex_partition.h"
 
 namespace troupe {
@@ -16,11 +18,19 @@ ConvexPiece Moved(std::vector<Vec2> vertices, const ZRange& z, const ModelDescri
           .ranger_return = model.ranger_return};
 }
 
+}  // namespace
+
 bool HasHeight(const ZRange& z) {
   return z.max - z.min > kTouchTolerance;
 }
 
-}  // namespace
+bool IsBox(std::span<const Vec2> vertices) {
+  if (vertices.size() != 4) return false;
+  const Rectangle box = BoundingBox(vertices);
+  return std::all_of(vertices.begin(), vertices.end(), [&](const Vec2& p) {
+    return (p.x() == box.min_x || p.x() == box.max_x) && (p.y() == box.min_y || p.y() == box.max_y);
+  });
+}
 
 std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId id, const Pose& X_FM) {
   const ModelDescription& model = world.model(id);
@@ -35,8 +45,8 @@ std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId id, c
   if (HasHeight(shape.rectangles_z)) {
     pieces.reserve(pieces.size() + shape.rectangles.size());
     for (const Rectangle& r : shape.rectangles) {
-      pieces.push_back(Moved({{r.min_x, r.min_y}, {r.max_x, r.min_y}, {r.max_x, r.max_y}, {r.min_x, r.max_y}},
-                             shape.rectangles_z, model, id, X_FM));
+      const std::array<Vec2, 4> corners = Corners(r);
+      pieces.push_back(Moved({corners.begin(), corners.end()}, shape.rectangles_z, model, id, X_FM));
     }
   }
   return pieces;

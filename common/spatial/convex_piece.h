@@ -1,6 +1,7 @@
 // ConvexPiece: the unit of all geometric tests, a convex prism with the properties of the model that it belongs to.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/base/ids.h"
@@ -19,7 +20,13 @@ struct ConvexPiece {
   double ranger_return = 1.0;  // negative: transparent
 };
 
-// The pieces of a model's shape, moved by X_FM into frame F.
+// False for a height interval that nothing collides with and no ray hits.
+bool HasHeight(const ZRange& z);
+
+// True for the vertices of a rectangle along the axes.
+bool IsBox(std::span<const Vec2> vertices);
+
+// The pieces of a model's shape, moved by X_FM into frame F, without those of its area (pixel_pieces.h).
 std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId model, const Pose& X_FM);
 
 // `piece` moved by X_WF.

@@ -76,9 +76,9 @@ OccupancyGrid MakeOccupancyGrid(const Scene& scene, double resolution, double z)
   grid.width = static_cast<std::uint32_t>(cells_along(bounds.width(), resolution));
   grid.height = static_cast<std::uint32_t>(cells_along(bounds.height(), resolution));
   grid.occupied.assign(std::size_t{grid.width} * grid.height, false);
-  for (const ConvexPiece& piece : scene.static_index().pieces()) {
+  scene.static_index().ForEachPiece([&](const ConvexPiece& piece) {
     if (piece.z.Contains(z) && (piece.obstacle || piece.ranger_return >= 0.0)) Mark(piece.vertices, grid);
-  }
+  });
   return grid;
 }
 

@@ -142,6 +142,25 @@ void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Neares
                 });
 }
 
+// As HitStaticPieces, of one area: a piece that fills a box along the axes gives the bits of the box.
+void HitAreaPieces(const PixelPieces& area, const Line& ray, double z, Nearest& nearest) {
+  constexpr double kHair = 1e-8;  // m, as above
+  if (!area.ray_z().Contains(z)) return;
+  const BoxLine box_line(ray);
+  area.WalkRay(ray.origin, ray.direction, nearest.distance, [&](const PixelRectangle& pixels, double walked) {
+    if (walked > nearest.distance + kHair) return false;
+    area.ForEachIn(pixels, [&](const PixelPieces::Corners4& corners) {
+      const Rectangle box = BoundingBox(corners);
+      if (IsBox(corners)) {
+        KeepNearer(box_line.DistanceTo(box), area.model(), nearest);
+      } else if (ray.MayHit(box, nearest.distance)) {
+        KeepNearer(DistanceTo(corners, ray), area.model(), nearest);
+      }
+    });
+    return true;
+  });
+}
+
 // The bodies that some rays may hit, with positions relative to a place near the rays.
 class NearBodies {
  public:
@@ -391,6 +410,9 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   for (const Ray& ray : rays) {
     Nearest& hit = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
     HitStaticPieces(scene.static_index(), {ray.origin, ray.direction}, ray.z, hit);
+    for (const PixelPieces& area : scene.static_index().areas()) {
+      HitAreaPieces(area, {ray.origin, ray.direction}, ray.z, hit);
+    }
     seen.Extend(ray.origin);
     seen.Extend(ray.origin + hit.distance * ray.direction);
   }

@@ -11,8 +11,9 @@ namespace troupe {
 Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   FindBodies();
   std::vector<ConvexPiece> static_pieces;
-  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces);
-  static_index_ = StaticIndex(std::move(static_pieces));
+  std::vector<PixelPieces> areas;
+  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);
+  static_index_ = StaticIndex(std::move(static_pieces), std::move(areas));
   for (Body& body : bodies_) {
     MeasureBody(body);
     max_body_radius_ = std::max(max_body_radius_, body.radius);
@@ -45,7 +46,7 @@ void Scene::FindBodies() {
   }
 }
 
-void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces) {
+void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas) {
   const std::size_t i = id.index();
   const ModelDescription& model = world_.models[i];
   if (model.parent) {
@@ -59,6 +60,7 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces) {
   if (!body_of_[i]) {
     std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
     std::move(pieces.begin(), pieces.end(), std::back_inserter(static_pieces));
+    AppendAreaPieces(world_, id, X_LM_[i], areas);
     return;
   }
   Body& body = bodies_[body_of_[i]->index()];

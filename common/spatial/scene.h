@@ -74,7 +74,7 @@ class Scene {
 
  private:
   void FindBodies();
-  void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces);
+  void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas);
   void MeasureBody(Body& body) const;
 
   WorldDescription world_;

@@ -13,22 +13,15 @@ constexpr double kCellsPerPiece = 8.0;
 constexpr std::size_t kMaxEntriesPerPiece = 24;
 constexpr double kMargin = 1e-7;  // m, far above the rounding of a distance along a ray
 
-// True for a rectangle along the axes.
-bool IsBox(const std::vector<Vec2>& vertices) {
-  if (vertices.size() != 4) return false;
-  const Rectangle box = BoundingBox(vertices);
-  return std::all_of(vertices.begin(), vertices.end(), [&](const Vec2& p) {
-    return (p.x() == box.min_x || p.x() == box.max_x) && (p.y() == box.min_y || p.y() == box.max_y);
-  });
-}
-
 }  // namespace
 
-StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pieces)) {
+StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPieces> areas)
+    : pieces_(std::move(pieces)), areas_(std::move(areas)) {
+  for (const PixelPieces& area : areas_) bounds_.Extend(area.bounds());
   if (pieces_.empty()) return;
   ray_pieces_.reserve(pieces_.size());
   for (const ConvexPiece& piece : pieces_) {
-    bounds_.Extend(BoundingBox(piece.vertices));
+    kept_bounds_.Extend(BoundingBox(piece.vertices));
     ray_pieces_.push_back({.box = BoundingBox(piece.vertices),
                            .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
                            .model = piece.model,
@@ -37,8 +30,10 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces) : pieces_(std::move(pi
                            .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
     vertices_.insert(vertices_.end(), piece.vertices.begin(), piece.vertices.end());
   }
+  bounds_.Extend(kept_bounds_);
 
-  const Rectangle area = bounds_.Inflated(kMargin + kWalkTolerance * std::max(bounds_.width(), bounds_.height()));
+  const Rectangle area =
+      kept_bounds_.Inflated(kMargin + kWalkTolerance * std::max(kept_bounds_.width(), kept_bounds_.height()));
   const double max_cells = kCellsPerPiece * static_cast<double>(pieces_.size()) + 64.0;
   double cell_size = std::sqrt(area.width() * area.height() / max_cells);
   for (;;) {
@@ -77,24 +72,23 @@ CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
   return grid_.CellsOf(BoundingBox(piece.vertices).Inflated(kMargin + kWalkTolerance * grid_.cell_size()));
 }
 
-void StaticIndex::Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const {
-  if (pieces_.empty() || !bounds_.Overlaps(box)) return;
+void StaticIndex::QueryKept(const Rectangle& box, std::pmr::vector<const ConvexPiece*>& result) const {
+  if (pieces_.empty() || !kept_bounds_.Overlaps(box)) return;
   const auto append_if_near = [&](std::uint32_t piece) {
-    if (ray_pieces_[piece].box.Overlaps(box)) result.push_back(piece);
+    if (ray_pieces_[piece].box.Overlaps(box)) result.push_back(&pieces_[piece]);
   };
   const CellRange range = grid_.CellsOf(box);
   if (range.count() >= pieces_.size()) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) append_if_near(static_cast<std::uint32_t>(i));
     return;
   }
-  const auto first = static_cast<std::ptrdiff_t>(result.size());
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
       for (std::uint32_t piece : PiecesInCell(grid_.CellAt(column, row))) append_if_near(piece);
     }
   }
-  std::sort(result.begin() + first, result.end());
-  result.erase(std::unique(result.begin() + first, result.end()), result.end());
+  std::sort(result.begin(), result.end());  // by number: pieces_ is one array
+  result.erase(std::unique(result.begin(), result.end()), result.end());
 }
 
 }  // namespace troupe

@@ -1,7 +1,10 @@
-// StaticIndex: the pieces of all models that never move, in a uniform grid.
+// StaticIndex: the pieces of all models that never move. Most are kept, in a uniform grid; those of dense bitmaps are
+// made when a query asks for them (pixel_pieces.h).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <list>
 #include <memory_resource>
 #include <span>
 #include <vector>
@@ -9,21 +12,56 @@
 #include "common/geometry/rectangle.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
+#include "common/spatial/pixel_pieces.h"
 #include "common/spatial/ray_walk.h"
 
 namespace troupe {
 
+// The result of a query: pieces of the index, and pieces made for it. Valid as long as both.
+class NearPieces {
+ public:
+  explicit NearPieces(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : pieces_(memory), made_(memory) {}
+
+  void Clear() {
+    pieces_.clear();
+    made_.clear();
+  }
+  auto begin() const { return pieces_.begin(); }  // of const ConvexPiece*
+  auto end() const { return pieces_.end(); }
+
+ private:
+  friend class StaticIndex;
+  std::pmr::vector<const ConvexPiece*> pieces_;
+  std::pmr::list<ConvexPiece> made_;
+};
+
 class StaticIndex {
  public:
   StaticIndex() = default;
-  explicit StaticIndex(std::vector<ConvexPiece> pieces);
+  // Both in the order of their models.
+  explicit StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPieces> areas = {});
 
-  const std::vector<ConvexPiece>& pieces() const { return pieces_; }
   const Rectangle& bounds() const { return bounds_; }
+  // The pieces that are kept, and the areas that the others are of.
+  const std::vector<ConvexPiece>& kept_pieces() const { return pieces_; }
+  const std::vector<PixelPieces>& areas() const { return areas_; }
 
-  // Indices of the pieces whose bounding boxes overlap `box` (touching counts): ascending, without repeats. Appends to
-  // `result`.
-  void Query(const Rectangle& box, std::pmr::vector<std::uint32_t>& result) const;
+  // Calls visit(piece) for all pieces, those of areas last.
+  template <typename Visit>
+  void ForEachPiece(Visit visit) const {
+    for (const ConvexPiece& piece : pieces_) visit(piece);
+    for (const PixelPieces& area : areas_) area.ForEach(visit);
+  }
+
+  // Fills `result` with the pieces whose bounding boxes overlap `box` (touching counts): in the order of their models,
+  // of a model those that are kept first. Pieces of areas that do not themselves reach into the box may be left out.
+  void Query(const Rectangle& box, NearPieces& result) const {
+    Query(box, result, [](const PixelPieces::Corners4&) { return true; });
+  }
+  // The same without those pieces of areas for which keep(corners) is false, which saves making them.
+  template <typename Keep>
+  void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
   // The data of a piece that rays need, small and close to its neighbours in memory: one line of a cache.
   struct alignas(64) RayPiece {
@@ -39,10 +77,10 @@ class StaticIndex {
     return {vertices_.data() + piece.first_vertex, piece.vertex_count};
   }
 
-  // Calls visit(indices of pieces, distance) for the parts of the index that the ray passes and that have any, in
-  // order, with a distance before which it does not enter each part, until `visit` returns false. Every piece that the
-  // ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may occur several
-  // times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
+  // Calls visit(indices of kept pieces, distance) for the parts of the index that the ray passes and that have any, in
+  // order, with a distance before which it does not enter each part, until `visit` returns false. Every kept piece that
+  // the ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may occur
+  // several times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,
                Visit visit) const {
@@ -60,11 +98,14 @@ class StaticIndex {
   CellRange CellsOf(const ConvexPiece& piece) const;
 
   void FillCells();
+  void QueryKept(const Rectangle& box, std::pmr::vector<const ConvexPiece*>& result) const;
 
   std::vector<ConvexPiece> pieces_;
+  std::vector<PixelPieces> areas_;
   std::vector<RayPiece> ray_pieces_;  // by the same indices
   std::vector<Vec2> vertices_;
   Rectangle bounds_ = Rectangle::Nothing();
+  Rectangle kept_bounds_ = Rectangle::Nothing();
   Grid grid_;
   // The pieces of cell c are cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
   std::vector<std::uint32_t> cell_start_;
@@ -72,5 +113,20 @@ class StaticIndex {
   std::vector<std::uint8_t> filled_;
   std::vector<std::uint32_t> cell_pieces_;
 };
+
+template <typename Keep>
+void StaticIndex::Query(const Rectangle& box, NearPieces& result, Keep keep) const {
+  result.Clear();
+  QueryKept(box, result.pieces_);
+  const auto kept = static_cast<std::ptrdiff_t>(result.pieces_.size());
+  for (const PixelPieces& area : areas_) {
+    area.ForEachNear(box, *result.pieces_.get_allocator().resource(), keep, [&result](ConvexPiece piece) {
+      result.pieces_.push_back(&result.made_.emplace_back(std::move(piece)));
+    });
+  }
+  if (result.made_.empty()) return;
+  std::inplace_merge(result.pieces_.begin(), result.pieces_.begin() + kept, result.pieces_.end(),
+                     [](const ConvexPiece* a, const ConvexPiece* b) { return a->model < b->model; });
+}
 
 }  // namespace troupe

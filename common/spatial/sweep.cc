@@ -200,9 +200,21 @@ ZRange SweptHeights(const ZRange& z_in_F, const Motion& motion) {
 class ObstacleFilter {
  public:
   ObstacleFilter(const Mover& mover, const Passage& passage)
-      : z_(SweptHeights(mover.z, passage.motion())), box_(passage.BoxAround(mover.radius * (1.0 + 1e-9) + 1e-9)) {}
+      : z_(SweptHeights(mover.z, passage.motion())),
+        box_(passage.BoxAround(mover.radius * (1.0 + 1e-9) + 1e-9)),
+        way_start_(passage.motion().X_WF.translation()),
+        way_end_(passage.motion().After(passage.motion().duration).translation()),
+        reach_(passage.MarginAt(0.0) + mover.radius * (1.0 + 1e-9) + kWayMargin) {}
 
   const Rectangle& box() const { return box_; }
+
+  // Whether a piece may be touched that lies around `center` with no vertex farther away than `radius`, in m.
+  bool IsNearWay(const Vec2& center, double radius) const {
+    const Vec2 along = way_end_ - way_start_;
+    const double length = along.squaredNorm();
+    const double part = length > 0.0 ? std::clamp(along.dot(center - way_start_) / length, 0.0, 1.0) : 0.0;
+    return (center - way_start_ - part * along).norm() <= reach_ + radius;
+  }
 
   // Appends the piece if it may be touched.
   void Filter(const ConvexPiece& piece, std::pmr::vector<Obstacle>& obstacles) const {
@@ -212,17 +224,25 @@ class ObstacleFilter {
   }
 
  private:
+  static constexpr double kWayMargin = 1e-6;  // m, far above the rounding of a distance
+
   ZRange z_;
   Rectangle box_;
+  Vec2 way_start_;  // of F's origin, which stays near the line between them
+  Vec2 way_end_;
+  double reach_;  // m: no vertex of the mover is ever farther from that line
 };
 
+// `static_pieces` has to outlive the result.
 std::pmr::vector<Obstacle> FindObstacles(const Scene& scene, const BodyIndex& bodies, const Mover& mover,
-                                         const Passage& passage, std::pmr::memory_resource& memory) {
+                                         const Passage& passage, NearPieces& static_pieces,
+                                         std::pmr::memory_resource& memory) {
   const ObstacleFilter filter(mover, passage);
   std::pmr::vector<Obstacle> obstacles(&memory);
-  std::pmr::vector<std::uint32_t> static_pieces(&memory);
-  scene.static_index().Query(filter.box(), static_pieces);
-  for (std::uint32_t index : static_pieces) filter.Filter(scene.static_index().pieces()[index], obstacles);
+  scene.static_index().Query(filter.box(), static_pieces, [&filter](const PixelPieces::Corners4& corners) {
+    return filter.IsNearWay(0.5 * (corners[0] + corners[2]), 0.5 * (corners[2] - corners[0]).norm());
+  });
+  for (const ConvexPiece* piece : static_pieces) filter.Filter(*piece, obstacles);
 
   std::pmr::vector<BodyId> near(&memory);
   bodies.Query(filter.box(), near);
@@ -348,7 +368,8 @@ std::optional<Contact> FirstContact(const Scene& scene, const BodyIndex& bodies,
   if (ground && ground->time == 0.0) return ground;
   const Passage passage(motion);
   StackMemory memory;
-  const std::pmr::vector<Obstacle> obstacles = FindObstacles(scene, bodies, mover, passage, memory);
+  NearPieces static_pieces(&memory);
+  const std::pmr::vector<Obstacle> obstacles = FindObstacles(scene, bodies, mover, passage, static_pieces, memory);
   if (obstacles.empty()) return ground;
   return FirstOf(ContactWithObstacles(mover, passage, obstacles, memory), ground);
 }

@@ -104,8 +104,9 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
   std::size_t rectangles = 0;
   std::size_t blocks = 0;
   for (const ModelDescription& model : world.models) {
-    rectangles += world.shape(model.shape).rectangles.size();
-    blocks += world.shape(model.shape).blocks.size();
+    const Shape& shape = world.shape(model.shape);
+    rectangles += shape.area ? shape.area->cover().count() : shape.rectangles.size();
+    blocks += shape.blocks.size();
   }
   std::string text = fmt::format("world: {} ({})\n", world.name, Count(loaded.files.size(), "file"));
   text += loaded.map_width == 0 ? std::string("map: none\n")

@@ -45,7 +45,7 @@ double DeepestOverlap(const Scene& scene, const WorldState& state) {
   double deepest = 0.0;
   for (std::size_t i = 0; i < scene.body_count(); ++i) {
     const std::vector<ConvexPiece>& own = bodies.pieces_in_world(BodyId(i));
-    deepest = std::max(deepest, Deepest(own, scene.static_index().pieces()));
+    deepest = std::max(deepest, Deepest(own, scene.static_index().kept_pieces()));
     for (std::size_t j = i + 1; j < scene.body_count(); ++j) {
       deepest = std::max(deepest, Deepest(own, bodies.pieces_in_world(BodyId(j))));
     }
@@ -135,7 +135,7 @@ bool IsCarried(const GripperRun& run, ObjectId id) {
     if (piece.z.min <= kTolerance) return true;
     piece.z.min -= 2.0 * kTolerance;
   }
-  if (Deepest(lowered, run.scene.static_index().pieces()) > 0.0) return true;
+  if (Deepest(lowered, run.scene.static_index().kept_pieces()) > 0.0) return true;
   for (std::size_t i = 0; i < run.scene.body_count(); ++i) {
     if (BodyId(i) != own && Deepest(lowered, bodies.pieces_in_world(BodyId(i))) > 0.0) return true;
   }

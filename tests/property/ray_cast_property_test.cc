@@ -153,7 +153,7 @@ TEST(RayCastProperty, NoRaySlipsBetweenTheRectanglesOfAWall) {
     BodyIndex robots(scene);
     robots.Assign(PlacedState(scene.world()));
     const Vec2 origin = Transform2(X_WM) * Vec2(random.Uniform(-0.8, 0.8), random.Uniform(-0.8, 0.8));
-    for (const ConvexPiece& piece : scene.static_index().pieces()) {
+    for (const ConvexPiece& piece : scene.static_index().kept_pieces()) {
       for (const Vec2& vertex : piece.vertices) {  // exactly at the seams
         const Vec2 direction = (vertex - origin).normalized();
         const std::optional<RayHit> hit = CastRay(scene, robots, {origin, direction, 0.5, 10.0}, std::nullopt);

@@ -34,7 +34,7 @@ double DeepestOverlap(const Scene& scene, const WorldState& state) {
     }
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    compare(bodies[i], scene.static_index().pieces());
+    compare(bodies[i], scene.static_index().kept_pieces());
     for (std::size_t j = i + 1; j < bodies.size(); ++j) compare(bodies[i], bodies[j]);
   }
   return deepest;

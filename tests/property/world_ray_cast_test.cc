@@ -31,7 +31,7 @@ class WorldRays {
  public:
   WorldRays(const WorldDescription& world, std::uint64_t seed)
       : scene_(world), state_(PlacedState(scene_.world())), bodies_(scene_), random_(seed) {
-    Extend(scene_.static_index().pieces());
+    Extend(scene_.static_index().kept_pieces());
     bodies_.Assign(state_);
     for (std::size_t i = 0; i < scene_.body_count(); ++i) Extend(bodies_.pieces_in_world(BodyId(i)));
   }

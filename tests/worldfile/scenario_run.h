@@ -62,7 +62,7 @@ class ScenarioRun {
     for (std::size_t i = 0; i < scene_.world().robots.size(); ++i) {
       if (RobotId(i) != robot && AnyOverlap(own, index_.pieces_in_world(BodyId(i)))) return true;
     }
-    return AnyOverlap(own, scene_.static_index().pieces());
+    return AnyOverlap(own, scene_.static_index().kept_pieces());
   }
 
  private:

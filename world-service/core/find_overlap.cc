@@ -18,10 +18,14 @@ class OverlapFinder {
   }
 
   std::optional<ModelId> Find() {
-    const std::vector<ConvexPiece>& pieces =
-        own_body_ ? bodies_.pieces_in_world(*own_body_) : scene_.static_index().pieces();
-    for (const ConvexPiece& piece : pieces) {
-      if (piece.obstacle && (own_body_ || IsInTree(scene_.world(), piece.model, root_))) Compare(piece);
+    if (own_body_) {
+      for (const ConvexPiece& piece : bodies_.pieces_in_world(*own_body_)) {
+        if (piece.obstacle) Compare(piece);
+      }
+    } else {
+      scene_.static_index().ForEachPiece([this](const ConvexPiece& piece) {
+        if (piece.obstacle && IsInTree(scene_.world(), piece.model, root_)) Compare(piece);
+      });
     }
     return found_;
   }
@@ -29,11 +33,9 @@ class OverlapFinder {
  private:
   void Compare(const ConvexPiece& piece) {
     const Rectangle box = BoundingBox(piece.vertices);
-    standing_.clear();
-    scene_.static_index().Query(box, standing_);
-    for (const std::uint32_t index : standing_) {
-      const ConvexPiece& other = scene_.static_index().pieces()[index];
-      if (own_body_ || !IsInTree(scene_.world(), other.model, root_)) Consider(piece, other);
+    scene_.static_index().Query(box, static_pieces_);
+    for (const ConvexPiece* other : static_pieces_) {
+      if (own_body_ || !IsInTree(scene_.world(), other->model, root_)) Consider(piece, *other);
     }
     near_.clear();
     bodies_.Query(box, near_);
@@ -53,7 +55,7 @@ class OverlapFinder {
   const std::optional<BodyId> own_body_;
   BodyIndex bodies_;
   std::optional<ModelId> found_;
-  std::pmr::vector<std::uint32_t> standing_;
+  NearPieces static_pieces_;
   std::pmr::vector<BodyId> near_;
 };
 

@@ -57,9 +57,9 @@ class SupportFinder {
     for (const ConvexPiece& piece : Pieces()) {
       for (const Vec2& vertex : piece.vertices) box.Extend(vertex);
     }
-    std::pmr::vector<std::uint32_t> standing;
-    workspace_.scene.static_index().Query(box, standing);
-    for (std::uint32_t index : standing) consider(workspace_.scene.static_index().pieces()[index]);
+    NearPieces static_pieces;
+    workspace_.scene.static_index().Query(box, static_pieces);
+    for (const ConvexPiece* piece : static_pieces) consider(*piece);
     std::pmr::vector<BodyId> near;
     workspace_.bodies.Query(box, near);
     for (BodyId other : near) {

@@ -73,7 +73,10 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, co
   std::optional<ModelDraft> draft = StartDraft(reader, *type, name, parent);
   if (!draft) return;
   std::unique_ptr<ModelReader> type_reader = type->make_reader();
-  draft->model.shape = context_.shapes.Add(type_reader->ReadShape(reader, *draft, context_));
+  const bool moves = Moves(*draft, parent);
+  Shape shape = type_reader->ReadShape(reader, *draft, context_);
+  if (moves) shape = ListedForMotion(reader, std::move(shape));
+  draft->model.shape = context_.shapes.Add(std::move(shape));
   WarnIfNotSimulated(*draft);
   WarnIfSeenButNotHit(reader, draft->model);
   if (!type->has_drive) WarnIfControlled(reader);
@@ -84,7 +87,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, co
   type_reader->AddParts(*draft, context_);
   readers_.push_back(std::move(type_reader));
 
-  const Parent self{draft->id, name, *type, draft->X_WM, stack_children ? draft->size.z : 0.0, draft->robot};
+  const Parent self{draft->id, name, *type, draft->X_WM, stack_children ? draft->size.z : 0.0, draft->robot, moves};
   BuildChildren(node, &self);
 }
 
@@ -152,6 +155,12 @@ void ModelBuilder::PlaceInTree(PropertyReader& reader, const Parent* parent, con
   if (is_placed_alone) placed_alone_.emplace(draft.id, parent->id);
   if (parent != nullptr && !is_placed_alone) model.parent = parent->id;
   if (is_object) context_.world.objects.push_back(draft.id);
+}
+
+bool ModelBuilder::Moves(const ModelDraft& draft, const Parent* parent) const {
+  const std::vector<ModelId>& objects = context_.world.objects;
+  return draft.type.has_drive || draft.robot || (!objects.empty() && objects.back() == draft.id) ||
+         (draft.model.parent && parent->moves);
 }
 
 void ModelBuilder::WarnIfNotSimulated(const ModelDraft& draft) {

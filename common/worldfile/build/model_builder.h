@@ -34,6 +34,7 @@ class ModelBuilder {
     Pose X_WP;
     double stack_height = 0.0;     // m, added to the children's z
     std::optional<RobotId> robot;  // the robot that it belongs to
+    bool moves = false;            // belongs to a robot or a movable object
   };
 
   void BuildChildren(const WorldNode& node, const Parent* parent);
@@ -43,6 +44,8 @@ class ModelBuilder {
   std::optional<ModelDraft> StartDraft(PropertyReader& reader, const ModelType& type, const std::string& name,
                                        const Parent* parent);
   void PlaceInTree(PropertyReader& reader, const Parent* parent, const Pose& X_PM, ModelDraft& draft);
+  // Whether the model belongs to a robot or a movable object.
+  bool Moves(const ModelDraft& draft, const Parent* parent) const;
   void WarnIfNotSimulated(const ModelDraft& draft);
 
   BuildContext& context_;

@@ -29,6 +29,7 @@ class Pieces {
     for (const ModelId object : world.objects) body_of_[object] = object;
     const std::vector<Pose> poses = ModelPoses(world, PlacedState(world));
     std::vector<ConvexPiece> pieces;
+    std::vector<PixelPieces> areas;
     for (std::size_t i = 0; i < world.models.size(); ++i) {
       const ModelDescription& model = world.models[i];
       if (model.parent) {
@@ -40,24 +41,23 @@ class Pieces {
         pieces.push_back(Transformed(piece, poses[i]));
         pieces.back().model = ModelId(i);
       }
+      AppendAreaPieces(world, ModelId(i), poses[i], areas);
     }
-    index_ = StaticIndex(std::move(pieces));
+    index_ = StaticIndex(std::move(pieces), std::move(areas));
   }
 
   // By root, each body that starts inside another model, with that model; of several the one with the lowest id.
   std::map<ModelId, ModelId> FindOverlaps() const {
     std::map<ModelId, ModelId> found;
-    std::pmr::vector<std::uint32_t> near;
-    for (const ConvexPiece& piece : index_.pieces()) {
+    NearPieces near;
+    for (const ConvexPiece& piece : index_.kept_pieces()) {  // all of bodies are among them
       const std::optional<ModelId> body = BodyOf(piece.model);
       if (!body) continue;
-      near.clear();
       index_.Query(BoundingBox(piece.vertices), near);
-      for (const std::uint32_t i : near) {
-        const ConvexPiece& other = index_.pieces()[i];
-        if (BodyOf(other.model) == body || !OverlapBy(piece, other, kNoticeableDepth)) continue;
-        const auto [entry, is_new] = found.emplace(*body, other.model);
-        if (!is_new) entry->second = std::min(entry->second, other.model);
+      for (const ConvexPiece* other : near) {
+        if (BodyOf(other->model) == body || !OverlapBy(piece, *other, kNoticeableDepth)) continue;
+        const auto [entry, is_new] = found.emplace(*body, other->model);
+        if (!is_new) entry->second = std::min(entry->second, other->model);
       }
     }
     return found;

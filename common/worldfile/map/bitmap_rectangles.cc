@@ -1,24 +1,23 @@
 #include "common/worldfile/map/bitmap_rectangles.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/worldfile/text/quote.h"
 #include "common/worldfile/text/text_file.h"
 
 namespace troupe {
 
-BitmapRectangles CoverOf(const Bitmap& bitmap) {
+BitmapRectangles CoverOf(Bitmap bitmap) {
   BitmapRectangles result;
   result.width = bitmap.width();
   result.height = bitmap.height();
-  result.rectangles = CoverByRectangles(bitmap);
-  if (result.rectangles.empty()) return result;
-  result.bounds = result.rectangles.front();
-  for (const PixelRectangle& rectangle : result.rectangles) {
-    result.bounds.x0 = std::min(result.bounds.x0, rectangle.x0);
-    result.bounds.y0 = std::min(result.bounds.y0, rectangle.y0);
-    result.bounds.x1 = std::max(result.bounds.x1, rectangle.x1);
-    result.bounds.y1 = std::max(result.bounds.y1, rectangle.y1);
+  const std::size_t pixels = static_cast<std::size_t>(bitmap.width()) * static_cast<std::size_t>(bitmap.height());
+  auto list = CoverByRectangles(bitmap, std::max(kFewRectangles, pixels / kPixelsPerRectangle));
+  if (list) {
+    result.rectangles = std::move(*list);
+  } else {
+    result.dense = std::make_shared<const DenseCover>(std::move(bitmap));
   }
   return result;
 }
@@ -31,9 +30,9 @@ Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const
   }
   const std::optional<std::string> resolved = allowed_.Resolve(path);
   if (!resolved) return Error{where, "bitmap: " + NotAllowed(path, allowed_)};
-  const Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
+  Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
   if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
-  return &by_path_.emplace(path, Entry{rule, CoverOf(bitmap.value())})->second.content;
+  return &by_path_.emplace(path, Entry{rule, CoverOf(std::move(bitmap).value())})->second.content;
 }
 
 std::vector<std::string> BitmapCache::Paths() const {

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/base/allowed_paths.h"
 #include "common/base/result.h"
-#include "common/bitmap/image_file.h"
+#include "common/bitmap/dense_cover.h"
 #include "common/bitmap/rectangle_cover.h"
+#include "common/image/image_file.h"
 
 namespace troupe {
 
@@ -17,10 +19,21 @@ struct BitmapRectangles {
   int width = 0;  // pixels of the image
   int height = 0;
   std::vector<PixelRectangle> rectangles;
-  PixelRectangle bounds;  // of the occupied pixels; all zero if there are none
+  std::shared_ptr<const DenseCover> dense;  // instead of `rectangles` if these are many for so few pixels
+
+  bool empty() const { return rectangles.empty() && dense == nullptr; }
 };
 
-BitmapRectangles CoverOf(const Bitmap& bitmap);
+// A rectangle in a list costs some hundred bytes in all indices of a process together, so that more than these would
+// need more memory than the pixels are worth.
+inline constexpr std::size_t kFewRectangles = 5000;
+inline constexpr std::size_t kPixelsPerRectangle = 128;
+
+// A dense bitmap of more rectangles can only be a part of a model that stays in its place.
+inline constexpr std::size_t kMaxMovingRectangles = 16'384;
+
+// Lists the rectangles if they are at most kFewRectangles, or one for kPixelsPerRectangle pixels.
+BitmapRectangles CoverOf(Bitmap bitmap);
 
 class BitmapCache {
  public:

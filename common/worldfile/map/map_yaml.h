@@ -6,8 +6,8 @@
 
 #include "common/base/allowed_paths.h"
 #include "common/base/result.h"
-#include "common/bitmap/image_file.h"
 #include "common/geometry/pose.h"
+#include "common/image/image_file.h"
 #include "common/worldfile/stage/world_tree.h"
 
 namespace troupe {

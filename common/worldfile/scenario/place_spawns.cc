@@ -1,5 +1,6 @@
 #include "common/worldfile/scenario/place_spawns.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory_resource>
@@ -11,6 +12,7 @@
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
+#include "common/worldfile/map/bitmap_rectangles.h"
 #include "common/worldfile/scenario/cell_map.h"
 #include "common/worldfile/text/quote.h"
 
@@ -84,7 +86,7 @@ class Placer {
 
   // REQUIRES: called once.
   Result<LoadedWorld> Run() {
-    Prepare();
+    if (Status error = Prepare(); !error.ok()) return error.error();
     for (std::size_t i = 0; i < spawns_.size(); ++i) {
       if (Status error = Place(spawns_[i], i); !error.ok()) return error.error();
     }
@@ -93,7 +95,7 @@ class Placer {
 
  private:
   // Sorts all pieces into the static ones and, by root, those that need a place.
-  void Prepare() {
+  Status Prepare() {
     std::map<std::string, ModelId> roots;
     for (std::size_t i = 0; i < world_.models.size(); ++i) roots.emplace(world_.models[i].name, ModelId(i));
     for (const PlannedSpawn& spawn : spawns_) {
@@ -106,6 +108,7 @@ class Placer {
     }
     for (std::size_t i = 0; i < world_.robots.size(); ++i) robots_.emplace(world_.robots[i].root, i);
     std::vector<ConvexPiece> static_pieces;
+    std::vector<PixelPieces> areas;
     const std::vector<Tree> trees = FindTrees(loaded_);
     for (const auto& [alone, below] : loaded_.placed_alone) followers_[trees[alone.index()].root].push_back(alone);
     for (std::size_t i = 0; i < trees.size(); ++i) {
@@ -115,11 +118,37 @@ class Placer {
       for (ConvexPiece& piece : MakePieces(world_, ModelId(i), X_FM)) {
         if (Matters(piece)) (placed ? static_pieces : body->second).push_back(std::move(piece));
       }
+      const ModelDescription& model = world_.models[i];
+      if (!world_.shape(model.shape).area || (!model.obstacle_return && model.ranger_return < 0.0)) continue;
+      if (placed) {
+        AppendAreaPieces(world_, ModelId(i), X_FM, areas);
+      } else if (world_.shape(model.shape).area->cover().count() > kMaxMovingRectangles) {
+        return TooManyRectangles(model, trees[i].root);
+      } else {
+        std::vector<PixelPieces> own;
+        AppendAreaPieces(world_, ModelId(i), X_FM, own);
+        for (const PixelPieces& pieces : own) {
+          pieces.ForEach([&](ConvexPiece piece) { body->second.push_back(std::move(piece)); });
+        }
+      }
     }
-    static_index_ = StaticIndex(std::move(static_pieces));
+    static_index_ = StaticIndex(std::move(static_pieces), std::move(areas));
     double width = 0.0;
     for (const auto& [root, pieces] : bodies_) width = std::max(width, WidthOf(pieces));
     placed_cells_ = CellMap(width);
+    return Status();
+  }
+
+  // A model that a rule places is tested piece by piece.
+  Error TooManyRectangles(const ModelDescription& model, ModelId root) const {
+    const auto spawn = std::find_if(spawns_.begin(), spawns_.end(), [&](const PlannedSpawn& rule) {
+      return std::any_of(rule.names.begin(), rule.names.end(),
+                         [&](const std::string& name) { return roots_.at(name) == root; });
+    });
+    return {spawn->rule->where, "found " + Quoted(model.name) + " with a bitmap of " +
+                                    std::to_string(world_.shape(model.shape).area->cover().count()) +
+                                    " rectangles, expected at most " + std::to_string(kMaxMovingRectangles) +
+                                    " in a model that is placed by a rule"};
   }
 
   Status Place(const PlannedSpawn& spawn, std::size_t rule_number) {
@@ -180,11 +209,11 @@ class Placer {
   }
 
   bool IsFree(const PlacedBody& body) const {
-    std::pmr::vector<std::uint32_t> near;
+    NearPieces near;
     static_index_.Query(body.box, near);
     for (const ConvexPiece& piece : body.pieces) {
-      for (const std::uint32_t index : near) {
-        if (OverlapBy(piece, static_index_.pieces()[index], kTouchTolerance)) return false;
+      for (const ConvexPiece* other : near) {
+        if (OverlapBy(piece, *other, kTouchTolerance)) return false;
       }
     }
     return !placed_cells_.AnyNear(body.box, [&](std::uint32_t other) { return Overlap(body, placed_[other]); });

@@ -231,6 +231,58 @@ SessionMessage SomeSession() {
   return session;
 }
 
+// The same with a static model that has the area of a bitmap.
+SessionMessage SessionWithArea() {
+  SessionMessage session = SomeSession();
+  Bitmap bitmap(70, 3);
+  for (int x = 0; x < 70; ++x) bitmap.set_occupied(x, x % 3, true);
+  Shape& shape = session.world.shapes.emplace_back();
+  shape.rectangles_z = {0.0, 1.5};
+  shape.area =
+      PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.center = 35.0, .factor = 0.1},
+                {.factor = 0.2, .second_center = 0.1, .second_factor = 0.9, .shift = 3.0}, {1.0, 2.0, 0.0, 0.5});
+  ModelDescription& map = session.world.models.emplace_back();
+  map.name = "map";
+  map.shape = ShapeId(1);
+  return session;
+}
+
+TEST(ConvertTest, AnAreaReturnsWithItsPixels) {
+  const SessionMessage session = SessionWithArea();
+  WireArena arena;
+  const Result<SessionMessage> read = FromWire(ToWire(session, arena));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read.value().world, session.world);
+}
+
+TEST(ConvertTest, MalformedAreasAreRefused) {
+  using Spoil = std::function<void(troupe_wire_World&, troupe_wire_PixelArea&)>;
+  const std::pair<const char*, Spoil> cases[] = {
+      {"no width", [](auto&, auto& a) { a.width = 0; }},
+      {"no height", [](auto&, auto& a) { a.height = 0; }},
+      {"more pixels than bits", [](auto&, auto& a) { a.width = 71 * 64; }},
+      {"fewer pixels than bits", [](auto&, auto& a) { a.height = 2; }},
+      {"a size that overflows", [](auto&, auto& a) { a.width = a.height = 0xffffffff; }},
+      {"a side that is negative as an int", [](auto&, auto& a) { a.width = 0x80000000; }},
+      {"no occupied pixel", [](auto&, auto& a) { std::fill_n(a.bits._buffer, a.bits._length, 0); }},
+      {"a pixel without width", [](auto&, auto& a) { a.x.factor = 0.0; }},
+      {"a place that is no number", [](auto&, auto& a) { a.y.shift = std::nan(""); }},
+      {"a heading that is no number", [](auto&, auto& a) { a.lines_in_model.heading = std::nan(""); }},
+      {"a place far away", [](auto&, auto& a) { a.lines_in_model.x = 1e9; }},
+      {"two areas", [](auto& w, auto&) { w.shapes._buffer[1].areas._length = 2; }},
+      {"a list as well", [](auto& w, auto&) { w.shapes._buffer[1].rectangles = w.shapes._buffer[0].rectangles; }},
+      {"an area of a robot", [](auto& w, auto&) { w.models._buffer[0].shape = 1; }},
+      {"an area of a part of an object", [](auto& w, auto&) { w.models._buffer[6].parent = 5; }},
+  };
+  for (const auto& [what, spoil] : cases) {
+    WireArena arena;
+    const SessionMessage good = SessionWithArea();
+    troupe_wire_Session wire = ToWire(good, arena);
+    spoil(wire.world, wire.world.shapes._buffer[1].areas._buffer[0]);
+    EXPECT_FALSE(FromWire(wire).ok()) << what;
+  }
+}
+
 struct BadSession {
   const char* what;
   std::function<void(troupe_wire_Session&)> spoil;

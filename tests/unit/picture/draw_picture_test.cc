@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/picture/pixel_mask.h"
 #include "common/picture/shading.h"
 #include "common/picture/solids.h"
 #include "common/picture/viewport.h"
@@ -426,6 +427,72 @@ TEST(DrawPicture, HasTheWidthAskedFor) {
     options.width = width;
     EXPECT_EQ(Picture(Demo(), options).width(), width);
   }
+}
+
+// A block of 600 x 300 pixels of 1 cm with a checkerboard of 30 cm in it, turned.
+WorldMaker MakerWithArea(double heading) {
+  Bitmap bitmap(600, 300);
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 600; ++x) bitmap.set_occupied(x, y, (x / 30 + y / 30) % 2 == 0);
+  }
+  const PixelLines lines{.factor = 0.01};
+  Shape shape;
+  shape.rectangles_z = {0.0, 1.0};
+  shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), lines, lines);
+  WorldMaker maker;
+  maker.Add("map", shape, {0.3, 0.3, 0.3, 1.0}, {-3.0, -1.5, 0.0, heading});
+  return maker;
+}
+
+TEST(DrawPicture, AnAreaIsDrawnAtItsPlace) {
+  for (const double heading : {0.0, 0.4}) {
+    for (const std::optional<double> meters : {std::optional<double>(), std::optional(1.2)}) {
+      const WorldMaker maker = MakerWithArea(heading);
+      PictureOptions options;
+      if (meters) {
+        options.meters = meters;
+        options.center = Vec2(-2.8, -1.0);
+      }
+      const Picture picture(maker, options);
+      const Transform2 X_WM(maker.world.models[0].X_PM);
+      const Pixel wall = ToPixel(WallColor({0.3, 0.3, 0.3, 1.0}));
+      for (const auto& [i, j] : {std::pair(1, 1), std::pair(0, 1), std::pair(1, 0), std::pair(0, 2)}) {
+        const Vec2 place = X_WM * Vec2(0.3 * i + 0.15, 0.3 * j + 0.15);
+        if (meters && (place - *options.center).cwiseAbs().maxCoeff() > 0.35) continue;
+        if ((i + j) % 2 == 0) {
+          EXPECT_EQ(picture.At(place.x(), place.y()), wall) << heading << " " << i << " " << j;
+        } else {
+          EXPECT_GT(Distance(picture.At(place.x(), place.y()), wall), 100) << heading << " " << i << " " << j;
+        }
+      }
+    }
+  }
+}
+
+TEST(DrawPicture, AreasAreInSideViewsAndSvgs) {
+  PictureOptions options;
+  options.view = PictureView::kSide;
+  const WorldMaker maker = MakerWithArea(0.0);
+  EXPECT_TRUE(DrawPicture(maker.world, maker.state, {}, options).ok());
+  options.view = PictureView::kTop;
+  options.format = PictureFormat::kSvg;
+  const Result<std::string> svg = DrawPicture(maker.world, maker.state, {}, options);
+  ASSERT_TRUE(svg.ok());
+  EXPECT_THAT(svg.value(), HasSubstr("<image"));
+}
+
+TEST(DrawPicture, AnAreaOfManyPixelsHasTheirMeanOnThePage) {
+  Bitmap bitmap(4000, 4000);
+  for (int y = 0; y < 4000; ++y) {
+    for (int x = y % 2; x < 4000; x += 2) bitmap.set_occupied(x, y, true);
+  }
+  const PixelLines lines{.factor = 0.05};
+  const PixelArea area(std::make_shared<const DenseCover>(std::move(bitmap)), lines, lines);
+  const Viewport viewport = MakeViewport({0.0, 0.0, 200.0, 200.0}, {});
+  const PixelMask mask = MakePixelMask(area, {}, viewport);
+  EXPECT_LE(mask.coverage.size(), 4'000'000u);
+  EXPECT_FALSE(mask.sharp);
+  EXPECT_NEAR(mask.coverage[mask.coverage.size() / 2 + 77], 127, 45);
 }
 
 }  // namespace

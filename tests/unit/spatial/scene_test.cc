@@ -16,10 +16,10 @@ TEST(Scene, SeparatesStaticModelsFromBodies) {
   const ModelId mast = test.AddModel(test::Square(0.1), {0.0, 1.0}, {0.3, 0.0, 0.5, 0.0}, root);
   const Scene scene(test.world);
 
-  ASSERT_EQ(scene.static_index().pieces().size(), 2u);
-  EXPECT_EQ(scene.static_index().pieces()[1].model, lamp);
+  ASSERT_EQ(scene.static_index().kept_pieces().size(), 2u);
+  EXPECT_EQ(scene.static_index().kept_pieces()[1].model, lamp);
   EXPECT_EQ(scene.static_index().bounds(), (Rectangle{4.0, 4.0, 6.0, 6.0}));
-  EXPECT_EQ(scene.static_index().pieces()[1].z, (ZRange{0.7, 1.0}));
+  EXPECT_EQ(scene.static_index().kept_pieces()[1].z, (ZRange{0.7, 1.0}));
 
   EXPECT_EQ(scene.robot_of(table), std::nullopt);
   EXPECT_EQ(scene.robot_of(lamp), std::nullopt);

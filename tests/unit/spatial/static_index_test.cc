@@ -15,9 +15,12 @@ ConvexPiece PieceAt(const Rectangle& r) {
   return {test::Box(r.min_x, r.min_y, r.max_x, r.max_y), {0.0, 1.0}, {}, true, 1.0};
 }
 
-std::pmr::vector<std::uint32_t> Find(const StaticIndex& index, const Rectangle& box) {
-  std::pmr::vector<std::uint32_t> result;
-  index.Query(box, result);
+// Numbers of kept pieces.
+std::vector<std::ptrdiff_t> Find(const StaticIndex& index, const Rectangle& box) {
+  NearPieces near;
+  index.Query(box, near);
+  std::vector<std::ptrdiff_t> result;
+  for (const ConvexPiece* piece : near) result.push_back(piece - index.kept_pieces().data());
   return result;
 }
 
@@ -35,10 +38,10 @@ TEST(StaticIndex, IsEmptyWithoutPieces) {
 TEST(StaticIndex, FindsAFewPieces) {
   const StaticIndex index({PieceAt({0, 0, 1, 1}), PieceAt({5, 5, 6, 6}), PieceAt({0.5, 0.5, 5.5, 5.5})});
   EXPECT_EQ(index.bounds(), (Rectangle{0, 0, 6, 6}));
-  EXPECT_EQ(Find(index, {0.2, 0.2, 0.3, 0.3}), (std::pmr::vector<std::uint32_t>{0}));
-  EXPECT_EQ(Find(index, {0.7, 0.7, 0.8, 0.8}), (std::pmr::vector<std::uint32_t>{0, 2}));
-  EXPECT_EQ(Find(index, {1.0, 0.0, 2.0, 0.1}), (std::pmr::vector<std::uint32_t>{0})) << "touching counts";
-  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::pmr::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(Find(index, {0.2, 0.2, 0.3, 0.3}), (std::vector<std::ptrdiff_t>{0}));
+  EXPECT_EQ(Find(index, {0.7, 0.7, 0.8, 0.8}), (std::vector<std::ptrdiff_t>{0, 2}));
+  EXPECT_EQ(Find(index, {1.0, 0.0, 2.0, 0.1}), (std::vector<std::ptrdiff_t>{0})) << "touching counts";
+  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<std::ptrdiff_t>{0, 1, 2}));
   EXPECT_TRUE(Find(index, {7, 0, 8, 1}).empty());
 }
 
@@ -48,7 +51,7 @@ TEST(StaticIndex, CopesWithManyRectangles) {
     for (int x = 0; x < 500; ++x) pieces.push_back(PieceAt({x * 0.1, y * 0.1, x * 0.1 + 0.05, y * 0.1 + 0.05}));
   }
   const StaticIndex index(std::move(pieces));
-  EXPECT_EQ(Find(index, {10.01, 10.01, 10.02, 10.02}), (std::pmr::vector<std::uint32_t>{100 * 500 + 100}));
+  EXPECT_EQ(Find(index, {10.01, 10.01, 10.02, 10.02}), (std::vector<std::ptrdiff_t>{100 * 500 + 100}));
   EXPECT_EQ(Find(index, {0.0, 0.0, 0.31, 0.01}).size(), 4u);
   EXPECT_EQ(Find(index, {-1, -1, 100, 100}).size(), 200'000u);
 }
@@ -58,7 +61,7 @@ TEST(StaticIndex, CopesWithManyPiecesInOnePlace) {
   pieces.push_back(PieceAt({1000, 1000, 1000.1, 1000.1}));
   const StaticIndex index(std::move(pieces));
   EXPECT_EQ(Find(index, {5, 5, 5, 5}).size(), 20'000u);
-  EXPECT_EQ(Find(index, {999, 999, 1001, 1001}), (std::pmr::vector<std::uint32_t>{20'000}));
+  EXPECT_EQ(Find(index, {999, 999, 1001, 1001}), (std::vector<std::ptrdiff_t>{20'000}));
 }
 
 TEST(StaticIndex, RayWalkVisitsHitPiecesInTime) {

@@ -29,7 +29,7 @@ std::optional<Shape> ReadBitmapShape(PropertyReader& reader, const Size& size, B
     return std::nullopt;
   }
   const BitmapRectangles& pixels = *bitmap.value();
-  if (pixels.rectangles.empty()) {
+  if (pixels.empty()) {
     reader.diagnostics().Warn(where, "bitmap " + QuotedPath(name) + " has no occupied pixel, so it has no body");
   }
   Shape shape;
@@ -37,6 +37,7 @@ std::optional<Shape> ReadBitmapShape(PropertyReader& reader, const Size& size, B
     shape.rectangles.push_back(
         {static_cast<double>(r.x0), static_cast<double>(r.y0), static_cast<double>(r.x1), static_cast<double>(r.y1)});
   }
+  if (pixels.dense != nullptr) shape.area = PixelArea(pixels.dense, {}, {});
   shape.rectangles_z = {0.0, 1.0};
   return ScaledToSize(std::move(shape), size);
 }
@@ -50,10 +51,6 @@ std::vector<Block> BoundaryBlocks(const Size& size) {
   const ZRange z{0.0, size.z};
   return {BoxBlock({-x, -y, -x + tx, y}, z), BoxBlock({x - tx, -y, x, y}, z), BoxBlock({-x, -y, x, -y + ty}, z),
           BoxBlock({-x, y - ty, x, y}, z)};
-}
-
-bool IsEmpty(const Shape& shape) {
-  return shape.blocks.empty() && shape.rectangles.empty();
 }
 
 bool HasBlocks(const WorldNode& node) {
@@ -105,6 +102,9 @@ Shape Placed(PropertyReader& reader, const Pose& X_MD, Shape body) {
   for (const Rectangle& rectangle : shape.rectangles) {
     if (!IsUsable(rectangle)) return fail("a pixel of its bitmap has no area, or is beyond 1000 km");
   }
+  if (shape.area) {
+    if (const Status status = shape.area->Check(); !status.ok()) return fail(status.error().message);
+  }
   if (!IsWithinReach(shape.rectangles_z)) return fail("its height is beyond 1000 km");
   return shape;
 }
@@ -139,13 +139,28 @@ std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) 
   return map;
 }
 
+Shape ListedForMotion(PropertyReader& reader, Shape shape) {
+  if (!shape.area) return shape;
+  const std::size_t count = shape.area->cover().count();
+  if (count <= kMaxMovingRectangles) return Listed(std::move(shape));
+  reader.diagnostics().Fail(reader.Where(reader.node().Find("bitmap") != nullptr ? "bitmap" : "map_yaml"),
+                            "found a bitmap of " + std::to_string(count) +
+                                " rectangles in a model that moves, expected at most " +
+                                std::to_string(kMaxMovingRectangles));
+  return {};
+}
+
 Shape RosMapShape(PropertyReader& reader, const RosMap& map, const Size& size, const Pose& X_MD) {
   Shape shape;
   for (const PixelRectangle& r : map.pixels->rectangles) {
     shape.rectangles.push_back(
         {r.x0 * map.resolution, r.y0 * map.resolution, r.x1 * map.resolution, r.y1 * map.resolution});
   }
-  if (!shape.rectangles.empty()) shape.rectangles_z = {0.0, size.z};
+  if (map.pixels->dense != nullptr) {
+    const PixelLines lines{.factor = map.resolution};
+    shape.area = PixelArea(map.pixels->dense, lines, lines);
+  }
+  if (!shape.empty()) shape.rectangles_z = {0.0, size.z};
   return Placed(reader, X_MD, std::move(shape));
 }
 
@@ -159,7 +174,7 @@ Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, con
   } else if (has_box && !without_box) {
     shape.blocks.push_back(BoxBlock({-0.5 * size.x, -0.5 * size.y, 0.5 * size.x, 0.5 * size.y}, {0.0, size.z}));
   }
-  if (has_boundary && !IsEmpty(shape)) {
+  if (has_boundary && !shape.empty()) {
     for (Block& wall : BoundaryBlocks(size)) shape.blocks.push_back(std::move(wall));
   }
   const bool has_blocks = HasBlocks(reader.node());
@@ -173,7 +188,7 @@ Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, con
   std::optional<std::vector<Block>> blocks = ReadBlocks(reader);
   if (!blocks || reader.diagnostics().failed()) return {};
   std::move(blocks->begin(), blocks->end(), std::back_inserter(shape.blocks));
-  if (IsEmpty(shape)) return {};
+  if (shape.empty()) return {};
 
   if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0)) {
     reader.diagnostics().Warn(reader.Where("size"), "this model has a size of 0, so it has no body");

@@ -19,6 +19,10 @@ struct RosMap {
 // The map of the property `map_yaml`; nothing if there is none, or it cannot be read. Valid as long as the context.
 std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context);
 
+// A moving model's shape, with the rectangles of its bitmap in a list. More than kMaxMovingRectangles of a dense bitmap
+// are an error of the file: a body that moves is tested piece by piece.
+Shape ListedForMotion(PropertyReader& reader, Shape shape);
+
 // The map's body in the model's frame M: walls of height size.z, the image's lower left corner at X_MD.
 Shape RosMapShape(PropertyReader& reader, const RosMap& map, const Size& size, const Pose& X_MD);
 

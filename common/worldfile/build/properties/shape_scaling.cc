@@ -32,7 +32,8 @@ Shape ScaledToSize(Shape shape, const Size& size) {
     extend_height(block.z);
   }
   for (const Rectangle& rectangle : shape.rectangles) bounds.Extend(rectangle);
-  if (!shape.rectangles.empty()) extend_height(shape.rectangles_z);
+  if (shape.area) bounds.Extend(shape.area->bounds());
+  if (!shape.rectangles.empty() || shape.area) extend_height(shape.rectangles_z);
   if (bounds.empty()) return shape;
 
   const AxisMap x = FitAxis(bounds.min_x, bounds.max_x, size.x);
@@ -43,12 +44,13 @@ Shape ScaledToSize(Shape shape, const Size& size) {
     block.z = {block.z.min * z, block.z.max * z};
   }
   for (Rectangle& r : shape.rectangles) r = {x(r.min_x), y(r.min_y), x(r.max_x), y(r.max_y)};
+  if (shape.area) shape.area = shape.area->Stretched({x.center, y.center}, {x.factor, y.factor});
   shape.rectangles_z = {shape.rectangles_z.min * z, shape.rectangles_z.max * z};
   return shape;
 }
 
 Shape Moved(Shape shape, const Pose& X_MD) {
-  if (X_MD.heading != 0.0) {
+  if (X_MD.heading != 0.0 && !shape.area) {
     for (const Rectangle& rectangle : shape.rectangles) shape.blocks.push_back(BoxBlock(rectangle, shape.rectangles_z));
     shape.rectangles.clear();
     shape.rectangles_z = {};
@@ -61,12 +63,14 @@ Shape Moved(Shape shape, const Pose& X_MD) {
   for (Rectangle& r : shape.rectangles) {
     r = {r.min_x + X_MD.x, r.min_y + X_MD.y, r.max_x + X_MD.x, r.max_y + X_MD.y};
   }
-  if (!shape.rectangles.empty()) shape.rectangles_z = shape.rectangles_z + X_MD.z;
+  if (shape.area) shape.area = shape.area->Moved(X_MD);
+  if (!shape.rectangles.empty() || shape.area) shape.rectangles_z = shape.rectangles_z + X_MD.z;
   return shape;
 }
 
 Block BoxBlock(const Rectangle& area, const ZRange& z) {
-  return {{{area.min_x, area.min_y}, {area.max_x, area.min_y}, {area.max_x, area.max_y}, {area.min_x, area.max_y}}, z};
+  const std::array<Vec2, 4> corners = Corners(area);
+  return {Polygon(corners.begin(), corners.end()), z};
 }
 
 }  // namespace troupe

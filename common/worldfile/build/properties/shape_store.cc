@@ -27,6 +27,11 @@ std::uint64_t HashOf(const Shape& shape) {
     hasher.Add(rectangle.max_y);
   }
   AddRange(shape.rectangles_z, hasher);
+  if (shape.area) {
+    hasher.Add(std::uint64_t{shape.area->cover().count()});
+    const Rectangle bounds = shape.area->bounds();
+    for (const double edge : {bounds.min_x, bounds.min_y, bounds.max_x, bounds.max_y}) hasher.Add(edge);
+  }
   return hasher.value();
 }
 

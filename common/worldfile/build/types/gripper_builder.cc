@@ -103,7 +103,7 @@ ModelId GripperBuilder::FindPad(const GripperDraft& draft, const std::optional<P
   if (!IsInTree(world_, pad, finger_model)) {
     Fail(where, "found pad " + Quoted(part->name) + ", which finger " + Quoted(world_.joint(finger).name) +
                     " does not move, expected the finger or a model on it");
-  } else if (shape.blocks.empty() && shape.rectangles.empty()) {
+  } else if (shape.empty()) {
     Fail(where, "found a gripper without pads: " + Quoted(world_.model(pad).name) +
                     " has no body, expected fingers with blocks, or the names of their pads");
   }

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "common/bitmap/image_file.h"
+#include "common/image/image_file.h"
 
 namespace troupe {
 

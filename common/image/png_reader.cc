@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/bitmap/image_reader.h"
+#include "common/image/image_reader.h"
 
 namespace troupe {
 namespace {

@@ -1,10 +1,10 @@
-#include "common/bitmap/image_file.h"
+#include "common/image/image_file.h"
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
-#include "common/bitmap/image_reader.h"
+#include "common/image/image_reader.h"
 
 namespace troupe {
 

@@ -1,4 +1,4 @@
-#include "common/bitmap/image_file.h"
+#include "common/image/image_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/unit/bitmap/write_png.h"
+#include "tests/unit/image/write_png.h"
 
 namespace troupe {
 namespace {

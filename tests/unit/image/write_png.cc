@@ -1,4 +1,4 @@
-#include "tests/unit/bitmap/write_png.h"
+#include "tests/unit/image/write_png.h"
 
 #include <png.h>
 

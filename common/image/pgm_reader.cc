@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/bitmap/image_reader.h"
+#include "common/image/image_reader.h"
 
 namespace troupe {
 namespace {
