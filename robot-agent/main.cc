@@ -77,7 +77,7 @@ int Main(int argc, const char* const* argv) {
   try {
     return Run(line);
   } catch (const std::exception& exception) {
-    return FailedAgent(line, Failure(exception.what()));
+    return FailedAgent(line, FailureOf(exception));
   }
 }
 

@@ -83,7 +83,7 @@ int Main(int argc, const char* const* argv) {
   try {
     return Run(line, *reporter);
   } catch (const std::exception& exception) {
-    const Error error = Failure(exception.what());
+    const Error error = FailureOf(exception);
     reporter->Failed(error);
     return ExitStatusOf(error);
   }

@@ -1,5 +1,7 @@
 #include "common/base/result.h"
 
+#include <new>
+
 namespace troupe {
 namespace {
 
@@ -21,6 +23,11 @@ std::string Error::ToString() const {
 
 std::string Warning::ToString() const {
   return Format(where, "warning", message);
+}
+
+Error FailureOf(const std::exception& exception) {
+  const bool no_memory = dynamic_cast<const std::bad_alloc*>(&exception) != nullptr;
+  return Failure(no_memory ? "there is not enough memory" : exception.what());
 }
 
 }  // namespace troupe

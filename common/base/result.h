@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -96,5 +97,8 @@ class [[nodiscard]] Status {
 inline Error Failure(std::string message) {
   return {{}, std::move(message), ErrorCode::kFailure};
 }
+
+// The failure that an exception reports. Failed allocation says so in words.
+Error FailureOf(const std::exception& exception);
 
 }  // namespace troupe

@@ -104,6 +104,7 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   void OnControl(const ControlRequest& request) override {
     line_.PassIntact([handler = handler_, request] { handler->OnControl(request); });
   }
+  void OnOutOfMemory() override { handler_->OnOutOfMemory(); }
 
   FaultyLine line_;
   ServiceHandler* handler_ = nullptr;
@@ -143,6 +144,7 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
   void OnServiceLost() override {
     line_.PassIntact([handler = handler_] { handler->OnServiceLost(); });
   }
+  void OnOutOfMemory() override { handler_->OnOutOfMemory(); }
 
   FaultyLine line_;
   AgentHandler* handler_ = nullptr;

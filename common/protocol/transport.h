@@ -25,6 +25,8 @@ class ServiceHandler {
   virtual void OnRivalService(const SessionMessage& rival) = 0;
   // The request of a tool. SendControlReply answers it, now or later.
   virtual void OnControl(const ControlRequest& request) { (void)request; }
+  // A message was lost for lack of memory, and so may be all that follow.
+  virtual void OnOutOfMemory() {}
 };
 
 // The world service's end. It keeps the newest frame, and answers the frame requests of observers itself.
@@ -54,6 +56,8 @@ class AgentHandler {
   // The lease of the service has expired: it has died, or it or this process was stopped for a time. In the latter case
   // the service continues, and its messages follow.
   virtual void OnServiceLost() { OnServiceGone(); }
+  // A message was lost for lack of memory, and so may be all that follow.
+  virtual void OnOutOfMemory() {}
 };
 
 // An agent's end.

@@ -142,7 +142,7 @@ int CtlCommand(CtlOptions options) {
     Print(options.request.command, reply.value());
     return kExitDone;
   } catch (const std::exception& exception) {
-    return Fail(Failure(exception.what()));
+    return Fail(FailureOf(exception));
   }
 }
 

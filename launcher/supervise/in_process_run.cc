@@ -32,6 +32,16 @@
 namespace troupe {
 namespace {
 
+// The result of `run`; an exception, as for lack of memory, becomes a failure.
+template <typename Run>
+auto OrFailure(const Run& run) -> decltype(run()) {
+  try {
+    return run();
+  } catch (const std::exception& exception) {
+    return FailureOf(exception);
+  }
+}
+
 // Agents for the robots that edits add to the world.
 class NewAgents {
  public:
@@ -52,7 +62,8 @@ class NewAgents {
       scan_files_.push_back(file.value());
     }
     threads_.emplace_back([this, options] {
-      const Result<AgentEnd> end = RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_);
+      const Result<AgentEnd> end =
+          OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_); });
       if (!end.ok()) Tell("agent of " + options.robots.front() + ": " + end.error().ToString());
     });
   }
@@ -180,13 +191,15 @@ class InProcessRun {
     std::thread service_thread([&] {
       ProgressObserver progress(scene_->world().robots.size(), new_agents_);
       observers_.push_back(&progress);
-      summary = RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop);
+      summary = OrFailure(
+          [&] { return RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop); });
       eventfd_write(done, 1);
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
     if (!scene_->world().robots.empty()) {
       agent_thread = std::thread([&] {
-        agent = RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop);
+        agent = OrFailure(
+            [&] { return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop); });
         if (!agent.ok()) stop = true;  // without its only agent the run cannot continue
       });
     }

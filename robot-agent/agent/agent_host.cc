@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -91,6 +92,9 @@ class AgentHost final : public AgentHandler {
   void OnServiceLost() override {
     Deliver([&] { protocol_.OnServiceLost(Now()); });
   }
+  void OnOutOfMemory() override {
+    Deliver([] { throw std::bad_alloc(); });
+  }
 
  private:
   template <typename Call>
@@ -98,7 +102,11 @@ class AgentHost final : public AgentHandler {
     bool wake = false;
     {
       const std::lock_guard lock(mutex_);
-      call();
+      try {
+        call();
+      } catch (const std::bad_alloc& no_memory) {
+        protocol_.Fail(FailureOf(no_memory));
+      }
       wake = protocol_.has_task() || protocol_.over() || protocol_.NextPoll() < wake_at_;
     }
     if (wake) changed_.notify_all();

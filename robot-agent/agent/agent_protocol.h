@@ -45,6 +45,9 @@ class AgentProtocol {
   std::optional<ReplicaTask> BeginTask();
   void FinishTask(ReplicaTask& task, double now);
 
+  // Ends the agent.
+  void Fail(Error error);
+
   // The agent has ended: by the end of its run, or by failure().
   bool over() const { return stage_ == Stage::kRunOver || stage_ == Stage::kFailed; }
   const Status& failure() const { return failure_; }
@@ -88,7 +91,6 @@ class AgentProtocol {
   bool ComputeAnswer(const FrameMessage& frame);
   void FinishMaking(ReplicaTask& task);
   void FinishChange(ReplicaTask& task, double now);
-  void Fail(Error error);
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;

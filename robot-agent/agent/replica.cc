@@ -116,7 +116,7 @@ Status Replica::MakeNewGateway() {
     gateway_ = make_gateway_(*scene_, Ids());
     return {};
   } catch (const std::exception& exception) {
-    return Failure(exception.what());
+    return FailureOf(exception);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <new>
 #include <utility>
 
 #include "common/base/version.h"
@@ -9,8 +10,12 @@
 namespace troupe {
 
 void ReplicaTask::Perform(const AgentOptions& options, const AgentOutputs& outputs) {
-  if (session) world_hash = Hash(session->world);
-  outcome = is_new ? Make(options, outputs) : Change();
+  try {
+    if (session) world_hash = Hash(session->world);
+    outcome = is_new ? Make(options, outputs) : Change();
+  } catch (const std::bad_alloc& no_memory) {
+    outcome = FailureOf(no_memory);
+  }
 }
 
 Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& outputs) {

@@ -45,8 +45,8 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
 Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request) {
   try {
     return Read(options, request);
-  } catch (const std::exception& exception) {  // as a file system that fails
-    return Failure(exception.what());
+  } catch (const std::exception& exception) {  // as of a file system that fails, or without memory
+    return FailureOf(exception);
   }
 }
 

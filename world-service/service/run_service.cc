@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <new>
 #include <random>
 #include <thread>
 #include <utility>
@@ -109,16 +110,20 @@ class Driver final : public WorldControl, private ServiceHandler {
     ControlReplyTo reply;
   };
 
-  // Makes a call to the coordinator, and then executes the requests made from inside its replies.
-  // REQUIRES: mutex_ is locked.
+  // Makes a call to the coordinator, and then executes the requests made from inside its replies. Without memory for
+  // it the run ends in order. REQUIRES: mutex_ is locked.
   template <typename Call>
   void Act(const Call& call) {
     acting_ = std::this_thread::get_id();
-    call();
-    while (!asked_meanwhile_.empty()) {
-      AskedRequest next = std::move(asked_meanwhile_.front());
-      asked_meanwhile_.pop_front();
-      Accept(std::move(next));
+    try {
+      call();
+      while (!asked_meanwhile_.empty()) {
+        AskedRequest next = std::move(asked_meanwhile_.front());
+        asked_meanwhile_.pop_front();
+        Accept(std::move(next));
+      }
+    } catch (const std::bad_alloc& no_memory) {
+      coordinator_.Fail(FailureOf(no_memory), Now());
     }
     acting_ = std::thread::id();
   }
@@ -174,6 +179,10 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
   void OnRivalService(const SessionMessage& rival) override {
     Deliver([&](double now) { coordinator_.OnRivalService(rival, now); });
+  }
+
+  void OnOutOfMemory() override {
+    Deliver([](double) { throw std::bad_alloc(); });
   }
 
   void OnControl(const ControlRequest& request) override {

@@ -1,6 +1,7 @@
 #include "world-service/service/world_editor.h"
 
 #include <filesystem>
+#include <new>
 #include <utility>
 
 #include "world-service/service/apply_edit.h"
@@ -45,12 +46,20 @@ std::string NoticeOf(const ControlRequest& request) {
 Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
   if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
   const AppliedEdit edit{request, world};
-  Result<EditedWorld> edited = ApplyEdit(edit, original_, run_.scene, run_.frame.state);
+  Result<EditedWorld> edited = ApplyIfRoom(edit);
   if (!edited.ok()) return edited.error();
   run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
+}
+
+Result<EditedWorld> WorldEditor::ApplyIfRoom(const AppliedEdit& edit) const {
+  try {
+    return ApplyEdit(edit, original_, run_.scene, run_.frame.state);
+  } catch (const std::bad_alloc& no_memory) {  // nothing has changed yet
+    return FailureOf(no_memory);
+  }
 }
 
 void WorldEditor::RevokeSpawn(const std::string& name, double now) {

@@ -36,6 +36,8 @@ class WorldEditor {
   std::vector<std::string> DrainNewRobots();
 
  private:
+  // As ApplyEdit; an error without memory for the edited world.
+  Result<EditedWorld> ApplyIfRoom(const AppliedEdit& edit) const;
   void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
   void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh);
 

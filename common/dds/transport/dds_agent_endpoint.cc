@@ -1,5 +1,7 @@
 #include "common/dds/transport/dds_agent_endpoint.h"
 
+#include <new>
+
 #include "common/protocol/topics.h"
 
 namespace troupe::dds {
@@ -26,9 +28,9 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
     TROUPE_CHECK(handler_ == nullptr);
     handler_ = &handler;
   }
-  sessions_.Listen([this] { DrainSessions(); });
-  admissions_.Listen([this] { DrainAdmissions(); });
-  frames_.Listen([this] { DrainFrames(); });
+  sessions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainSessions); });
+  admissions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainAdmissions); });
+  frames_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainFrames); });
   DrainSessions();
   DrainAdmissions();
   DrainFrames();
@@ -39,6 +41,15 @@ bool DdsAgentEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& send
   if (services_.IsService(run, sender.participant)) return true;
   inbox.Refuse(sender, "it is not the world service of the run");
   return false;
+}
+
+void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
+  try {
+    (this->*drain)();
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(mutex_);
+    handler_->OnOutOfMemory();
+  }
 }
 
 void DdsAgentEndpoint::DrainSessions() {

@@ -22,6 +22,8 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void SendProposal(const ProposalMessage& proposal) override;
 
  private:
+  // Calls a member below; the handler is told of a message for which there was no memory.
+  void Deliver(void (DdsAgentEndpoint::*drain)());
   void DrainSessions();
   void DrainAdmissions();
   void DrainFrames();

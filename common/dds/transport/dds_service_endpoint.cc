@@ -1,6 +1,7 @@
 #include "common/dds/transport/dds_service_endpoint.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "common/protocol/agent_name.h"
@@ -59,16 +60,25 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
     TROUPE_CHECK(handler_ == nullptr);
     handler_ = &handler;
   }
-  joins_.Listen([this] { DrainJoins(); });
-  proposals_.Listen([this] { DrainProposals(); });
-  controls_.Listen([this] { DrainControls(); });
-  frame_requests_.Listen([this] { DrainFrameRequests(); });
-  rivals_.Listen([this] { DrainSessions(); });
+  joins_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainJoins); });
+  proposals_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainProposals); });
+  controls_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainControls); });
+  frame_requests_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainFrameRequests); });
+  rivals_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainSessions); });
   DrainSessions();
   DrainJoins();
   DrainProposals();
   DrainControls();
   DrainFrameRequests();
+}
+
+void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)()) {
+  try {
+    (this->*drain)();
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(mutex_);
+    handler_->OnOutOfMemory();
+  }
 }
 
 void DdsServiceEndpoint::DrainJoins() {

@@ -28,6 +28,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void Flush(double seconds) override;
 
  private:
+  // Calls a member below; the handler is told of a message for which there was no memory.
+  void Deliver(void (DdsServiceEndpoint::*drain)());
   void DrainJoins();
   // Binds the agent to its first writer; false for any other one.
   bool Bind(AgentId agent, const Sender& sender);

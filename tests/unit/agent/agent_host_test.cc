@@ -528,5 +528,15 @@ TEST_F(EditedAgentTest, AGatewayThatCannotBeMadeIsAnError) {
   EXPECT_EQ(service_.AwaitError(), "error: the world was edited, and this agent cannot continue: no network");
 }
 
+TEST(AgentHostTest, FailsWithoutMemoryForAMessage) {
+  ScriptedService service(TwoRobots());
+  service.StartAndAdmit();
+  service.RunOutOfMemory();
+  const Result<AgentEnd> end = service.AwaitEnd();
+  ASSERT_FALSE(end.ok());
+  EXPECT_EQ(end.error().message, "there is not enough memory");
+  EXPECT_EQ(end.error().code, ErrorCode::kFailure);
+}
+
 }  // namespace
 }  // namespace troupe

@@ -82,6 +82,9 @@ class ScriptedService {
   void Lose() {
     Deliver([](AgentHandler& handler) { handler.OnServiceLost(); });
   }
+  void RunOutOfMemory() {
+    Deliver([](AgentHandler& handler) { handler.OnOutOfMemory(); });
+  }
   void Stop() { stop_ = true; }
 
   // Awaits the n-th join, from 1 on.

@@ -124,5 +124,24 @@ TEST_F(RunServiceTest, PacesTicksWithoutLosingThem) {
   EXPECT_GE(summary.value().wall_seconds, 0.0399);
 }
 
+// Delivers one message for which there was no memory.
+class ForgetfulEndpoint final : public ServiceEndpoint {
+ public:
+  void Start(ServiceHandler& handler) override { handler.OnOutOfMemory(); }
+  void SendSession(const SessionMessage&) override {}
+  void SendAdmissions(const std::vector<AdmissionMessage>&) override {}
+  void SendFrame(const FrameMessage&) override {}
+  void SendStatus(const StatusMessage&) override {}
+  void Flush(double) override {}
+};
+
+TEST_F(RunServiceTest, EndsInOrderWithoutMemoryForAMessage) {
+  const Result<RunSummary> summary =
+      RunService(scene_, options_, std::make_unique<ForgetfulEndpoint>(), observers_, stop_);
+  ASSERT_FALSE(summary.ok());
+  EXPECT_EQ(summary.error().message, "there is not enough memory");
+  EXPECT_EQ(summary.error().code, ErrorCode::kFailure);
+}
+
 }  // namespace
 }  // namespace troupe
