@@ -1,5 +1,6 @@
 // The program troupe: runs, checks, observes and draws simulations. docs/running.md is its manual.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 
 #include "common/base/version.h"
@@ -43,5 +44,6 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   return troupe::Main(argc, argv);
 }

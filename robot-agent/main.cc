@@ -29,7 +29,7 @@ void Report(const AgentCommandLine& line, const std::string& text) {
 // Reports why the program ends; returns its exit status.
 int FailedAgent(const AgentCommandLine& line, const Error& error) {
   Report(line, error.ToString());
-  return ExitStatusOf(error);
+  return error.code == ErrorCode::kOutputFailed ? kExitOutputFailed : ExitStatusOf(error);
 }
 
 // False if `stop` became true meanwhile.
@@ -74,6 +74,7 @@ int Main(int argc, const char* const* argv) {
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
   const AgentCommandLine& line = std::get<AgentCommandLine>(parsed);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   try {
     return Run(line);
   } catch (const std::exception& exception) {

@@ -78,6 +78,7 @@ int Main(int argc, const char* const* argv) {
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   const std::unique_ptr<Reporter> reporter =
       line.report_fd ? MakeLauncherReporter(*line.report_fd) : MakeConsoleReporter();
   try {

@@ -22,8 +22,9 @@ struct SourceLocation {
 
 // The exit status of a program follows from it: 2 for bad input, 3 for a failure.
 enum class ErrorCode : std::uint8_t {
-  kBadInput,  // the user's input is wrong: a file, an option, a request
-  kFailure,   // the input is good, but the work cannot be done: no memory, a full disk, a lost service
+  kBadInput,      // the user's input is wrong: a file, an option, a request
+  kFailure,       // the input is good, but the work cannot be done: no memory, a lost service
+  kOutputFailed,  // a failure, of writing an output file: a full disk
 };
 
 struct Error {

@@ -95,10 +95,11 @@ void TickTrace::Write(std::size_t lane) {
   lanes_[lane]->done_.clear();
 }
 
-void TickTrace::WriteSome() {
+const Status& TickTrace::WriteSome() {
   for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
     if (lanes_[lane]->done_.size() >= kSpansKept) Write(lane);
   }
+  return file_.status();
 }
 
 Status TickTrace::Close() {

@@ -82,8 +82,8 @@ class TickTrace {
   // Valid as long as the trace.
   TraceLane* AddLane();
 
-  // Writes if many phases are waiting. REQUIRES: no lane is in use.
-  void WriteSome();
+  // Writes if many phases are waiting. Returns the first error of a write so far. REQUIRES: no lane is in use.
+  const Status& WriteSome();
   // Ends all phases and writes the file to its end. The error is that of the first write that failed (a full disk).
   Status Close();
 

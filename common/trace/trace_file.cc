@@ -1,6 +1,7 @@
 #include "common/trace/trace_file.h"
 
 #include <fmt/format.h>
+#include <stdio_ext.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,10 +10,12 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <string_view>
+
+#include "common/base/line_file.h"
+#include "common/base/output_file.h"
 
 namespace troupe {
 namespace {
@@ -54,13 +57,13 @@ std::optional<EventTime> TimeOf(const std::string& line) {
 
 // Calls visit(part, line) for all whole lines with an object, without the comma after it. Parts count from 1.
 template <typename Visit>
-Status ForEachLine(const std::vector<std::string>& parts, Visit visit) {
+Status ForEachLine(const std::vector<std::string>& parts, LineFile::Space space, Visit visit) {
   for (std::size_t part = 1; part <= parts.size(); ++part) {
     const std::string& path = parts[part - 1];
     if (!std::filesystem::exists(path)) continue;
-    std::ifstream file(path);
-    if (!file) return Failure("cannot read " + path + ": " + std::strerror(errno));
-    for (std::string line; std::getline(file, line);) {
+    Result<LineFile> file = LineFile::Open(path, space);
+    if (!file.ok()) return file.error();
+    for (std::string line; file.value().Next(line);) {
       if (line.size() < 2 || line.front() != '{' || !line.ends_with("},")) continue;
       line.pop_back();
       visit(part, line);
@@ -103,44 +106,50 @@ Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& 
 
 void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
                       const std::string& robot) {
-  if (!file_) return;
+  if (!file_ || !status_.ok()) return;
   const std::string robot_field = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
   const std::string line =
       fmt::format("{}{},\"dur\":{},\"name\":\"{}\",\"ph\":\"X\",\"pid\":{},\"tid\":{},\"args\":{{\"tick\":{}{}}}}},\n",
                   kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, robot_field);
-  failed_ = std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || failed_;
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size()) Fail();
+}
+
+void TraceFile::Fail() {
+  status_ = Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  __fpurge(file_.get());  // a later attempt might write text behind a gap
 }
 
 Status TraceFile::Close() {
-  if (!file_) return Status();
-  failed_ = std::fflush(file_.get()) != 0 || failed_;
+  if (file_ && status_.ok() && std::fflush(file_.get()) != 0) Fail();
   file_.reset();
-  if (!failed_) return Status();
-  return Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno), ErrorCode::kFailure};
+  return status_;
 }
 
 Status MergeTraces(const std::vector<std::string>& parts, const std::string& output) {
   std::int64_t start = std::numeric_limits<std::int64_t>::max();
-  Status unread = ForEachLine(parts, [&start](std::size_t, const std::string& line) {
+  const auto find_start = [&start](std::size_t, const std::string& line) {
     if (const std::optional<EventTime> time = TimeOf(line)) start = std::min(start, time->nanoseconds);
-  });
-  if (!unread.ok()) return unread;
-  std::ofstream file(output);
-  const char* separator = "[\n";
-  unread = ForEachLine(parts, [&](std::size_t part, const std::string& line) {
-    file << separator;
-    separator = ",\n";
+  };
+  if (Status unread = ForEachLine(parts, LineFile::Space::kKeep, find_start); !unread.ok()) return unread;
+  Result<OutputFile> created = OutputFile::Create(output);
+  if (!created.ok()) return created.error();
+  OutputFile& file = created.value();
+  const char* separator = "[";  // before the next line
+  const auto copy = [&](std::size_t part, const std::string& line) {
+    file.Append(separator);
+    (void)file.EndLine();  // Close returns its error
+    separator = ",";
     if (const std::optional<EventTime> time = TimeOf(line)) {
-      file << kLineStart << Microseconds(time->nanoseconds - start) << Renumbered(time->rest, part);
+      file.Append(kLineStart + Microseconds(time->nanoseconds - start) + Renumbered(time->rest, part));
     } else {
-      file << Renumbered(line, part);
+      file.Append(Renumbered(line, part));
     }
-  });
-  if (!unread.ok()) return unread;
-  file << (separator[0] == '[' ? "[]\n" : "\n]\n");
-  file.close();
-  if (!file) return Failure("cannot write " + output + ": " + std::strerror(errno));
-  return Status();
+  };
+  Status unread = ForEachLine(parts, LineFile::Space::kFree, copy);
+  file.Append(separator[0] == '[' ? "[]" : "\n]");
+  (void)file.EndLine();  // Close returns its error
+  Status closed = file.Close();
+  return unread.ok() ? closed : unread;
 }
 
 }  // namespace troupe

@@ -20,11 +20,13 @@ class TraceFile {
   // ns since 1970, so that the files of several hosts agree as well as their clocks. Never decreases.
   static std::int64_t Now();
 
-  // A phase from `begin` to `end`, ns as of Now. `robot` may be empty.
+  // A phase from `begin` to `end`, ns as of Now. `robot` may be empty. Writes nothing after an error.
   void Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
              const std::string& robot);
 
-  // Writes all buffered text. The error is that of the first write that failed (a full disk).
+  // The first error of a write (a full disk).
+  const Status& status() const { return status_; }
+  // Writes all buffered text. Returns status().
   Status Close();
 
  private:
@@ -32,14 +34,15 @@ class TraceFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   TraceFile(std::string path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+  void Fail();
 
   std::string path_;
   std::unique_ptr<std::FILE, Closer> file_;
-  bool failed_ = false;
+  Status status_;
 };
 
 // One file of several, with times from the first event on. Parts that do not exist, and last lines that were cut off,
-// as by killed processes, are left out.
+// as by killed processes, are left out. Frees the space of the parts, so that the file fits even on a full disk.
 Status MergeTraces(const std::vector<std::string>& parts, const std::string& output);
 
 }  // namespace troupe

@@ -136,11 +136,11 @@ Status AgentFleet::Restart(std::size_t number) {
   return Status();
 }
 
-std::vector<const AgentProcess*> AgentFleet::PollEnded() {
-  std::vector<const AgentProcess*> ended;
-  for (AgentProcess& agent : agents_) {
+std::vector<std::size_t> AgentFleet::PollEnded() {
+  std::vector<std::size_t> ended;
+  for (const AgentProcess& agent : agents_) {
     if (!agent.process->Poll()) continue;
-    ended.push_back(&agent);
+    ended.push_back(agent.number);
     --running_;
   }
   return ended;
@@ -170,6 +170,11 @@ std::map<std::string, std::string> AgentFleet::hosts() const {
     for (const std::string& robot : agent.robots) hosts[robot] = agent.host->name();
   }
   return hosts;
+}
+
+std::optional<Error> AgentFleet::OutputFailureIn(const std::string& line, const Host& host) const {
+  const std::optional<Error> failure = scans_.FailureIn(line, host);
+  return failure ? failure : traces_.FailureIn(line, host);
 }
 
 Status AgentFleet::FetchOutputs() {

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,8 @@ class AgentFleet {
   // trace. REQUIRES: PollEnded has returned it.
   Status Restart(std::size_t number);
 
-  // The agents that ended since the last call.
-  std::vector<const AgentProcess*> PollEnded();
+  // The numbers of the agents that ended since the last call.
+  std::vector<std::size_t> PollEnded();
   const AgentProcess& agent(std::size_t number) const { return agents_.at(number); }
   std::size_t size() const { return agents_.size() + waiting_.size(); }
   bool all_ended() const { return running_ == 0; }
@@ -65,6 +66,9 @@ class AgentFleet {
   double peak_memory_mib() const;
   // The host names of the robots on remote hosts, by robot.
   std::map<std::string, std::string> hosts() const;
+  // The error about an output file of the user that a line reports which was printed on `host`; nothing for another
+  // line.
+  std::optional<Error> OutputFailureIn(const std::string& line, const Host& host) const;
   // Copies the output files of agents on remote hosts into the files here.
   Status FetchOutputs();
   // The agents' scan files in the order of their robots; none without --scans.

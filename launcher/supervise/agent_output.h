@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,14 @@ class AgentOutput {
   const std::vector<std::string>& files() const { return files_; }
   // The path that an agent on `host` writes its part to.
   std::string PathOn(const Host& host, std::size_t part) const;
+  // The error about the user's file that a line reports which was printed on `host`; nothing for another line.
+  std::optional<Error> FailureIn(const std::string& line, const Host& host) const;
   // Copies a part from the host into its file here; does nothing for this host.
   Status Fetch(Host& host, std::size_t part) const;
 
  private:
   const std::string option_;
-  const bool enabled_;
+  const std::string output_;
   OutputParts parts_;
   std::vector<std::string> files_;
 };

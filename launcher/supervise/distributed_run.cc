@@ -53,6 +53,8 @@ class DistributedRun {
   void React(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
   void React(const RunSummary& summary) { summary_ = summary; }
   void PrintOutput();
+  // False for a line that does not report the failure of an output file.
+  bool NoteOutputFailure(const std::string& line, const Host& host);
   void ReactToEnd(const AgentProcess& agent);
   void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
   void RestartAgents();
@@ -78,6 +80,7 @@ class DistributedRun {
   double startup_seconds_ = 0.0;
   bool started_ = false;
   bool error_printed_ = false;  // by a child
+  std::optional<Error> output_failure_;
   std::optional<RunSummary> summary_;
   RunEnd end_;  // without the outcome
 };
@@ -98,11 +101,12 @@ void DistributedRun::ProcessEvents() {
     if (second_request) kill_at_ = Clock::now();
     Stop();
   }
-  // The end of the service is polled before its last lines are read, so that none are missed.
+  // The ends of processes are polled before their last lines are read, so that none are missed.
   service_.process().Poll();
+  const std::vector<std::size_t> ended = agents_.PollEnded();
   PrintOutput();
   ProcessReports();
-  for (const AgentProcess* agent : agents_.PollEnded()) ReactToEnd(*agent);
+  for (const std::size_t agent : ended) ReactToEnd(agents_.agent(agent));
   RestartAgents();
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
@@ -113,6 +117,7 @@ void DistributedRun::ProcessEvents() {
 void DistributedRun::PrintOutput() {
   for (const auto& host : hosts_.all()) {
     for (const std::string& line : host->ReadOutput()) {
+      if (NoteOutputFailure(line, *host)) continue;
       // Before the start, one error represents those of all agents, which usually have the same cause.
       const bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
       if (error && error_printed_ && !started_) continue;
@@ -121,6 +126,16 @@ void DistributedRun::PrintOutput() {
     }
     if (Status loss = host->PollLoss(); !loss.ok() && !summary_) progress_.Tell(loss.error().ToString());
   }
+}
+
+// Every process whose disk is full prints a line. The first one becomes the error of the run.
+bool DistributedRun::NoteOutputFailure(const std::string& line, const Host& host) {
+  if (line.find(": error: ") == std::string::npos) return false;
+  std::optional<Error> failure = agents_.OutputFailureIn(line, host);
+  if (!failure) failure = service_.OutputFailureIn(line);
+  if (!failure) return false;
+  if (!output_failure_) output_failure_ = std::move(failure);
+  return true;
 }
 
 void DistributedRun::ProcessReports() {
@@ -167,6 +182,9 @@ void DistributedRun::React(const StartedReport&) {
 
 void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   const ProcessEnd& end = *agent.process->end();
+  if (end.exit_code == kExitOutputFailed) {
+    return Fail(FailedRun(output_failure_.value_or(Failure("an agent cannot write its output files"))));
+  }
   if (end.ok() || kill_at_ || summary_ || !service_.process().running()) return;
   const std::string& host = agent.host->name();
   const std::string text =
@@ -220,7 +238,7 @@ void DistributedRun::SuperviseUntilServiceEnds() {
   if (failed()) return;
   const ProcessEnd& end = *service_.process().end();
   if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
-    end_ = {end.exit_code, std::nullopt, std::nullopt};
+    end_ = {end.exit_code, std::nullopt, output_failure_};
   } else if (signals_.stop_requested()) {
     end_ = {kExitInterrupted, std::nullopt, std::nullopt};
   } else if (!end.ok() || !summary_) {
@@ -248,7 +266,7 @@ Status DistributedRun::CollectOutputs() {
     const Status fetched = service_.FetchOutputs();
     keep(fetched.ok() ? agents_.FetchOutputs() : fetched);
   }
-  if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans));
+  if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans, LineFile::Space::kFree));
   if (!options_.trace.file.empty()) {
     std::vector<std::string> parts = {service_.trace_file()};
     parts.insert(parts.end(), agents_.trace_files().begin(), agents_.trace_files().end());
@@ -260,6 +278,7 @@ Status DistributedRun::CollectOutputs() {
 RunEnd DistributedRun::End() {
   const Status collected = CollectOutputs();
   if (failed()) return end_;
+  if (output_failure_) return FailedRun(*output_failure_);
   if (!collected.ok()) return FailedRun(collected.error());
   if (!summary_) return end_;
   RunOutcome outcome;

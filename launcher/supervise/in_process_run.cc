@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -45,8 +46,12 @@ auto OrFailure(const Run& run) -> decltype(run()) {
 // Agents for the robots that edits add to the world.
 class NewAgents {
  public:
-  NewAgents(Transport& transport, AgentOptions options)
-      : transport_(transport), options_(std::move(options)), scan_parts_(options_.scan_log, "--scans") {
+  // `stop_run` is set when the scans of an agent cannot be written.
+  NewAgents(Transport& transport, AgentOptions options, std::atomic<bool>& stop_run)
+      : transport_(transport),
+        options_(std::move(options)),
+        stop_run_(stop_run),
+        scan_parts_(options_.scan_log, "--scans") {
     options_.trace = {};  // the first agent's
   }
   ~NewAgents() { Join(); }
@@ -64,7 +69,7 @@ class NewAgents {
     threads_.emplace_back([this, options] {
       const Result<AgentEnd> end =
           OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_); });
-      if (!end.ok()) Tell("agent of " + options.robots.front() + ": " + end.error().ToString());
+      if (!end.ok()) ReactToFailure(options, end.error());
     });
   }
 
@@ -75,13 +80,17 @@ class NewAgents {
     threads_.clear();
   }
 
+  // The failure that has set `stop_run`. REQUIRES: Join was called.
+  const Status& failure() const { return failure_; }
+
   // Merges their scans into the file of the first agent. REQUIRES: Join was called.
   Status MergeScans() {
     if (scan_files_.empty()) return Status();
     const Result<std::string> all = scan_parts_.Add();
     if (!all.ok()) return all.error();
     scan_files_.insert(scan_files_.begin(), options_.scan_log);
-    if (Status failure = troupe::MergeScans(scan_files_, all.value()); !failure.ok()) return failure;
+    if (Status failure = troupe::MergeScans(scan_files_, all.value(), LineFile::Space::kKeep); !failure.ok())
+      return failure;
     std::error_code failure;
     const auto overwrite = std::filesystem::copy_options::overwrite_existing;
     std::filesystem::copy_file(all.value(), options_.scan_log, overwrite, failure);
@@ -92,9 +101,22 @@ class NewAgents {
  private:
   static void Tell(const std::string& text) { fmt::print(stderr, "{}\n", text); }
 
+  // On the thread of an agent.
+  void ReactToFailure(const AgentOptions& agent, const Error& error) {
+    if (error.code != ErrorCode::kOutputFailed) {
+      return Tell("agent of " + agent.robots.front() + ": " + error.ToString());
+    }
+    const std::lock_guard lock(failure_mutex_);
+    if (failure_.ok()) failure_ = Error{{options_.scan_log}, error.message, error.code};
+    stop_run_ = true;
+  }
+
   Transport& transport_;
   AgentOptions options_;  // of the newest agent
+  std::atomic<bool>& stop_run_;
   OutputParts scan_parts_;
+  std::mutex failure_mutex_;
+  Status failure_;
   std::vector<std::string> scan_files_;
   std::atomic<bool> stop_ = false;
   std::vector<std::thread> threads_;
@@ -179,12 +201,11 @@ class InProcessRun {
         agent_options_(std::move(agent)),
         observers_(std::move(observers)),
         transport_(MakeTransport(faults)),
-        new_agents_(*transport_, agent_options_) {}
+        new_agents_(*transport_, agent_options_, stop_) {}
 
   // Runs until service and agents have ended, and merges the scans.
   Result<RunSummary> Run(SignalWatch& signals) {
     const int done = eventfd(0, EFD_CLOEXEC);
-    std::atomic<bool> stop = false;
     std::atomic<bool> agent_stop = false;
     Result<RunSummary> summary = Failure("the run did not end");
     Result<AgentEnd> agent = AgentEnd::kStopped;
@@ -192,7 +213,7 @@ class InProcessRun {
       ProgressObserver progress(scene_->world().robots.size(), new_agents_);
       observers_.push_back(&progress);
       summary = OrFailure(
-          [&] { return RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop); });
+          [&] { return RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop_); });
       eventfd_write(done, 1);
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
@@ -200,10 +221,10 @@ class InProcessRun {
       agent_thread = std::thread([&] {
         agent = OrFailure(
             [&] { return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop); });
-        if (!agent.ok()) stop = true;  // without its only agent the run cannot continue
+        if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
-    WaitForEnd(done, signals, stop);
+    WaitForEnd(done, signals, stop_);
     service_thread.join();
     if (!summary.ok()) agent_stop = true;
     if (agent_thread.joinable()) agent_thread.join();
@@ -211,6 +232,7 @@ class InProcessRun {
     close(done);
     if (!summary.ok()) return summary.error();
     if (!agent.ok()) return agent.error();
+    if (!new_agents_.failure().ok()) return new_agents_.failure().error();
     if (Status status = new_agents_.MergeScans(); !status.ok()) return status.error();
     return summary;
   }
@@ -221,6 +243,7 @@ class InProcessRun {
   const AgentOptions agent_options_;
   RunObservers observers_;
   const std::unique_ptr<Transport> transport_;
+  std::atomic<bool> stop_ = false;
   NewAgents new_agents_;
 };
 
@@ -237,6 +260,12 @@ Result<std::vector<std::string>> SplitTrace(const TraceOptions& trace, OutputPar
     files.push_back(std::move(file).value());
   }
   return files;
+}
+
+// An error about a part of the trace is one about the user's file.
+Error WithUsersFile(Error error, const std::vector<std::string>& parts, const std::string& file) {
+  if (std::find(parts.begin(), parts.end(), error.where.file) != parts.end()) error.where.file = file;
+  return error;
 }
 
 }  // namespace
@@ -267,12 +296,9 @@ RunEnd RunInProcess(const RunOptions& options) {
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
   const Result<RunSummary> summary = run.Run(signals);
-  if (!summary.ok()) return FailedRun(summary.error());
-  if (!options.trace.file.empty()) {
-    if (Status status = MergeTraces(trace_files.value(), options.trace.file); !status.ok()) {
-      return FailedRun(status.error());
-    }
-  }
+  const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
+  if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));
+  if (!merged.ok()) return FailedRun(merged.error());
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();

@@ -1,13 +1,9 @@
 #include "launcher/supervise/merge_scans.h"
 
-#include <string.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -32,17 +28,15 @@ using When = std::pair<std::uint64_t, std::uint64_t>;
 // One part and a position in it.
 class Part {
  public:
-  explicit Part(const std::string& path) : file_(path) { Next(); }
+  explicit Part(LineFile file) : file_(std::move(file)) { Next(); }
 
-  bool opened() const { return file_.is_open(); }
   bool done() const { return done_; }
   const When& when() const { return when_; }
   const std::string& line() const { return line_; }
 
   void Next() {
     for (;;) {
-      // A line without a line end, at the end of the file, is unfinished.
-      done_ = !std::getline(file_, line_) || file_.eof();
+      done_ = !file_.Next(line_);
       if (done_) return;
       const std::optional<std::uint64_t> edition = NumberAfter("{\"edition\":", line_);
       if (!edition) break;
@@ -54,7 +48,7 @@ class Part {
   }
 
  private:
-  std::ifstream file_;
+  LineFile file_;
   std::string line_;
   When when_ = {0, 0};
   bool done_ = false;
@@ -78,12 +72,13 @@ Status WriteTick(Part& part, const When& when, OutputFile& file) {
 
 }  // namespace
 
-Status MergeScans(const std::vector<std::string>& parts, const std::string& output) {
+Status MergeScans(const std::vector<std::string>& parts, const std::string& output, LineFile::Space space) {
   std::vector<std::unique_ptr<Part>> open;
   for (const std::string& path : parts) {
     if (!std::filesystem::exists(path)) continue;
-    open.push_back(std::make_unique<Part>(path));
-    if (!open.back()->opened()) return Failure("cannot read " + path + ": " + strerror(errno));
+    Result<LineFile> part = LineFile::Open(path, space);
+    if (!part.ok()) return part.error();
+    open.push_back(std::make_unique<Part>(std::move(part).value()));
   }
   Result<OutputFile> file = OutputFile::Create(output);
   if (!file.ok()) return file.error();

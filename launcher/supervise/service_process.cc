@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "launcher/supervise/output_failure.h"
+
 namespace troupe {
 
 ServiceProcess::ServiceProcess(const RunOptions& options, const RunHosts& hosts)
@@ -40,16 +42,27 @@ Status ServiceProcess::Start(const RunKeys& keys) {
   return Status();
 }
 
+std::vector<std::pair<std::string, std::string>> ServiceProcess::Outputs() const {
+  const RunOptions there = OptionsThere();
+  return {{there.hash_log, options_.hash_log},
+          {there.poses, options_.poses},
+          {there.record, options_.record},
+          {there.trace.file, options_.trace.file}};
+}
+
+std::optional<Error> ServiceProcess::OutputFailureIn(const std::string& line) const {
+  for (const auto& [there, here] : Outputs()) {
+    if (std::optional<Error> failure = OutputFailure(line, there, here)) return failure;
+  }
+  return std::nullopt;
+}
+
 Status ServiceProcess::FetchOutputs() const {
   if (hosts_.service_settings() == nullptr) return Status();
-  const RunOptions there = OptionsThere();
-  const std::pair<const std::string&, const std::string&> files[] = {{there.hash_log, options_.hash_log},
-                                                                     {there.poses, options_.poses},
-                                                                     {there.record, options_.record},
-                                                                     {there.trace.file, trace_file_}};
-  for (const auto& [from, to] : files) {
-    if (to.empty()) continue;
-    if (Status status = hosts_.service_host().Fetch(from, to); !status.ok()) return status;
+  for (const auto& [there, here] : Outputs()) {
+    if (here.empty()) continue;
+    const std::string& target = here == options_.trace.file ? trace_file_ : here;
+    if (Status status = hosts_.service_host().Fetch(there, target); !status.ok()) return status;
   }
   return Status();
 }

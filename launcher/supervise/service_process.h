@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -23,6 +25,8 @@ class ServiceProcess {
 
   // REQUIRES, for all below: Start has succeeded.
   Child& process() const { return *process_; }
+  // As AgentFleet::OutputFailureIn, for the files of the service.
+  std::optional<Error> OutputFailureIn(const std::string& line) const;
   // Copies the service's output files from a remote host to the paths of the options.
   Status FetchOutputs() const;
   // The trace of the service on this host; empty: none.
@@ -31,6 +35,8 @@ class ServiceProcess {
  private:
   // The options with the paths and the network interface of the service's host.
   RunOptions OptionsThere() const;
+  // The paths of its output files there, with those of the user.
+  std::vector<std::pair<std::string, std::string>> Outputs() const;
 
   const RunOptions& options_;
   const RunHosts& hosts_;

@@ -167,7 +167,7 @@ Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOp
   if (!end.ok()) return end;
   if (Status status = files.Close(); !status.ok()) {
     Error error = status.error();
-    error.code = ErrorCode::kFailure;
+    if (error.code == ErrorCode::kBadInput) error.code = ErrorCode::kFailure;
     return error;
   }
   return end;

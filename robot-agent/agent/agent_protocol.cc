@@ -21,7 +21,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // With the code of a failure: the caller cannot correct it.
 Error AsFailure(Error error) {
-  error.code = ErrorCode::kFailure;
+  if (error.code == ErrorCode::kBadInput) error.code = ErrorCode::kFailure;
   return error;
 }
 
@@ -260,7 +260,7 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
   if (outputs_.trace == nullptr) return;
-  outputs_.trace->WriteSome();
+  if (const Status& status = outputs_.trace->WriteSome(); !status.ok()) return Fail(status.error());
   Enter(replica_->lane(), TickPhase::kWait, next + 1);
 }
 

@@ -1,5 +1,6 @@
 #include "robot-agent/robot/scan_log.h"
 
+#include <stdio_ext.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -51,7 +52,8 @@ Status ScanLog::Flush() {
 }
 
 void ScanLog::Fail() {
-  status_ = Error{{path_}, std::string("cannot write scans: ") + std::strerror(errno), ErrorCode::kFailure};
+  status_ = Error{{path_}, std::string("cannot write scans: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  __fpurge(file_);  // a later attempt might write text behind a gap
 }
 
 }  // namespace troupe

@@ -70,7 +70,10 @@ class Driver final : public WorldControl, private ServiceHandler {
         if (stop) coordinator_.Stop(now);
         coordinator_.Poll(now);
       });
-      if (trace_ != nullptr) trace_->WriteSome();
+      if (trace_ != nullptr) {
+        const Status& written = trace_->WriteSome();
+        if (!written.ok()) Act([&] { coordinator_.Fail(written.error(), now); });
+      }
       const bool status_due = now >= next_status;
       if (status_due) next_status = now + kStatusPeriod;
       if (AgentsHaveJoined()) ReportJoins(lock);

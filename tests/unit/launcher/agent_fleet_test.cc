@@ -89,9 +89,7 @@ TEST_F(AgentFleetTest, StartsAgentsOfNewRobotsAtOnce) {
 TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   Start(3);
   host_.children[1]->Kill();
-  const std::vector<const AgentProcess*> ended = fleet_.PollEnded();
-  ASSERT_EQ(ended.size(), 1u);
-  EXPECT_EQ(ended[0]->number, 1u);
+  EXPECT_THAT(fleet_.PollEnded(), testing::ElementsAre(1));
   ASSERT_TRUE(fleet_.Restart(1).ok());
   ASSERT_EQ(host_.started.size(), 4u);
   EXPECT_EQ(host_.started[3], host_.started[1]);

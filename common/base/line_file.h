@@ -1,0 +1,38 @@
+// LineFile: the lines of a temporary file.
+#pragma once
+
+#include <string>
+
+#include "common/base/result.h"
+
+namespace troupe {
+
+class LineFile {
+ public:
+  // kFree: the space of the file is given back to its file system while it is read, so that a copy of its lines fits
+  // even on a full disk. The file then has only zeros.
+  enum class Space : bool { kKeep, kFree };
+
+  static Result<LineFile> Open(const std::string& path, Space space);
+  LineFile(LineFile&& other) noexcept;
+  LineFile& operator=(LineFile&&) = delete;
+  ~LineFile();
+
+  // The next line, without its end. False at the end of the file; a last line without an end, as a killed process
+  // leaves it, is omitted.
+  bool Next(std::string& line);
+
+ private:
+  LineFile(int descriptor, Space space) : descriptor_(descriptor), space_(space) {}
+  // Reads a piece behind the text that is not yet consumed. False at the end.
+  bool ReadMore();
+
+  int descriptor_;
+  Space space_;
+  std::string text_;  // read, from `begin_` on not yet consumed
+  std::size_t begin_ = 0;
+  long long read_ = 0;   // bytes of the file
+  long long freed_ = 0;  // likewise: the space of so many is free
+};
+
+}  // namespace troupe
