@@ -1,5 +1,8 @@
 // The permissions of the roles, as Cyclone's plugins enforce them between participants on the network.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <memory>
@@ -38,7 +41,14 @@ using Sample = troupe_wire_Status;
 
 class Participant {
  public:
-  explicit Participant(const std::string& enclave) : participant_(ConfigWith(enclave)) {}
+  explicit Participant(const std::string& enclave) : Participant(ConfigWith(enclave)) {}
+  explicit Participant(const DomainConfig& config) : participant_(config) {}
+
+  dds_guid_t guid() const {
+    dds_guid_t guid{};
+    Check(dds_get_guid(participant_.handle(), &guid), "reading a GUID");
+    return guid;
+  }
 
   DataWriter<Sample> Writer(const char* topic, const std::string& partition) {
     publishers_.push_back(std::make_unique<Publisher>(participant_, Qos() << Partition{partition}));
@@ -66,6 +76,32 @@ std::int32_t MatchedBy(const DataReader<Sample>& reader) {
 }
 std::int32_t MatchedBy(const DataWriter<Sample>& writer) {
   return writer.publication_matched_status().current_count;
+}
+
+// The announcement that a participant has ended (RTPS 2.2, 8.5.3), as a stranger can send it in another's name.
+std::string EndOfParticipant(const dds_guid_t& guid) {
+  using namespace std::string_literals;
+  const std::string bytes(reinterpret_cast<const char*>(guid.v), sizeof(guid.v));
+  const std::string data =
+      "\0\0\x10\0"s                        // the offset of the inline QoS
+      "\0\x01\0\xc7\0\x01\0\xc2"s          // reader and writer of participants
+      "\0\0\0\0\x4d\0\0\0"s                // a sequence number beyond those of the participant
+      "\x71\0\x04\0\0\0\0\x03\x01\0\0\0"s  // inline QoS: disposed and unregistered
+      "\0\x03\0\0\x50\0\x10\0"s +
+      bytes + "\x01\0\0\0"s;  // the key: the participant's GUID
+  return "RTPS\x02\x01\x01\x10"s + bytes.substr(0, 12) + "\x15\x0b"s + static_cast<char>(data.size()) + "\0"s + data;
+}
+
+void SendTo(std::uint16_t port, const std::string& packet) {
+  const int sender = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(
+      sendto(sender, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
+      static_cast<ssize_t>(packet.size()));
+  close(sender);
 }
 
 class PermissionsTest : public testing::Test {
@@ -174,6 +210,28 @@ TEST_F(PermissionsTest, StrangersAreInvisible) {
   EXPECT_TRUE(Eventually([&] { return MatchedBy(frame) >= 1 && MatchedBy(frames) >= 1; }));
   for (const DataWriter<Sample>* writer : {&open_writer, &foreign_writer, &frame}) EXPECT_EQ(MatchedBy(*writer), 1);
   for (const DataReader<Sample>* reader : {&open_reader, &foreign_reader, &frames}) EXPECT_EQ(MatchedBy(*reader), 1);
+}
+
+TEST_F(PermissionsTest, AForgedEndOfAParticipantCountsWithoutKeysOnly) {
+  for (const bool secured : {false, true}) {
+    DomainConfig config = ConfigWith(secured ? Keys(Role::Service()) : "");
+    config.participant_index = secured ? 61 : 60;
+    Participant service(config);
+    Participant agent(secured ? Keys(Role::Agent("a1")) : "");
+    const DataReader<Sample> joins = service.Reader(topics::kJoin, session_ + "/*");
+    const DataReader<Sample> proposals = service.Reader(topics::kProposal, session_ + "/*");
+    const DataWriter<Sample> join = agent.Writer(topics::kJoin, session_ + "/a1");
+    EXPECT_TRUE(Eventually([&] { return MatchedBy(joins) == 1 && MatchedBy(join) == 1; }));
+    SendTo(DiscoveryPort(config.domain, *config.participant_index), EndOfParticipant(agent.guid()));
+    if (!secured) {
+      EXPECT_TRUE(Eventually([&] { return MatchedBy(joins) == 0; }));
+      continue;
+    }
+    // Discovered after the packet.
+    const DataWriter<Sample> proposal = agent.Writer(topics::kProposal, session_ + "/a1");
+    EXPECT_TRUE(Eventually([&] { return MatchedBy(proposals) == 1; }));
+    EXPECT_EQ(MatchedBy(joins), 1);
+  }
 }
 
 TEST_F(PermissionsTest, AParticipantWithoutItsKeysNamesTheFile) {
