@@ -14,9 +14,9 @@ double LowestPoint(const Scene& scene, const WorldState& state, ModelId root) {
   };
   const std::optional<BodyId> body = scene.body_of(root);
   if (!body) {
-    for (const ConvexPiece& piece : scene.static_index().pieces()) {
+    scene.static_index().ForEachPiece([&](const ConvexPiece& piece) {
       if (IsInTree(scene.world(), piece.model, root)) consider(piece);
-    }
+    });
     return lowest.value_or(scene.world().model(root).X_PM.z);
   }
   BodyIndex bodies(scene);
