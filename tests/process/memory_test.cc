@@ -100,7 +100,7 @@ TEST_F(Memory, OfARunWithADenseMapIsBounded) {
   const std::string session = TestSession("dense");
   Program run = Troupe({"run", folder_.Path("checkerboard.world"), "--headless", "--domain",
                         std::to_string(TestDomain()), "--session", session, "--paused", "--no-ros"});
-  ControlClient client(TestDomain(), session, "lo");
+  ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   const Result<ControlReply> reply = client.Call(ControlCommand::kStep, 20, kSeconds);
   ASSERT_TRUE(reply.ok()) << reply.error().message;
@@ -121,7 +121,7 @@ TEST_F(Memory, ForALoadedWorldMayBeMissing) {
   const std::string session = TestSession("load");
   Program run = Troupe({"run", folder_.Path("small.world"), "--headless", "--domain", std::to_string(TestDomain()),
                         "--session", session, "--paused", "--no-ros"});
-  ControlClient client(TestDomain(), session, "lo");
+  ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   ASSERT_TRUE(client.Call(ControlCommand::kStep, 5, kSeconds).ok());
   for (const pid_t process : ChildrenOf(run.pid())) {

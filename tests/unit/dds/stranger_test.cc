@@ -8,19 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_transport.h"
-#include "common/dds/transport/qos_profiles.h"
 #include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/stranger.h"
 
 namespace troupe {
 namespace {
 
 using test::Eventually;
+using test::Forger;
+using test::Stranger;
 
 constexpr RunId kRun = 77;
 constexpr AgentId kAgent = 5;
@@ -44,48 +43,6 @@ class Problems {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> lines_;
-};
-
-// A participant as any program of the network can make one.
-struct Stranger {
-  explicit Stranger(const std::string& session)
-      : participant(Config()), publisher(participant, dds::qos_profiles::Session(session)) {}
-
-  // At an index that agents look for their service at, so that they discover it.
-  static dds::DomainConfig Config() {
-    dds::DomainConfig config = test::TestConfig();
-    config.participant_index = dds::kPeerPortsTried - 1;
-    return config;
-  }
-
-  dds::DomainParticipant participant;
-  dds::Publisher publisher;
-};
-
-// A writer of a stranger's.
-template <typename Wire>
-class Forger {
- public:
-  Forger(const Stranger& stranger, const char* topic, const dds::Qos& qos)
-      : topic_(stranger.participant, topic), writer_(stranger.publisher, topic_, qos) {}
-
-  bool Found() {
-    return Eventually([this] { return writer_.publication_matched_status().current_count > 0; });
-  }
-  template <typename Message>
-  void Send(const Message& message) {
-    dds::WireArena arena;
-    writer_.write(dds::ToWire(message, arena));
-  }
-  void SendFrame(const FrameMessage& frame) {
-    dds::WireArena arena;
-    writer_.write(dds::ToWire(frame, static_cast<const WorldState*>(nullptr), arena));
-  }
-  bool Delivered() { return writer_.wait_for_acknowledgments(20.0); }
-
- private:
-  dds::Topic<Wire> topic_;
-  dds::DataWriter<Wire> writer_;
 };
 
 class StrangerTest : public testing::Test {
@@ -155,16 +112,16 @@ TEST_F(StrangerTest, ForgedFramesAndAdmissionsDoNotReachAnAgent) {
   ASSERT_TRUE(AgentJoins());
   ASSERT_TRUE(Eventually([this] { return !agent_.sessions.items().empty(); }));
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Frame> frames(stranger, topics::kFrame, dds::qos_profiles::Frame());
-  Forger<troupe_wire_Admissions> admissions(stranger, topics::kAdmission, dds::qos_profiles::Admission());
-  Forger<troupe_wire_Session> sessions(stranger, topics::kSession, dds::qos_profiles::Description(1.0));
+  Forger<troupe_wire_Frame> frames(stranger, stranger.publisher, topics::kFrame, dds::qos_profiles::Frame());
+  Forger<troupe_wire_Admissions> admissions(stranger, stranger.publisher, topics::kAdmission, dds::qos_profiles::Admission());
+  Forger<troupe_wire_Session> sessions(stranger, stranger.publisher, topics::kSession, dds::qos_profiles::Description(1.0));
   ASSERT_TRUE(frames.Found() && admissions.Found() && sessions.Found());
 
   FrameMessage last;
   last.run = kRun;
   last.state.tick = 7;
   last.last = true;
-  frames.SendFrame(last);
+  frames.Send(last);
   admissions.Send(std::vector<AdmissionMessage>{{kRun, kAgent, false, "leave"}});
   SessionMessage false_session = Session();
   false_session.host = "a false host";
@@ -191,8 +148,8 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
   ASSERT_TRUE(AgentJoins());
   {
     const Stranger stranger(options_.session);
-    Forger<troupe_wire_Join> joins(stranger, topics::kJoin, dds::qos_profiles::Join(1.0));
-    Forger<troupe_wire_Proposal> proposals(stranger, topics::kProposal, dds::qos_profiles::Proposal());
+    Forger<troupe_wire_Join> joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0));
+    Forger<troupe_wire_Proposal> proposals(stranger, stranger.agent_publisher, topics::kProposal, dds::qos_profiles::Proposal());
     ASSERT_TRUE(joins.Found() && proposals.Found());
     JoinMessage join = Join();
     join.robots = {"another"};
@@ -216,7 +173,7 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
 
 TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Join> joins(stranger, topics::kJoin, dds::qos_profiles::Join(1.0));
+  Forger<troupe_wire_Join> joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0));
   ASSERT_TRUE(joins.Found());
   for (std::size_t i = 0; i < kMany; ++i) {
     JoinMessage join = Join();
@@ -231,7 +188,7 @@ TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
 
 TEST_F(StrangerTest, AMessageBeyondTheLargestSizeIsDropped) {
   const Stranger stranger(options_.session);
-  Forger<troupe_wire_Control> controls(stranger, topics::kControl, dds::qos_profiles::Control());
+  Forger<troupe_wire_Control> controls(stranger, stranger.publisher, topics::kControl, dds::qos_profiles::Control());
   ASSERT_TRUE(controls.Found());
   ControlRequest request;
   request.source = std::string(20'000'000, 'x');

@@ -1,0 +1,219 @@
+// A program without keys attacks real runs: it forges the messages of service and agents, and floods the service.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/base/version.h"
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/tools/control_client.h"
+#include "common/protocol/topics.h"
+#include "tests/process/programs.h"
+#include "tests/support/stranger.h"
+
+namespace troupe::test {
+namespace {
+
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
+constexpr Tick kTicks = 30;
+constexpr std::size_t kFlood = 20000;  // messages
+constexpr double kMemoryMargin = 40.0;  // MiB
+
+// The ports of all UDP sockets on this machine, in the form of Stranger's peers: agents listen at any of them.
+std::vector<std::string> AllPorts() {
+  std::ifstream sockets("/proc/net/udp");
+  std::string line;
+  std::getline(sockets, line);  // the titles
+  std::vector<std::string> peers;
+  while (std::getline(sockets, line)) {
+    const std::size_t colon = line.find(':', line.find(':') + 1);  // of the address
+    peers.push_back("127.0.0.1:" + std::to_string(std::stoul(line.substr(colon + 1, 4), nullptr, 16)));
+  }
+  return peers;
+}
+
+double ResidentMemory(pid_t process) {  // MiB
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) / 1024.0;
+  }
+  return 0.0;
+}
+
+// A run of pen.world that waits in a pause, and is controlled by its owner.
+class AttackedRun {
+ public:
+  AttackedRun(const std::string& session, const std::string& security)
+      : session_(session),
+        run_(RunPen({"--paused", "--session", session, "--security", security})),
+        owner_(NetworkOf(session)) {
+    EXPECT_TRUE(owner_.WaitForService(kSeconds).ok()) << run_.output();
+    run_.WaitForLine("ready");
+  }
+
+  const std::string& session() const { return session_; }
+  std::uint64_t HashAfterSteps() {
+    const Result<ControlReply> reply = owner_.Call(ControlCommand::kStep, kTicks, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
+    if (!reply.ok()) return 0;
+    EXPECT_EQ(reply.value().tick, kTicks);
+    return reply.value().state_hash;
+  }
+  double ServiceMemory() const {
+    for (const pid_t child : ChildrenOf(run_.pid())) {
+      if (CommandLineOf(child).find("world-service") != std::string::npos) return ResidentMemory(child);
+    }
+    return 0.0;
+  }
+  std::string Stop() {
+    run_.Signal(SIGINT);
+    EXPECT_EQ(run_.Wait(), 130) << run_.output();
+    return run_.output();
+  }
+
+ private:
+  const std::string session_;
+  Program run_;
+  ControlClient owner_;
+};
+
+std::uint64_t HashWithoutAttack() {
+  static const std::uint64_t hash = [] {
+    AttackedRun run(TestSession("peace"), "auto");
+    const std::uint64_t hash_after = run.HashAfterSteps();
+    run.Stop();
+    return hash_after;
+  }();
+  return hash;
+}
+
+// Writers of all topics that matter, of one stranger.
+struct Arsenal {
+  explicit Arsenal(const std::string& session)
+      : stranger(session, AllPorts()),
+        sessions(stranger, stranger.publisher, topics::kSession, dds::qos_profiles::Description(1.0)),
+        frames(stranger, stranger.publisher, topics::kFrame, dds::qos_profiles::Frame()),
+        admissions(stranger, stranger.publisher, topics::kAdmission, dds::qos_profiles::Admission()),
+        joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0)),
+        proposals(stranger, stranger.agent_publisher, topics::kProposal, dds::qos_profiles::Proposal()),
+        controls(stranger, stranger.publisher, topics::kControl, dds::qos_profiles::Control()) {}
+
+  std::int32_t readers() {
+    return sessions.readers() + frames.readers() + admissions.readers() + joins.readers() + proposals.readers() +
+           controls.readers();
+  }
+
+  Stranger stranger;
+  Forger<troupe_wire_Session> sessions;
+  Forger<troupe_wire_Frame> frames;
+  Forger<troupe_wire_Admissions> admissions;
+  Forger<troupe_wire_Join> joins;
+  Forger<troupe_wire_Proposal> proposals;
+  Forger<troupe_wire_Control> controls;
+};
+
+// The run that a session announces to anyone, where it is not secured.
+std::optional<RunId> SpyOutRun(const std::string& session) {
+  const dds::DomainParticipant spy(TestConfig());
+  const dds::Subscriber subscriber(spy, dds::qos_profiles::Session(session));
+  const dds::Topic<troupe_wire_Session> topic(spy, topics::kSession);
+  dds::DataReader<troupe_wire_Session> reader(subscriber, topic, dds::qos_profiles::Description());
+  std::optional<RunId> run;
+  Eventually(
+      [&] {
+        for (const auto sample : reader.take()) run = sample.data().run;
+        return run.has_value();
+      },
+      3.0);
+  return run;
+}
+
+TEST(Attack, ASecuredRunIsInvisibleToStrangers) {
+  const std::uint64_t peace = HashWithoutAttack();
+  AttackedRun run(TestSession("secured"), "auto");
+  EXPECT_EQ(SpyOutRun(run.session()), std::nullopt);
+  Arsenal arsenal(run.session());
+  EXPECT_FALSE(arsenal.joins.Found(3.0));
+  EXPECT_EQ(arsenal.readers(), 0);
+  EXPECT_EQ(run.HashAfterSteps(), peace);
+  run.Stop();
+}
+
+TEST(Attack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
+  const std::uint64_t peace = HashWithoutAttack();
+  AttackedRun run(TestSession("open"), "off");
+  const std::optional<RunId> id = SpyOutRun(run.session());
+  ASSERT_TRUE(id.has_value());
+  Arsenal arsenal(run.session());
+  ASSERT_TRUE(arsenal.joins.Found() && arsenal.proposals.Found() && arsenal.frames.Found() &&
+              arsenal.sessions.Found() && arsenal.admissions.Found());
+
+  SessionMessage session;
+  session.run = *id;
+  session.protocol_version = kProtocolVersion;
+  arsenal.sessions.Send(session);
+  session.run = 1;
+  arsenal.sessions.Send(session);
+  FrameMessage frame;
+  frame.run = *id;
+  frame.state.tick = 7;
+  arsenal.frames.Send(frame);
+  frame.last = true;
+  arsenal.frames.Send(frame);
+  arsenal.admissions.Send(std::vector<AdmissionMessage>{{*id, 1, false, "leave"}});
+  JoinMessage join;
+  join.run = *id;
+  join.protocol_version = kProtocolVersion;
+  join.robots = {"r0"};
+  for (AgentId agent = 1; agent <= kFlood; ++agent) {
+    join.agent = agent;
+    arsenal.joins.Send(join);
+  }
+  ProposalMessage proposal;
+  proposal.run = *id;
+  proposal.tick = 1;
+  for (AgentId agent = 1; agent <= kFlood; ++agent) {
+    proposal.agent = agent;
+    arsenal.proposals.Send(proposal);
+  }
+  EXPECT_TRUE(arsenal.joins.Delivered() && arsenal.proposals.Delivered());
+
+  EXPECT_EQ(run.HashAfterSteps(), peace);
+  const std::string output = run.Stop();
+  EXPECT_THAT(output, testing::HasSubstr("ignored participant"));
+}
+
+TEST(Attack, AFloodOfRequestsLeavesNoMemoryBehind) {
+  const std::uint64_t peace = HashWithoutAttack();
+  AttackedRun run(TestSession("flood"), "off");
+  const double before = run.ServiceMemory();
+  {
+    Arsenal arsenal(run.session());
+    ASSERT_TRUE(arsenal.controls.Found() && arsenal.joins.Found());
+    ControlRequest request;
+    for (std::size_t i = 0; i < kFlood; ++i) {
+      request.client = i;
+      arsenal.controls.Send(request);
+    }
+    request.source = std::string(100'000'000, 'x');
+    for (int i = 0; i < 3; ++i) arsenal.controls.Send(request);
+    JoinMessage join;
+    join.robots.assign(1'000'000, "a robot with a long name");
+    arsenal.joins.Send(join);
+    request.source = "";
+    arsenal.controls.Send(request);
+    EXPECT_TRUE(arsenal.controls.Delivered());
+  }
+  EXPECT_EQ(run.HashAfterSteps(), peace);
+  EXPECT_GT(before, 0.0);
+  EXPECT_LT(run.ServiceMemory(), before + kMemoryMargin);
+  run.Stop();
+}
+
+}  // namespace
+}  // namespace troupe::test
