@@ -11,7 +11,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kPiece = std::size_t{64} * 1024;  // bytes: hundreds of files are open at the same time
-constexpr long long kBlock = 4096;                      // bytes: space is free in whole blocks
+constexpr std::int64_t kBlock = 4096;                   // bytes: space is free in whole blocks
 
 }  // namespace
 

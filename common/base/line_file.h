@@ -1,6 +1,8 @@
 // LineFile: the lines of a temporary file.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "common/base/result.h"
@@ -31,8 +33,8 @@ class LineFile {
   Space space_;
   std::string text_;  // read, from `begin_` on not yet consumed
   std::size_t begin_ = 0;
-  long long read_ = 0;   // bytes of the file
-  long long freed_ = 0;  // likewise: the space of so many is free
+  std::int64_t read_ = 0;   // bytes of the file
+  std::int64_t freed_ = 0;  // likewise: the space of so many is free
 };
 
 }  // namespace troupe
