@@ -107,6 +107,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
       AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
   std::vector<std::string> restart_arguments = arguments;
+  restart_arguments.emplace_back("--skip-deleted");
   if (!scans_.empty()) restart_arguments.emplace_back("--keep-scans");
   std::string restart_command =
       ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(restart_arguments);

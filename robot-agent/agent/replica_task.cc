@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <new>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/version.h"
 
@@ -27,8 +29,13 @@ Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& output
   if (const Status status = Validate(session->world); !status.ok()) {
     return Failure(fmt::format("the world service on {} sent a bad world: {}", session->host, status.error().message));
   }
+  std::vector<std::string> robots = options.robots;
+  if (options.skip_deleted) {
+    std::erase_if(robots, [this](const std::string& name) { return !FindRobot(session->world, name); });
+    if (robots.empty()) robots = options.robots;  // the error names the first one
+  }
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(session->world), options.robots, {outputs.scan_log, options.libraries}, options.threads,
+      Replica::Create(std::move(session->world), robots, {outputs.scan_log, options.libraries}, options.threads,
                       options.make_gateway, outputs.trace);
   if (!made.ok()) return made.error();
   replica = std::move(made).value();

@@ -230,6 +230,22 @@ TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
   run.ExpectNobodyLeft();
 }
 
+TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
+  const std::string session = TestSession("deleted");
+  Program run = RunPen({"--session", session, "--speed", "10", "--lease", "0.5", "--robots-per-process", "2"});
+  run.WaitForLine("4 robots in 2 agent processes, ready");
+  ASSERT_EQ(Finish(Troupe({"ctl", "delete", "r0", "--domain", std::to_string(TestDomain()), "--session", session}))
+                .exit_status,
+            0);
+  for (const pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find("--robot=r0") != std::string::npos) kill(child, SIGKILL);
+  }
+  run.WaitForLine("r1 has an agent");
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+}
+
 TEST(AgentLoss, AnAgentThatWasStoppedInOrderIsNotStartedAgain) {
   LongRun run;
   kill(run.Child("--robot=r1"), SIGTERM);

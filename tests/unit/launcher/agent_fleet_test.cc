@@ -92,7 +92,9 @@ TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   EXPECT_THAT(fleet_.PollEnded(), testing::ElementsAre(1));
   ASSERT_TRUE(fleet_.Restart(1).ok());
   ASSERT_EQ(host_.started.size(), 4u);
-  EXPECT_EQ(host_.started[3], host_.started[1]);
+  std::vector<std::string> arguments = host_.started[1];
+  arguments.emplace_back("--skip-deleted");
+  EXPECT_EQ(host_.started[3], arguments);
   EXPECT_EQ(fleet_.size(), 3u);
   EXPECT_TRUE(fleet_.PollEnded().empty());
   EXPECT_EQ(fleet_.peak_memory_mib(), 20.0) << "of the process that died";
