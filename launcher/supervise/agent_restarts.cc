@@ -12,6 +12,8 @@ namespace {
 constexpr double kFirstDelay = 0.1;
 constexpr double kLongestDelay = 10.0;
 constexpr int kMostDoublings = 20;
+// s, between two restarts: a hundred agents that die together, on an overloaded host, are not all started together.
+constexpr double kSpacing = 0.025;
 
 // An agent that ended for another reason died: by a signal, or by a failure that may not return.
 bool MayBeRestarted(int exit_status) {
@@ -28,9 +30,20 @@ double DelayBefore(std::uint32_t restart) {
 
 std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double now) {
   if (!MayBeRestarted(exit_status) || CountOf(agent) >= limit_) return std::nullopt;
-  const double due = now + DelayBefore(++counts_[agent]);
+  due_.erase(agent);
+  const double due = FreeTime(now + DelayBefore(++counts_[agent]));
   due_[agent] = due;
   return due;
+}
+
+double AgentRestarts::FreeTime(double from) const {
+  std::vector<double> taken;
+  for (const auto& [agent, due] : due_) taken.push_back(due);
+  std::sort(taken.begin(), taken.end());
+  for (const double due : taken) {
+    if (std::abs(due - from) < kSpacing) from = due + kSpacing;
+  }
+  return from;
 }
 
 std::vector<AgentRestarts::Agent> AgentRestarts::TakeDue(double now) {

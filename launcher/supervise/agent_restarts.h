@@ -35,6 +35,9 @@ class AgentRestarts {
   std::uint32_t CountOf(Agent agent) const;
 
  private:
+  // The first time from `from` on that is not close to another restart.
+  double FreeTime(double from) const;
+
   std::uint32_t limit_;
   std::map<Agent, std::uint32_t> counts_;
   std::map<Agent, double> due_;

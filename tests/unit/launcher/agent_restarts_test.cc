@@ -68,6 +68,22 @@ TEST(AgentRestartsTest, ReturnsDueAgentsByNumber) {
   EXPECT_EQ(restarts.NextDue(), 30.1);
 }
 
+TEST(AgentRestartsTest, StartsAgentsThatDiedTogetherOneAfterAnother) {
+  AgentRestarts restarts(3);
+  for (std::size_t agent = 0; agent < 100; ++agent) restarts.OnEnd(agent, kKilled, 10.0);
+  double now = 10.0;
+  int started = 0;
+  while (const std::optional<double> next = restarts.NextDue()) {
+    EXPECT_TRUE(started == 0 || *next > now + 0.02) << started;
+    now = *next;
+    const std::vector<AgentRestarts::Agent> due = restarts.TakeDue(now);
+    ASSERT_EQ(due.size(), 1u);
+    ++started;
+  }
+  EXPECT_EQ(started, 100);
+  EXPECT_LT(now, 13.0);
+}
+
 TEST(AgentRestartsTest, MakesNoRestartOnceTheRunEnds) {
   AgentRestarts restarts(3);
   restarts.OnEnd(0, kKilled, 0.0);
