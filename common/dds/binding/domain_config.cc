@@ -7,11 +7,28 @@
 
 #include "common/base/check.h"
 #include "common/dds/binding/network_profiles.h"
-#include "common/dds/binding/security_config.h"
-#include "common/dds/binding/xml_text.h"
 
 namespace troupe::dds {
 namespace {
+
+// As text inside a quoted attribute. Cyclone expands ${...} in values, which a name from the command line never means.
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else if (c == '$') {
+      escaped += "\\$";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
 
 bool IsAddress(const std::string& text) {
   in_addr address{};
@@ -21,7 +38,7 @@ bool IsAddress(const std::string& text) {
 // An attribute.
 std::string Interface(const std::string& name) {
   if (name == "auto") return R"(autodetermine="true")";
-  return (IsAddress(name) ? "address=\"" : "name=\"") + XmlText(name) + "\"";
+  return (IsAddress(name) ? "address=\"" : "name=\"") + Escaped(name) + "\"";
 }
 
 std::string Multicast(const DomainConfig& config) {
@@ -31,7 +48,7 @@ std::string Multicast(const DomainConfig& config) {
 
 std::string Peers(const DomainConfig& config) {
   std::string peers;
-  for (const std::string& peer : config.peers) peers += R"(<Peer address=")" + XmlText(peer) + R"("/>)";
+  for (const std::string& peer : config.peers) peers += R"(<Peer address=")" + Escaped(peer) + R"("/>)";
   return peers;
 }
 
@@ -67,7 +84,6 @@ std::string ToXml(const DomainConfig& config) {
       {"PEERS", Peers(config)},
       {"MAX_SAMPLE", std::to_string(config.max_sample_bytes) + "B"},
       {"LEASE", std::to_string(config.lease_seconds) + "s"},
-      {"SECURITY", SecurityXml(config.security_enclave)},
   };
   std::string_view rest = profile == "one-host" ? kOneHostProfile : profile == "lan" ? kLanProfile : kUnicastProfile;
   std::string xml;

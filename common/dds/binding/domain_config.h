@@ -21,10 +21,13 @@ struct DomainConfig {
   // themselves to it, and participants that are all without do not discover each other. The loopback interface ignores
   // this.
   bool heard_on_own_machine = true;
-  std::vector<std::string> peers;  // "host" or "host:port" of discovery; a host alone: its first ports
+  std::vector<std::string> peers;               // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
-  double lease_seconds = 10.0;     // others forget a participant that is silent for longer
-  std::string security_enclave;    // the folder with the participant's keys (common/base/enclave.h); empty: no security
+  double lease_seconds = 10.0;                  // others forget a participant that is silent for longer
+  // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
+  // compares them with the number in the process. All such participants of one domain need equal configurations.
+  bool numbered_as_on_network = false;
+  std::string security_enclave;  // the folder with the participant's keys (common/base/enclave.h); empty: no security
 };
 
 // Of a tool that looks for world services. An empty address: those of this machine.

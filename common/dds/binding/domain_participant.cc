@@ -1,38 +1,78 @@
 #include "common/dds/binding/domain_participant.h"
 
+#include <map>
+#include <mutex>
+#include <utility>
+
 #include "common/base/enclave.h"
 #include "common/dds/binding/exception.h"
+#include "common/dds/binding/security_properties.h"
 
 namespace troupe::dds {
 namespace {
 
 constexpr std::uint32_t kDomains = 231;
 
+std::string Starting(const DomainConfig& config) {
+  return "starting DDS domain " + std::to_string(config.domain) + " on network interface '" + config.network_interface +
+         "'";
+}
+
 // Cyclone knows a domain by one number in a process and by another one on the network. Any free number will do in the
-// process, so that several participants, each with a configuration of its own, can be in one domain.
-Entity CreateDomain(const DomainConfig& config, dds_domainid_t& local_id) {
-  const std::string doing = "starting DDS domain " + std::to_string(config.domain) + " on network interface '" +
-                            config.network_interface + "'";
-  if (config.domain >= kDomains) throw Exception(DDS_RETCODE_BAD_PARAMETER, doing + " (expected 0 to 230)");
+// process, so that several participants, each with a configuration of its own, can be in one domain. The highest ones
+// come first: low ones are those of ROS domains, which can need theirs.
+SharedDomain CreateDomain(const DomainConfig& config) {
+  const std::string xml = ToXml(config);
+  for (std::uint32_t number = kDomains; number-- > 0;) {
+    const dds_entity_t handle = dds_create_domain(number, xml.c_str());
+    if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) continue;
+    return {std::make_shared<const Entity>(Check(handle, Starting(config))), number};
+  }
+  throw Exception(DDS_RETCODE_OUT_OF_RESOURCES, Starting(config));
+}
+
+// The domains of this process that have their number on the network.
+struct NumberedDomain {
+  std::weak_ptr<const Entity> entity;
+  std::string xml;
+};
+std::mutex numbered_mutex;
+std::map<std::uint32_t, NumberedDomain> numbered_domains;  // guarded by the mutex
+
+// Participants of such a domain share it.
+SharedDomain OpenNumberedDomain(const DomainConfig& config) {
+  const std::string xml = ToXml(config);
+  const std::lock_guard lock(numbered_mutex);
+  NumberedDomain& domain = numbered_domains[config.domain];
+  if (std::shared_ptr<const Entity> open = domain.entity.lock()) {
+    if (domain.xml == xml) return {std::move(open), config.domain};
+    throw Exception(DDS_RETCODE_PRECONDITION_NOT_MET, Starting(config) + " (this process has it with other settings)");
+  }
+  const auto close = [](const Entity* entity) {
+    const std::lock_guard closing(numbered_mutex);  // until it is closed, no other can have the number
+    delete entity;
+  };
+  const dds_entity_t handle = Check(dds_create_domain(config.domain, xml.c_str()), Starting(config));
+  const std::shared_ptr<const Entity> created(new Entity(handle), close);
+  domain = {created, xml};
+  return {created, config.domain};
+}
+
+SharedDomain OpenDomain(const DomainConfig& config) {
+  if (config.domain >= kDomains) throw Exception(DDS_RETCODE_BAD_PARAMETER, Starting(config) + " (expected 0 to 230)");
   if (!config.security_enclave.empty()) {
     const Status enclave = CheckEnclave(config.security_enclave);
-    if (!enclave.ok()) throw Exception(DDS_RETCODE_BAD_PARAMETER, doing + ": " + enclave.error().ToString());
+    if (!enclave.ok()) throw Exception(DDS_RETCODE_BAD_PARAMETER, Starting(config) + ": " + enclave.error().ToString());
   }
-  const std::string xml = ToXml(config);
-  for (std::uint32_t attempt = 0; attempt < kDomains; ++attempt) {
-    local_id = (config.domain + attempt) % kDomains;
-    const dds_entity_t handle = dds_create_domain(local_id, xml.c_str());
-    if (handle != DDS_RETCODE_PRECONDITION_NOT_MET) return Entity(Check(handle, doing));
-  }
-  throw Exception(DDS_RETCODE_OUT_OF_RESOURCES, doing);
+  return config.numbered_as_on_network ? OpenNumberedDomain(config) : CreateDomain(config);
 }
 
 }  // namespace
 
-DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos) {
-  dds_domainid_t local_id = 0;
-  domain_ = CreateDomain(config, local_id);
-  participant_ = Entity(Check(dds_create_participant(local_id, qos.get(), nullptr), "creating a participant"));
+DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos) : domain_(OpenDomain(config)) {
+  const Qos secured = config.security_enclave.empty() ? qos : WithSecurity(qos, config.security_enclave);
+  participant_ =
+      Entity(Check(dds_create_participant(domain_.number, secured.get(), nullptr), "creating a participant"));
 }
 
 GuidPrefix DomainParticipant::guid_prefix() const {

@@ -1,12 +1,21 @@
 // DomainParticipant: a process' presence in a DDS domain, with a configuration of its own.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+
 #include "common/dds/binding/domain_config.h"
 #include "common/dds/binding/entity.h"
 #include "common/dds/binding/guid_prefix.h"
 #include "common/dds/binding/qos.h"
 
 namespace troupe::dds {
+
+// Cyclone's threads and sockets, and the number by which the process knows the domain.
+struct SharedDomain {
+  std::shared_ptr<const Entity> entity;
+  std::uint32_t number = 0;
+};
 
 class DomainParticipant {
  public:
@@ -17,7 +26,7 @@ class DomainParticipant {
   dds_entity_t handle() const { return participant_.handle(); }
 
  private:
-  Entity domain_;  // Cyclone's threads and sockets; ends after the participant
+  SharedDomain domain_;  // ends after the participant
   Entity participant_;
 };
 

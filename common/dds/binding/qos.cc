@@ -64,6 +64,11 @@ Qos& Qos::operator<<(const UserData& policy) {
   return *this;
 }
 
+Qos& Qos::operator<<(const Property& property) {
+  dds_qset_prop(qos_.get(), property.name.c_str(), property.value.c_str());
+  return *this;
+}
+
 bool operator==(const Qos& a, const Qos& b) {
   return dds_qos_equal(a.get(), b.get());
 }

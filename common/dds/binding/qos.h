@@ -72,6 +72,12 @@ struct IgnoreLocal {
   static IgnoreLocal Participant() { return {DDS_IGNORELOCAL_PARTICIPANT}; }
 };
 
+// A property of a participant, for the plugins of DDS Security.
+struct Property {
+  std::string name;
+  std::string value;
+};
+
 class Qos {
  public:
   Qos();
@@ -90,6 +96,7 @@ class Qos {
   Qos& operator<<(const WriterDataLifecycle& policy);
   Qos& operator<<(const IgnoreLocal& policy);
   Qos& operator<<(const UserData& policy);
+  Qos& operator<<(const Property& property);
 
   const dds_qos_t* get() const { return qos_.get(); }
 
