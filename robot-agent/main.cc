@@ -12,6 +12,8 @@
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
 #include "common/protocol/agent_name.h"
+#include "common/ros/names.h"
+#include "common/ros/ros_security.h"
 #include "common/security/session_keys.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
@@ -63,7 +65,14 @@ int Run(const AgentCommandLine& line) {
   options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);
   options.on_notice = [&line](const std::string& text) { Report(line, text); };
-  if (line.ros_on.value_or(false)) options.make_gateway = MakeRosGateway(line.ros);
+  if (line.ros_on.value_or(false)) {
+    // The name in ROS can differ where two robots' names are alike; then the participant reports the lack of keys.
+    const std::string name = "/" + ros::RosName(line.agent.robots.front());
+    const Result<ros::Enclave> keys = ros::FindEnclave(line.ros.security, name);
+    if (!keys.ok()) return FailedAgent(line, keys.error());
+    if (!keys.value().warning.empty()) Report(line, keys.value().warning);
+    options.make_gateway = MakeRosGateway(line.ros);
+  }
   const Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, signals.requested());
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;
   return FailedAgent(line, end.error());

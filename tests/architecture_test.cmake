@@ -63,7 +63,7 @@ set(may_include_world-service/program
   common/base common/command_line common/protocol common/ros common/run common/worldfile common/worldfile/build
   world-service/observers/recorder world-service/service)
 set(may_include_world-service
-  common/base common/command_line common/dds/binding common/dds/transport common/run common/spatial world-service/program
+  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/spatial world-service/program
   world-service/observers/recorder world-service/observers/ros world-service/observers/status world-service/service)
 
 set(may_include_robot-agent/controller
@@ -82,7 +82,7 @@ set(may_include_robot-agent/ros
 set(may_include_robot-agent/program
   common/base common/command_line common/protocol common/ros common/run robot-agent/agent)
 set(may_include_robot-agent
-  common/base common/command_line common/dds/binding common/dds/transport common/run robot-agent/program robot-agent/ros)
+  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run robot-agent/program robot-agent/ros)
 
 # The public headers, each with a rule of its own: folders on all levels include one.
 set(may_include_include/troupe/version.h "")
@@ -109,7 +109,7 @@ set(may_include_launcher/supervise
 set(may_include_launcher/commands
   common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol common/run
   common/security
-  common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
+  common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
   common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise
   robot-agent/controller world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)

@@ -8,6 +8,7 @@
 #include "common/base/stop_signals.h"
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
+#include "common/ros/ros_security.h"
 #include "common/security/session_keys.h"
 #include "common/spatial/scene.h"
 #include "world-service/observers/recorder/recorder.h"
@@ -35,6 +36,11 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   options.world_file = line.file;
   options.overrides = line.overrides;
   RestrictRequests(line.permissions, loaded.value(), options);
+  if (options.settings.ros) {
+    const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
+    if (!enclave.ok()) return fail(enclave.error());
+    if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
+  }
   const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;

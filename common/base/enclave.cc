@@ -28,7 +28,7 @@ std::string Fault(const std::string& path) {
 Status CheckEnclave(const std::string& folder) {
   std::error_code failure;
   if (!std::filesystem::is_directory(folder, failure)) {
-    return Error{{folder}, "found no such folder, expected a folder of keys (see 'troupe keys make')"};
+    return Error{{folder}, "found no such folder, expected the keys of a participant"};
   }
   for (const char* name : kEnclaveFiles) {
     const std::string path = (std::filesystem::path(folder) / name).string();

@@ -38,6 +38,26 @@ void AddRosMapFlags(CLI::App& app, ros::RosOptions& options, const std::string& 
       ->group(group);
 }
 
+void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::string& group) {
+  AddText(app, group, "--ros-security",
+          "Security in ROS: off, permissive or enforce (default: by ROS_SECURITY_ENABLE and ROS_SECURITY_STRATEGY)",
+          {"off", "permissive", "enforce"}, [&security](const std::string& word) {
+            security.fault.clear();
+            for (const auto strategy :
+                 {ros::SecurityStrategy::kOff, ros::SecurityStrategy::kPermissive, ros::SecurityStrategy::kEnforce}) {
+              if (word == ToString(strategy)) security.strategy = strategy;
+            }
+          });
+  app.add_option("--ros-keystore", security.keystore,
+                 "Keystore of ROS's security tools (default: ROS_SECURITY_KEYSTORE)")
+      ->type_name("DIR")
+      ->group(group);
+  app.add_option("--ros-enclave", security.enclave,
+                 "Enclave of all processes (default: ROS_SECURITY_ENCLAVE_OVERRIDE, or /world and one for each robot)")
+      ->type_name("/NAME")
+      ->group(group);
+}
+
 }  // namespace
 
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group) {
@@ -74,6 +94,7 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
           {"shared", "namespaced"},
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
   AddRosMapFlags(app, options, group);
+  AddRosSecurityFlags(app, options.security, group);
 }
 
 std::vector<std::string> RosArguments(const ros::RosOptions& options) {
@@ -88,6 +109,9 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(options.map_resolution));
   if (options.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*options.map_height));
   if (options.reliable_commands) arguments.emplace_back("--ros-reliable-commands");
+  arguments.push_back(std::string("--ros-security=") + ToString(options.security.strategy));
+  if (!options.security.keystore.empty()) arguments.push_back("--ros-keystore=" + options.security.keystore);
+  if (!options.security.enclave.empty()) arguments.push_back("--ros-enclave=" + options.security.enclave);
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;
 }

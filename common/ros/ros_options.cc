@@ -32,6 +32,7 @@ RosOptions OptionsFromEnvironment() {
   if (Environment("ROS_LOCALHOST_ONLY") == "1" || Environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST") {
     options.network_interface = "lo";
   }
+  options.security = SecurityFromEnvironment();
   return options;
 }
 

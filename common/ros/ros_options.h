@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "common/ros/ros_security.h"
+
 namespace troupe::ros {
 
 enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolling };
@@ -26,10 +28,11 @@ struct RosOptions {
   // processes on this machine; they discover it by theirs. Without effect on the loopback interface.
   bool quiet = false;
   bool map_to_odom = true;  // publish the true pose of each odom frame in the map
+  RosSecurity security = {};
 };
 
-// The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE. Values
-// that are not valid are ignored.
+// The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, of
+// which values that are not valid are ignored, and those of SecurityFromEnvironment.
 RosOptions OptionsFromEnvironment();
 
 // `name`: in lower case.

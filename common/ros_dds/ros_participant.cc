@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <random>
+#include <utility>
 #include <variant>
 
 #include "common/dds/binding/data_writer.h"
@@ -18,12 +19,20 @@ namespace {
 constexpr const char* kDiscoveryTopic = "ros_discovery_info";
 constexpr std::size_t kLongestName = 256;
 
-dds::DomainConfig ConfigOf(const RosOptions& options) {
+Enclave EnclaveOf(const RosOptions& options, const std::string& name) {
+  Result<Enclave> enclave = FindEnclave(options.security, name);
+  if (!enclave.ok()) throw dds::Exception(DDS_RETCODE_BAD_PARAMETER, "starting ROS: " + enclave.error().ToString());
+  return std::move(enclave).value();
+}
+
+dds::DomainConfig ConfigOf(const RosOptions& options, const Enclave& enclave) {
   dds::DomainConfig config;
   config.domain = options.domain;
   config.network_interface = options.network_interface;
   config.data_multicast = false;  // as ROS by default: not every network has multicast
   config.heard_on_own_machine = !options.quiet;
+  config.security_enclave = enclave.folder;
+  config.numbered_as_on_network = !enclave.folder.empty();  // permissions of ROS name its domain
   return config;
 }
 
@@ -100,9 +109,12 @@ class InfoWriter final : public Base {
 
 }  // namespace
 
-RosParticipant::RosParticipant(const RosOptions& options)
+RosParticipant::RosParticipant(const RosOptions& options, const std::string& enclave)
+    : RosParticipant(options, EnclaveOf(options, enclave)) {}
+
+RosParticipant::RosParticipant(const RosOptions& options, const Enclave& enclave)
     : distribution_(options.distribution),
-      participant_(ConfigOf(options), dds::Qos() << dds::UserData{"enclave=/;"}),
+      participant_(ConfigOf(options, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
       publisher_(participant_),
       subscriber_(participant_) {
   if (distribution_ == Distribution::kHumble) {

@@ -19,8 +19,9 @@ namespace troupe::ros {
 
 class RosParticipant {
  public:
-  // Throws dds::Exception when DDS cannot start.
-  explicit RosParticipant(const RosOptions& options);
+  // `enclave`: whose keys it has if the options ask for security: kWorldEnclave, "/<robot>", or "/" of other programs.
+  // Throws dds::Exception when DDS cannot start, or where FindEnclave fails.
+  explicit RosParticipant(const RosOptions& options, const std::string& enclave = "/");
   ~RosParticipant();
 
   const dds::DomainParticipant& participant() const { return participant_; }
@@ -47,6 +48,8 @@ class RosParticipant {
 
  private:
   class Announcer;
+
+  RosParticipant(const RosOptions& options, const Enclave& enclave);
 
   Distribution distribution_;
   dds::DomainParticipant participant_;

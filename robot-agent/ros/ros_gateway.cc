@@ -91,10 +91,17 @@ ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, const st
   return options;
 }
 
+// A process has one participant, and so one enclave: that of its first robot.
+std::string EnclaveFor(const Scene& scene, const std::vector<RobotId>& robots) {
+  if (robots.empty()) return "/";
+  return "/" + ros::RobotNames(scene.world())[robots.front().index()];
+}
+
 class RosGateway final : public Gateway {
  public:
   RosGateway(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotId>& robots)
-      : participant_(OptionsFor(options, scene, robots)), by_id_(scene.world().robots.size()) {
+      : participant_(OptionsFor(options, scene, robots), EnclaveFor(scene, robots)),
+        by_id_(scene.world().robots.size()) {
     participant_.WatchWriters();
     const std::vector<std::string> names = ros::RobotNames(scene.world());
     for (const RobotId robot : robots) {

@@ -20,6 +20,9 @@ namespace troupe::test {
 
 class RosGraph {
  public:
+  explicit RosGraph(const ros::RosOptions& options = TestRosOptions(), const std::string& enclave = "/")
+      : participant_(options, enclave) {}
+
   // "/r0/robot": the nodes of all participants that are there, one that two of them announce twice.
   std::vector<std::string> Nodes() {
     ReadInfos();
@@ -91,7 +94,7 @@ class RosGraph {
     if (count > 0) dds::Check(dds_return_loan(reader.handle(), samples.data(), count), "returning samples");
   }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_;
   dds::Topic<Info> topic_{participant_.participant(), "ros_discovery_info"};
   dds::DataReader<Info> infos_{participant_.subscriber(), topic_, ros::Latched(1000)};
   dds::Entity participants_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);

@@ -11,7 +11,9 @@ class RosEnvironment : public testing::Test {
   void SetUp() override { Clear(); }
   void TearDown() override { Clear(); }
   void Clear() {
-    for (const char* name : {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"}) {
+    for (const char* name :
+         {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_SECURITY_ENABLE",
+          "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"}) {
       unsetenv(name);
     }
   }
@@ -42,6 +44,57 @@ TEST_F(RosEnvironment, IsIgnoredWhereItIsNotValid) {
   }
   setenv("ROS_DISTRO", "noetic", 1);
   EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kJazzy);
+}
+
+TEST_F(RosEnvironment, HasNoSecurityUnlessItIsEnabled) {
+  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kOff);
+  setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
+  setenv("ROS_SECURITY_ENABLE", "false", 1);
+  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kOff);
+  EXPECT_EQ(OptionsFromEnvironment().security.fault, "");
+  const Result<Enclave> none = FindEnclave(OptionsFromEnvironment().security, "/world");
+  ASSERT_TRUE(none.ok());
+  EXPECT_EQ(none.value().name, "/");
+  EXPECT_EQ(none.value().folder, "");
+}
+
+TEST_F(RosEnvironment, SetsTheSecurity) {
+  setenv("ROS_SECURITY_ENABLE", "true", 1);
+  setenv("ROS_SECURITY_KEYSTORE", "/keys", 1);
+  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kPermissive);
+  EXPECT_EQ(OptionsFromEnvironment().security.keystore, "/keys");
+  setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", "/swarm", 1);
+  EXPECT_EQ(OptionsFromEnvironment().security.enclave, "/swarm");
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/r0").value().name, "/swarm");
+  setenv("ROS_SECURITY_STRATEGY", "Permissive", 1);
+  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kPermissive);
+  setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
+  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kEnforce);
+}
+
+TEST_F(RosEnvironment, ABadValueOfSecurityIsAnError) {
+  setenv("ROS_SECURITY_ENABLE", "yes", 1);
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/world").error().message,
+            "ROS_SECURITY_ENABLE: found 'yes', expected true or false");
+  setenv("ROS_SECURITY_ENABLE", "true", 1);
+  setenv("ROS_SECURITY_STRATEGY", "enforce", 1);
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/world").error().message,
+            "ROS_SECURITY_STRATEGY: found 'enforce', expected Enforce or Permissive");
+}
+
+TEST_F(RosEnvironment, MissingKeysAreAnErrorOrAWarning) {
+  RosSecurity security{SecurityStrategy::kEnforce, "/no/such/folder", {}, {}};
+  EXPECT_EQ(
+      FindEnclave(security, "/r0").error().ToString(),
+      "/no/such/folder/enclaves/r0: error: found no such folder, expected the keys of a participant (enclave /r0 of "
+      "ROS 2)");
+  security.strategy = SecurityStrategy::kPermissive;
+  const Result<Enclave> open = FindEnclave(security, "/r0");
+  ASSERT_TRUE(open.ok());
+  EXPECT_EQ(open.value().folder, "");
+  EXPECT_NE(open.value().warning.find("continuing without security"), std::string::npos);
+  security.keystore.clear();
+  EXPECT_NE(FindEnclave(security, "/r0").value().warning.find("ROS_SECURITY_KEYSTORE"), std::string::npos);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ class RosWorldGateway final : public RunObserver {
   RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene)
       : options_(options),
         scene_(std::move(scene)),
-        participant_(options),
+        participant_(options, ros::kWorldEnclave),
         node_(ros::MakeNode(participant_, "/", kNodeName)),
         clock_(node_, "/clock", ros::Stream(kClockDepth)),
         events_(node_, "/events", ros::Stream(kEventDepth)),

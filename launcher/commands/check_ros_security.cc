@@ -1,0 +1,43 @@
+#include "launcher/commands/check_ros_security.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "common/ros/names.h"
+#include "common/ros/ros_security.h"
+#include "common/worldfile/load_world.h"
+
+namespace troupe {
+namespace {
+
+// Of the world and of the first robot of each process.
+std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld& loaded) {
+  std::vector<std::string> enclaves = {ros::kWorldEnclave};
+  if (!options.hosts.empty() || options.in_process) return enclaves;
+  const std::vector<std::string> robots = ros::RobotNames(loaded.world);
+  const std::uint32_t packing = options.robots_per_process.value_or(loaded.settings.robots_per_process);
+  for (std::size_t i = 0; i < robots.size(); i += std::max(1U, packing)) enclaves.push_back("/" + robots[i]);
+  return enclaves;
+}
+
+}  // namespace
+
+Status CheckRosSecurity(const RunOptions& options) {
+  const ros::RosSecurity& security = options.ros.security;
+  if (security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff) return Status();
+  const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
+  if (!loaded.ok() || !options.run.ros.value_or(loaded.value().settings.ros)) return Status();
+  for (const std::string& name : EnclavesOf(options, loaded.value())) {
+    const Result<ros::Enclave> enclave = ros::FindEnclave(security, name);
+    if (!enclave.ok()) return enclave.error();
+    // Processes of their own print it themselves.
+    if (options.in_process && !enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
+  }
+  return Status();
+}
+
+}  // namespace troupe

@@ -1,0 +1,14 @@
+// CheckRosSecurity: whether the participants of a run have their keys for ROS 2, before any process is started.
+#pragma once
+
+#include "common/base/result.h"
+#include "launcher/supervise/run_options.h"
+
+namespace troupe {
+
+// Fails with the first enclave whose keys are required and missing; prints a warning for each that a run in one process
+// does without. Looks at the keystore of this host only, so not for the processes of remote hosts, which look
+// themselves. Other faults of the file are left to the run.
+Status CheckRosSecurity(const RunOptions& options);
+
+}  // namespace troupe
