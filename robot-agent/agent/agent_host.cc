@@ -81,10 +81,10 @@ class AgentHost final : public AgentHandler {
     Deliver([&] { protocol_.OnSession(session); });
   }
   void OnAdmission(const AdmissionMessage& admission) override {
-    Deliver([&] { protocol_.OnAdmission(admission, Now()); });
+    Deliver([&] { protocol_.OnAdmission(admission); });
   }
   void OnFrame(const FrameMessage& frame) override {
-    Deliver([&] { protocol_.OnFrame(frame); });
+    Deliver([&] { protocol_.OnFrame(frame, Now()); });
   }
   void OnServiceGone() override {
     Deliver([&] { protocol_.OnServiceGone(Now()); });
@@ -119,7 +119,7 @@ class AgentHost final : public AgentHandler {
       lock.unlock();
       task->Perform(options_, outputs_);
       lock.lock();
-      protocol_.FinishTask(*task, Now());
+      protocol_.FinishTask(*task);
       lock.unlock();
       task.reset();  // a replica of no use ends without the lock
       lock.lock();

@@ -17,6 +17,8 @@ namespace {
 constexpr double kJoinPeriod = 0.1;  // from a join without an answer to the next one, at first
 // The period doubles up to this, until the run has begun.
 constexpr double kLongestJoinPeriod = 3.2;
+// Messages that were sent before a loss of the service arrive within this time after it.
+constexpr double kLongestDelay = 1.0;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // With the code of a failure: the caller cannot correct it.
@@ -56,10 +58,14 @@ void AgentProtocol::StartJoining() {
   join_period_ = kJoinPeriod;
 }
 
-void AgentProtocol::ExpectRejoin(double now) {
-  const double timeout = options_.session_timeout_seconds;
-  if (!rejoin_until_) rejoin_until_ = timeout > 0.0 ? now + timeout : kNever;
+void AgentProtocol::Rejoin() {
+  was_lost_ = true;
   if (stage_ == Stage::kRunning) StartJoining();
+}
+
+double AgentProtocol::GiveUpAt() const {
+  const double timeout = options_.session_timeout_seconds;
+  return service_lost_at_ && timeout > 0.0 ? *service_lost_at_ + timeout : kNever;
 }
 
 double AgentProtocol::NextJoin() const {
@@ -70,13 +76,11 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
   if (stage_ == Stage::kWaiting && now >= waiting_until_) {
     Fail(Failure(fmt::format("no world service appeared within {} s", options_.session_timeout_seconds)));
   }
-  if (stage_ != Stage::kJoining) return std::nullopt;
-  if (rejoin_until_ && now >= *rejoin_until_) {
-    Fail(Failure(fmt::format("the world service is gone: it has not admitted this agent again within {} s",
-                             options_.session_timeout_seconds)));
-    return std::nullopt;
+  if (!over() && now >= GiveUpAt()) {
+    Fail(Failure(
+        fmt::format("the world service is gone, and has not returned within {} s", options_.session_timeout_seconds)));
   }
-  if (now < NextJoin()) return std::nullopt;
+  if (stage_ != Stage::kJoining || now < NextJoin()) return std::nullopt;
   // Frequent joins of hundreds of agents before the run begins would delay the service.
   if (joined_at_ > -kNever) join_period_ = std::min(2.0 * join_period_, kLongestJoinPeriod);
   joined_at_ = now;
@@ -90,8 +94,7 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
 
 double AgentProtocol::NextPoll() const {
   if (stage_ == Stage::kWaiting) return waiting_until_;
-  if (stage_ == Stage::kJoining) return std::min(NextJoin(), rejoin_until_.value_or(kNever));
-  return kNever;
+  return std::min(stage_ == Stage::kJoining ? NextJoin() : kNever, GiveUpAt());
 }
 
 JoinMessage AgentProtocol::MakeJoin() {
@@ -130,10 +133,10 @@ std::optional<ReplicaTask> AgentProtocol::BeginTask() {
   return task;
 }
 
-void AgentProtocol::FinishTask(ReplicaTask& task, double now) {
+void AgentProtocol::FinishTask(ReplicaTask& task) {
   // Else the run has ended meanwhile, or another session is to be prepared for.
   if (task.is_new && stage_ == Stage::kPreparing && session_ == nullptr) FinishMaking(task);
-  if (!task.is_new && stage_ == Stage::kChanging) FinishChange(task, now);
+  if (!task.is_new && stage_ == Stage::kChanging) FinishChange(task);
 }
 
 void AgentProtocol::FinishMaking(ReplicaTask& task) {
@@ -145,7 +148,7 @@ void AgentProtocol::FinishMaking(ReplicaTask& task) {
   StartJoining();
 }
 
-void AgentProtocol::FinishChange(ReplicaTask& task, double now) {
+void AgentProtocol::FinishChange(ReplicaTask& task) {
   if (!task.outcome.ok()) return Fail(task.outcome.error());
   replica_ = std::move(task.replica);
   if (task.session) world_hash_ = task.world_hash;
@@ -154,7 +157,7 @@ void AgentProtocol::FinishChange(ReplicaTask& task, double now) {
     return;
   }
   stage_ = Stage::kRunning;
-  if (rejoin_until_) return ExpectRejoin(now);
+  if (was_lost_) return StartJoining();
   ProcessKept();
 }
 
@@ -162,7 +165,7 @@ void AgentProtocol::OnSession(const SessionMessage& session) {
   if (over()) return;
   if (was_admitted()) {
     if (session.run != run_) return;
-    if (stage_ == Stage::kJoining) StartJoining();  // the service has returned
+    if (std::exchange(service_lost_at_, std::nullopt) && stage_ == Stage::kJoining) StartJoining();
     if (session.world_edition <= (session_ ? session_->world_edition : world_edition_)) return;
     session_ = std::make_unique<SessionMessage>(session);
     session_hash_ = 0;
@@ -175,23 +178,23 @@ void AgentProtocol::OnSession(const SessionMessage& session) {
   Choose(session);
 }
 
-void AgentProtocol::OnAdmission(const AdmissionMessage& admission, double now) {
+void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
   if (admission.run != run_ || admission.agent != options_.agent) return;
-  if (stage_ == Stage::kRunning && !admission.admitted && admission.reason.empty()) return ExpectRejoin(now);
+  if (stage_ == Stage::kRunning && !admission.admitted && admission.reason.empty()) return Rejoin();
   if (stage_ != Stage::kJoining) return;
   if (!admission.admitted) {
     if (!admission.reason.empty()) Fail({{}, "the world service refused: " + admission.reason});
     return;
   }
-  if (rejoin_until_) notices_.emplace_back("joined the run again");
-  rejoin_until_.reset();
+  if (std::exchange(was_lost_, false)) notices_.emplace_back("joined the run again");
   stage_ = Stage::kRunning;
   ProcessKept();
 }
 
-void AgentProtocol::OnFrame(const FrameMessage& frame) {
+void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
   if (over() || stage_ == Stage::kWaiting || frame.run != run_) return;
   run_has_begun_ = true;
+  if (service_lost_at_ && now > *service_lost_at_ + kLongestDelay) service_lost_at_.reset();
   if (frame.last) {
     stage_ = Stage::kRunOver;
   } else if (stage_ == Stage::kRunning) {
@@ -210,19 +213,20 @@ void AgentProtocol::OnServiceGone(double now) {
 void AgentProtocol::OnServiceLost(double now) {
   if (over()) return;
   if (!was_admitted()) return WaitForSession(now);
-  if (rejoin_until_) return;
   notices_.emplace_back("the world service is silent; waiting for it to return");
-  ExpectRejoin(now);
+  service_lost_at_ = now;
+  Rejoin();
 }
 
 void AgentProtocol::Process(const FrameMessage& frame) {
   if (frame.world_edition < world_edition_ || (answered_ && PlaceOf(frame) < *answered_)) return;
-  const bool fresh = fresh_edition_ && frame.fresh_edition > *fresh_edition_;
-  if (frame.world_edition == world_edition_ && !fresh) return Answer(frame);
+  // Robots that have not answered a frame yet are as new, but the ids may have changed since their world.
+  const bool is_new_world = frame.world_edition != world_edition_;
+  const bool fresh =
+      fresh_edition_ ? frame.fresh_edition > *fresh_edition_ : is_new_world && frame.fresh_edition > world_edition_;
+  if (!is_new_world && !fresh) return Answer(frame);
   Keep(frame);
-  const bool has_world =
-      frame.world_edition == world_edition_ || (session_ && session_->world_edition == frame.world_edition);
-  if (has_world) BeginChange(frame, fresh);
+  if (!is_new_world || (session_ && session_->world_edition == frame.world_edition)) BeginChange(frame, fresh);
 }
 
 void AgentProtocol::BeginChange(const FrameMessage& frame, bool fresh) {

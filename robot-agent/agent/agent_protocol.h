@@ -30,8 +30,8 @@ class AgentProtocol {
 
   // Deliveries of the transport.
   void OnSession(const SessionMessage& session);
-  void OnAdmission(const AdmissionMessage& admission, double now);
-  void OnFrame(const FrameMessage& frame);
+  void OnAdmission(const AdmissionMessage& admission);
+  void OnFrame(const FrameMessage& frame, double now);
   void OnServiceGone(double now);
   void OnServiceLost(double now);
 
@@ -43,7 +43,7 @@ class AgentProtocol {
   // no use, which remains in the task.
   bool has_task() const;
   std::optional<ReplicaTask> BeginTask();
-  void FinishTask(ReplicaTask& task, double now);
+  void FinishTask(ReplicaTask& task);
 
   // Ends the agent.
   void Fail(Error error);
@@ -51,6 +51,10 @@ class AgentProtocol {
   // The agent has ended: by the end of its run, or by failure().
   bool over() const { return stage_ == Stage::kRunOver || stage_ == Stage::kFailed; }
   const Status& failure() const { return failure_; }
+  // The agent is a member of its run, and answers frames.
+  bool is_running() const { return stage_ == Stage::kRunning; }
+  // The names of its robots. REQUIRES: is_running()
+  std::vector<std::string> RobotNames() const { return replica_->RobotNames(); }
   // Lines for people, each returned once.
   std::vector<std::string> DrainNotices() { return std::exchange(notices_, {}); }
 
@@ -71,13 +75,14 @@ class AgentProtocol {
 
   bool is_admitted() const { return stage_ == Stage::kRunning || stage_ == Stage::kChanging; }
   // The service has admitted this agent to run_ at some time.
-  bool was_admitted() const { return is_admitted() || rejoin_until_.has_value(); }
+  bool was_admitted() const { return is_admitted() || was_lost_; }
   void WaitForSession(double now);
   // Prepares for a session before the admission.
   void Choose(const SessionMessage& session);
   void StartJoining();
   // The run of which the agent was a member has to admit it again.
-  void ExpectRejoin(double now);
+  void Rejoin();
+  double GiveUpAt() const;  // time, unless the lost service returns
   double NextJoin() const;
   JoinMessage MakeJoin();
   // Answers a frame in the stage kRunning, or begins the stage kChanging if an edit came before the frame.
@@ -90,7 +95,7 @@ class AgentProtocol {
   // Computes answer_ for a new frame; false if the frame cannot be answered.
   bool ComputeAnswer(const FrameMessage& frame);
   void FinishMaking(ReplicaTask& task);
-  void FinishChange(ReplicaTask& task, double now);
+  void FinishChange(ReplicaTask& task);
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
@@ -107,7 +112,8 @@ class AgentProtocol {
   double joined_at_ = 0.0;                   // the newest join
   double join_period_ = 0.0;
   bool run_has_begun_ = false;              // a frame of it has arrived
-  std::optional<double> rejoin_until_;      // the agent was lost
+  bool was_lost_ = false;                   // since it was admitted; it has to join again
+  std::optional<double> service_lost_at_;   // when its lease expired; nothing: it has returned since
   std::optional<Edition> fresh_edition_;    // the edition that its robots started at; nothing: no frame was answered
   std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet
   std::optional<FramePlace> answered_;      // of the frame that answer_ answers

@@ -133,8 +133,7 @@ TEST(StoppedAgent, GivesUpAServiceThatDoesNotReturn) {
   service.Signal(SIGKILL);
   for (Program& agent : agents) {
     EXPECT_EQ(agent.Wait(), 3);
-    EXPECT_THAT(agent.output(), HasSubstr("error: the world service is gone: it has not admitted this agent again "
-                                          "within 1 s"));
+    EXPECT_THAT(agent.output(), HasSubstr("error: the world service is gone, and has not returned within 1 s"));
   }
 }
 

@@ -168,6 +168,14 @@ std::vector<AgentId> Membership::PresentMembers() const {
   return present;
 }
 
+std::vector<AgentId> Membership::LostMembers() const {
+  std::vector<AgentId> lost;
+  for (const auto& [id, member] : members_) {
+    if (!member.present) lost.push_back(id);
+  }
+  return lost;
+}
+
 bool Membership::IsPresent(RobotId robot) const {
   const std::optional<AgentId>& owner = owners_[robot.index()];
   return owner && members_.at(*owner).present;

@@ -20,6 +20,8 @@ struct Member {
   std::uint32_t pid = 0;
   std::vector<RobotId> robots;         // in id order, never empty
   bool present = true;                 // false: lost
+  bool gone = false;                   // the transport has reported its end, or that its lease has expired
+  double asked_at = 0.0;               // when it was asked to join again
   Tick last_answered = 0;              // the newest tick that it sent a proposal for
   std::optional<double> silent_since;  // of the first frame that it left unanswered, when that is not the current one
   std::uint64_t times_last = 0;        // ticks in which it was the last to answer
@@ -68,6 +70,7 @@ class Membership {
 
   std::size_t present_members() const { return present_members_; }
   std::vector<AgentId> PresentMembers() const;
+  std::vector<AgentId> LostMembers() const;
   bool all_robots_present() const { return present_robots_ == robot_by_name_.size(); }
   bool IsPresent(RobotId robot) const;
   // But for removed ones.

@@ -14,6 +14,8 @@ namespace {
 // Wall times, s.
 constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
 constexpr double kLongestEnd = 1.0;          // for agents to leave
+constexpr double kAskPeriod = 0.1;           // from one request to an agent to join again to the next
+constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
@@ -70,6 +72,8 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   }
   if (proposal.paused != frame.paused) return;  // answers the frame as it was before
   if (!member->present) {
+    // A proposal may arrive after the news of its agent's end, but a join does not.
+    if (member->gone) return AskToJoin(*member, now);
     run_.members.Restore(*member);
     AddMember(*member, now);
   }
@@ -110,10 +114,17 @@ void TickEngine::RejectUnknown(AgentId agent, double now) {
   run_.endpoint.SendAdmissions({{run_.options.run, agent, false, {}}});
 }
 
+void TickEngine::AskToJoin(Member& member, double now) {
+  if (now - member.asked_at < kAskPeriod) return;
+  member.asked_at = now;
+  run_.endpoint.SendAdmissions({{run_.options.run, member.id, false, {}}});
+}
+
 void TickEngine::OnAgentGone(AgentId agent, double now) {
   Member* const member = run_.members.Find(agent);
-  if (member == nullptr || !member->present) return;
-  Lose(*member, "it ended, or its lease ran out", now);
+  if (member == nullptr) return;
+  member->gone = true;
+  if (member->present) Lose(*member, "it ended, or its lease ran out", now);
 }
 
 void TickEngine::Lose(Member& member, const std::string& reason, double now) {
@@ -279,29 +290,37 @@ void TickEngine::Poll(double now) {
       now - halted_since_ >= timeout) {
     return Fail(Failure("every agent is lost, and none has rejoined"), now);
   }
-  const bool unanswered = run_.phase == RunPhase::kEnding || !barrier_.complete();
-  if (unanswered && now >= resend_timer_.due()) {
-    ResendFrame();
-    ++frames_resent_;
-    resend_timer_.Resent(now);
-  }
+  if (now < ResendDue()) return;
+  ResendFrame();
+  ++frames_resent_;
+  resent_at_ = now;
+  resend_timer_.Resent(now);
+}
+
+double TickEngine::ResendDue() const {
+  if (run_.phase == RunPhase::kEnding || !barrier_.complete()) return resend_timer_.due();
+  // A lost agent that lives may have answered everything that it received. It rejoins with another answer.
+  if (halted() && !run_.frame.paused) return std::max(committed_at_, resent_at_) + kHaltedResend;
+  return kNever;
 }
 
 void TickEngine::ResendFrame() {
   std::vector<AgentId>& awaited = run_.frame.awaited;
   awaited.clear();
   // The last frame is for all: an agent that leaves does not answer.
-  if (run_.phase == RunPhase::kRunning && 2 * barrier_.missing() <= barrier_.members()) awaited = barrier_.Missing();
+  if (run_.phase == RunPhase::kRunning && 2 * barrier_.missing() <= barrier_.members()) {
+    awaited = barrier_.complete() ? run_.members.LostMembers() : barrier_.Missing();
+  }
   run_.endpoint.SendFrame(run_.frame);
   awaited.clear();
 }
 
 double TickEngine::NextPoll() const {
-  if (run_.phase == RunPhase::kEnding) return std::min(end_at_, resend_timer_.due());
+  if (run_.phase == RunPhase::kEnding) return std::min(end_at_, ResendDue());
   if (run_.phase != RunPhase::kRunning) return run_.created_at;
   const bool can_step = (run_.realtime() || barrier_.complete()) && !halted() && !run_.frame.paused;
   const double step = can_step ? NextDue() : kNever;
-  return barrier_.complete() ? step : std::min(step, resend_timer_.due());
+  return std::min(step, ResendDue());
 }
 
 }  // namespace troupe

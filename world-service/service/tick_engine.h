@@ -72,6 +72,7 @@ class TickEngine {
   void Collect(Member& member, const ProposalMessage& message, double now);
   void Reject(std::string reason, double now);
   void RejectUnknown(AgentId agent, double now);
+  void AskToJoin(Member& member, double now);
   void Lose(Member& member, const std::string& reason, double now);
   bool ReadyToCommit(double now) const;
   // When the next tick may be committed.
@@ -81,6 +82,8 @@ class TickEngine {
   void Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now);
   void End(double now);
   void ResendFrame();
+  // The time of the next resend, unless the frame is answered before.
+  double ResendDue() const;
 
   LiveRun& run_;
   BodyIndex bodies_;  // of the run's scene: the steps' own
@@ -96,6 +99,7 @@ class TickEngine {
   // Wall times, s.
   double committed_at_ = 0.0;  // of the newest frame
   double arrived_at_ = 0.0;    // of the newest answer, or the frame
+  double resent_at_ = 0.0;     // when a frame was resent
   double halted_since_ = 0.0;  // since no agent is left
   double end_at_ = 0.0;        // when the last frame need not be resent any more
 };

@@ -60,7 +60,7 @@ class AgentProtocolTest : public testing::Test {
     std::optional<ReplicaTask> task = protocol_.BeginTask();
     ASSERT_TRUE(task.has_value());
     task->Perform(options_, {});
-    protocol_.FinishTask(*task, now_);
+    protocol_.FinishTask(*task);
   }
   static FrameMessage Frame(Tick tick, Edition edition = 0) {
     FrameMessage frame;
@@ -70,9 +70,9 @@ class AgentProtocolTest : public testing::Test {
     frame.edition = frame.world_edition = edition;
     return frame;
   }
-  void SendFrame(Tick tick, Edition edition = 0) { protocol_.OnFrame(Frame(tick, edition)); }
+  void SendFrame(Tick tick, Edition edition = 0) { protocol_.OnFrame(Frame(tick, edition), now_); }
   void Answer(bool admitted, const std::string& reason = {}) {
-    protocol_.OnAdmission({kRun, kAgent, admitted, reason}, now_);
+    protocol_.OnAdmission({kRun, kAgent, admitted, reason});
   }
   std::optional<JoinMessage> PollAfter(double seconds) {
     now_ += seconds;
@@ -146,8 +146,7 @@ TEST_F(AgentProtocolTest, GivesUpALostServiceAfterTheSessionTimeout) {
   EXPECT_FALSE(protocol_.over());
   Joins(0.2);
   ASSERT_TRUE(protocol_.over());
-  EXPECT_EQ(protocol_.failure().error().message,
-            "the world service is gone: it has not admitted this agent again within 20 s");
+  EXPECT_EQ(protocol_.failure().error().message, "the world service is gone, and has not returned within 20 s");
   EXPECT_EQ(protocol_.failure().error().code, ErrorCode::kFailure);
 }
 
@@ -164,7 +163,7 @@ TEST_F(AgentProtocolTest, TheLastFrameEndsAnAgentThatWaitsForTheService) {
   protocol_.OnServiceLost(now_);
   FrameMessage last = Frame(9);
   last.last = true;
-  protocol_.OnFrame(last);
+  protocol_.OnFrame(last, now_);
   EXPECT_TRUE(protocol_.over());
   EXPECT_TRUE(protocol_.failure().ok());
 }
@@ -212,6 +211,49 @@ TEST_F(AgentProtocolTest, JoinsForTheWorldThatWasEditedMeanwhileAndFollowsTheEdi
   EXPECT_THAT(endpoint_.sent.back().proposals, SizeIs(1));
 }
 
+TEST_F(AgentProtocolTest, FollowsALoadOfAWorldWithOtherIdsThatCameBeforeItsFirstAnswer) {
+  SmallWorld other;
+  other.AddRobot("new", {});
+  other.AddRobot("r1", {1.0, 0.0, 0.0, 0.0});
+  other.AddRobot("r0", {2.0, 0.0, 0.0, 0.0});
+  SendSession();
+  PerformTask();
+  PollAfter(0.0);
+  Answer(true);
+  protocol_.OnServiceLost(now_);
+  SendSession(1, other.world());
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Answer(true);
+  FrameMessage frame = Frame(0, 1);
+  frame.state = PlacedState(other.world());
+  frame.fresh_edition = 1;
+  protocol_.OnFrame(frame, now_);
+  PerformTask();
+  ASSERT_THAT(endpoint_.sent, SizeIs(1));
+  EXPECT_THAT(endpoint_.sent[0].proposals, ElementsAre(Proposal{RobotId(1), {}}, Proposal{RobotId(2), {}}));
+}
+
+TEST_F(AgentProtocolTest, AMessageFromBeforeTheLossDoesNotMeanThatTheServiceHasReturned) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  Answer(true);
+  SendFrame(1);
+  Joins(19.9);
+  EXPECT_FALSE(protocol_.over());
+  Joins(0.2);
+  EXPECT_TRUE(protocol_.over());
+}
+
+TEST_F(AgentProtocolTest, AFrameLongAfterTheLossMeansThatTheServiceHasReturned) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  Answer(true);
+  Joins(5.0);
+  SendFrame(1);
+  Joins(30.0);
+  EXPECT_FALSE(protocol_.over());
+}
+
 TEST_F(AgentProtocolTest, AnAgentWhoseRobotsWereDeletedMeanwhileEnds) {
   JoinAndRun();
   protocol_.OnServiceLost(now_);
@@ -230,7 +272,7 @@ TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {
   protocol_.OnServiceLost(now_);
   EXPECT_FALSE(PollAfter(0.0).has_value());
   task->Perform(options_, {});
-  protocol_.FinishTask(*task, now_);
+  protocol_.FinishTask(*task);
   EXPECT_THAT(endpoint_.sent, SizeIs(1));
   const std::optional<JoinMessage> join = PollAfter(0.0);
   ASSERT_TRUE(join.has_value());
@@ -256,7 +298,7 @@ TEST_F(AgentProtocolTest, AReplicaForASessionThatWasReplacedIsOfNoUse) {
   ASSERT_TRUE(task.has_value());
   SendSession(0, World(), kRun + 1);
   task->Perform(options_, {});
-  protocol_.FinishTask(*task, now_);
+  protocol_.FinishTask(*task);
   EXPECT_NE(task->replica, nullptr);
   PerformTask();
   EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);

@@ -433,6 +433,7 @@ TEST_F(EditedWorldTest, AnAgentThatWasLostWhenTheWorldChangedIsUnknown) {
   Ask(Request(ControlCommand::kSetPose, "r0", {1.0, 0.0, 0.0, 0.0}));
   AnswerPaused(1);
   EXPECT_TRUE(replies.back().done);
+  Join(2);
   AnswerPaused(2);
   EXPECT_EQ(coordinator->MakeStatus(now).agents, 2u) << "it may rejoin while the description is the same";
   coordinator->OnAgentGone(2, now);

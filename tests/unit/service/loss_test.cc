@@ -70,10 +70,11 @@ TEST_F(LossTest, PauseWaitsForTheRobotAndNamesIt) {
   Wait(100.0);
   EXPECT_EQ(tick(), 0u);
   EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, ElementsAre("r1"));
-  EXPECT_EQ(frames(), 1u);  // no present agent has missed it
+  EXPECT_EQ(frames(), 2u);  // resent once in a while, for a lost agent that lives
+  EXPECT_THAT(endpoint.frames.back().awaited, ElementsAre(2));
 
   Join(12, {"r1"});
-  EXPECT_EQ(frames(), 2u);  // for the new agent
+  EXPECT_EQ(frames(), 3u);  // for the new agent
   coordinator->OnProposal({kRun, 12, 1, {{RobotId(1), {1.0, 0, 0}}}, {}}, now);
   EXPECT_EQ(tick(), 1u);
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
@@ -132,6 +133,43 @@ TEST_F(LossTest, ALostAgentThatAnswersAgainRejoins) {
   Propose(1);
   EXPECT_EQ(tick(), 2u);
   EXPECT_NEAR(Travel(1), 0.1, 1e-12);
+}
+
+TEST_F(LossTest, AnAgentThatIsGoneRejoinsOnlyByAJoin) {
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  Events();
+  endpoint.admissions.clear();
+  Propose(2);  // sent before its end, or the agent does not know that it is lost
+  EXPECT_THAT(Events(), IsEmpty());
+  EXPECT_EQ(coordinator->present_agents(), 1u);
+  ASSERT_EQ(endpoint.admissions.size(), 1u);
+  EXPECT_EQ(endpoint.admissions.back(), (AdmissionMessage{kRun, 2, false, ""}));
+  Join(2);
+  EXPECT_TRUE(endpoint.admissions.back().admitted);
+  EXPECT_THAT(Events(), ElementsAre("joined r1"));
+}
+
+TEST_F(LossTest, AnAgentThatIsGoneAfterItsSilenceRejoinsOnlyByAJoin) {
+  options.settings.agent_deadline_seconds = 3.0;
+  MakeAndStart(2);
+  Propose(1);
+  Wait(3.1);
+  coordinator->OnAgentGone(2, now);
+  Events();
+  Propose(2);
+  EXPECT_EQ(coordinator->present_agents(), 1u);
+}
+
+TEST_F(LossTest, AHaltedRunResendsItsFrameToTheLostAgents) {
+  options.settings.on_agent_loss = OnAgentLoss::kPause;
+  MakeAndStart(2);
+  Propose(1);
+  coordinator->OnAgentGone(2, now);
+  const std::size_t sent = frames();
+  for (int i = 0; i < 10; ++i) Wait(coordinator->NextPoll() - now);
+  EXPECT_EQ(frames(), sent + 10);
+  EXPECT_THAT(endpoint.frames.back().awaited, ElementsAre(2));
 }
 
 TEST_F(LossTest, AnotherAgentMayJoinForALostRobot) {
