@@ -1,0 +1,93 @@
+#include "tests/faults/fault_plan.h"
+
+#include <algorithm>
+
+#include "tests/faults/random_source.h"
+
+namespace troupe::faults {
+namespace {
+
+ControlRequest RandomRequest(RandomSource& random) {
+  static constexpr ControlCommand kCommands[] = {
+      ControlCommand::kPause,  ControlCommand::kPlay,      ControlCommand::kPlay,    ControlCommand::kStep,
+      ControlCommand::kReset,  ControlCommand::kLoadWorld, ControlCommand::kSpawn,   ControlCommand::kSpawn,
+      ControlCommand::kDelete, ControlCommand::kSetPose,   ControlCommand::kSetPose, ControlCommand::kEntities,
+      ControlCommand::kStatus};
+  static const std::string kNames[] = {"r0", "r1", "r2", "box", "scout", "crate", "nothing"};
+  static constexpr std::uint8_t kScopes[] = {kResetAll,    kResetAll, kResetTime, kResetState, kResetState | kResetTime,
+                                             kResetSpawned};
+  ControlRequest request;
+  request.command = kCommands[random.Index(std::size(kCommands))];
+  request.ticks = random.Index(6);
+  request.name = kNames[random.Index(std::size(kNames))];
+  request.scopes = kScopes[random.Index(std::size(kScopes))];
+  request.pose = {random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0), 0.0, random.Uniform(-3.0, 3.0)};
+  request.rename = random.Chance(0.5);
+  if (request.command == ControlCommand::kSpawn) {
+    request.source = random.Chance(0.6) ? "scout" : "crate";
+    request.name = random.Chance(0.5) ? "" : request.source;
+  }
+  if (request.command == ControlCommand::kEntities) request.name.clear();
+  return request;
+}
+
+MessageFaults RandomMessageFaults(RandomSource& random) {
+  MessageFaults faults;
+  faults.least_delay = random.Uniform(0.0002, 0.003);
+  faults.most_delay = faults.least_delay + (random.Chance(0.3) ? random.Uniform(0.0, 0.1) : 0.001);
+  if (random.Chance(0.7)) faults.loss = random.Uniform(0.0, 0.4);
+  if (random.Chance(0.6)) faults.duplicate = random.Uniform(0.0, 0.4);
+  if (random.Chance(0.6)) faults.reorder = random.Uniform(0.0, 0.4);
+  return faults;
+}
+
+ProcessFault RandomFault(RandomSource& random, const FaultPlan& plan) {
+  ProcessFault fault;
+  static constexpr FaultKind kKinds[] = {FaultKind::kStop,      FaultKind::kStop,        FaultKind::kKill,
+                                         FaultKind::kPartition, FaultKind::kPartitionTo, FaultKind::kPartitionFrom};
+  fault.kind = kKinds[random.Index(std::size(kKinds))];
+  if ((plan.memory || plan.gentle) && fault.kind == FaultKind::kKill) fault.kind = FaultKind::kStop;
+  fault.at = random.Uniform(0.0, plan.faults_end);
+  const double longest = plan.gentle ? 0.15 * plan.lease : 3.0 * plan.lease;
+  fault.seconds = std::min(random.Uniform(0.0, longest), plan.faults_end - fault.at);
+  fault.all_agents = random.Chance(0.15);
+  const bool may_be_service = fault.kind == FaultKind::kStop;
+  fault.victim = may_be_service && random.Chance(0.3) ? 0 : 1 + random.Index(8);
+  return fault;
+}
+
+}  // namespace
+
+FaultPlan MakePlan(std::uint64_t seed) {
+  RandomSource random(seed, 1);
+  FaultPlan plan;
+  plan.seed = seed;
+  plan.robots = 1 + random.Index(4);
+  plan.packing = 1 + random.Index(2);
+  plan.lease = random.Uniform(0.3, 1.0);
+  plan.faults_end = random.Uniform(1.5, 5.0);
+  plan.gentle = random.Chance(0.3);
+  plan.memory = random.Chance(0.4);
+  plan.settings.speed = random.Uniform(0.5, 1.5);  // a tick is 0.1 s long
+  const bool pause = plan.memory && !plan.gentle;
+  plan.settings.on_agent_loss = pause || random.Chance(0.5) ? OnAgentLoss::kPause : OnAgentLoss::kFreeze;
+  static constexpr double kDeadlines[] = {10.0, 10.0, 3.0, 0.0};
+  plan.settings.agent_deadline_seconds = kDeadlines[random.Index(std::size(kDeadlines))];
+  if (random.Chance(0.25)) plan.settings.ticks = 5 + random.Index(60);
+  plan.start_paused = random.Chance(0.1);
+  plan.restarts = static_cast<std::uint32_t>(random.Index(4));
+  plan.messages = RandomMessageFaults(random);
+  const std::size_t faults = random.Index(6);
+  for (std::size_t i = 0; i < faults; ++i) plan.faults.push_back(RandomFault(random, plan));
+  const std::size_t requests = random.Chance(0.7) ? random.Index(10) : 0;
+  for (std::size_t i = 0; i < requests; ++i) {
+    plan.requests.push_back({random.Uniform(0.0, plan.faults_end), RandomRequest(random)});
+  }
+  if (!plan.gentle && random.Chance(0.05)) {
+    plan.service_dies = true;
+    plan.faults.push_back({FaultKind::kKill, random.Uniform(0.0, plan.faults_end), 0.0, 0, false});
+  }
+  return plan;
+}
+
+}  // namespace troupe::faults

@@ -1,0 +1,115 @@
+// FaultSimulation: one run on virtual time, in one thread: service, agents, launcher, tools and network as a FaultPlan
+// says, and the conditions that hold for every run (docs/fault-simulation.md).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/faults/fault_plan.h"
+#include "tests/faults/network.h"
+#include "tests/faults/reference_run.h"
+#include "tests/faults/simulated_agent.h"
+#include "world-service/service/tick_coordinator.h"
+
+namespace troupe::faults {
+
+struct SimulationResult {
+  std::string violation;   // empty: none
+  Tick ticks = 0;          // that were committed, edits included
+  std::uint64_t hash = 0;  // of the last
+  double seconds = 0.0;    // virtual
+  std::uint64_t lost = 0;  // agents, each time
+};
+
+class FaultSimulation final : private ServiceEndpoint {
+ public:
+  // `log`: receives the events of the run, a line each; may be empty.
+  explicit FaultSimulation(const FaultPlan& plan, std::function<void(const std::string&)> log = {});
+
+  SimulationResult Run();
+
+ private:
+  // A group of robots for which the launcher keeps an agent.
+  struct Group {
+    std::vector<std::string> robots;
+    std::uint32_t restarts = 0;
+  };
+  struct SentRequest {
+    ControlCommand command = ControlCommand::kStatus;
+    bool arrived = false;
+    int replies = 0;
+  };
+
+  // ServiceEndpoint:
+  void Start(ServiceHandler&) override {}
+  void SendSession(const SessionMessage& session) override;
+  void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
+  void SendFrame(const FrameMessage& frame) override;
+  void SendStatus(const StatusMessage&) override {}
+  void Flush(double) override {}
+
+  // The service's process.
+  void CallService(const std::function<void(double now)>& call);
+  void ActAsService();
+  void WakeService(double time);
+  void DeliverSession(ProcessId agent);
+
+  // The launcher.
+  void Launch(const std::vector<std::string>& robots, double longest_delay);
+  void StartAgent(std::size_t group);
+  void OnAgentEnd(std::size_t group, int exit_status);
+  // The owner starts agents for robots that have none.
+  void StartMissingAgents();
+
+  void AddAgent(ProcessId id, const AgentOptions& options, std::size_t group);
+  void ToAgent(ProcessId agent, std::function<void(AgentProtocol&)> call);
+  void Inject(const ProcessFault& fault);
+  void InjectInto(ProcessId victim, const ProcessFault& fault);
+  void SendRequest(const ControlRequest& request);
+  std::vector<SimulatedAgent*> LivingAgents() const;
+
+  // Advances until the condition holds, at most `seconds`; false if it does not hold then.
+  template <typename Condition>
+  bool Await(const Condition& condition, double seconds);
+  void RunWithFaults();
+  void CheckRecovery();
+  void CheckEnd();
+  bool IsConsistent() const;
+  std::string DescribeInconsistency() const;
+  void CheckRequests();
+  void CheckMemory();
+  void Violate(const std::string& text);
+  template <typename... Parts>
+  void Log(fmt::format_string<Parts...> format, Parts&&... parts);
+  bool service_runs() const { return !network_.HasEnded(kService); }
+
+  const FaultPlan plan_;
+  const std::function<void(const std::string&)> log_;
+  EventQueue events_;
+  Network network_;
+  RandomSource random_;
+  std::shared_ptr<const Scene> scene_;
+  ReferenceRun reference_;
+  std::optional<TickCoordinator> coordinator_;
+  std::shared_ptr<const SessionMessage> session_;
+  std::map<ProcessId, std::shared_ptr<const SessionMessage>> session_sent_;  // to each agent
+  std::map<ProcessId, bool> session_received_;
+  std::map<ProcessId, bool> join_received_;
+  std::uint64_t wake_ = 0;
+  double wake_at_ = -1.0;
+  std::map<ProcessId, std::unique_ptr<SimulatedAgent>> agents_;  // also those that have ended
+  std::vector<Group> groups_;
+  std::vector<SentRequest> requests_;
+  std::string violation_;
+  std::uint64_t lost_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace troupe::faults

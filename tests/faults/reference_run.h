@@ -1,0 +1,48 @@
+// ReferenceRun: the run without service, agents and faults: one replica for each robot, and the step. It follows the
+// committed ticks of a simulated run, makes the same edits at the same ticks, and compares every proposal and every
+// hash.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "robot-agent/agent/replica.h"
+#include "tests/faults/fault_plan.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe::faults {
+
+class ReferenceRun final : public RunObserver {
+ public:
+  ReferenceRun(std::shared_ptr<const Scene> scene, const FaultPlan& plan);
+
+  Status OnTick(const CommittedTick& tick) override;
+
+  // The first difference; empty: none.
+  const std::string& difference() const { return difference_; }
+  Tick ticks() const { return ticks_; }  // that were compared
+  std::uint64_t hash() const { return hash_; }
+  Edition edition() const { return edition_; }
+  Tick tick() const { return state_.tick; }
+
+ private:
+  void Edit(const CommittedTick& tick);
+  void Advance(const CommittedTick& tick);
+  // Makes replicas of robots that have none.
+  void AddReplicas();
+  void Differ(const CommittedTick& tick, const std::string& what);
+
+  const FaultPlan& plan_;
+  std::shared_ptr<const Scene> original_;
+  std::shared_ptr<const Scene> scene_;
+  WorldState state_;
+  std::uint64_t hash_ = 0;
+  Edition edition_ = 0;
+  bool begun_ = false;
+  std::map<std::string, std::unique_ptr<Replica>> replicas_;  // by the robot's name
+  std::string difference_;
+  Tick ticks_ = 0;
+};
+
+}  // namespace troupe::faults
