@@ -153,7 +153,7 @@ void Network::Send(ProcessId from, ProcessId to, const std::function<void()>& re
   const int copies = random_.Chance(faults_.duplicate) ? 2 : 1;
   for (int i = 0; i < copies; ++i) {
     double delay = random_.Uniform(faults_.least_delay, faults_.most_delay);
-    if (random_.Chance(faults_.reorder)) delay += random_.Uniform(0.0, 0.2);
+    if (random_.Chance(faults_.reorder)) delay += random_.Uniform(0.0, random_.Chance(0.1) ? 3.0 : 0.2);
     Deliver(from, to, delay, receive);
   }
 }
