@@ -168,6 +168,15 @@ class Passage {
     const double length = MaxSpeed(motion_, radius) * motion_.duration;
     return length * ((angle_ < kPi ? angle_ / 8.0 : 2.0 / angle_) + kRounding) + kTouchTolerance;
   }
+  // False only if no point within `radius` of F's origin comes as near to `point` as this, in m.
+  bool MayBeNear(const Vec2& point, double radius, double distance) const {
+    constexpr double kRounding = 1e-6;  // m, far above that of a distance
+    const Vec2 start = motion_.X_WF.translation();
+    const Vec2 along = X_WF_end_.translation() - start;
+    const double length = along.squaredNorm();
+    const double part = length > 0.0 ? std::clamp(along.dot(point - start) / length, 0.0, 1.0) : 0.0;
+    return (point - start - part * along).norm() <= MarginAt(0.0) + radius * (1.0 + 1e-9) + distance + kRounding;
+  }
   // A box around the ways of all such points.
   Rectangle BoxAround(double radius) const {
     Rectangle box = Rectangle::Nothing();
@@ -200,21 +209,9 @@ ZRange SweptHeights(const ZRange& z_in_F, const Motion& motion) {
 class ObstacleFilter {
  public:
   ObstacleFilter(const Mover& mover, const Passage& passage)
-      : z_(SweptHeights(mover.z, passage.motion())),
-        box_(passage.BoxAround(mover.radius * (1.0 + 1e-9) + 1e-9)),
-        way_start_(passage.motion().X_WF.translation()),
-        way_end_(passage.motion().After(passage.motion().duration).translation()),
-        reach_(passage.MarginAt(0.0) + mover.radius * (1.0 + 1e-9) + kWayMargin) {}
+      : z_(SweptHeights(mover.z, passage.motion())), box_(passage.BoxAround(mover.radius * (1.0 + 1e-9) + 1e-9)) {}
 
   const Rectangle& box() const { return box_; }
-
-  // Whether a piece may be touched that lies around `center` with no vertex farther away than `radius`, in m.
-  bool IsNearWay(const Vec2& center, double radius) const {
-    const Vec2 along = way_end_ - way_start_;
-    const double length = along.squaredNorm();
-    const double part = length > 0.0 ? std::clamp(along.dot(center - way_start_) / length, 0.0, 1.0) : 0.0;
-    return (center - way_start_ - part * along).norm() <= reach_ + radius;
-  }
 
   // Appends the piece if it may be touched.
   void Filter(const ConvexPiece& piece, std::pmr::vector<Obstacle>& obstacles) const {
@@ -224,13 +221,8 @@ class ObstacleFilter {
   }
 
  private:
-  static constexpr double kWayMargin = 1e-6;  // m, far above the rounding of a distance
-
   ZRange z_;
   Rectangle box_;
-  Vec2 way_start_;  // of F's origin, which stays near the line between them
-  Vec2 way_end_;
-  double reach_;  // m: no vertex of the mover is ever farther from that line
 };
 
 // `static_pieces` has to outlive the result.
@@ -239,8 +231,8 @@ std::pmr::vector<Obstacle> FindObstacles(const Scene& scene, const BodyIndex& bo
                                          std::pmr::memory_resource& memory) {
   const ObstacleFilter filter(mover, passage);
   std::pmr::vector<Obstacle> obstacles(&memory);
-  scene.static_index().Query(filter.box(), static_pieces, [&filter](const PixelPieces::Corners4& corners) {
-    return filter.IsNearWay(0.5 * (corners[0] + corners[2]), 0.5 * (corners[2] - corners[0]).norm());
+  scene.static_index().Query(filter.box(), static_pieces, [&](const PixelPieces::Corners4& corners) {
+    return passage.MayBeNear(0.5 * (corners[0] + corners[2]), mover.radius, 0.5 * (corners[2] - corners[0]).norm());
   });
   for (const ConvexPiece* piece : static_pieces) filter.Filter(*piece, obstacles);
 
