@@ -1,11 +1,13 @@
 // Feeds any bytes to the reader of scenarios. The world that they may name is a small one in memory; no file is read.
-#include <cstddef>
-#include <cstdint>
+#include "common/worldfile/scenario/scenario.h"
+
 #include <string>
 
-#include "common/worldfile/scenario/scenario.h"
 #include "common/worldfile/stage/stage_parser.h"
+#include "fuzz/check.h"
+#include "fuzz/targets.h"
 
+namespace troupe::fuzz {
 namespace {
 
 constexpr char kWorld[] = R"(
@@ -19,10 +21,11 @@ bot ( name "r0" ctrl "wander" )
 bot ( pose [ -2 0 0 0 ] )
 )";
 
-troupe::ScenarioTools MakeTools() {
-  troupe::ScenarioTools tools;
-  tools.read_world = [world = troupe::ParseStageText(kWorld, "fuzz/w.world")](
-                         const std::string&, const troupe::AllowedPaths&) { return world; };
+ScenarioTools MakeTools() {
+  ScenarioTools tools;
+  tools.read_world = [world = ParseStageText(kWorld, "fuzz/w.world")](const std::string&, const AllowedPaths&) {
+    return world;
+  };
   tools.build.without_bitmaps = true;
   tools.max_spawned = 20;
   tools.max_spawn_draws = 50;
@@ -31,14 +34,14 @@ troupe::ScenarioTools MakeTools() {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const troupe::ScenarioTools tools = MakeTools();
-  const std::string text(reinterpret_cast<const char*>(data), size);
-  const troupe::Result<troupe::LoadedWorld> loaded = troupe::LoadScenarioText(text, "fuzz/scenario.json", {}, tools);
+void Scenario(Bytes bytes) {
+  static const ScenarioTools tools = MakeTools();
+  const Result<LoadedWorld> loaded = LoadScenarioText(TextOf(bytes), "fuzz/scenario.json", {}, tools);
   if (loaded.ok()) {
-    if (!troupe::Validate(loaded.value().world).ok()) __builtin_trap();  // a loaded world is valid
-  } else if (loaded.error().message.empty() || loaded.error().where.file.empty()) {
-    __builtin_trap();  // every error has a message and a place
+    Check(Validate(loaded.value().world).ok());  // a loaded world is valid
+  } else {
+    Check(!loaded.error().message.empty() && !loaded.error().where.file.empty());
   }
-  return 0;
 }
+
+}  // namespace troupe::fuzz

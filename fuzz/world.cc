@@ -1,12 +1,13 @@
 // Feeds any bytes to the reader of Stage worlds. Includes find a few files in memory; no file is read.
-#include <cstddef>
-#include <cstdint>
 #include <map>
 #include <string>
 
 #include "common/worldfile/build/build_world.h"
 #include "common/worldfile/stage/stage_parser.h"
+#include "fuzz/check.h"
+#include "fuzz/targets.h"
 
+namespace troupe::fuzz {
 namespace {
 
 const std::map<std::string, std::string>& MemoryFiles() {
@@ -20,31 +21,25 @@ const std::map<std::string, std::string>& MemoryFiles() {
 }
 
 // Every message to a user has a text, of one line, and a place.
-void CheckMessage(const troupe::SourceLocation& where, const std::string& message) {
-  if (message.empty() || where.file.empty() || where.line < 1 || where.column < 1) __builtin_trap();
-  if (message.find('\n') != std::string::npos) __builtin_trap();
+void CheckMessage(const SourceLocation& where, const std::string& message) {
+  Check(!message.empty() && !where.file.empty() && where.line >= 1 && where.column >= 1);
+  Check(message.find('\n') == std::string::npos);
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string text(reinterpret_cast<const char*>(data), size);
-  troupe::ParseOptions parse;
+void World(Bytes bytes) {
+  ParseOptions parse;
   parse.memory_files = &MemoryFiles();
   parse.max_items = 500;
-  const troupe::Result<troupe::WorldTree> tree = troupe::ParseStageText(text, "w.world", parse);
-  if (!tree.ok()) {
-    CheckMessage(tree.error().where, tree.error().message);
-    return 0;
-  }
-  troupe::BuildOptions build;
+  const Result<WorldTree> tree = ParseStageText(TextOf(bytes), "w.world", parse);
+  if (!tree.ok()) return CheckMessage(tree.error().where, tree.error().message);
+  BuildOptions build;
   build.without_bitmaps = true;
-  const troupe::Result<troupe::LoadedWorld> loaded = troupe::BuildWorld(tree.value(), {}, build);
-  if (!loaded.ok()) {
-    CheckMessage(loaded.error().where, loaded.error().message);
-    return 0;
-  }
-  for (const troupe::Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
-  if (!troupe::Validate(loaded.value().world).ok()) __builtin_trap();  // a loaded world is valid
-  return 0;
+  const Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, build);
+  if (!loaded.ok()) return CheckMessage(loaded.error().where, loaded.error().message);
+  for (const Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
+  Check(Validate(loaded.value().world).ok());  // a loaded world is valid
 }
+
+}  // namespace troupe::fuzz

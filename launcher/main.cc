@@ -44,6 +44,6 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);   // a write beyond the limit fails, as on a full disk
   return troupe::Main(argc, argv);
 }

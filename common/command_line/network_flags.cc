@@ -22,8 +22,7 @@ void AddInterfaceFlag(CLI::App& app, NetworkSettings& settings, const std::strin
   app.add_option("--interface", settings.network_interface, help)->type_name("NAME")->group(group);
 }
 
-void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string& automatic,
-                     const std::string& group) {
+void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string& automatic, const std::string& group) {
   app.add_option("--security", settings.security,
                  "Folder of keys (see 'troupe keys'); off: any program of the network is a peer; auto: " + automatic +
                      " (default: auto)")

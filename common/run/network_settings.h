@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kMaxDomain = 230;            // the last domain w
 // Values of NetworkSettings::security, beside folders of keys.
 inline constexpr const char* kSecurityAuto = "auto";
 inline constexpr const char* kSecurityOff = "off";
-inline constexpr double kDefaultLeaseSeconds = 2.0;         // wall time
+inline constexpr double kDefaultLeaseSeconds = 2.0;  // wall time
 
 struct NetworkSettings {
   std::uint32_t domain = 42;  // DDS domain of the simulation, 0 to kMaxDomain; ROS 2 uses another one

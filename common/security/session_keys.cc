@@ -33,7 +33,8 @@ Status CheckPrivate(const fs::path& folder) {
   if (lstat(folder.c_str(), &state) != 0) return Failure(folder.string() + ": " + std::strerror(errno));
   const bool is_private = S_ISDIR(state.st_mode) && state.st_uid == getuid() && (state.st_mode & 077) == 0;
   if (is_private) return {};
-  return Failure(folder.string() + ": found a file or a folder that others own or can read, expected a folder of mode " +
+  return Failure(folder.string() +
+                 ": found a file or a folder that others own or can read, expected a folder of mode " +
                  "0700 of this user, for the keys of runs");
 }
 

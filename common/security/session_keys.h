@@ -1,6 +1,6 @@
-// SessionKeys: where the programs of a user find the keys of the runs on this host. A world service publishes the folder
-// of its keys (KeyFolder in role.h has the layout) under the name of its session, in a folder that only its user can
-// read, so that the tools of that user alone find the keys of a run by its session.
+// SessionKeys: where the programs of a user find the keys of the runs on this host. A world service publishes the
+// folder of its keys (KeyFolder in role.h has the layout) under the name of its session, in a folder that only its user
+// can read, so that the tools of that user alone find the keys of a run by its session.
 #pragma once
 
 #include <cstdint>

@@ -41,8 +41,8 @@ class Host {
   virtual Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
                                                bool reports) = 0;
 
-  // Makes the keys in the folder `enclave` of the folder `keys`, which is on the launcher's host, readable for processes of
-  // this one; returns the folder `keys` here.
+  // Makes the keys in the folder `enclave` of the folder `keys`, which is on the launcher's host, readable for
+  // processes of this one; returns the folder `keys` here.
   virtual Result<std::string> PlaceKeys(const std::string& keys, const std::string& enclave) = 0;
 
   // Readable when there are new lines or ends of processes.

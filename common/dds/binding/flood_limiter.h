@@ -1,5 +1,5 @@
-// FloodLimiter: passes the first lines of each second on, and a count of the others, so that a hostile peer cannot fill a
-// disk with reports about itself. Safe to use from several threads.
+// FloodLimiter: passes the first lines of each second on, and a count of the others, so that a hostile peer cannot fill
+// a disk with reports about itself. Safe to use from several threads.
 #pragma once
 
 #include <chrono>

@@ -110,8 +110,7 @@ Status ControlClient::WaitForService(double seconds) {
         EnclaveOf(network_.security, network_.domain, network_.session, Role::Operator());
     if (!enclave.ok()) return enclave.error();
     if (!connection_ || connection_->enclave() != enclave.value()) {
-      dds::DomainConfig config =
-          dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
+      dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
       config.security_enclave = enclave.value();
       connection_ = std::make_unique<Connection>(config, network_.session);
     }

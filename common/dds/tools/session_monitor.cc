@@ -36,7 +36,8 @@ class MonitoringParticipant {
       : connection_(config, kAllSessions, {}),
         session_topic_(connection_.participant, topics::kSession),
         status_topic_(connection_.participant, topics::kStatus),
-        sessions_(connection_.subscriber, session_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Description())),
+        sessions_(connection_.subscriber, session_topic_,
+                  dds::qos_profiles::FromMany(dds::qos_profiles::Description())),
         statuses_(connection_.subscriber, status_topic_, dds::qos_profiles::FromMany(dds::qos_profiles::Status())),
         session_condition_(sessions_),
         status_condition_(statuses_) {

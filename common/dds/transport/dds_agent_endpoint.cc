@@ -54,23 +54,21 @@ void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
 
 void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  sessions_.Drain(
-      [this](const troupe_wire_Session& session, const Sender& sender) {
-        return IsFromService(sessions_, session.run, sender);
-      },
-      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
-      [this](const Sender& ended) {
-        for (const RunId run : services_.Forget(ended.participant)) {
-          // The late end of an earlier run of the session does not concern this agent.
-          const RunId joined = joined_run_;
-          if (run != joined && (joined != 0 || !services_.empty())) continue;
-          if (ended.disposed) {
-            handler_->OnServiceGone();
-          } else {
-            handler_->OnServiceLost();
-          }
-        }
-      });
+  sessions_.Drain([this](const troupe_wire_Session& session,
+                         const Sender& sender) { return IsFromService(sessions_, session.run, sender); },
+                  [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
+                  [this](const Sender& ended) {
+                    for (const RunId run : services_.Forget(ended.participant)) {
+                      // The late end of an earlier run of the session does not concern this agent.
+                      const RunId joined = joined_run_;
+                      if (run != joined && (joined != 0 || !services_.empty())) continue;
+                      if (ended.disposed) {
+                        handler_->OnServiceGone();
+                      } else {
+                        handler_->OnServiceLost();
+                      }
+                    }
+                  });
   sessions_.Clear();  // a world may be large, and is received once
 }
 

@@ -99,8 +99,8 @@ class WireInbox {
   // No call of `drain` runs any more when it returns.
   void Close() { reader_.clear_listener(); }
 
-  // Empties the reader: on_sample gets each sample and its sender, and on_end each sender that has ended, or has disposed
-  // its data because it will.
+  // Empties the reader: on_sample gets each sample and its sender, and on_end each sender that has ended, or has
+  // disposed its data because it will.
   template <typename OnSample, typename OnEnd>
   void Drain(OnSample on_sample, OnEnd on_end) {
     do {
@@ -166,8 +166,8 @@ class Inbox : public WireInbox<Wire> {
  public:
   using WireInbox<Wire>::WireInbox;
 
-  // Empties the reader. Samples for which admits(wire, sender) is false are skipped before they are converted; on_message
-  // gets each of the others that is well-formed, and its sender; on_end as in WireInbox.
+  // Empties the reader. Samples for which admits(wire, sender) is false are skipped before they are converted;
+  // on_message gets each of the others that is well-formed, and its sender; on_end as in WireInbox.
   template <typename Admits, typename OnMessage, typename OnEnd>
   void Drain(Admits admits, OnMessage on_message, OnEnd on_end) {
     const auto convert = [&](const Wire& wire, const Sender& sender) {

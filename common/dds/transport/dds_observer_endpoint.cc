@@ -79,17 +79,15 @@ bool DdsObserverEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& s
 
 void DdsObserverEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  sessions_.Drain(
-      [this](const troupe_wire_Session& session, const Sender& sender) {
-        return IsFromService(sessions_, session.run, sender);
-      },
-      [this](const SessionMessage& session, const Sender&) {
-        world_editions_[session.run] = session.world_edition;
-        queue_->PostSession(std::make_shared<const SessionMessage>(session));
-      },
-      [this](const Sender& ended) {
-        for (const RunId run : services_.Forget(ended.participant)) EndRun(run);
-      });
+  sessions_.Drain([this](const troupe_wire_Session& session,
+                         const Sender& sender) { return IsFromService(sessions_, session.run, sender); },
+                  [this](const SessionMessage& session, const Sender&) {
+                    world_editions_[session.run] = session.world_edition;
+                    queue_->PostSession(std::make_shared<const SessionMessage>(session));
+                  },
+                  [this](const Sender& ended) {
+                    for (const RunId run : services_.Forget(ended.participant)) EndRun(run);
+                  });
   sessions_.Clear();  // a world may be large, and is seldom received
   PostFrame();
 }
@@ -102,14 +100,12 @@ void DdsObserverEndpoint::EndRun(RunId run) {
 
 void DdsObserverEndpoint::DrainStatuses() {
   const std::lock_guard lock(mutex_);
-  statuses_.Drain(
-      [this](const troupe_wire_Status& status, const Sender& sender) {
-        return IsFromService(statuses_, status.run, sender);
-      },
-      [this](const StatusMessage& status, const Sender&) {
-        status_ = status;
-        queue_->PostStatus(std::make_shared<const StatusMessage>(status));
-      });
+  statuses_.Drain([this](const troupe_wire_Status& status,
+                         const Sender& sender) { return IsFromService(statuses_, status.run, sender); },
+                  [this](const StatusMessage& status, const Sender&) {
+                    status_ = status;
+                    queue_->PostStatus(std::make_shared<const StatusMessage>(status));
+                  });
 }
 
 void DdsObserverEndpoint::GatherFrames() {

@@ -63,7 +63,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   Clock::time_point last_read_;  // when the last frames were read; for GatherFrames only
   std::atomic<bool> frames_are_short_ = false;
 
-  std::mutex mutex_;                         // guards the members below it
+  std::mutex mutex_;  // guards the members below it
   KnownServices services_;
   std::map<RunId, Edition> world_editions_;  // of the newest session of each run that has a live service
   FrameFollower follower_;

@@ -113,8 +113,8 @@ bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, cons
   // After an edit it may join for those that are left.
   const auto known = robots_of_agents_.find(name);
   return known != robots_of_agents_.end() && std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) {
-    return known->second.contains(robot);
-  });
+           return known->second.contains(robot);
+         });
 }
 
 void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {

@@ -38,7 +38,9 @@ class DdsTransport : public Transport {
   enum class Role { kService, kAgent, kObserver };
 
   DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
-      : role_(role), connection_(config, options.session, options.on_problem, AgentOf(role, options)), service_(ServiceOf(options)) {}
+      : role_(role),
+        connection_(config, options.session, options.on_problem, AgentOf(role, options)),
+        service_(ServiceOf(options)) {}
 
   std::string participant() const { return dds::ToText(connection_.participant.guid_prefix()); }
 

@@ -14,8 +14,8 @@
 namespace troupe {
 
 struct DdsOptions : NetworkSettings {
-  std::string enclave;                // the folder with the keys of the participant; empty: no security
-  std::vector<std::string> robots;    // of an agent: it may join for these only
+  std::string enclave;              // the folder with the keys of the participant; empty: no security
+  std::vector<std::string> robots;  // of an agent: it may join for these only
   // Called, on any thread, with one line for each message that was ignored because it was malformed, or could not be
   // sent.
   std::function<void(const std::string&)> on_problem;

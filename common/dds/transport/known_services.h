@@ -1,5 +1,5 @@
-// KnownServices: which participant is the world service of a run: the first one that sends a message of that run. Messages
-// of the run from any other participant are not the service's.
+// KnownServices: which participant is the world service of a run: the first one that sends a message of that run.
+// Messages of the run from any other participant are not the service's.
 #pragma once
 
 #include <map>

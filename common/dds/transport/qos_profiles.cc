@@ -18,8 +18,8 @@ constexpr std::int32_t kAdmissionsKept = 16;
 // Replies to tools, for those that the service has not discovered yet.
 constexpr std::int32_t kRepliesKept = 64;
 
-// Messages that may wait in a reader of many writers, and of the service's frames. A reader is drained by the thread that
-// receives, so that more than one waits only while the program starts, or when several threads receive.
+// Messages that may wait in a reader of many writers, and of the service's frames. A reader is drained by the thread
+// that receives, so that more than one waits only while the program starts, or when several threads receive.
 constexpr std::int32_t kMessagesOfMany = 1024;
 constexpr std::int32_t kReceivedFramesKept = 8;
 

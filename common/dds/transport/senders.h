@@ -1,6 +1,6 @@
 // Senders: the writers that a reader has received samples from, each with the participant that it belongs to. DDS hands
-// a participant the samples of every writer of a topic; this tells which of them is which, and keeps out those that were
-// found not to be entitled to the topic.
+// a participant the samples of every writer of a topic; this tells which of them is which, and keeps out those that
+// were found not to be entitled to the topic.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,8 @@ struct Sender {
 
 class Senders : public SampleFilter {
  public:
-  // The writer with this handle, which `reader` has received a sample from; null if it has ended. Valid until ForgetEnded.
+  // The writer with this handle, which `reader` has received a sample from; null if it has ended. Valid until
+  // ForgetEnded.
   const Sender* Find(dds_entity_t reader, dds_instance_handle_t writer);
 
   // No sample of this writer is accepted any more. False if that was so before.

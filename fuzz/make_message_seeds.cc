@@ -1,0 +1,159 @@
+// Writes the first inputs of the targets of messages: small samples of each type with every field used.
+//   fuzz_make_message_seeds FOLDER
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "common/dds/convert/convert.h"
+#include "common/dds/convert/topic_types.h"
+#include "common/ros_dds/simulation_types.h"
+#include "common/ros_dds/topic_types.h"
+#include "common/wire/cdr.h"
+#include "common/wire/message_bytes.h"
+#include "common/worldfile/build/build_world.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "fuzz/check.h"
+
+namespace troupe::fuzz {
+namespace {
+
+constexpr char kWorld[] = R"(
+define room model ( size [ 8 8 1 ] boundary 1 noblocks 1 )
+define crate model ( size [ 0.5 0.5 0.5 ] gripper_return 1 )
+define eye ranger ( sensor ( range [ 0 5 ] fov 180 samples 9 ) )
+define bot position ( size [ 0.4 0.4 0.3 ] eye ( pose [ 0 0 -0.1 0 ] ) gripper ( pose [ 0.2 0 0 0 ] ) )
+room ( name "room" )
+crate ( name "crate" pose [ 1 1 0 30 ] )
+bot ( name "r0" ctrl "wander" )
+)";
+
+WorldDescription SmallWorld() {
+  const Result<WorldTree> tree = ParseStageText(kWorld, "seed.world");
+  Check(tree.ok());
+  Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, {});
+  Check(loaded.ok());
+  WorldDescription world = std::move(loaded).value().world;
+  Bitmap bitmap(9, 5);
+  for (int x = 0; x < 9; ++x) bitmap.set_occupied(x, x % 5, true);
+  ModelDescription map = world.models.front();
+  map.name = "map";
+  map.parent.reset();
+  map.shape = ShapeId(world.shapes.size());
+  Shape& shape = world.shapes.emplace_back();
+  shape.rectangles_z = {0.0, 1.0};
+  shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.factor = 0.1}, {.factor = 0.2});
+  world.models.push_back(std::move(map));
+  return world;
+}
+
+class Seeds {
+ public:
+  explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  void Write(const std::string& target, const std::string& name, Bytes bytes) const {
+    const std::filesystem::path path = folder_ / target;
+    std::filesystem::create_directories(path);
+    std::ofstream file(path / name, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  template <typename Message>
+  void WriteMessage(const std::string& target, const Message& message) const {
+    Write(target, "seed.cdr", wire::ToBytes(message));
+  }
+  // A sample behind the number of its type.
+  template <typename Wire>
+  void WriteRos(int number, const std::string& name, const Wire& sample) const {
+    std::vector<std::byte> bytes = wire::ToCdr(sample);
+    bytes.insert(bytes.begin(), static_cast<std::byte>(number));
+    Write("ros_sample", name + ".cdr", bytes);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+void WriteFrames(const Seeds& seeds, const WorldDescription& world) {
+  FrameMessage frame;
+  frame.run = 1;
+  frame.state = PlacedState(world);
+  frame.events.push_back({.tick = 0, .type = EventType::kStallBegan, .robot = RobotId(0)});
+  frame.awaited = {AgentId(7)};
+  seeds.WriteMessage("frame", frame);
+
+  FrameMessage before;  // as the target has it
+  before.run = 1;
+  before.state.tick = 7;
+  before.state.robots.resize(3);
+  before.state.joints.resize(2);
+  before.state.grippers.resize(1);
+  before.state.objects.resize(2);
+  FrameMessage after = before;
+  after.state.tick = 8;
+  after.state.robots[1].X_WR.x = 1.0;
+  after.state.joints[0].position = 0.1;
+  after.state.objects[1].X_WO.y = 2.0;
+  dds::WireArena arena;
+  seeds.Write("changes", "seed.cdr", wire::ToCdr(dds::ToWire(after, &before.state, arena)));
+}
+
+void WriteRosSamples(const Seeds& seeds) {
+  char text[] = "robot_0";
+  char frame[] = "map";
+  seeds.WriteRos(0, "twist", geometry_msgs_msg_dds__Twist_{{0.5, 0.0, 0.0}, {0.0, 0.0, 0.2}});
+  geometry_msgs_msg_dds__TwistStamped_ stamped{};
+  stamped.header.frame_id = frame;
+  seeds.WriteRos(1, "twist_stamped", stamped);
+  control_msgs_action_dds__GripperCommand_SendGoal_Request_ goal{};
+  goal.goal.command.position = 0.1;
+  seeds.WriteRos(2, "gripper_goal", goal);
+  seeds.WriteRos(3, "cancel", action_msgs_srv_dds__CancelGoal_Request_{});
+  simulation_interfaces_srv_dds__GetEntities_Request_ entities{};
+  entities.filters.filter = text;
+  seeds.WriteRos(4, "entities", entities);
+  simulation_interfaces_srv_dds__SetEntityState_Request_ state{};
+  state.entity = text;
+  state.state.header.frame_id = frame;
+  state.state.pose.orientation.w = 1.0;
+  seeds.WriteRos(5, "state", state);
+  simulation_interfaces_srv_dds__SpawnEntity_Request_ spawn{};
+  spawn.name = spawn.uri = spawn.resource_string = spawn.entity_namespace = text;
+  spawn.initial_pose.header.frame_id = frame;
+  seeds.WriteRos(7, "spawn", spawn);
+}
+
+int Main(const char* folder) {
+  const Seeds seeds(folder);
+  const WorldDescription world = SmallWorld();
+  Check(Validate(world).ok());
+  seeds.WriteMessage("session",
+                     SessionMessage{.run = 1, .host = "here", .pid = 1, .lease_seconds = 2.0, .world = world});
+  seeds.WriteMessage("join", JoinMessage{.run = 1, .agent = 7, .host = "here", .pid = 1, .robots = {"r0", "r1"}});
+  seeds.WriteMessage("admissions", std::vector<AdmissionMessage>{{1, 7, true, ""}, {1, 8, false, "no such robot"}});
+  WriteFrames(seeds, world);
+  seeds.WriteMessage("frame_request", troupe::FrameRequest{5});
+  ProposalMessage proposal;
+  proposal.proposals = {{RobotId(0), {0.5, 0.0, 0.1}, {0.1, 0.2}}};
+  seeds.WriteMessage("proposal", proposal);
+  ControlRequest request;
+  request.command = ControlCommand::kSpawn;
+  request.name = "late";
+  request.source = "rover";
+  seeds.WriteMessage("control", request);
+  troupe::ControlReply reply;
+  reply.problem = "no";
+  reply.entities.push_back({"r0", "position", EntityKind::kRobot, {1.0, 2.0, 0.0, 0.5}, {0.1, 0.0, 0.0}});
+  seeds.WriteMessage("control_reply", reply);
+  seeds.WriteMessage("status", StatusMessage());
+  WriteRosSamples(seeds);
+  return 0;
+}
+
+}  // namespace
+}  // namespace troupe::fuzz
+
+int main(int argc, char** argv) {
+  if (argc == 2) return troupe::fuzz::Main(argv[1]);
+  std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+  return 2;
+}

@@ -1,0 +1,37 @@
+// The fuzz targets: each feeds any bytes to a reader of input from outside. It returns for all bytes, and stops the
+// program where a promise of the reader is broken.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace troupe::fuzz {
+
+using Bytes = std::span<const std::byte>;
+
+// Files of users.
+void World(Bytes bytes);     // a Stage world
+void Scenario(Bytes bytes);  // a JSON scenario
+void Image(Bytes bytes);     // a PNG or PGM, to the body of a model
+void MapYaml(Bytes bytes);   // a ROS map's YAML, and behind a zero byte its image
+
+// Messages of the types in idl/, as CDR.
+void Session(Bytes bytes);
+void Join(Bytes bytes);
+void Admissions(Bytes bytes);
+void Frame(Bytes bytes);    // a whole one
+void Changes(Bytes bytes);  // a frame after another one
+void FrameRequest(Bytes bytes);
+void Proposal(Bytes bytes);
+void Control(Bytes bytes);
+void ControlReply(Bytes bytes);
+void Status(Bytes bytes);
+
+// A ROS message or request: the first byte selects its type, the others are CDR.
+void RosSample(Bytes bytes);
+
+// Lines between a launcher and its processes.
+void HostMessage(Bytes bytes);
+void ServiceReport(Bytes bytes);
+
+}  // namespace troupe::fuzz
