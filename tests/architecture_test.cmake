@@ -33,7 +33,7 @@ set(may_include_common/worldfile
   common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/scenario
   common/worldfile/stage common/worldfile/text)
 set(may_include_common/protocol common/base common/geometry common/model)
-set(may_include_common/security common/base common/protocol)
+set(may_include_common/security common/base common/protocol common/run)
 set(may_include_common/trace common/base)
 set(may_include_common/command_line common/base common/protocol common/ros common/run common/trace)
 set(may_include_common/dds/binding common/base)
@@ -42,7 +42,7 @@ set(may_include_common/wire common/base common/protocol common/dds/binding commo
 set(may_include_common/dds/transport
   common/base common/geometry common/model common/protocol common/run common/dds/binding common/dds/convert idl)
 set(may_include_common/dds/tools
-  common/base common/protocol common/run common/dds/binding common/dds/convert common/dds/transport idl)
+  common/base common/protocol common/run common/security common/dds/binding common/dds/convert common/dds/transport idl)
 # The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.
 set(may_include_common/ros
   common/base common/geometry common/model common/spatial common/dds/binding idl/ros
@@ -63,7 +63,7 @@ set(may_include_world-service/program
   common/base common/command_line common/protocol common/ros common/run common/worldfile common/worldfile/build
   world-service/observers/recorder world-service/service)
 set(may_include_world-service
-  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/spatial world-service/program
+  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/security common/spatial world-service/program
   world-service/observers/recorder world-service/observers/ros world-service/observers/status world-service/service)
 
 set(may_include_robot-agent/controller
@@ -82,7 +82,8 @@ set(may_include_robot-agent/ros
 set(may_include_robot-agent/program
   common/base common/command_line common/protocol common/ros common/run robot-agent/agent)
 set(may_include_robot-agent
-  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run robot-agent/program robot-agent/ros)
+  common/base common/command_line common/dds/binding common/dds/transport common/protocol common/ros common/run common/security
+  robot-agent/program robot-agent/ros)
 
 # The public headers, each with a rule of its own: folders on all levels include one.
 set(may_include_include/troupe/version.h "")
@@ -102,7 +103,8 @@ set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run common/worldfile/scenario launcher/process)
 set(may_include_launcher/supervise
-  common/base common/command_line common/dds/binding common/model common/protocol common/ros common/run common/spatial
+  common/base common/command_line common/dds/binding common/model common/protocol common/ros common/run common/security
+  common/spatial
   common/trace
   common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/service)

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 constexpr Tick kTicks = 30;
-constexpr std::size_t kFlood = 20000;  // messages
+constexpr std::size_t kFlood = 20000;   // messages
 constexpr double kMemoryMargin = 40.0;  // MiB
 
 // The ports of all UDP sockets on this machine, in the form of Stranger's peers: agents listen at any of them.

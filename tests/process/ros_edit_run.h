@@ -27,6 +27,7 @@ class RosEditRun {
   Program& program() { return run_; }
 
   ControlReply Ask(ControlRequest request) {
+    EXPECT_TRUE(client_.WaitForService(kSeconds).ok()) << run_.output();
     const Result<ControlReply> reply = client_.Call(std::move(request), kSeconds);
     if (reply.ok()) {
       EXPECT_TRUE(reply.value().done) << reply.value().problem;

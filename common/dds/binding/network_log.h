@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "common/dds/binding/flood_limiter.h"
+#include "common/base/flood_limiter.h"
 
 namespace troupe::dds {
 

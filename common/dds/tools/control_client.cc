@@ -4,7 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/base/random_id.h"
 #include "common/dds/binding/condition.h"
 #include "common/dds/binding/wait_set.h"
@@ -121,7 +120,7 @@ Status ControlClient::WaitForService(double seconds) {
 }
 
 Result<ControlReply> ControlClient::Call(ControlRequest request, double seconds) {
-  TROUPE_CHECK(connection_ != nullptr);
+  if (!connection_) return Failure("not connected to the world service of session '" + network_.session + "'");
   return connection_->Call(std::move(request), seconds);
 }
 

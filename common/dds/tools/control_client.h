@@ -22,8 +22,8 @@ class ControlClient {
   // those of an operator. Throws dds::Exception (common/dds/binding/exception.h) when DDS cannot start.
   Status WaitForService(double seconds);
 
-  // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived.
-  // REQUIRES: WaitForService has succeeded.
+  // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived,
+  // or WaitForService has not succeeded before.
   Result<ControlReply> Call(ControlRequest request, double seconds);
   Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
 

@@ -70,6 +70,10 @@ class MonitoringParticipant {
         if (!publication) continue;
         KnownRun& known = runs_[session.run];
         if (known.session_writer != 0 && known.service != publication->participant) continue;
+        if (session.ended) {
+          runs_.erase(session.run);
+          continue;
+        }
         known.service = publication->participant;
         known.session_writer = sample.info().publication_handle();
         SessionInfo& info = known.info;

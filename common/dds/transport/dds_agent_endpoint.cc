@@ -18,8 +18,14 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
   admissions_.Close();
   frames_.Close();
-  // The service learns the end of the writer only when the lease expires, if this process ends before all is sent.
-  joins_.Dispose();
+  // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
+  troupe_wire_Join last{};
+  last.run = joined_run_;
+  last.leaving = true;
+  for (const AgentId agent : joined_agents_) {
+    last.agent = agent;
+    joins_.SendWire(last);
+  }
 }
 
 void DdsAgentEndpoint::Start(AgentHandler& handler) {
@@ -54,22 +60,28 @@ void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
 
 void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  sessions_.Drain([this](const troupe_wire_Session& session,
-                         const Sender& sender) { return IsFromService(sessions_, session.run, sender); },
-                  [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
-                  [this](const Sender& ended) {
-                    for (const RunId run : services_.Forget(ended.participant)) {
-                      // The late end of an earlier run of the session does not concern this agent.
-                      const RunId joined = joined_run_;
-                      if (run != joined && (joined != 0 || !services_.empty())) continue;
-                      if (ended.disposed) {
-                        handler_->OnServiceGone();
-                      } else {
-                        handler_->OnServiceLost();
-                      }
-                    }
-                  });
+  sessions_.Drain(
+      [this](const troupe_wire_Session& session, const Sender& sender) {
+        if (!IsFromService(sessions_, session.run, sender)) return false;
+        if (session.ended) EndRuns(sender, true);
+        return !session.ended;
+      },
+      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
+      [this](const Sender& ended) { EndRuns(ended, false); });
   sessions_.Clear();  // a world may be large, and is received once
+}
+
+void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
+  for (const RunId run : services_.Forget(service.participant)) {
+    // The late end of an earlier run of the session does not concern this agent.
+    const RunId joined = joined_run_;
+    if (run != joined && (joined != 0 || !services_.empty())) continue;
+    if (in_order) {
+      handler_->OnServiceGone();
+    } else {
+      handler_->OnServiceLost();
+    }
+  }
 }
 
 void DdsAgentEndpoint::DrainAdmissions() {
@@ -90,6 +102,10 @@ void DdsAgentEndpoint::DrainFrames() {
 
 void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {
   joined_run_ = join.run;
+  {
+    const std::lock_guard lock(joined_mutex_);
+    joined_agents_.insert(join.agent);
+  }
   joins_.Send(join);
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <set>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
@@ -27,6 +28,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void DrainSessions();
   void DrainAdmissions();
   void DrainFrames();
+  void EndRuns(const Sender& service, bool in_order);
   // Whether the sender of a message of a run is the service of that run; refuses it if it is not.
   template <typename Inbox>
   bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);
@@ -39,6 +41,8 @@ class DdsAgentEndpoint : public AgentEndpoint {
 
   // The run that the agent last asked to join; 0: none yet.
   std::atomic<RunId> joined_run_{0};
+  std::mutex joined_mutex_;  // guards the next member
+  std::set<AgentId> joined_agents_;
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
   KnownServices services_;

@@ -6,11 +6,11 @@
 #include <mutex>
 #include <string>
 
+#include "common/base/flood_limiter.h"
 #include "common/base/result.h"
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/domain_participant.h"
-#include "common/dds/binding/flood_limiter.h"
 #include "common/dds/binding/publisher.h"
 #include "common/dds/convert/convert.h"
 #include "common/dds/transport/qos_profiles.h"
@@ -51,20 +51,14 @@ class Outbox {
   // `message`: the arguments of the ToWire that makes a Wire, without its arena.
   template <typename... Message>
   void Send(const Message&... message) {
+    WireArena arena;
+    SendWire(ToWire(message..., arena));
+  }
+  void SendWire(const Wire& wire) {
     try {
-      WireArena arena;
-      writer_.write(ToWire(message..., arena));
+      writer_.write(wire);
     } catch (const Exception& failure) {
       connection_.Report(topic_.name() + ": not sent: " + failure.what());
-    }
-  }
-
-  // Tells the readers that this writer will end, in order.
-  void Dispose() {
-    try {
-      writer_.dispose(Wire{});
-    } catch (const Exception& failure) {
-      connection_.Report(topic_.name() + ": not disposed: " + failure.what());
     }
   }
 
@@ -99,23 +93,17 @@ class WireInbox {
   // No call of `drain` runs any more when it returns.
   void Close() { reader_.clear_listener(); }
 
-  // Empties the reader: on_sample gets each sample and its sender, and on_end each sender that has ended, or has
-  // disposed its data because it will.
+  // Empties the reader: on_sample gets each sample and its sender, then on_end each sender that has ended.
   template <typename OnSample, typename OnEnd>
   void Drain(OnSample on_sample, OnEnd on_end) {
     do {
       reader_.take(buffer_);
       for (std::size_t i = 0; i < buffer_.length(); ++i) {
         const SampleInfo info = buffer_.info(i);
+        if (!info.valid()) continue;
         const Sender* sender = senders_.Find(reader_.handle(), info.publication_handle());
         if (sender == nullptr) continue;
-        if (info.valid()) {
-          on_sample(buffer_.data(i), *sender);
-        } else if (info.instance_disposed()) {
-          Sender leaving = senders_.Forget(sender->writer);
-          leaving.disposed = true;
-          on_end(leaving);
-        }
+        on_sample(buffer_.data(i), *sender);
       }
     } while (buffer_.full());  // later samples are announced again
     if (!matches_changed_.exchange(false)) return;

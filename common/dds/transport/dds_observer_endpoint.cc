@@ -79,17 +79,23 @@ bool DdsObserverEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& s
 
 void DdsObserverEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  sessions_.Drain([this](const troupe_wire_Session& session,
-                         const Sender& sender) { return IsFromService(sessions_, session.run, sender); },
-                  [this](const SessionMessage& session, const Sender&) {
-                    world_editions_[session.run] = session.world_edition;
-                    queue_->PostSession(std::make_shared<const SessionMessage>(session));
-                  },
-                  [this](const Sender& ended) {
-                    for (const RunId run : services_.Forget(ended.participant)) EndRun(run);
-                  });
+  sessions_.Drain(
+      [this](const troupe_wire_Session& session, const Sender& sender) {
+        if (!IsFromService(sessions_, session.run, sender)) return false;
+        if (session.ended) EndRunsOf(sender);
+        return !session.ended;
+      },
+      [this](const SessionMessage& session, const Sender&) {
+        world_editions_[session.run] = session.world_edition;
+        queue_->PostSession(std::make_shared<const SessionMessage>(session));
+      },
+      [this](const Sender& ended) { EndRunsOf(ended); });
   sessions_.Clear();  // a world may be large, and is seldom received
   PostFrame();
+}
+
+void DdsObserverEndpoint::EndRunsOf(const Sender& service) {
+  for (const RunId run : services_.Forget(service.participant)) EndRun(run);
 }
 
 void DdsObserverEndpoint::EndRun(RunId run) {

@@ -40,6 +40,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   void GatherFrames();
 
   // The functions below: REQUIRES: mutex_ is locked.
+  void EndRunsOf(const Sender& service);
   void EndRun(RunId run);
   template <typename Inbox>
   bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);

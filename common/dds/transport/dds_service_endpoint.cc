@@ -51,7 +51,11 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   controls_.Close();
   frame_requests_.Close();
   rivals_.Close();
-  sessions_.Dispose();
+  if (run_ == 0) return;
+  troupe_wire_Session last{};
+  last.run = run_;
+  last.ended = true;
+  sessions_.SendWire(last);
 }
 
 void DdsServiceEndpoint::Start(ServiceHandler& handler) {
@@ -85,6 +89,10 @@ void DdsServiceEndpoint::DrainJoins() {
   const std::lock_guard lock(mutex_);
   joins_.Drain(
       [this](const troupe_wire_Join& join, const Sender& sender) {
+        if (join.leaving) {
+          Leave(join.agent, sender);
+          return false;
+        }
         if (!MayJoinFor(Strings(join.robots), sender)) {
           joins_.Refuse(sender, "its keys are those of an agent of other robots");
           return false;
@@ -115,6 +123,13 @@ bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, cons
   return known != robots_of_agents_.end() && std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) {
            return known->second.contains(robot);
          });
+}
+
+void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
+  const auto known = agents_.find(agent);
+  if (known == agents_.end() || known->second.writer != sender.writer) return;
+  agents_.erase(known);
+  handler_->OnAgentGone(agent);
 }
 
 void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
@@ -149,12 +164,13 @@ void DdsServiceEndpoint::DrainControls() {
 
 void DdsServiceEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  rivals_.Drain(AdmitAll(),
+  rivals_.Drain([](const troupe_wire_Session& session, const Sender&) { return !session.ended; },
                 [this](const SessionMessage& session, const Sender&) { handler_->OnRivalService(session); });
   rivals_.Clear();
 }
 
 void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
+  run_ = session.run;
   sessions_.Send(session);
 }
 void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& admissions) {

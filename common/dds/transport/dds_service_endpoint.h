@@ -1,6 +1,7 @@
 // The world service's end of a DdsTransport.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -35,6 +36,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   bool Bind(AgentId agent, const Sender& sender);
   // Whether the sender's keys are for an agent of these robots.
   bool MayJoinFor(const std::vector<std::string>& robots, const Sender& sender);
+  void Leave(AgentId agent, const Sender& sender);
   void LoseAgentsOf(const Sender& ended);
   void DrainProposals();
   void DrainControls();
@@ -56,6 +58,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   Inbox<troupe_wire_FrameRequest, FrameRequest> frame_requests_;
   Inbox<troupe_wire_Session, SessionMessage> rivals_;
 
+  std::atomic<RunId> run_ = 0;        // of the newest session; 0: none yet
   std::mutex frame_mutex_;            // guards the members up to the next mutex; locked after mutex_ where both are
   std::optional<FrameMessage> sent_;  // the newest frame
   // When it was sent to the observers as a whole; nothing: not yet.

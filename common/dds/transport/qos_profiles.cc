@@ -54,8 +54,7 @@ Qos FromMany(Qos profile) {
 }
 
 Qos Description(double lease_seconds) {
-  // The service disposes its session itself, when it ends: else readers could not tell that from an expired lease.
-  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds) << WriterDataLifecycle{false};
+  return KeptForLatecomers() << Liveliness::Automatic(lease_seconds);
 }
 
 Qos Join(double lease_seconds) {

@@ -14,11 +14,6 @@ const Sender* Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
   return &known_.emplace(writer, Sender{writer, publication->participant, partition}).first->second;
 }
 
-Sender Senders::Forget(dds_instance_handle_t writer) {
-  const auto node = known_.extract(writer);
-  return node.empty() ? Sender{} : node.mapped();
-}
-
 bool Senders::Refuse(const Sender& sender) {
   const std::lock_guard lock(mutex_);
   any_refused_ = true;

@@ -19,7 +19,6 @@ struct Sender {
   dds_instance_handle_t writer = 0;
   GuidPrefix participant;
   std::string partition;  // the first of the writer's
-  bool disposed = false;  // it ends in order, and has disposed its data before
 };
 
 class Senders : public SampleFilter {
@@ -30,9 +29,6 @@ class Senders : public SampleFilter {
 
   // No sample of this writer is accepted any more. False if that was so before.
   bool Refuse(const Sender& sender);
-
-  // Forgets this sender, and returns it.
-  Sender Forget(dds_instance_handle_t writer);
 
   // Forgets the senders whose writers have ended, and returns them.
   std::vector<Sender> ForgetEnded(dds_entity_t reader);

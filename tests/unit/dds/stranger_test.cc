@@ -1,4 +1,6 @@
 // A participant without any part in a run sends messages in the names of its service and its agents.
+#include "tests/support/stranger.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
-#include "tests/support/stranger.h"
 
 namespace troupe {
 namespace {
@@ -113,8 +114,10 @@ TEST_F(StrangerTest, ForgedFramesAndAdmissionsDoNotReachAnAgent) {
   ASSERT_TRUE(Eventually([this] { return !agent_.sessions.items().empty(); }));
   const Stranger stranger(options_.session);
   Forger<troupe_wire_Frame> frames(stranger, stranger.publisher, topics::kFrame, dds::qos_profiles::Frame());
-  Forger<troupe_wire_Admissions> admissions(stranger, stranger.publisher, topics::kAdmission, dds::qos_profiles::Admission());
-  Forger<troupe_wire_Session> sessions(stranger, stranger.publisher, topics::kSession, dds::qos_profiles::Description(1.0));
+  Forger<troupe_wire_Admissions> admissions(stranger, stranger.publisher, topics::kAdmission,
+                                            dds::qos_profiles::Admission());
+  Forger<troupe_wire_Session> sessions(stranger, stranger.publisher, topics::kSession,
+                                       dds::qos_profiles::Description(1.0));
   ASSERT_TRUE(frames.Found() && admissions.Found() && sessions.Found());
 
   FrameMessage last;
@@ -149,7 +152,8 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
   {
     const Stranger stranger(options_.session);
     Forger<troupe_wire_Join> joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0));
-    Forger<troupe_wire_Proposal> proposals(stranger, stranger.agent_publisher, topics::kProposal, dds::qos_profiles::Proposal());
+    Forger<troupe_wire_Proposal> proposals(stranger, stranger.agent_publisher, topics::kProposal,
+                                           dds::qos_profiles::Proposal());
     ASSERT_TRUE(joins.Found() && proposals.Found());
     JoinMessage join = Join();
     join.robots = {"another"};

@@ -1,8 +1,8 @@
-#include "common/dds/binding/flood_limiter.h"
+#include "common/base/flood_limiter.h"
 
 #include <utility>
 
-namespace troupe::dds {
+namespace troupe {
 
 FloodLimiter::FloodLimiter(Tell tell) : tell_(std::move(tell)), second_began_(std::chrono::steady_clock::now()) {}
 
@@ -31,4 +31,4 @@ void FloodLimiter::TellSum() {
   if (left_out_ > 0) tell_(std::to_string(std::exchange(left_out_, 0)) + " more lines like these");
 }
 
-}  // namespace troupe::dds
+}  // namespace troupe

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-namespace troupe::dds {
+namespace troupe {
 
 class FloodLimiter {
  public:
@@ -34,4 +34,4 @@ class FloodLimiter {
   std::uint64_t left_out_ = 0;
 };
 
-}  // namespace troupe::dds
+}  // namespace troupe
