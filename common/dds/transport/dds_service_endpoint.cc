@@ -22,6 +22,9 @@ constexpr std::chrono::milliseconds kWholeFrameInterval(20);
 // Agents that may join through one writer: an agent that rejoins as another one is a new agent.
 constexpr std::ptrdiff_t kAgentsOfWriter = 64;
 
+// Lost agents whose proposals are still accepted: the run asks them to join again.
+constexpr std::size_t kLostAgentsKept = 4096;
+
 bool HaveSameSizes(const WorldState& a, const WorldState& b) {
   return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
          a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size();
@@ -139,21 +142,27 @@ void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
   }
   for (const AgentId agent : lost) {
     agents_.erase(agent);
+    if (lost_agents_.size() == kLostAgentsKept) lost_agents_.erase(lost_agents_.begin());
+    lost_agents_[agent] = ended.participant;
     handler_->OnAgentGone(agent);
   }
 }
 
+bool DdsServiceEndpoint::IsFromAgent(AgentId agent, const Sender& sender) {
+  if (const auto known = agents_.find(agent); known != agents_.end()) {
+    if (known->second.participant == sender.participant) return true;
+    proposals_.Refuse(sender, "another participant is this agent");
+    return false;
+  }
+  const auto lost = lost_agents_.find(agent);
+  return lost != lost_agents_.end() && lost->second == sender.participant;
+}
+
 void DdsServiceEndpoint::DrainProposals() {
   const std::lock_guard lock(mutex_);
-  proposals_.Drain(
-      [this](const troupe_wire_Proposal& proposal, const Sender& sender) {
-        const auto agent = agents_.find(proposal.agent);
-        if (agent != agents_.end() && agent->second.participant == sender.participant) return true;
-        // The proposal of an agent whose end was noticed first, or whose join was lost, is no offence.
-        if (agent != agents_.end()) proposals_.Refuse(sender, "another participant is this agent");
-        return false;
-      },
-      [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
+  proposals_.Drain([this](const troupe_wire_Proposal& proposal,
+                          const Sender& sender) { return IsFromAgent(proposal.agent, sender); },
+                   [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
 }
 
 void DdsServiceEndpoint::DrainControls() {

@@ -38,6 +38,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   bool MayJoinFor(const std::vector<std::string>& robots, const Sender& sender);
   void Leave(AgentId agent, const Sender& sender);
   void LoseAgentsOf(const Sender& ended);
+  // Whether the sender of a proposal is the agent that it names, or was until its lease expired.
+  bool IsFromAgent(AgentId agent, const Sender& sender);
   void DrainProposals();
   void DrainControls();
   void DrainSessions();
@@ -68,7 +70,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   ServiceHandler* handler_ = nullptr;
   const bool secured_;
   std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
-  std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
+  std::map<AgentId, Sender> agents_;           // that have sent a join and are alive: the writer of their joins
+  std::map<AgentId, GuidPrefix> lost_agents_;  // some of those that were
 };
 
 }  // namespace troupe::dds
