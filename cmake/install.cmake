@@ -11,6 +11,7 @@ install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 set(TROUPE_PUBLIC_HEADERS controller.h parameters.h sensor.h simulation.h version.h)
 set(TROUPE_INCLUDED_HEADERS
   common/base/check.h common/base/deterministic_math.h common/base/ids.h common/base/random.h common/base/result.h
+  common/bitmap/bitmap.h common/bitmap/dense_cover.h common/bitmap/pixel_area.h common/bitmap/rectangle_cover.h
   common/geometry/polygon.h common/geometry/pose.h common/geometry/rectangle.h common/geometry/vec2.h
   common/geometry/z_range.h
   common/model/event.h common/model/interval.h common/model/sensor_description.h common/model/world_description.h

@@ -18,7 +18,7 @@ class ServiceHandler {
  public:
   virtual ~ServiceHandler() = default;
   virtual void OnJoin(const JoinMessage& join) = 0;
-  virtual void OnProposal(const ProposalMessage& proposal) = 0;
+  virtual void OnProposal(const ProposalMessage& proposal) = 0;  // of an agent whose join was delivered before
   // The agent has left, or its lease has expired.
   virtual void OnAgentGone(AgentId agent) = 0;
   // Another service of the same session was discovered.

@@ -41,6 +41,16 @@ class TransportContract : public testing::TestWithParam<TransportCase> {
     return false;
   }
 
+  // A proposal may be dropped unless its agent has joined.
+  static void SendAsMember(AgentEndpoint& endpoint, const ProposalMessage& proposal) {
+    JoinMessage join;
+    join.run = proposal.run;
+    join.agent = proposal.agent;
+    join.robots = {"r0"};
+    endpoint.SendJoin(join);
+    endpoint.SendProposal(proposal);
+  }
+
   static SessionMessage SomeSession(RunId run) {
     SessionMessage session;
     session.run = run;
@@ -163,7 +173,7 @@ TEST_P(TransportContract, ProposalArrivesIntact) {
   agent_endpoint->Start(agent);
   ProposalMessage sent{77, 5, 123456789012345, {{RobotId(2), {0.1, -0.2, 1.0 / 3.0}}, {RobotId(3), {}}}, {"a report"}};
   EXPECT_TRUE(SendUntil(
-      service.proposals, [&] { agent_endpoint->SendProposal(sent); },
+      service.proposals, [&] { SendAsMember(*agent_endpoint, sent); },
       [&](const ProposalMessage& came) {
         return came.run == sent.run && came.agent == sent.agent && came.tick == sent.tick &&
                came.proposals == sent.proposals && came.reports == sent.reports;
@@ -181,7 +191,7 @@ TEST_P(TransportContract, BadNumbersArriveAsTheyAre) {
   const double infinity = std::numeric_limits<double>::infinity();
   const ProposalMessage sent{77, 5, 1, {{RobotId(4000000000), {nan, infinity, -infinity}}}, {}};
   EXPECT_TRUE(SendUntil(
-      service.proposals, [&] { agent_endpoint->SendProposal(sent); },
+      service.proposals, [&] { SendAsMember(*agent_endpoint, sent); },
       [&](const ProposalMessage& came) {
         return came.proposals.size() == 1 && came.proposals[0].robot == RobotId(4000000000) &&
                came.proposals[0].twist.vx != came.proposals[0].twist.vx && came.proposals[0].twist.vy == infinity &&
@@ -203,7 +213,7 @@ TEST_P(TransportContract, TwoAgentsSendAndReceiveAtOnce) {
     for (std::size_t i = 0; i < 2; ++i) {
       const ProposalMessage sent{77, i + 1, tick, {{RobotId(i), {1.0 * static_cast<double>(i), 0.0, 0.0}}}, {}};
       EXPECT_TRUE(SendUntil(
-          service.proposals, [&] { endpoints[i]->SendProposal(sent); },
+          service.proposals, [&] { SendAsMember(*endpoints[i], sent); },
           [&](const ProposalMessage& came) {
             return came.agent == sent.agent && came.tick == tick && came.proposals == sent.proposals;
           }));
@@ -324,7 +334,7 @@ TEST_P(TransportContract, HandlersMaySendAndAreCalledOneAtATime) {
   const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(1);
   agent.on_frame = [&](const FrameMessage& frame) {
     EXPECT_FALSE(inside.exchange(true));
-    agent_endpoint->SendProposal({frame.run, 1, frame.state.tick, {}, {}});
+    SendAsMember(*agent_endpoint, {frame.run, 1, frame.state.tick, {}, {}});
     inside = false;
   };
   service_endpoint->Start(service);

@@ -56,7 +56,7 @@ TEST(ManipulationOverDds, AnAgentKilledWithAPayloadAndRestartedReachesTheSameSta
   OutputFolder folder;
   Program run = Troupe({"run", WorldPath("../../../worlds/scenarios/stage_stacking.json"), "--domain",
                         std::to_string(TestDomain()), "--speed", "10", "--lease", "0.5", "--on-agent-loss", "pause",
-                        "--headless", "--hash-log", folder.Path("hashes")});
+                        "--restart-agents", "0", "--headless", "--hash-log", folder.Path("hashes")});
   run.WaitForLine("r holds box");
   for (pid_t child : ChildrenOf(run.pid())) {
     if (CommandLineOf(child).find("--robot=r") != std::string::npos) kill(child, SIGKILL);
