@@ -27,7 +27,7 @@ void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string
                  "Folder of keys (see 'troupe keys'); off: any program of the network is a peer; auto: " + automatic +
                      " (default: auto)")
       ->check(NotEmpty())
-      ->type_name("DIR|auto|off")
+      ->type_name("DIR|on|auto|off")
       ->group(group);
 }
 

@@ -116,7 +116,8 @@ std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain) {
 Result<std::string> EnclaveOf(const std::string& security, std::uint32_t domain, const std::string& session,
                               const Role& role) {
   if (security == kSecurityOff) return std::string();
-  const std::string keys = security == kSecurityAuto ? KeysOf(domain, session) : security;
+  const bool published = security == kSecurityAuto || security == kSecurityOn;
+  const std::string keys = published ? KeysOf(domain, session) : security;
   if (keys.empty()) return std::string();
   const std::string enclave = keys + "/" + KeyFolder(role);
   if (Status status = CheckEnclave(enclave); !status.ok()) return status.error();

@@ -12,6 +12,10 @@
 
 namespace troupe {
 
+// A value of NetworkSettings::security of a launcher: keys for its run alone. "auto" means the same on every interface
+// but loopback, where the handshakes of a hundred agents would take longer than their start.
+inline constexpr const char* kSecurityOn = "on";
+
 // The folder of this user's sessions: $XDG_RUNTIME_DIR/troupe or, without that variable, troupe-<user id> in the
 // temporary folder. Made if it is missing (mode 0700). Fails if another user owns it or could read it.
 Result<std::string> SessionsFolder();
@@ -41,8 +45,8 @@ struct SessionKeys {
 std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain);
 
 // The folder with the keys of a participant, or nothing (an empty text) for one without security.
-// `security`: "auto" (the keys that this user's run of that session has published; without any, no security), "off", or
-// a folder of keys. Fails if the folder lacks the keys of the role.
+// `security`: "auto" or "on" (the keys that this user's run of that session has published; without any, no security),
+// "off", or a folder of keys. Fails if the folder lacks the keys of the role.
 Result<std::string> EnclaveOf(const std::string& security, std::uint32_t domain, const std::string& session,
                               const Role& role);
 

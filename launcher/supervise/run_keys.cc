@@ -50,8 +50,9 @@ Result<std::string> MakeKeysFolder() {
 
 Result<RunKeys> RunKeys::Make(const NetworkSettings& network) {
   RunKeys keys;
-  if (network.security == kSecurityOff) return keys;
-  if (network.security != kSecurityAuto) {
+  const bool is_local = network.network_interface == kLoopbackInterface;
+  if (network.security == kSecurityOff || (network.security == kSecurityAuto && is_local)) return keys;
+  if (network.security != kSecurityAuto && network.security != kSecurityOn) {
     std::error_code failure;
     keys.folder_ = fs::absolute(network.security, failure).lexically_normal().string();
     return keys;

@@ -84,7 +84,7 @@ class AttackedRun {
 
 std::uint64_t HashWithoutAttack() {
   static const std::uint64_t hash = [] {
-    AttackedRun run(TestSession("peace"), "auto");
+    AttackedRun run(TestSession("peace"), "on");
     const std::uint64_t hash_after = run.HashAfterSteps();
     run.Stop();
     return hash_after;
@@ -135,7 +135,7 @@ std::optional<RunId> SpyOutRun(const std::string& session) {
 
 TEST(Attack, ASecuredRunIsInvisibleToStrangers) {
   const std::uint64_t peace = HashWithoutAttack();
-  AttackedRun run(TestSession("secured"), "auto");
+  AttackedRun run(TestSession("secured"), "on");
   EXPECT_EQ(SpyOutRun(run.session()), std::nullopt);
   Arsenal arsenal(run.session());
   EXPECT_FALSE(arsenal.joins.Found(3.0));

@@ -59,7 +59,7 @@ TEST_F(Hosts, GiveTheSameFilesAsOneHost) {
     json second = HostHere("second");
     second["robots"] = {"r1", "r3"};
     std::vector<std::string> kinds = {"hash-log", "poses", "record", "scans"};
-    std::vector<std::string> remote = {"--ticks", "50"};
+    std::vector<std::string> remote = {"--ticks", "50", "--security", "on"};
     std::vector<std::string> near = {"run",          WorldPath("pen.world"), "--ticks",      "50",
                                      "--in-process", "--headless",           "--controller", "wander"};
     for (const std::string& kind : kinds) {
