@@ -48,6 +48,7 @@ Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, std:
   const auto deadline = Clock::now() + timeout;
   while (true) {
     for (const std::unique_ptr<RemoteHost>& host : hosts) {
+      host->Receive();
       host->ReadOutput();  // of a login; the error quotes its last line
       if (Status loss = host->PollLoss(); !loss.ok()) return loss.error();
     }

@@ -47,6 +47,9 @@ class Host {
 
   // Readable when there are new lines or ends of processes.
   virtual std::vector<int> descriptors() const = 0;
+  // Reads what has arrived from a remote host: ends of processes, each after all lines of the process. Lines and ends
+  // that arrive later are left for the next call.
+  virtual void Receive() {}
   // The lines since the last call: printed by the processes, and reported by them.
   virtual std::vector<std::string> ReadOutput() = 0;
   virtual std::vector<std::string> ReadReports() = 0;

@@ -208,16 +208,6 @@ void RemoteHost::Lose(const std::string& reason) {
   }
 }
 
-std::vector<std::string> RemoteHost::ReadOutput() {
-  Read();
-  return std::exchange(output_, {});
-}
-
-std::vector<std::string> RemoteHost::ReadReports() {
-  Read();
-  return std::exchange(reports_, {});
-}
-
 Status RemoteHost::PollLoss() {
   return std::exchange(loss_, Status());
 }

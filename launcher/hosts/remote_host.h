@@ -4,6 +4,7 @@
 
 #include <map>
 #include <set>
+#include <utility>
 
 #include "common/run/host_settings.h"
 #include "launcher/hosts/host.h"
@@ -27,8 +28,9 @@ class RemoteHost : public Host {
                                        bool reports) override;
   Result<std::string> PlaceKeys(const std::string& keys, const std::string& enclave) override;
   std::vector<int> descriptors() const override;
-  std::vector<std::string> ReadOutput() override;
-  std::vector<std::string> ReadReports() override;
+  void Receive() override { Read(); }
+  std::vector<std::string> ReadOutput() override { return std::exchange(output_, {}); }
+  std::vector<std::string> ReadReports() override { return std::exchange(reports_, {}); }
   Status PollLoss() override;
   Status Fetch(const std::string& from, const std::string& to) override;
 

@@ -102,6 +102,7 @@ void DistributedRun::ProcessEvents() {
     Stop();
   }
   // The ends of processes are polled before their last lines are read, so that none are missed.
+  for (const auto& host : hosts_.all()) host->Receive();
   service_.process().Poll();
   const std::vector<std::size_t> ended = agents_.PollEnded();
   PrintOutput();
