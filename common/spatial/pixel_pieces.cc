@@ -87,8 +87,9 @@ void AppendAreaPieces(const WorldDescription& world, ModelId id, const Pose& X_W
 PixelRectangle PixelPieces::PixelsOf(std::size_t cell) const {
   const auto columns = static_cast<std::size_t>(grid_.axis(0).count);
   const double size = grid_.cell_size();
+  const std::size_t row = cell / columns;
   const double x = grid_.axis(0).low + static_cast<double>(cell % columns) * size;
-  const double y = grid_.axis(1).low + static_cast<double>(cell / columns) * size;
+  const double y = grid_.axis(1).low + static_cast<double>(row) * size;
   return area_.PixelsIn(Rectangle{x, y, x + size, y + size}.Inflated(kReach + kWalkTolerance * size));
 }
 

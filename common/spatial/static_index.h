@@ -120,8 +120,8 @@ void StaticIndex::Query(const Rectangle& box, NearPieces& result, Keep keep) con
   QueryKept(box, result.pieces_);
   const auto kept = static_cast<std::ptrdiff_t>(result.pieces_.size());
   for (const PixelPieces& area : areas_) {
-    area.ForEachNear(box, *result.pieces_.get_allocator().resource(), keep, [&result](ConvexPiece piece) {
-      result.pieces_.push_back(&result.made_.emplace_back(std::move(piece)));
+    area.ForEachNear(box, *result.pieces_.get_allocator().resource(), keep, [&result](const ConvexPiece& piece) {
+      result.pieces_.push_back(&result.made_.emplace_back(piece));
     });
   }
   if (result.made_.empty()) return;

@@ -4,7 +4,8 @@
 
 namespace troupe {
 
-ThreadPool::ThreadPool(std::size_t size) : failures_(size) {
+ThreadPool::ThreadPool(std::size_t size) {
+  failures_.resize(size);
   for (std::size_t number = 1; number < size; ++number) threads_.emplace_back([this, number] { Serve(number); });
 }
 

@@ -26,7 +26,7 @@ fs::path LibraryFolder() {
 
 // A plugin that is not found is left to the loader, and Cyclone reports it.
 std::string PluginPath(const char* plugin) {
-  const std::string file = std::string("libdds_security_") + plugin + ".so";
+  std::string file = std::string("libdds_security_") + plugin + ".so";
   const fs::path folder = LibraryFolder();
   std::error_code failure;
   for (const fs::path& path : {folder / "libddsc0debian" / file, folder / file}) {

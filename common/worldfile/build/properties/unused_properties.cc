@@ -82,8 +82,9 @@ void WarnOfUnused(PropertyReader& reader, std::span<const NoEffect> reasons, con
       reader.diagnostics().WarnOfWindow(property->where, statement + (in_sensor ? " of a sensor" : ""));
       continue;
     }
-    const std::string ending = reason.empty() ? otherwise : ": " + std::string(reason);
-    reader.diagnostics().Warn(property->where, statement + " has no effect" + ending);
+    std::string text = statement + " has no effect";
+    text += reason.empty() ? otherwise : ": " + std::string(reason);
+    reader.diagnostics().Warn(property->where, text);
   }
 }
 
