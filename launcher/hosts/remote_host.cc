@@ -121,13 +121,14 @@ Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, con
 Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::string& enclave) {
   if (enclaves_.insert(enclave).second) {
     for (const char* name : kEnclaveFiles) {
-      const std::string path = enclave + "/" + name;
-      std::ifstream file(keys + "/" + path, std::ios::binary);
+      const std::filesystem::path path = std::filesystem::path(enclave) / name;
+      const std::string source = keys / path;
+      std::ifstream file(source, std::ios::binary);
       std::ostringstream content;
       content << file.rdbuf();
-      if (!file) return Error{{keys + "/" + path}, "cannot read a file of the folder of keys"};
+      if (!file) return Error{{source}, "cannot read a file of the folder of keys"};
       const std::string data = content.str();
-      Send(ToLine({{"key", path}, {"data", ToHexadecimal(data.data(), data.size())}}));
+      Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(data.data(), data.size())}}));
     }
   }
   return folder_ + "/" + kKeysFolderOfHost;

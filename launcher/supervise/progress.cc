@@ -51,8 +51,10 @@ void Progress::Update(const StatusMessage& status) {
 }
 
 void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
-  bool stall = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
-  bool start = tick == 0 && event == ToString(EventType::kJoined);
+  const bool stall = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
+  // Agents that join at tick 0 begin the run, unless one has been lost since.
+  const bool start = tick == 0 && event == ToString(EventType::kJoined) && !has_lost_agent_;
+  has_lost_agent_ = has_lost_agent_ || event == ToString(EventType::kLeft);
   if (!stall && !start) Tell(text);
 }
 

@@ -31,6 +31,7 @@ class Progress {
 
   bool terminal_;
   std::string status_line_;  // shown now, terminal only
+  bool has_lost_agent_ = false;
   std::chrono::steady_clock::time_point next_line_;
 };
 
