@@ -92,7 +92,7 @@ void AddKeysCommand(CLI::App& app, int& exit_status) {
   CLI::App* make = keys->add_subcommand(
       "make", "Make keys for a service, an operator, an observer and agents; in a folder with keys, the missing ones");
   auto options = std::make_shared<KeysOptions>();
-  make->add_option("DIR", options->folder, "Folder of the keys; whoever can read it can join the runs")
+  make->add_option("DIR", options->folder, "Folder of the keys; a program that can read it can join the runs")
       ->required()
       ->check(NotEmpty())
       ->type_name("");

@@ -34,7 +34,7 @@ class LongRun {
     ADD_FAILURE() << "no child with " << part;
     return 0;
   }
-  void ExpectNobodyLeft() const {
+  void ExpectNoProcessLeft() const {
     for (pid_t child : children_) EXPECT_TRUE(IsGoneSoon(child)) << CommandLineOf(child);
   }
 
@@ -56,7 +56,7 @@ TEST_P(StopSignal, EndsARunInOrderWithStatus130AndItsFiles) {
   run.program().Signal(GetParam());
   EXPECT_EQ(run.program().Wait(), 130);
   EXPECT_THAT(run.program().output(), HasSubstr("stopped before its end"));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
   nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["interrupted"], true);
   EXPECT_EQ(summary["lost"], nlohmann::json::array());
@@ -89,7 +89,7 @@ TEST(Supervision, AKilledLauncherLeavesNoProcess) {
   LongRun run;
   run.program().Signal(SIGKILL);
   EXPECT_EQ(run.program().Wait(), 128 + SIGKILL);
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(Supervision, AKilledLauncherLeavesNoFilesButItsOutputs) {
@@ -97,7 +97,7 @@ TEST(Supervision, AKilledLauncherLeavesNoFilesButItsOutputs) {
   LongRun run({"--scans", folder.Path("scans")});
   run.program().Signal(SIGKILL);
   run.program().Wait();
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
   EXPECT_EQ(folder.size(), 1u);
 }
 
@@ -106,7 +106,7 @@ TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNoProcess) {
   run.program().Signal(SIGSTOP);
   run.program().Signal(SIGKILL);
   run.program().Wait();
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(Supervision, AKilledWorldServiceFailsTheRun) {
@@ -114,7 +114,7 @@ TEST(Supervision, AKilledWorldServiceFailsTheRun) {
   kill(run.Child("world-service"), SIGKILL);
   EXPECT_EQ(run.program().Wait(), 3);
   EXPECT_THAT(run.program().output(), HasSubstr("error: the world service was killed by signal 9 (Killed)"));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(Supervision, AHangingAgentDoesNotPreventTheEndOfTheRun) {
@@ -123,7 +123,7 @@ TEST(Supervision, AHangingAgentDoesNotPreventTheEndOfTheRun) {
   run.program().WaitForLine("r2 has lost its agent");
   run.program().Signal(SIGINT);
   EXPECT_EQ(run.program().Wait(), 130);
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
@@ -138,7 +138,7 @@ TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
   EXPECT_EQ(summary["ticks"], 400);
   EXPECT_EQ(summary["lost"], nlohmann::json::array({"r1"}));
   EXPECT_THAT(folder.Read("poses"), HasSubstr("\n400,r1,"));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, ARobotRestartedByHandRejoins) {
@@ -151,7 +151,7 @@ TEST(AgentLoss, ARobotRestartedByHandRejoins) {
   run.program().Signal(SIGINT);
   EXPECT_EQ(run.program().Wait(), 130);
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 // Every robot has scans to the end, whichever way its agent was started again.
@@ -202,7 +202,7 @@ TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
   EXPECT_EQ(summary["agents_restarted"], 1);
   EXPECT_EQ(summary["lost"], nlohmann::json::array());
   EXPECT_THAT(MembershipEventsOf("r1", folder.Read("record")), testing::ElementsAre("joined", "left", "joined"));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
@@ -227,7 +227,7 @@ TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
   const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["agents_restarted"], 2);
   EXPECT_EQ(summary["ticks"], 400);
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
@@ -253,7 +253,7 @@ TEST(AgentLoss, AnAgentThatWasStoppedInOrderIsNotStartedAgain) {
   run.program().Signal(SIGINT);
   EXPECT_EQ(run.program().Wait(), 130);
   EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("; restart ")));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, ARobotThatRejoinsWithinItsLeaseContinues) {
@@ -273,7 +273,7 @@ TEST(AgentLoss, EndsTheRunUnderThePolicyAbort) {
   EXPECT_THAT(run.program().output(), HasSubstr("error: "));
   EXPECT_THAT(run.program().output(), HasSubstr("r0"));
   EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("; restart ")));
-  run.ExpectNobodyLeft();
+  run.ExpectNoProcessLeft();
 }
 
 }  // namespace
