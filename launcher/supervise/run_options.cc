@@ -155,9 +155,7 @@ std::vector<std::string> AgentArguments(const RunOptions& options, const std::st
                                         const std::vector<std::string>& libraries, bool ros) {
   std::vector<std::string> arguments = NetworkArguments(options);
   Append(arguments, "--service", service_address);
-  if (!options.network.service_participant.empty()) {
-    Append(arguments, "--service-participant", options.network.service_participant);
-  }
+  Append(arguments, "--service-participant", options.network.service_participant);
   for (const std::string& robot : robots) Append(arguments, "--robot", robot);
   for (const std::string& library : libraries) Append(arguments, "--allow-controllers", library);
   // A robot that is spawned later may be the first with the controller of the command line.

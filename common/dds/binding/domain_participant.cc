@@ -42,9 +42,11 @@ std::map<std::uint32_t, NumberedDomain> numbered_domains;  // guarded by the mut
 // Participants of such a domain share it.
 SharedDomain OpenNumberedDomain(const DomainConfig& config) {
   const std::string xml = ToXml(config);
+  std::shared_ptr<const Entity> open;  // released after the lock, which the end of the domain needs
   const std::lock_guard lock(numbered_mutex);
   NumberedDomain& domain = numbered_domains[config.domain];
-  if (std::shared_ptr<const Entity> open = domain.entity.lock()) {
+  open = domain.entity.lock();
+  if (open) {
     if (domain.xml == xml) return {std::move(open), config.domain};
     throw Exception(DDS_RETCODE_PRECONDITION_NOT_MET, Starting(config) + " (this process has it with other settings)");
   }

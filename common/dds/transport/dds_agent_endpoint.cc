@@ -42,13 +42,6 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
   DrainFrames();
 }
 
-template <typename Inbox>
-bool DdsAgentEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& sender) {
-  if (services_.IsService(run, sender.participant)) return true;
-  inbox.Refuse(sender, "it is not the world service of the run");
-  return false;
-}
-
 void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
   try {
     (this->*drain)();
@@ -62,7 +55,7 @@ void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
-        if (!IsFromService(sessions_, session.run, sender)) return false;
+        if (!services_.Admits(sessions_, session.run, sender)) return false;
         if (session.ended) EndRuns(sender, true);
         return !session.ended;
       },
@@ -88,7 +81,7 @@ void DdsAgentEndpoint::DrainAdmissions() {
   const std::lock_guard lock(mutex_);
   admissions_.Drain(AdmitAll(), [this](const std::vector<AdmissionMessage>& admissions, const Sender& sender) {
     for (const AdmissionMessage& admission : admissions) {
-      if (IsFromService(admissions_, admission.run, sender)) handler_->OnAdmission(admission);
+      if (services_.Admits(admissions_, admission.run, sender)) handler_->OnAdmission(admission);
     }
   });
 }
@@ -96,7 +89,7 @@ void DdsAgentEndpoint::DrainAdmissions() {
 void DdsAgentEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
   frames_.Drain([this](const troupe_wire_Frame& frame,
-                       const Sender& sender) { return IsFromService(frames_, frame.run, sender); },
+                       const Sender& sender) { return services_.Admits(frames_, frame.run, sender); },
                 [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
 }
 

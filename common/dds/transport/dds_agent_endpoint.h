@@ -29,9 +29,6 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void DrainAdmissions();
   void DrainFrames();
   void EndRuns(const Sender& service, bool in_order);
-  // Whether the sender of a message of a run is the service of that run; refuses it if it is not.
-  template <typename Inbox>
-  bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);
 
   Outbox<troupe_wire_Join> joins_;
   Outbox<troupe_wire_Proposal> proposals_;

@@ -70,18 +70,11 @@ void DdsObserverEndpoint::RequestFrame() {
   RequestWholeFrame();
 }
 
-template <typename Inbox>
-bool DdsObserverEndpoint::IsFromService(Inbox& inbox, RunId run, const Sender& sender) {
-  if (services_.IsService(run, sender.participant)) return true;
-  inbox.Refuse(sender, "it is not the world service of the run");
-  return false;
-}
-
 void DdsObserverEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
-        if (!IsFromService(sessions_, session.run, sender)) return false;
+        if (!services_.Admits(sessions_, session.run, sender)) return false;
         if (session.ended) EndRunsOf(sender);
         return !session.ended;
       },
@@ -107,7 +100,7 @@ void DdsObserverEndpoint::EndRun(RunId run) {
 void DdsObserverEndpoint::DrainStatuses() {
   const std::lock_guard lock(mutex_);
   statuses_.Drain([this](const troupe_wire_Status& status,
-                         const Sender& sender) { return IsFromService(statuses_, status.run, sender); },
+                         const Sender& sender) { return services_.Admits(statuses_, status.run, sender); },
                   [this](const StatusMessage& status, const Sender&) {
                     status_ = status;
                     queue_->PostStatus(std::make_shared<const StatusMessage>(status));
@@ -128,7 +121,7 @@ void DdsObserverEndpoint::GatherFrames() {
 
 void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame,
                                     const Sender& sender) {
-  if (!IsFromService(inbox, frame.run, sender)) return;
+  if (!services_.Admits(inbox, frame.run, sender)) return;
   if (Status malformed = follower_.Read(frame); !malformed.ok()) inbox.ReportMalformed(malformed.error());
 }
 

@@ -42,8 +42,6 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   // The functions below: REQUIRES: mutex_ is locked.
   void EndRunsOf(const Sender& service);
   void EndRun(RunId run);
-  template <typename Inbox>
-  bool IsFromService(Inbox& inbox, RunId run, const Sender& sender);
   void ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame, const Sender& sender);
   // Posts the follower's frame, unless it was posted already or its world is not known yet.
   void PostFrame();

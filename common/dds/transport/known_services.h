@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/dds/binding/guid_prefix.h"
+#include "common/dds/transport/senders.h"
 #include "common/protocol/messages.h"
 
 namespace troupe::dds {
@@ -20,6 +21,14 @@ class KnownServices {
   bool IsService(RunId run, const GuidPrefix& participant) {
     if (only_ && *only_ != participant) return false;
     return services_.try_emplace(run, participant).first->second == participant;
+  }
+
+  // The same for a message in `inbox`, which refuses all others of a sender that is not the service.
+  template <typename Inbox>
+  bool Admits(Inbox& inbox, RunId run, const Sender& sender) {
+    if (IsService(run, sender.participant)) return true;
+    inbox.Refuse(sender, "it is not the world service of the run");
+    return false;
   }
 
   bool empty() const { return services_.empty(); }
