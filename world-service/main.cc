@@ -45,6 +45,10 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
 
   const StopSignals stop;
   const std::string& security = line.network.security;
+  if (security == kSecurityOn) {
+    return fail(
+        Error{{}, "--security: found 'on', expected a folder of keys, auto or off: only 'troupe run' makes keys"});
+  }
   const bool secured = security != kSecurityAuto && security != kSecurityOff;
   Result<PublishedKeys> published =
       PublishedKeys::Publish(line.network.domain, line.network.session, secured ? security : std::string());

@@ -66,5 +66,12 @@ TEST(Keys, BadUsageEndsWithOneErrorLineAndStatus2) {
   EXPECT_EQ(folder.size(), 1u) << "nothing was made";
 }
 
+TEST(Keys, AServiceThatIsStartedByHandMakesNone) {
+  const Finished service = Finish(
+      Program({ProgramPath("world-service"), WorldPath("pen.world"), "--session", "by-hand", "--security", "on"}));
+  EXPECT_EQ(service.exit_status, 2) << service.output;
+  EXPECT_THAT(service.output, HasSubstr("--security: found 'on', expected a folder of keys, auto or off"));
+}
+
 }  // namespace
 }  // namespace troupe::test
