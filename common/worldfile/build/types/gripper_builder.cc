@@ -6,6 +6,7 @@
 
 #include "common/geometry/limits.h"
 #include "common/worldfile/build/types/break_beams.h"
+#include "common/worldfile/build/types/model_type.h"
 #include "common/worldfile/stage/node_names.h"
 #include "common/worldfile/text/quote.h"
 
