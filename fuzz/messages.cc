@@ -7,15 +7,16 @@
 #include "common/wire/message_bytes.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
+#include "fuzz/whole_sample.h"
 
 namespace troupe::fuzz {
 namespace {
 
 // The message of the bytes; nothing if they are refused. Numbers that are not finite pass where the receiver checks
 // them later, so messages are compared by their bytes.
-template <typename Message>
+template <typename Message, typename Wire>
 std::optional<Message> Read(Bytes bytes) {
-  Result<Message> message = wire::FromBytes<Message>(bytes);
+  Result<Message> message = wire::FromBytes<Message>(WholeSample<Wire>(bytes));
   if (!message.ok()) {
     Check(!message.error().message.empty());
     return std::nullopt;
@@ -41,7 +42,7 @@ FrameMessage FirstFrame() {
 }  // namespace
 
 void Session(Bytes bytes) {
-  if (const auto session = Read<SessionMessage>(bytes)) {
+  if (const auto session = Read<SessionMessage, troupe_wire_Session>(bytes)) {
     Check(Validate(session->world).ok());
     static_cast<void>(Hash(session->world));
     const Scene scene(session->world);
@@ -49,16 +50,16 @@ void Session(Bytes bytes) {
   }
 }
 void Join(Bytes bytes) {
-  Read<JoinMessage>(bytes);
+  Read<JoinMessage, troupe_wire_Join>(bytes);
 }
 void Admissions(Bytes bytes) {
-  Read<std::vector<AdmissionMessage>>(bytes);
+  Read<std::vector<AdmissionMessage>, troupe_wire_Admissions>(bytes);
 }
 void Frame(Bytes bytes) {
-  Read<FrameMessage>(bytes);
+  Read<FrameMessage, troupe_wire_Frame>(bytes);
 }
 void Changes(Bytes bytes) {
-  const auto sample = wire::FromCdr<troupe_wire_Frame>(bytes);
+  const auto sample = wire::FromCdr<troupe_wire_Frame>(WholeSample<troupe_wire_Frame>(bytes));
   if (!sample.ok()) return;
   FrameMessage frame = FirstFrame();
   if (!dds::CanRead(sample.value().data(), frame)) return;
@@ -68,19 +69,19 @@ void Changes(Bytes bytes) {
   }
 }
 void FrameRequest(Bytes bytes) {
-  Read<troupe::FrameRequest>(bytes);
+  Read<troupe::FrameRequest, troupe_wire_FrameRequest>(bytes);
 }
 void Proposal(Bytes bytes) {
-  Read<ProposalMessage>(bytes);
+  Read<ProposalMessage, troupe_wire_Proposal>(bytes);
 }
 void Control(Bytes bytes) {
-  Read<ControlRequest>(bytes);
+  Read<ControlRequest, troupe_wire_Control>(bytes);
 }
 void ControlReply(Bytes bytes) {
-  Read<troupe::ControlReply>(bytes);
+  Read<troupe::ControlReply, troupe_wire_ControlReply>(bytes);
 }
 void Status(Bytes bytes) {
-  Read<StatusMessage>(bytes);
+  Read<StatusMessage, troupe_wire_Status>(bytes);
 }
 
 }  // namespace troupe::fuzz

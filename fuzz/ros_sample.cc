@@ -9,6 +9,7 @@
 #include "common/wire/cdr.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
+#include "fuzz/whole_sample.h"
 #include "robot-agent/ros/gripper_goals.h"
 #include "robot-agent/ros/twist_command.h"
 #include "world-service/observers/ros/entity_filter.h"
@@ -21,7 +22,7 @@ namespace {
 // Calls use(sample) if the bytes are those of a sample.
 template <typename Wire, typename Use>
 void Read(Bytes bytes, Use use) {
-  const auto sample = wire::FromCdr<Wire>(bytes);
+  const auto sample = wire::FromCdr<Wire>(WholeSample<Wire>(bytes));
   if (sample.ok()) {
     use(sample.value().data());
   } else {

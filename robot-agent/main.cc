@@ -41,10 +41,12 @@ bool Wait(double seconds, const std::atomic<bool>& stop) {
   return !stop;
 }
 
-std::unique_ptr<Transport> MakeTransport(const AgentCommandLine& line, const std::string& enclave) {
+std::unique_ptr<Transport> MakeTransport(const AgentCommandLine& line, const ParticipantKeys& keys,
+                                         const std::function<void()>& on_foreign_run) {
   DdsOptions options;
   static_cast<NetworkSettings&>(options) = line.network;
-  options.enclave = enclave;
+  options.keys = keys;
+  options.on_foreign_run = on_foreign_run;
   options.robots = line.agent.robots;
   options.on_problem = [&line](const std::string& problem) { Report(line, "warning: " + problem); };
   std::unique_ptr<Transport> transport = MakeDdsAgentTransport(options);
@@ -52,15 +54,38 @@ std::unique_ptr<Transport> MakeTransport(const AgentCommandLine& line, const std
   return transport;
 }
 
+Result<ParticipantKeys> FindKeysOf(const AgentCommandLine& line) {
+  const NetworkSettings& network = line.network;
+  return FindKeys(network.security, network.domain, network.session, Role::Agent(AgentName(line.agent.robots)));
+}
+
+// Runs the agent until its end, or until a signal. One that was started before its run begins again when the run has
+// published its keys. `stop` is true once a signal has arrived.
+Result<AgentEnd> RunWithKeys(const AgentCommandLine& line, const AgentOptions& options, const StopSignals& signals,
+                             std::atomic<bool>& stop) {
+  for (;;) {
+    Result<ParticipantKeys> keys = FindKeysOf(line);
+    if (!keys.ok()) return keys.error();
+    std::atomic<bool> again = false;
+    const auto stop_if_there_are_others = [&] {
+      const Result<ParticipantKeys> found = FindKeysOf(line);
+      if (!found.ok() || found.value() == keys.value()) return;
+      again = true;
+      stop = true;
+    };
+    const std::unique_ptr<Transport> transport = MakeTransport(line, keys.value(), stop_if_there_are_others);
+    Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
+    if (!again || !end.ok() || end.value() == AgentEnd::kRunOver) return end;
+    stop = false;
+    if (signals.requested()) return end;
+  }
+}
+
 int Run(const AgentCommandLine& line) {
-  const StopSignals signals;
+  std::atomic<bool> stop = false;
+  const StopSignals signals([&stop] { stop = true; });
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
   const dds::NetworkLog network_log([&line](const std::string& text) { Report(line, "warning: " + text); });
-  const NetworkSettings& network = line.network;
-  const Result<std::string> enclave =
-      EnclaveOf(network.security, network.domain, network.session, Role::Agent(AgentName(line.agent.robots)));
-  if (!enclave.ok()) return FailedAgent(line, enclave.error());
-  const std::unique_ptr<Transport> transport = MakeTransport(line, enclave.value());
   AgentOptions options = line.agent;
   options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);
@@ -73,7 +98,7 @@ int Run(const AgentCommandLine& line) {
     if (!keys.value().warning.empty()) Report(line, keys.value().warning);
     options.make_gateway = MakeRosGateway(line.ros);
   }
-  const Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, signals.requested());
+  const Result<AgentEnd> end = RunWithKeys(line, options, signals, stop);
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;
   return FailedAgent(line, end.error());
 }

@@ -40,7 +40,8 @@ set(may_include_common/dds/binding common/base)
 set(may_include_common/dds/convert common/base common/bitmap common/geometry common/model common/protocol common/dds/binding idl)
 set(may_include_common/wire common/base common/protocol common/dds/binding common/dds/convert idl)
 set(may_include_common/dds/transport
-  common/base common/geometry common/model common/protocol common/run common/dds/binding common/dds/convert idl)
+  common/base common/geometry common/model common/protocol common/run common/security common/dds/binding common/dds/convert
+  idl)
 set(may_include_common/dds/tools
   common/base common/protocol common/run common/security common/dds/binding common/dds/convert common/dds/transport idl)
 # The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.

@@ -9,6 +9,8 @@
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
 #include "common/ros/ros_security.h"
+#include "common/security/run_keys_folder.h"
+#include "common/security/run_token.h"
 #include "common/security/session_keys.h"
 #include "common/spatial/scene.h"
 #include "world-service/observers/recorder/recorder.h"
@@ -19,6 +21,22 @@
 
 namespace troupe {
 namespace {
+
+// "off" or a folder of keys: on the loopback interface with a token in `own_keys`, if the user asks for nothing else.
+Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& own_keys) {
+  if (network.security == kSecurityOn) {
+    return Error{{}, "--security: found 'on', expected a folder of keys, auto or off: only 'troupe run' makes keys"};
+  }
+  if (network.security != kSecurityAuto) return network.security;
+  if (network.network_interface != kLoopbackInterface) return std::string(kSecurityOff);
+  Result<RunKeysFolder> folder = RunKeysFolder::Make();
+  if (!folder.ok()) return folder.error();
+  const Result<RunToken> token = RunToken::Make();
+  if (!token.ok()) return token.error();
+  if (const Status written = token.value().WriteTo(folder.value().path()); !written.ok()) return written.error();
+  own_keys = std::move(folder).value();
+  return own_keys.path();
+}
 
 int Run(const ServiceCommandLine& line, Reporter& reporter) {
   const auto fail = [&reporter](const Error& error) {
@@ -44,22 +62,19 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;
-  const std::string& security = line.network.security;
-  if (security == kSecurityOn) {
-    return fail(
-        Error{{}, "--security: found 'on', expected a folder of keys, auto or off: only 'troupe run' makes keys"});
-  }
-  const bool secured = security != kSecurityAuto && security != kSecurityOff;
+  RunKeysFolder own_keys;
+  const Result<std::string> security = SecurityOf(line.network, own_keys);
+  if (!security.ok()) return fail(security.error());
+  const bool secured = security.value() != kSecurityOff;
   Result<PublishedKeys> published =
-      PublishedKeys::Publish(line.network.domain, line.network.session, secured ? security : std::string());
+      PublishedKeys::Publish(line.network.domain, line.network.session, secured ? security.value() : std::string());
   if (!published.ok()) return fail(published.error());
+  Result<ParticipantKeys> keys =
+      FindKeys(security.value(), line.network.domain, line.network.session, Role::Service());
+  if (!keys.ok()) return fail(keys.error());
   DdsOptions dds;
   static_cast<NetworkSettings&>(dds) = line.network;
-  if (secured) {
-    Result<std::string> enclave = EnclaveOf(security, line.network.domain, line.network.session, Role::Service());
-    if (!enclave.ok()) return fail(enclave.error());
-    dds.enclave = std::move(enclave).value();
-  }
+  dds.keys = std::move(keys).value();
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
   auto [transport, port, participant] = MakeDdsServiceTransport(dds);

@@ -6,12 +6,13 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <utility>
 
 #include "common/base/check.h"
 
 namespace troupe {
 
-StopSignals::StopSignals() {
+StopSignals::StopSignals(std::function<void()> on_request) : on_request_(std::move(on_request)) {
   sigset_t watched;
   sigemptyset(&watched);
   for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&watched, signal);
@@ -36,7 +37,10 @@ void StopSignals::Watch() {
   while (waited[1].revents == 0) {
     poll(waited, 2, -1);
     signalfd_siginfo info;
-    while (read(signals_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) requested_ = true;
+    while (read(signals_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
+      requested_ = true;
+      if (on_request_) on_request_();
+    }
   }
 }
 

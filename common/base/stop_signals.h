@@ -5,13 +5,15 @@
 #include <signal.h>
 
 #include <atomic>
+#include <functional>
 #include <thread>
 
 namespace troupe {
 
 class StopSignals {
  public:
-  StopSignals();
+  // `on_request` is called when a signal has arrived, on a thread of this object.
+  explicit StopSignals(std::function<void()> on_request = {});
   ~StopSignals();
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
@@ -26,6 +28,7 @@ class StopSignals {
   int signals_ = -1;  // readable when a signal has arrived
   int end_ = -1;      // readable when the watch is to end
   std::atomic<bool> requested_ = false;
+  const std::function<void()> on_request_;
   std::thread watch_;
 };
 

@@ -113,15 +113,24 @@ std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain) {
   return found;
 }
 
-Result<std::string> EnclaveOf(const std::string& security, std::uint32_t domain, const std::string& session,
-                              const Role& role) {
-  if (security == kSecurityOff) return std::string();
+Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t domain, const std::string& session,
+                                 const Role& role) {
+  if (security == kSecurityOff) return ParticipantKeys();
   const bool published = security == kSecurityAuto || security == kSecurityOn;
   const std::string keys = published ? KeysOf(domain, session) : security;
-  if (keys.empty()) return std::string();
+  if (keys.empty() && security == kSecurityOn) {
+    return Failure("--security on: no run of session '" + session + "' has published keys in " +
+                   PathOfSessions().string());
+  }
+  if (keys.empty()) return ParticipantKeys();
+  if (RunToken::IsIn(keys)) {
+    Result<RunToken> token = RunToken::ReadFrom(keys);
+    if (!token.ok()) return token.error();
+    return ParticipantKeys{{}, std::move(token).value()};
+  }
   const std::string enclave = keys + "/" + KeyFolder(role);
   if (Status status = CheckEnclave(enclave); !status.ok()) return status.error();
-  return enclave;
+  return ParticipantKeys{enclave, std::nullopt};
 }
 
 }  // namespace troupe

@@ -4,16 +4,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/security/role.h"
+#include "common/security/run_token.h"
 
 namespace troupe {
 
-// A value of NetworkSettings::security of a launcher: keys for its run alone. "auto" means the same on every interface
-// but loopback, where the handshakes of a hundred agents would take longer than their start.
+// A value of NetworkSettings::security of a launcher: keys of DDS Security for its run alone. "auto" means the same on
+// every interface but loopback, where the handshakes of a hundred agents would take longer than their start: there it
+// means a token (RunToken).
 inline constexpr const char* kSecurityOn = "on";
 
 // The folder of this user's sessions: $XDG_RUNTIME_DIR/troupe or, without that variable, troupe-<user id> in the
@@ -44,10 +47,18 @@ struct SessionKeys {
 // The sessions with keys in a domain, by name.
 std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain);
 
-// The folder with the keys of a participant, or nothing (an empty text) for one without security.
-// `security`: "auto" or "on" (the keys that this user's run of that session has published; without any, no security),
-// "off", or a folder of keys. Fails if the folder lacks the keys of the role.
-Result<std::string> EnclaveOf(const std::string& security, std::uint32_t domain, const std::string& session,
-                              const Role& role);
+// The keys of a participant: of DDS Security, or the token of the run, or none.
+struct ParticipantKeys {
+  std::string enclave;  // the folder; empty: without DDS Security
+  std::optional<RunToken> token;
+
+  bool operator==(const ParticipantKeys&) const = default;
+};
+
+// `security`: "auto" or "on" (the keys that this user's run of that session has published; "on" fails if there are none,
+// with "auto" a participant is without), "off" (none), or a folder of keys. Fails if the folder lacks the keys of the
+// role.
+Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t domain, const std::string& session,
+                                 const Role& role);
 
 }  // namespace troupe

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/base/json_integer.h"
 #include "common/base/version.h"
 #include "common/command_line/exit_status.h"
 #include "launcher/commands/command_failure.h"
@@ -103,16 +104,16 @@ void HostServer::KeepKey(const std::string& name, const std::string& content) {
 void HostServer::Execute(const HostMessage& request) {
   try {
     if (request.contains("start")) {
-      Start(request["start"], request);
+      Start(IntegerOf<int>(request["start"]), request);
     } else if (request.contains("signal")) {
-      const auto child = children_.find(request["signal"]);
-      if (child != children_.end()) child->second->Signal(request.at("number"));
+      const auto child = children_.find(IntegerOf<int>(request["signal"]));
+      if (child != children_.end()) child->second->Signal(IntegerOf<int>(request.at("number")));
     } else if (request.contains("key")) {
       KeepKey(request["key"], FromHexadecimal(request.at("data")));
     } else if (request.contains("read")) {
       SendFile(request["read"]);
     }
-  } catch (const HostMessage::exception& fault) {
+  } catch (const std::exception& fault) {
     Send({{"output", std::string("error: a bad request: ") + fault.what()}});
   }
 }

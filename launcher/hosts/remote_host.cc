@@ -14,7 +14,7 @@
 #include <sstream>
 #include <utility>
 
-#include "common/base/enclave.h"
+#include "common/base/json_integer.h"
 #include "common/base/version.h"
 #include "launcher/hosts/host_messages.h"
 #include "launcher/hosts/shell_words.h"
@@ -120,8 +120,9 @@ Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, con
 
 Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::string& enclave) {
   if (enclaves_.insert(enclave).second) {
-    for (const char* name : kEnclaveFiles) {
-      const std::filesystem::path path = std::filesystem::path(enclave) / name;
+    std::error_code failure;
+    for (const auto& entry : std::filesystem::directory_iterator(keys + "/" + enclave, failure)) {
+      const std::filesystem::path path = enclave / entry.path().filename();
       const std::string source = keys / path;
       std::ifstream file(source, std::ios::binary);
       std::ostringstream content;
@@ -177,14 +178,16 @@ void RemoteHost::ApplyMessage(const std::string& line) try {
   } else if (message.contains("report")) {
     reports_.push_back(message["report"]);
   } else if (message.contains("started")) {
-    children_.at(message["started"])->pid = message.at("pid");
+    children_.at(IntegerOf<int>(message["started"]))->pid = IntegerOf<pid_t>(message.at("pid"));
   } else if (message.contains("failed")) {
     output_.push_back("error: " + message.at("message").get<std::string>());
-    children_.at(message["failed"])->end = ProcessEnd{127, 0, 0.0};
+    children_.at(IntegerOf<int>(message["failed"]))->end = ProcessEnd{127, 0, 0.0};
   } else if (message.contains("ended")) {
-    State& state = *children_.at(message["ended"]);
-    if (!state.end)
-      state.end = ProcessEnd{message.at("exit_code"), message.at("signal"), message.at("peak_memory_mib")};
+    State& state = *children_.at(IntegerOf<int>(message["ended"]));
+    if (!state.end) {
+      state.end = ProcessEnd{IntegerOf<int>(message.at("exit_code")), IntegerOf<int>(message.at("signal")),
+                             message.at("peak_memory_mib")};
+    }
   } else if (message.contains("file") && fetch_ && message["file"] == fetch_->source) {
     if (message.contains("data") && !WriteAll(fetch_->target, FromHexadecimal(message["data"]))) {
       fetch_->error = strerror(errno);

@@ -62,7 +62,7 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
 }
 
 Status AgentFleet::StartAfterJoins(std::size_t agents) {
-  return StartUpTo(agents + (keys_.any() ? kMaxStartingSecured : kMaxStarting) * sites_.size());
+  return StartUpTo(agents + (keys_.secured() ? kMaxStartingSecured : kMaxStarting) * sites_.size());
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {

@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/run/network_settings.h"
 #include "common/security/key_authority.h"
+#include "common/security/run_keys_folder.h"
 #include "launcher/hosts/host.h"
 
 namespace troupe {
@@ -18,14 +19,11 @@ class RunKeys {
   RunKeys() = default;  // a run without security
 
   // As network.security says. Keys of the run alone are in a folder that only this user can read, which is deleted with
-  // this object, together with those that launchers have left which were killed.
+  // this object.
   static Result<RunKeys> Make(const NetworkSettings& network);
 
-  RunKeys(RunKeys&& other) noexcept;
-  RunKeys& operator=(RunKeys&& other) noexcept;
-  ~RunKeys();
-
-  bool any() const { return !folder_.empty(); }
+  // The run's participants authenticate each other by DDS Security.
+  bool secured() const { return !folder_.empty() && !token_; }
 
   // The value of --security for the world service, with keys for it and for tools, or for the agent of these robots, on
   // the process' host: "off" or a folder there. Copies the keys to a remote host.
@@ -33,10 +31,11 @@ class RunKeys {
   Result<std::string> ForAgent(Host& host, const std::vector<std::string>& robots) const;
 
  private:
-  Result<std::string> PlaceOn(Host& host, const std::vector<Role>& roles) const;
+  Result<std::string> PlaceOn(Host& host, const std::vector<std::string>& folders) const;
 
+  RunKeysFolder own_;                      // of keys for this run alone
   std::string folder_;                     // empty: no security
-  bool temporary_ = false;                 // deleted at the end
+  bool token_ = false;                     // the folder has a token, and no keys of DDS Security
   std::optional<KeyAuthority> authority_;  // makes the keys of agents when they start
 };
 

@@ -1,17 +1,26 @@
 #include "launcher/supervise/service_report.h"
 
 #include <charconv>
+#include <concepts>
 #include <nlohmann/json.hpp>
+
+#include "common/base/json_integer.h"
 
 namespace troupe {
 namespace {
 
 using Json = nlohmann::json;
 
-// Reads a field if it exists; throws Json::exception if it is of another type.
+// Reads a field if it exists; throws std::exception if it is of another type or out of range.
 template <typename T>
 void Get(const Json& object, const char* name, T& value) {
-  if (auto found = object.find(name); found != object.end()) found->get_to(value);
+  const auto found = object.find(name);
+  if (found == object.end()) return;
+  if constexpr (std::integral<T> && !std::same_as<T, bool>) {
+    value = IntegerOf<T>(*found);
+  } else {
+    found->get_to(value);
+  }
 }
 
 // A hash is written as hexadecimal text: JSON numbers lose bits beyond 2^53.
@@ -100,7 +109,7 @@ std::optional<ServiceReport> Parse(const Json& json) {
 std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
   try {
     return Parse(Json::parse(line));
-  } catch (const Json::exception&) {
+  } catch (const std::exception&) {
     return std::nullopt;
   }
 }

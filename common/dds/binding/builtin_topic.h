@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,14 @@ struct PublicationData {
   std::string type_name;
   std::vector<std::string> partitions;
   GuidPrefix participant;
+  std::string user_data;  // bytes
 };
 
 // Nothing if the writer has ended. `publication` is a SampleInfo's publication_handle.
 std::optional<PublicationData> MatchedPublicationData(dds_entity_t reader, dds_instance_handle_t publication);
+
+// The participants of the readers that `writer` is matched with.
+std::set<GuidPrefix> MatchedReaders(dds_entity_t writer);
 
 // The handles of the writers that `reader` is matched with, ascending.
 std::vector<dds_instance_handle_t> MatchedPublications(dds_entity_t reader);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
+#include <thread>
 #include <utility>
 
 #include "common/base/random_id.h"
+#include "common/dds/binding/builtin_topic.h"
 #include "common/dds/binding/condition.h"
 #include "common/dds/binding/wait_set.h"
 #include "common/dds/convert/convert_control.h"
@@ -30,13 +33,13 @@ constexpr double kLongestWait = 1.0;
 
 class ControlClient::Connection {
  public:
-  Connection(const dds::DomainConfig& config, const std::string& session)
-      : enclave_(config.security_enclave),
+  Connection(const dds::DomainConfig& config, const std::string& session, const ParticipantKeys& keys)
+      : keys_(keys),
         session_(session),
-        connection_(config, session, {}),
+        connection_(config, session, {}, keys.token),
         request_topic_(connection_.participant, topics::kControl),
         reply_topic_(connection_.participant, topics::kControlReply),
-        requests_(connection_.publisher, request_topic_, dds::qos_profiles::Control()),
+        requests_(connection_.publisher, request_topic_, connection_.proof.Announced(dds::qos_profiles::Control())),
         replies_(connection_.subscriber, reply_topic_, dds::qos_profiles::ControlReply()),
         answered_(replies_),
         changes_(connection_.participant) {
@@ -47,14 +50,28 @@ class ControlClient::Connection {
     changes_.attach(replies_, 2);
   }
 
-  const std::string& enclave() const { return enclave_; }
+  const ParticipantKeys& keys() const { return keys_; }
 
-  // Reads both statuses each time, because reading clears them, and the wait set wakes for a new one only.
-  bool connected() const {
-    const auto offered = requests_.publication_matched_status();
-    const auto requested = replies_.subscription_matched_status();
-    return offered.current_count > 0 && requested.current_count > 0;
+  // Whether a world service of the session receives requests and sends replies.
+  bool connected() {
+    // Reading the statuses clears them: the wait set wakes for a new one only.
+    requests_.publication_matched_status();
+    replies_.subscription_matched_status();
+    const std::set<dds::GuidPrefix> receivers = dds::MatchedReaders(requests_.handle());
+    services_.clear();
+    foreign_ = false;
+    for (const dds_instance_handle_t writer : dds::MatchedPublications(replies_.handle())) {
+      const auto publication = dds::MatchedPublicationData(replies_.handle(), writer);
+      if (!publication || !receivers.contains(publication->participant)) continue;
+      const dds::ProofCheck check = connection_.proof.Check(publication->participant, publication->user_data);
+      if (check == dds::ProofCheck::kAccepted) services_.insert(writer);
+      if (check == dds::ProofCheck::kUnknownProof) foreign_ = true;
+    }
+    return !services_.empty();
   }
+
+  // When last looked for, there was only a service of a run whose token this user does not have.
+  bool is_foreign() const { return services_.empty() && foreign_; }
 
   // Returns early when a reply arrives, or a service appears or disappears.
   void WaitUntil(Deadline deadline) {
@@ -71,7 +88,7 @@ class ControlClient::Connection {
     const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
     for (;;) {
       for (const auto sample : replies_.take()) {
-        if (!sample.info().valid()) continue;
+        if (!sample.info().valid() || !services_.contains(sample.info().publication_handle())) continue;
         Result<ControlReply> reply = dds::FromWire(sample.data());
         if (reply.ok() && reply.value().client == client_ && reply.value().number == number) return reply;
       }
@@ -84,7 +101,7 @@ class ControlClient::Connection {
   }
 
  private:
-  const std::string enclave_;
+  const ParticipantKeys keys_;
   std::string session_;
   dds::DdsConnection connection_;
   dds::Topic<troupe_wire_Control> request_topic_;
@@ -93,6 +110,8 @@ class ControlClient::Connection {
   dds::DataReader<troupe_wire_ControlReply> replies_;
   dds::ReadCondition answered_;
   dds::WaitSet changes_;
+  std::set<dds_instance_handle_t> services_;  // the writers of their replies
+  bool foreign_ = false;
   std::uint64_t client_ = MakeRandomId();
   std::uint64_t number_ = 0;
 };
@@ -105,16 +124,24 @@ Status ControlClient::WaitForService(double seconds) {
   const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
   for (;;) {
     // The run may publish its keys while this waits.
-    const Result<std::string> enclave =
-        EnclaveOf(network_.security, network_.domain, network_.session, Role::Operator());
-    if (!enclave.ok()) return enclave.error();
-    if (!connection_ || connection_->enclave() != enclave.value()) {
+    const Result<ParticipantKeys> keys =
+        FindKeys(network_.security, network_.domain, network_.session, Role::Operator());
+    if (!keys.ok() && keys.error().code == ErrorCode::kFailure && Clock::now() < deadline) {
+      std::this_thread::sleep_for(kKeysPeriod);
+      continue;
+    }
+    if (!keys.ok()) return keys.error();
+    if (!connection_ || connection_->keys() != keys.value()) {
       dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
-      config.security_enclave = enclave.value();
-      connection_ = std::make_unique<Connection>(config, network_.session);
+      config.security_enclave = keys.value().enclave;
+      connection_ = std::make_unique<Connection>(config, network_.session, keys.value());
     }
     if (connection_->connected()) return {};
-    if (Clock::now() > deadline) return Failure("no world service found in session '" + network_.session + "'");
+    if (Clock::now() > deadline) {
+      return Failure(connection_->is_foreign()
+                         ? "session '" + network_.session + "' is of another user: no keys of it for this user"
+                         : "no world service found in session '" + network_.session + "'");
+    }
     connection_->WaitUntil(std::min(deadline, Deadline(Clock::now() + kKeysPeriod)));
   }
 }

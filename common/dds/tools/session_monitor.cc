@@ -51,15 +51,16 @@ class MonitoringParticipant {
     use(status_condition_);
   }
 
-  void AddSessions(std::vector<SessionInfo>& list) {
-    ReadSessions();
+  // `tokens`: of the user's own runs, by session.
+  void AddSessions(const std::map<std::string, RunToken>& tokens, std::vector<SessionInfo>& list) {
+    ReadSessions(tokens);
     ReadStatuses();
     ForgetEnded();
     for (const auto& [run, known] : runs_) list.push_back(known.info);
   }
 
  private:
-  void ReadSessions() {
+  void ReadSessions(const std::map<std::string, RunToken>& tokens) {
     for (;;) {
       const auto samples = sessions_.take();
       if (samples.empty()) return;
@@ -68,6 +69,11 @@ class MonitoringParticipant {
         if (!sample.info().valid()) continue;
         const auto publication = dds::MatchedPublicationData(sessions_.handle(), sample.info().publication_handle());
         if (!publication) continue;
+        const std::string name = publication->partitions.empty() ? "" : publication->partitions.front();
+        if (const auto token = tokens.find(name); token != tokens.end()) {
+          const dds::RunProof proof(token->second, connection_.participant.guid_prefix());
+          if (proof.Check(publication->participant, publication->user_data) != dds::ProofCheck::kAccepted) continue;
+        }
         KnownRun& known = runs_[session.run];
         if (known.session_writer != 0 && known.service != publication->participant) continue;
         if (session.ended) {
@@ -77,7 +83,7 @@ class MonitoringParticipant {
         known.service = publication->participant;
         known.session_writer = sample.info().publication_handle();
         SessionInfo& info = known.info;
-        info.session = publication->partitions.empty() ? "" : publication->partitions.front();
+        info.session = name;
         info.run = session.run;
         info.host = dds::Text(session.host);
         info.pid = session.pid;
@@ -129,7 +135,7 @@ class SessionMonitor::Implementation {
   std::vector<SessionInfo> Sessions() {
     FindParticipants();
     std::vector<SessionInfo> list;
-    for (auto& [enclave, participant] : participants_) participant->AddSessions(list);
+    for (auto& [enclave, participant] : participants_) participant->AddSessions(tokens_, list);
     std::sort(list.begin(), list.end(), [](const SessionInfo& a, const SessionInfo& b) {
       return std::tie(a.session, a.run) < std::tie(b.session, b.run);
     });
@@ -142,17 +148,19 @@ class SessionMonitor::Implementation {
   // One for the runs without security, and one for each set of keys.
   void FindParticipants() {
     std::set<std::string> enclaves;
-    if (network_.security == kSecurityAuto) {
-      enclaves.insert("");
+    tokens_.clear();
+    if (network_.security == kSecurityAuto || network_.security == kSecurityOn) {
+      if (network_.security == kSecurityAuto) enclaves.insert("");
       for (const SessionKeys& published : FindSessionKeys(network_.domain)) {
         // A run that ends now is none of the monitor's.
-        const Result<std::string> enclave = EnclaveOf(published.keys, network_.domain, {}, Role::Observer());
-        if (enclave.ok()) enclaves.insert(enclave.value());
+        const Result<ParticipantKeys> keys = FindKeys(published.keys, network_.domain, {}, Role::Observer());
+        if (keys.ok()) enclaves.insert(keys.value().enclave);
+        if (keys.ok() && keys.value().token) tokens_.insert_or_assign(published.session, *keys.value().token);
       }
     } else {
-      const Result<std::string> enclave = EnclaveOf(network_.security, network_.domain, {}, Role::Observer());
-      if (!enclave.ok()) throw std::runtime_error(enclave.error().ToString());
-      enclaves.insert(enclave.value());
+      const Result<ParticipantKeys> keys = FindKeys(network_.security, network_.domain, {}, Role::Observer());
+      if (!keys.ok()) throw std::runtime_error(keys.error().ToString());
+      enclaves.insert(keys.value().enclave);
     }
     for (auto known = participants_.begin(); known != participants_.end();) {
       const bool ended = !enclaves.contains(known->first);
@@ -174,6 +182,7 @@ class SessionMonitor::Implementation {
 
   const NetworkSettings network_;
   std::map<std::string, std::unique_ptr<MonitoringParticipant>> participants_;  // by the folders of their keys
+  std::map<std::string, RunToken> tokens_;  // of the user's own runs, by session
   dds::WaitSet changes_;
   int next_token_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "common/base/flood_limiter.h"
@@ -14,6 +15,7 @@
 #include "common/dds/binding/publisher.h"
 #include "common/dds/convert/convert.h"
 #include "common/dds/transport/qos_profiles.h"
+#include "common/dds/transport/run_proof.h"
 #include "common/dds/transport/senders.h"
 
 namespace troupe::dds {
@@ -21,10 +23,11 @@ namespace troupe::dds {
 struct DdsConnection {
   // `agent`: the name of the agent that sends (common/protocol/agent_name.h); empty: another participant does.
   DdsConnection(const DomainConfig& config, const std::string& session_name, const FloodLimiter::Tell& on_problem,
-                const std::string& agent = {})
+                const std::optional<RunToken>& token = {}, const std::string& agent = {})
       : session(session_name),
         secured(!config.security_enclave.empty()),
         participant(config),
+        proof(token, participant.guid_prefix()),
         publisher(participant, agent.empty() ? qos_profiles::Session(session) : qos_profiles::Agent(session, agent)),
         subscriber(participant, qos_profiles::Session(session)),
         lease_seconds(config.lease_seconds),
@@ -35,10 +38,13 @@ struct DdsConnection {
   const std::string session;
   const bool secured;  // DDS Security keeps others out
   DomainParticipant participant;
+  RunProof proof;
   Publisher publisher;
   Subscriber subscriber;
   double lease_seconds;
   mutable FloodLimiter problems;
+  // A participant of a run with a token has sent a message, and this participant lacks the token. On any thread.
+  std::function<void()> on_foreign_run;
 };
 
 // A topic's writer for messages. A message that cannot be written is lost, as it could be on any network.
@@ -46,7 +52,8 @@ template <typename Wire>
 class Outbox {
  public:
   Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection), topic_(connection.participant, topic), writer_(connection.publisher, topic_, qos) {}
+      : connection_(connection), topic_(connection.participant, topic),
+        writer_(connection.publisher, topic_, connection.proof.Announced(qos)) {}
 
   // `message`: the arguments of the ToWire that makes a Wire, without its arena.
   template <typename... Message>
@@ -102,8 +109,7 @@ class WireInbox {
         const SampleInfo info = buffer_.info(i);
         if (!info.valid()) continue;
         const Sender* sender = senders_.Find(reader_.handle(), info.publication_handle());
-        if (sender == nullptr) continue;
-        on_sample(buffer_.data(i), *sender);
+        if (sender != nullptr && IsOfRun(*sender)) on_sample(buffer_.data(i), *sender);
       }
     } while (buffer_.full());  // later samples are announced again
     if (!matches_changed_.exchange(false)) return;
@@ -114,6 +120,23 @@ class WireInbox {
   void Refuse(const Sender& sender, const std::string& reason) {
     if (!senders_.Refuse(sender)) return;
     connection_.Report(topic_.name() + ": ignored participant " + ToText(sender.participant) + ": " + reason);
+  }
+
+  // Refuses a sender that does not prove to be of the run. `on_foreign_run` is called if it could be proven to a
+  // participant with the run's token.
+  bool IsOfRun(const Sender& sender) {
+    switch (connection_.proof.Check(sender.participant, sender.user_data)) {
+      case ProofCheck::kAccepted:
+        return true;
+      case ProofCheck::kNoProof:
+        Refuse(sender, "it is not of this run's user");
+        return false;
+      case ProofCheck::kUnknownProof:
+        Refuse(sender, "it is of a run whose token this program does not have");
+        if (connection_.on_foreign_run) connection_.on_foreign_run();
+        return false;
+    }
+    return false;
   }
 
   void ReportMalformed(const Error& error) const { connection_.Report(topic_.name() + ": ignored: " + error.message); }

@@ -39,8 +39,10 @@ class DdsTransport : public Transport {
 
   DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
       : role_(role),
-        connection_(config, options.session, options.on_problem, AgentOf(role, options)),
-        service_(ServiceOf(options)) {}
+        connection_(config, options.session, options.on_problem, options.keys.token, AgentOf(role, options)),
+        service_(ServiceOf(options)) {
+    connection_.on_foreign_run = options.on_foreign_run;
+  }
 
   std::string participant() const { return dds::ToText(connection_.participant.guid_prefix()); }
 
@@ -67,7 +69,7 @@ class DdsTransport : public Transport {
   }
 
   const Role role_;
-  const DdsConnection connection_;
+  DdsConnection connection_;
   const std::optional<dds::GuidPrefix> service_;
 };
 
@@ -84,7 +86,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   config.network_interface = options.network_interface;
   config.network = options.network_profile;
   config.lease_seconds = options.lease_seconds;
-  config.security_enclave = options.enclave;
+  config.security_enclave = options.keys.enclave;
   return config;
 }
 

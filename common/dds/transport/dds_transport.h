@@ -10,12 +10,15 @@
 
 #include "common/protocol/transport.h"
 #include "common/run/network_settings.h"
+#include "common/security/session_keys.h"
 
 namespace troupe {
 
 struct DdsOptions : NetworkSettings {
-  std::string enclave;              // the folder with the keys of the participant; empty: no security
+  ParticipantKeys keys;
   std::vector<std::string> robots;  // of an agent: it may join for these only
+  // Called, on any thread, when a run of this session has a token that `keys` lacks.
+  std::function<void()> on_foreign_run;
   // Called, on any thread, with one line for each message that was ignored because it was malformed, or could not be
   // sent.
   std::function<void(const std::string&)> on_problem;

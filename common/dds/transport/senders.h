@@ -19,6 +19,7 @@ struct Sender {
   dds_instance_handle_t writer = 0;
   GuidPrefix participant;
   std::string partition;  // the first of the writer's
+  std::string user_data;  // of the writer's announcement
 };
 
 class Senders : public SampleFilter {
