@@ -95,7 +95,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
                  "Name of the run on the network (default: the world's name and the process id)", processes);
   options.network.network_interface.clear();  // CompleteRunOptions chooses
   AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts",
-                         "on, keys for this run alone, unless the interface is lo", processes);
+                         "on, keys for this run alone; on the interface lo a token of the run", processes);
   AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
   command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
 

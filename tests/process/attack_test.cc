@@ -188,6 +188,57 @@ TEST(Attack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
   EXPECT_THAT(output, testing::HasSubstr("ignored participant"));
 }
 
+TEST(Attack, AnotherUserNeitherControlsNorJoinsARunOnLoopback) {
+  const std::uint64_t peace = HashWithoutAttack();
+  AttackedRun run(TestSession("token"), "auto");
+  const std::optional<RunId> id = SpyOutRun(run.session());
+  ASSERT_TRUE(id.has_value()) << "without keys of DDS Security anyone can read it";
+  Arsenal arsenal(run.session());
+  ASSERT_TRUE(arsenal.controls.Found() && arsenal.joins.Found());
+  ControlRequest request;
+  for (const ControlCommand command : {ControlCommand::kPlay, ControlCommand::kReset, ControlCommand::kStep}) {
+    request.command = command;
+    request.ticks = 5;
+    arsenal.controls.Send(request);
+  }
+  request.command = ControlCommand::kDelete;
+  request.name = "r0";
+  arsenal.controls.Send(request);
+  JoinMessage join;
+  join.run = *id;
+  join.agent = 5;
+  join.protocol_version = kProtocolVersion;
+  join.robots = {"r0"};
+  arsenal.joins.Send(join);
+  EXPECT_TRUE(arsenal.controls.Delivered() && arsenal.joins.Delivered());
+
+  NetworkSettings other_user = NetworkOf(run.session());
+  other_user.security = kSecurityOff;
+  ControlClient tool(other_user);
+  const Status refused = tool.WaitForService(1.0);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("is of another user"));
+
+  EXPECT_EQ(run.HashAfterSteps(), peace);
+  const std::string output = run.Stop();
+  EXPECT_THAT(output, testing::HasSubstr("troupe/control: ignored participant"));
+  EXPECT_THAT(output, testing::HasSubstr("troupe/join: ignored participant"));
+}
+
+TEST(Attack, AnAgentThatIsStartedBeforeItsRunFindsTheToken) {
+  const std::string session = TestSession("early-agents");
+  const std::string domain = std::to_string(TestDomain());
+  std::vector<Program> agents;
+  for (const char* robot : {"r0", "r1", "r2", "r3"}) {
+    agents.emplace_back(std::vector<std::string>{ProgramPath("robot-agent"), "--session", session, "--domain", domain,
+                                                 "--robot", robot});
+  }
+  Program service({ProgramPath("world-service"), WorldPath("pen.world"), "--session", session, "--domain", domain,
+                   "--ticks", "3", "--speed", "max"});
+  EXPECT_EQ(service.Wait(), 0) << service.output();
+  for (Program& agent : agents) EXPECT_EQ(agent.Wait(), 0) << agent.output();
+}
+
 TEST(Attack, AFloodOfRequestsLeavesNoMemoryBehind) {
   const std::uint64_t peace = HashWithoutAttack();
   AttackedRun run(TestSession("flood"), "off");
