@@ -1,7 +1,7 @@
 // An observer of a run: follows its frames and checks the hash of each.
 //   soak_observer DOMAIN SESSION SECONDS [REPORT_SECONDS]
 // Ends after SECONDS of wall time, at SIGTERM, or with the service; with status 3 if a hash is wrong, or if no frame
-// arrived within 30 s. With REPORT_SECONDS it prints a line for each such period: the number of frames, and the mean
+// arrived within 10 s. With REPORT_SECONDS it prints a line for each such period: the number of frames, and the mean
 // and the largest wall time in ms from one frame to the frame of the next tick; the mean without waits for lost agents.
 #include <fmt/format.h>
 
@@ -19,13 +19,14 @@
 #include "common/command_line/exit_status.h"
 #include "common/dds/transport/dds_transport.h"
 #include "common/model/state_hash.h"
+#include "common/security/session_keys.h"
 
 namespace troupe {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLongestSilence = 30.0;  // s, before the first frame
+constexpr double kLongestSilence = 10.0;  // s, before the first frame
 constexpr double kLongestTick = 500.0;    // ms: a longer time is a wait for the lease of an agent
 
 double Since(Clock::time_point start) {
@@ -124,6 +125,10 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
   options.session = argv[2];
   try {
+    troupe::Result<troupe::ParticipantKeys> keys =
+        troupe::FindKeys(options.security, options.domain, options.session, troupe::Role::Observer());
+    if (!keys.ok()) throw std::runtime_error(keys.error().ToString());
+    options.keys = std::move(keys).value();
     return troupe::Observe(options, std::atof(argv[3]), argc == 5 ? std::atof(argv[4]) : 0.0);
   } catch (const std::exception& exception) {
     fmt::print(stderr, "error: {}\n", exception.what());
