@@ -1,5 +1,5 @@
-// WholeSample: from any bytes to those of a whole sample. Almost all changes of a sample's bytes make it longer or shorter
-// than its own fields say, and would never reach its converter.
+// WholeSample: from any bytes to those of a whole sample. Almost all changes of a sample's bytes make it longer or
+// shorter than its own fields say, and would never reach its converter.
 #pragma once
 
 #include <dds/dds.h>

@@ -69,8 +69,7 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   Result<PublishedKeys> published =
       PublishedKeys::Publish(line.network.domain, line.network.session, secured ? security.value() : std::string());
   if (!published.ok()) return fail(published.error());
-  Result<ParticipantKeys> keys =
-      FindKeys(security.value(), line.network.domain, line.network.session, Role::Service());
+  Result<ParticipantKeys> keys = FindKeys(security.value(), line.network.domain, line.network.session, Role::Service());
   if (!keys.ok()) return fail(keys.error());
   DdsOptions dds;
   static_cast<NetworkSettings&>(dds) = line.network;

@@ -55,9 +55,9 @@ struct ParticipantKeys {
   bool operator==(const ParticipantKeys&) const = default;
 };
 
-// `security`: "auto" or "on" (the keys that this user's run of that session has published; "on" fails if there are none,
-// with "auto" a participant is without), "off" (none), or a folder of keys. Fails if the folder lacks the keys of the
-// role.
+// `security`: "auto" or "on" (the keys that this user's run of that session has published; "on" fails if there are
+// none, with "auto" a participant is without), "off" (none), or a folder of keys. Fails if the folder lacks the keys of
+// the role.
 Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t domain, const std::string& session,
                                  const Role& role);
 

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/version.h"
@@ -14,6 +16,7 @@
 #include "common/dds/tools/control_client.h"
 #include "common/protocol/topics.h"
 #include "tests/process/programs.h"
+#include "tests/support/bridged_hosts.h"
 #include "tests/support/stranger.h"
 
 namespace troupe::test {
@@ -24,15 +27,16 @@ constexpr Tick kTicks = 30;
 constexpr std::size_t kFlood = 20000;   // messages
 constexpr double kMemoryMargin = 40.0;  // MiB
 
-// The ports of all UDP sockets on this machine, in the form of Stranger's peers: agents listen at any of them.
-std::vector<std::string> AllPorts() {
-  std::ifstream sockets("/proc/net/udp");
+// The ports of all UDP sockets of this thread's network namespace, in the form of Stranger's peers: agents listen at
+// any of them.
+std::vector<std::string> AllPorts(const std::string& address = "127.0.0.1") {
+  std::ifstream sockets("/proc/thread-self/net/udp");
   std::string line;
   std::getline(sockets, line);  // the titles
   std::vector<std::string> peers;
   while (std::getline(sockets, line)) {
     const std::size_t colon = line.find(':', line.find(':') + 1);  // of the address
-    peers.push_back("127.0.0.1:" + std::to_string(std::stoul(line.substr(colon + 1, 4), nullptr, 16)));
+    peers.push_back(address + ":" + std::to_string(std::stoul(line.substr(colon + 1, 4), nullptr, 16)));
   }
   return peers;
 }
@@ -48,10 +52,10 @@ double ResidentMemory(pid_t process) {  // MiB
 // A run of pen.world that waits in a pause, and is controlled by its owner.
 class AttackedRun {
  public:
-  AttackedRun(const std::string& session, const std::string& security)
+  AttackedRun(const std::string& session, const std::string& security, const std::string& interface = "lo")
       : session_(session),
-        run_(RunPen({"--paused", "--session", session, "--security", security})),
-        owner_(NetworkOf(session)) {
+        run_(RunPen({"--paused", "--session", session, "--security", security, "--interface", interface})),
+        owner_(OwnerOf(session, interface)) {
     EXPECT_TRUE(owner_.WaitForService(kSeconds).ok()) << run_.output();
     run_.WaitForLine("ready");
   }
@@ -77,6 +81,12 @@ class AttackedRun {
   }
 
  private:
+  static NetworkSettings OwnerOf(const std::string& session, const std::string& interface) {
+    NetworkSettings network = NetworkOf(session);
+    network.network_interface = interface;
+    return network;
+  }
+
   const std::string session_;
   Program run_;
   ControlClient owner_;
@@ -94,8 +104,9 @@ std::uint64_t HashWithoutAttack() {
 
 // Writers of all topics that matter, of one stranger.
 struct Arsenal {
-  explicit Arsenal(const std::string& session)
-      : stranger(session, AllPorts()),
+  explicit Arsenal(const std::string& session) : Arsenal(session, AllPorts(), "lo") {}
+  Arsenal(const std::string& session, std::vector<std::string> peers, const std::string& interface)
+      : stranger(session, std::move(peers), interface),
         sessions(stranger, stranger.publisher, topics::kSession, dds::qos_profiles::Description(1.0)),
         frames(stranger, stranger.publisher, topics::kFrame, dds::qos_profiles::Frame()),
         admissions(stranger, stranger.publisher, topics::kAdmission, dds::qos_profiles::Admission()),
@@ -103,6 +114,9 @@ struct Arsenal {
         proposals(stranger, stranger.agent_publisher, topics::kProposal, dds::qos_profiles::Proposal()),
         controls(stranger, stranger.publisher, topics::kControl, dds::qos_profiles::Control()) {}
 
+  bool FoundAll() {
+    return joins.Found() && proposals.Found() && frames.Found() && sessions.Found() && admissions.Found();
+  }
   std::int32_t readers() {
     return sessions.readers() + frames.readers() + admissions.readers() + joins.readers() + proposals.readers() +
            controls.readers();
@@ -118,8 +132,10 @@ struct Arsenal {
 };
 
 // The run that a session announces to anyone, where it is not secured.
-std::optional<RunId> SpyOutRun(const std::string& session) {
-  const dds::DomainParticipant spy(TestConfig());
+std::optional<RunId> SpyOutRun(const std::string& session, const std::string& interface = "lo") {
+  dds::DomainConfig config = TestConfig();
+  config.network_interface = interface;
+  const dds::DomainParticipant spy(config);
   const dds::Subscriber subscriber(spy, dds::qos_profiles::Session(session));
   const dds::Topic<troupe_wire_Session> topic(spy, topics::kSession);
   dds::DataReader<troupe_wire_Session> reader(subscriber, topic, dds::qos_profiles::Description());
@@ -144,30 +160,23 @@ TEST(Attack, ASecuredRunIsInvisibleToStrangers) {
   run.Stop();
 }
 
-TEST(Attack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
-  const std::uint64_t peace = HashWithoutAttack();
-  AttackedRun run(TestSession("open"), "off");
-  const std::optional<RunId> id = SpyOutRun(run.session());
-  ASSERT_TRUE(id.has_value());
-  Arsenal arsenal(run.session());
-  ASSERT_TRUE(arsenal.joins.Found() && arsenal.proposals.Found() && arsenal.frames.Found() &&
-              arsenal.sessions.Found() && arsenal.admissions.Found());
-
+// One of each message that only the service or an agent sends, and floods of the others.
+void Forge(Arsenal& arsenal, RunId id) {
   SessionMessage session;
-  session.run = *id;
+  session.run = id;
   session.protocol_version = kProtocolVersion;
   arsenal.sessions.Send(session);
   session.run = 1;
   arsenal.sessions.Send(session);
   FrameMessage frame;
-  frame.run = *id;
+  frame.run = id;
   frame.state.tick = 7;
   arsenal.frames.Send(frame);
   frame.last = true;
   arsenal.frames.Send(frame);
-  arsenal.admissions.Send(std::vector<AdmissionMessage>{{*id, 1, false, "leave"}});
+  arsenal.admissions.Send(std::vector<AdmissionMessage>{{id, 1, false, "leave"}});
   JoinMessage join;
-  join.run = *id;
+  join.run = id;
   join.protocol_version = kProtocolVersion;
   join.robots = {"r0"};
   for (AgentId agent = 1; agent <= kFlood; ++agent) {
@@ -175,17 +184,70 @@ TEST(Attack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
     arsenal.joins.Send(join);
   }
   ProposalMessage proposal;
-  proposal.run = *id;
+  proposal.run = id;
   proposal.tick = 1;
   for (AgentId agent = 1; agent <= kFlood; ++agent) {
     proposal.agent = agent;
     arsenal.proposals.Send(proposal);
   }
   EXPECT_TRUE(arsenal.joins.Delivered() && arsenal.proposals.Delivered());
+}
 
+TEST(Attack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
+  const std::uint64_t peace = HashWithoutAttack();
+  AttackedRun run(TestSession("open"), "off");
+  const std::optional<RunId> id = SpyOutRun(run.session());
+  ASSERT_TRUE(id.has_value());
+  Arsenal arsenal(run.session());
+  ASSERT_TRUE(arsenal.FoundAll());
+  Forge(arsenal, *id);
   EXPECT_EQ(run.HashAfterSteps(), peace);
   const std::string output = run.Stop();
   EXPECT_THAT(output, testing::HasSubstr("ignored participant"));
+}
+
+// The attacker is on another host of the network.
+class BridgedAttack : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (hosts_ == nullptr) GTEST_SKIP() << "no network namespaces here: they need root and the program ip";
+  }
+  // Of the run, which must have started, on the first host.
+  static std::vector<std::string> PortsOfRun() { return AllPorts(BridgedHosts::AddressOf(1)); }
+
+  const std::uint64_t peace_ = HashWithoutAttack();
+  const std::unique_ptr<BridgedHosts> hosts_ = BridgedHosts::Make();
+};
+
+TEST_F(BridgedAttack, ARunIsInvisibleByDefault) {
+  const BridgedHosts::Visit home(*hosts_, 1);
+  AttackedRun run(TestSession("bridged"), "auto", BridgedHosts::kInterface);
+  const std::vector<std::string> ports = PortsOfRun();
+  {
+    const BridgedHosts::Visit away(*hosts_, 2);
+    EXPECT_EQ(SpyOutRun(run.session(), BridgedHosts::kInterface), std::nullopt);
+    Arsenal arsenal(run.session(), ports, BridgedHosts::kInterface);
+    EXPECT_FALSE(arsenal.joins.Found(3.0));
+    EXPECT_EQ(arsenal.readers(), 0);
+  }
+  EXPECT_EQ(run.HashAfterSteps(), peace_);
+  run.Stop();
+}
+
+TEST_F(BridgedAttack, ForgedMessagesDoNotChangeARunWithoutSecurity) {
+  const BridgedHosts::Visit home(*hosts_, 1);
+  AttackedRun run(TestSession("bridged-open"), "off", BridgedHosts::kInterface);
+  const std::vector<std::string> ports = PortsOfRun();
+  {
+    const BridgedHosts::Visit away(*hosts_, 2);
+    const std::optional<RunId> id = SpyOutRun(run.session(), BridgedHosts::kInterface);
+    ASSERT_TRUE(id.has_value());
+    Arsenal arsenal(run.session(), ports, BridgedHosts::kInterface);
+    ASSERT_TRUE(arsenal.FoundAll());
+    Forge(arsenal, *id);
+  }
+  EXPECT_EQ(run.HashAfterSteps(), peace_);
+  EXPECT_THAT(run.Stop(), testing::HasSubstr("ignored participant"));
 }
 
 TEST(Attack, AnotherUserNeitherControlsNorJoinsARunOnLoopback) {

@@ -15,14 +15,16 @@ namespace troupe::test {
 
 struct Stranger {
   // `peers`: "host:port" of further processes that it announces itself to.
-  explicit Stranger(const std::string& session, std::vector<std::string> peers = {})
-      : participant(Config(std::move(peers))),
+  explicit Stranger(const std::string& session, std::vector<std::string> peers = {},
+                    const std::string& interface = "lo")
+      : participant(Config(std::move(peers), interface)),
         publisher(participant, dds::qos_profiles::Session(session)),
         agent_publisher(participant, dds::qos_profiles::Agent(session, "stranger")) {}
 
   // At an index that agents look for their service at, so that those without its port discover it.
-  static dds::DomainConfig Config(std::vector<std::string> peers) {
+  static dds::DomainConfig Config(std::vector<std::string> peers, const std::string& interface) {
     dds::DomainConfig config = TestConfig();
+    config.network_interface = interface;
     config.participant_index = dds::kPeerPortsTried - 1;
     config.peers = std::move(peers);
     return config;

@@ -24,7 +24,8 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddPausedFlag(app, line.service.start_paused);
   line.network.session = "troupe";
   AddSessionFlag(app, line.network, "Name of the run, by which agents join (default: " + line.network.session + ")");
-  AddProcessNetworkFlags(app, line.network, line.network.network_interface, "on the interface lo a token of the run, else off");
+  AddProcessNetworkFlags(app, line.network, line.network.network_interface,
+                         "on the interface lo a token of the run, else off");
   AddStartTimeoutFlag(app, line.service.start_timeout_seconds);
   AddServiceOutputFlags(app, line.outputs.hash_log, line.outputs.poses, line.outputs.record);
   AddTraceFlags(app, line.service.trace);

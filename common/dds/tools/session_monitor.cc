@@ -182,7 +182,7 @@ class SessionMonitor::Implementation {
 
   const NetworkSettings network_;
   std::map<std::string, std::unique_ptr<MonitoringParticipant>> participants_;  // by the folders of their keys
-  std::map<std::string, RunToken> tokens_;  // of the user's own runs, by session
+  std::map<std::string, RunToken> tokens_;                                      // of the user's own runs, by session
   dds::WaitSet changes_;
   int next_token_ = 0;
 };

@@ -52,7 +52,8 @@ template <typename Wire>
 class Outbox {
  public:
   Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
-      : connection_(connection), topic_(connection.participant, topic),
+      : connection_(connection),
+        topic_(connection.participant, topic),
         writer_(connection.publisher, topic_, connection.proof.Announced(qos)) {}
 
   // `message`: the arguments of the ToWire that makes a Wire, without its arena.

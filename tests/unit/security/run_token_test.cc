@@ -59,7 +59,8 @@ TEST_F(RunTokenTest, TheProofIsHmacSha256) {
   std::filesystem::create_directory(folder_ + "/token");
   std::ofstream(folder_ + "/token/token.hex") << std::string(64, '0');
   // printf %s 0110a1b2c3d4e5f601020304 | openssl dgst -sha256 -mac HMAC -macopt hexkey:00...00 (32 bytes)
-  EXPECT_EQ(RunToken::ReadFrom(folder_).value().Proof(kParticipant), "4b7bd05c2348a0968fb17ef41f524d5992d39c378c90a77788858cd6a452ab32");
+  EXPECT_EQ(RunToken::ReadFrom(folder_).value().Proof(kParticipant),
+            "4b7bd05c2348a0968fb17ef41f524d5992d39c378c90a77788858cd6a452ab32");
 }
 
 }  // namespace
