@@ -56,6 +56,17 @@ ProcessFault RandomFault(RandomSource& random, const FaultPlan& plan) {
   return fault;
 }
 
+PlannedObserver RandomObserver(RandomSource& random, const FaultPlan& plan) {
+  PlannedObserver observer;
+  observer.joins_at = random.Uniform(0.0, plan.faults_end);
+  if (random.Chance(0.4)) {
+    observer.stops_at = random.Uniform(observer.joins_at, plan.faults_end);
+    observer.stopped_seconds = random.Uniform(0.0, 3.0 * plan.lease);
+  }
+  if (random.Chance(0.3)) observer.dies_at = random.Uniform(observer.joins_at, plan.faults_end);
+  return observer;
+}
+
 }  // namespace
 
 FaultPlan MakePlan(std::uint64_t seed) {
@@ -87,6 +98,8 @@ FaultPlan MakePlan(std::uint64_t seed) {
     plan.service_dies = true;
     plan.faults.push_back({FaultKind::kKill, random.Uniform(0.0, plan.faults_end), 0.0, 0, false});
   }
+  const std::size_t observers = random.Index(3);
+  for (std::size_t i = 0; i < observers; ++i) plan.observers.push_back(RandomObserver(random, plan));
   return plan;
 }
 

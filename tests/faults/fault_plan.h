@@ -43,6 +43,14 @@ struct PlannedRequest {
   ControlRequest request;
 };
 
+// An observer joins, is stopped for a time, and leaves without a message.
+struct PlannedObserver {
+  double joins_at = 0.0;
+  double stops_at = 0.0;
+  double stopped_seconds = 0.0;   // 0: never
+  std::optional<double> dies_at;  // nothing: it stays
+};
+
 struct FaultPlan {
   std::uint64_t seed = 0;
   std::size_t robots = 1;
@@ -58,6 +66,7 @@ struct FaultPlan {
   MessageFaults messages;
   std::vector<ProcessFault> faults;  // all end before faults_end
   std::vector<PlannedRequest> requests;
+  std::vector<PlannedObserver> observers;
   double faults_end = 0.0;
   // No fault is as long as a lease or the deadline: no agent may be lost.
   bool gentle = false;

@@ -6,7 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "common/dds/convert/convert_frame.h"
 #include "common/model/event.h"
+#include "common/model/state_hash.h"
 #include "tests/faults/small_worlds.h"
 
 namespace troupe::faults {
@@ -18,6 +20,7 @@ constexpr RunId kRun = 1;
 constexpr double kLongestWait = 0.05;          // s, as RunService
 constexpr double kLongestRecovery = 60;        // s, from the last fault to a run that is whole again
 constexpr std::size_t kMostEvents = 2000;      // in the queue, and waiting for a stopped process
+constexpr double kLongestGap = 20.0;           // s, of what observers show, with messages lost
 constexpr double kLongestRequest = 0.01;       // s, from a tool to the service
 constexpr std::uint64_t kMostSteps = 500'000;  // events of a run
 constexpr std::size_t kMostReports = 200;      // events or notices between two reports of the service
@@ -41,7 +44,8 @@ FaultSimulation::FaultSimulation(const FaultPlan& plan, std::function<void(const
       network_(events_, plan.messages, plan.lease, plan.seed),
       random_(plan.seed, 3),
       scene_(std::make_shared<const Scene>(RunWorld(plan.robots, plan.memory))),
-      reference_(scene_, plan_) {}
+      reference_(scene_, plan_),
+      restarts_(plan_.restarts) {}
 
 template <typename... Parts>
 void FaultSimulation::Log(fmt::format_string<Parts...> format, Parts&&... parts) {
@@ -60,6 +64,9 @@ SimulationResult FaultSimulation::Run() {
   }
   for (const PlannedRequest& request : plan_.requests) {
     events_.At(request.at, [this, request] { SendRequest(request.request); });
+  }
+  for (const PlannedObserver& observer : plan_.observers) {
+    events_.At(observer.joins_at, [this, observer] { AddObserver(observer); });
   }
   RunWithFaults();
   if (violation_.empty()) CheckRecovery();
@@ -94,7 +101,12 @@ void FaultSimulation::CheckRecovery() {
   }
   const Tick target = reference_.ticks() + 3;
   const bool advances = Await([&] { return !service_runs() || reference_.ticks() >= target; }, kLongestRecovery);
-  if (!advances) Violate("the barrier is stalled: " + DescribeInconsistency());
+  if (!advances) return Violate("the barrier is stalled: " + DescribeInconsistency());
+  const Edition edition = reference_.edition();
+  const Tick tick = reference_.tick();
+  if (!Await([&] { return !service_runs() || ObserversHaveShown(edition, tick); }, kLongestGap)) {
+    Violate(fmt::format("an observer does not show tick {} of edition {}", tick, edition));
+  }
 }
 
 void FaultSimulation::CheckEnd() {
@@ -204,12 +216,16 @@ void FaultSimulation::WakeService(double time) {
 void FaultSimulation::SendSession(const SessionMessage& session) {
   session_ = std::make_shared<const SessionMessage>(session);
   for (const auto& [id, agent] : agents_) DeliverSession(id);
+  for (const auto& [id, observer] : observers_) DeliverSession(id);
 }
 
 void FaultSimulation::DeliverSession(ProcessId agent) {
   if (session_ == nullptr || session_sent_[agent] == session_) return;
   const auto deliver = [this, agent, session = session_] {
     session_received_[agent] = true;
+    if (const auto observer = observers_.find(agent); observer != observers_.end()) {
+      return observer->second->OnSession(*session);
+    }
     ToAgent(agent, [session](AgentProtocol& protocol) { protocol.OnSession(*session); });
   };
   if (network_.SendIntact(kService, agent, deliver)) session_sent_[agent] = session_;
@@ -235,6 +251,8 @@ void FaultSimulation::SendFrame(const FrameMessage& frame) {
       ToAgent(id, [this, shared](AgentProtocol& protocol) { protocol.OnFrame(*shared, events_.now()); });
     });
   }
+  SendToObservers(frame, stream_.BaseOf(frame), false);
+  stream_.Sent(frame);
 }
 
 void FaultSimulation::SendRequest(const ControlRequest& request) {
@@ -270,10 +288,11 @@ void FaultSimulation::Launch(const std::vector<std::string>& robots, double long
 
 void FaultSimulation::StartAgent(std::size_t group) {
   if (!service_runs()) return;
-  const ProcessId id = agents_.size() + 1;
+  const ProcessId id = NewProcess();
   AgentOptions options;
   options.agent = id;
   options.robots = groups_[group].robots;
+  options.libraries.Add(kCountingController);
   options.session_timeout_seconds = plan_.session_timeout;
   Log("agent {}: starts for {}", id, fmt::join(options.robots, ", "));
   AddAgent(id, options, group);
@@ -330,10 +349,81 @@ void FaultSimulation::AddAgent(ProcessId id, const AgentOptions& options, std::s
 }
 
 void FaultSimulation::OnAgentEnd(std::size_t group, int exit_status) {
-  const bool died = exit_status != 0 && exit_status != 2;
-  if (!died || groups_[group].restarts >= plan_.restarts) return;
-  ++groups_[group].restarts;
-  events_.After(random_.Uniform(0.02, 0.2), [this, group] { StartAgent(group); });
+  if (!service_runs() || !restarts_.OnEnd(group, exit_status, events_.now())) return;
+  events_.At(std::max(events_.now(), *restarts_.NextDue()), [this] { RestartAgents(); });
+}
+
+void FaultSimulation::RestartAgents() {
+  if (!service_runs()) return restarts_.Cancel();
+  for (const AgentRestarts::Agent group : restarts_.TakeDue(events_.now())) {
+    // The process needs some time to start.
+    events_.After(random_.Uniform(0.02, 0.2), [this, group] { StartAgent(group); });
+  }
+  if (const std::optional<double> due = restarts_.NextDue()) {
+    events_.At(std::max(events_.now(), *due), [this] { RestartAgents(); });
+  }
+}
+
+// Observers.
+
+void FaultSimulation::AddObserver(const PlannedObserver& plan) {
+  if (!service_runs()) return;
+  const ProcessId id = NewProcess();
+  Log("observer {}: starts", id);
+  SimulatedObserver::Outputs outputs;
+  outputs.send_request = [this, id] { network_.Send(id, kService, [this] { OnRequestOfObserver(); }); };
+  outputs.on_frame = [this, id](const FrameMessage& frame) { CheckShown(id, frame); };
+  outputs.on_problem = [this, id](const std::string& problem) {
+    Violate(fmt::format("observer {}: a malformed frame: {}", id, problem));
+  };
+  observers_[id] = std::make_unique<SimulatedObserver>(events_, network_, id, std::move(outputs));
+  Network::Handlers at_observer;
+  at_observer.on_discovered = [this, id] {
+    session_sent_[id] = nullptr;
+    DeliverSession(id);
+  };
+  at_observer.on_open = [this, id] { DeliverSession(id); };
+  at_observer.on_lost = at_observer.on_ended = [this, id] { observers_.at(id)->OnServiceGone(); };
+  const auto nothing = [] {};
+  network_.AddAgent(id, std::move(at_observer), {nothing, nothing, nothing, nothing});
+  if (plan.stopped_seconds > 0.0) {
+    events_.At(plan.stops_at, [this, id] { network_.Stop(id); });
+    events_.At(plan.stops_at + plan.stopped_seconds, [this, id] { network_.Continue(id); });
+  }
+  if (plan.dies_at) events_.At(*plan.dies_at, [this, id] { network_.Kill(id); });
+}
+
+void FaultSimulation::OnRequestOfObserver() {
+  if (!service_runs()) return;
+  if (const FrameMessage* frame = stream_.AnswerRequest(events_.now())) SendToObservers(*frame, nullptr, true);
+}
+
+void FaultSimulation::SendToObservers(const FrameMessage& frame, const WorldState* base, bool requested) {
+  if (observers_.empty()) return;
+  struct Sample {
+    dds::WireArena arena;
+    troupe_wire_Frame wire{};
+  };
+  const auto sample = std::make_shared<Sample>();
+  sample->wire = dds::ToWire(frame, base, sample->arena);
+  for (const auto& [id, observer] : observers_) {
+    network_.Send(kService, id,
+                  [&observer = *observer, sample, requested] { observer.OnFrame(sample->wire, requested); });
+  }
+}
+
+void FaultSimulation::CheckShown(ProcessId observer, const FrameMessage& frame) {
+  const std::optional<std::uint64_t> hash = reference_.HashOf(frame.edition, frame.state.tick);
+  if (!hash || StateHash(frame.state) != *hash) {
+    Violate(fmt::format("observer {} shows a wrong state of tick {} of edition {}", observer, frame.state.tick,
+                        frame.edition));
+  }
+}
+
+bool FaultSimulation::ObserversHaveShown(Edition edition, Tick tick) const {
+  return std::all_of(observers_.begin(), observers_.end(), [&](const auto& observer) {
+    return network_.HasEnded(observer.first) || observer.second->HasShown(edition, tick);
+  });
 }
 
 void FaultSimulation::StartMissingAgents() {

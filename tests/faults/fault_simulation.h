@@ -12,10 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "common/dds/transport/frame_stream.h"
+#include "launcher/supervise/agent_restarts.h"
 #include "tests/faults/fault_plan.h"
 #include "tests/faults/network.h"
 #include "tests/faults/reference_run.h"
 #include "tests/faults/simulated_agent.h"
+#include "tests/faults/simulated_observer.h"
 #include "world-service/service/tick_coordinator.h"
 
 namespace troupe::faults {
@@ -39,7 +42,6 @@ class FaultSimulation final : private ServiceEndpoint {
   // A group of robots for which the launcher keeps an agent.
   struct Group {
     std::vector<std::string> robots;
-    std::uint32_t restarts = 0;
   };
   struct SentRequest {
     ControlCommand command = ControlCommand::kStatus;
@@ -63,12 +65,22 @@ class FaultSimulation final : private ServiceEndpoint {
 
   // The launcher.
   void Launch(const std::vector<std::string>& robots, double longest_delay);
+  // The next id of an agent or an observer.
+  ProcessId NewProcess() const { return agents_.size() + observers_.size() + 1; }
   void StartAgent(std::size_t group);
   void OnAgentEnd(std::size_t group, int exit_status);
+  void RestartAgents();
   // The owner starts agents for robots that have none.
   void StartMissingAgents();
 
   void AddAgent(ProcessId id, const AgentOptions& options, std::size_t group);
+  // Observers.
+  void AddObserver(const PlannedObserver& plan);
+  void OnRequestOfObserver();
+  void SendToObservers(const FrameMessage& frame, const WorldState* base, bool requested);
+  void CheckShown(ProcessId observer, const FrameMessage& frame);
+  bool ObserversHaveShown(Edition edition, Tick tick) const;
+
   void ToAgent(ProcessId agent, std::function<void(AgentProtocol&)> call);
   void Inject(const ProcessFault& fault);
   void InjectInto(ProcessId victim, const ProcessFault& fault);
@@ -106,6 +118,9 @@ class FaultSimulation final : private ServiceEndpoint {
   double wake_at_ = -1.0;
   std::map<ProcessId, std::unique_ptr<SimulatedAgent>> agents_;  // also those that have ended
   std::vector<Group> groups_;
+  AgentRestarts restarts_;
+  dds::FrameStream stream_;
+  std::map<ProcessId, std::unique_ptr<SimulatedObserver>> observers_;  // also those that have ended
   std::vector<SentRequest> requests_;
   std::string violation_;
   std::uint64_t lost_ = 0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/model/state_hash.h"
+#include "tests/faults/small_worlds.h"
 #include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 #include "world-service/service/apply_edit.h"
@@ -15,6 +16,7 @@ namespace troupe::faults {
 
 ReferenceRun::ReferenceRun(std::shared_ptr<const Scene> scene, const FaultPlan& plan)
     : plan_(plan), original_(scene), scene_(std::move(scene)), state_(InitialState(*scene_)) {
+  options_.libraries.Add(kCountingController);
   AddReplicas();
 }
 
@@ -23,7 +25,7 @@ void ReferenceRun::AddReplicas() {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;
     if (!IsThere(world, RobotId(i)) || replicas_.contains(name)) continue;
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {name});
+    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {name}, options_);
     if (!replica.ok()) throw std::runtime_error(replica.error().message);
     replicas_[name] = std::move(replica).value();
   }
@@ -39,6 +41,7 @@ Status ReferenceRun::OnTick(const CommittedTick& tick) {
   }
   begun_ = true;
   hash_ = StateHash(state_);
+  hashes_[{tick.frame.edition, tick.frame.state.tick}] = hash_;
   edition_ = tick.frame.edition;
   if (state_.tick != tick.frame.state.tick) {
     Differ(tick, fmt::format("the tick without faults is {}", state_.tick));
@@ -46,6 +49,11 @@ Status ReferenceRun::OnTick(const CommittedTick& tick) {
     Differ(tick, fmt::format("hash {:016x}, without faults {:016x}", tick.frame.state_hash, hash_));
   }
   return {};
+}
+
+std::optional<std::uint64_t> ReferenceRun::HashOf(Edition edition, Tick tick) const {
+  const auto found = hashes_.find({edition, tick});
+  return found == hashes_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void ReferenceRun::Edit(const CommittedTick& tick) {

@@ -5,7 +5,9 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "robot-agent/agent/replica.h"
 #include "tests/faults/fault_plan.h"
@@ -23,6 +25,8 @@ class ReferenceRun final : public RunObserver {
   const std::string& difference() const { return difference_; }
   Tick ticks() const { return ticks_; }  // that were compared
   std::uint64_t hash() const { return hash_; }
+  // Of a committed tick; nothing if there is none.
+  std::optional<std::uint64_t> HashOf(Edition edition, Tick tick) const;
   Edition edition() const { return edition_; }
   Tick tick() const { return state_.tick; }
 
@@ -34,10 +38,12 @@ class ReferenceRun final : public RunObserver {
   void Differ(const CommittedTick& tick, const std::string& what);
 
   const FaultPlan& plan_;
+  RobotOptions options_;
   std::shared_ptr<const Scene> original_;
   std::shared_ptr<const Scene> scene_;
   WorldState state_;
   std::uint64_t hash_ = 0;
+  std::map<std::pair<Edition, Tick>, std::uint64_t> hashes_;
   Edition edition_ = 0;
   bool begun_ = false;
   std::map<std::string, std::unique_ptr<Replica>> replicas_;  // by the robot's name

@@ -2,10 +2,13 @@
 //   simulate_faults [--seeds N] [--first S]      N seeds from S on; default: 1000 from 1 on
 //   simulate_faults --seed X                     one seed, with the events of its run
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include "tests/faults/fault_simulation.h"
@@ -20,7 +23,20 @@ struct Totals {
   std::uint64_t violations = 0;
 };
 
+volatile std::sig_atomic_t seed_is_known = 0;
+char seed_line[80];  // for the handler below
+
+// A crash names its seed too.
+void PrintSeed(int signal) {
+  if (seed_is_known != 0) static_cast<void>(!write(STDOUT_FILENO, seed_line, std::strlen(seed_line)));
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 void Simulate(std::uint64_t seed, bool with_log, Totals& totals) {
+  seed_is_known = 0;
+  fmt::format_to_n(seed_line, sizeof seed_line - 1, "scripts/simulate-faults --seed {}    # a crash\n{}", seed, '\0');
+  seed_is_known = 1;
   const auto print = [](const std::string& line) { fmt::print("{}\n", line); };
   const std::function<void(const std::string&)> log = with_log ? print : std::function<void(const std::string&)>();
   const SimulationResult result = FaultSimulation(MakePlan(seed), log).Run();
@@ -46,6 +62,7 @@ int Main(int argc, char** argv) {
     first = *seed;
     seeds = 1;
   }
+  for (const int signal : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, PrintSeed);
   const auto begin = std::chrono::steady_clock::now();
   Totals totals;
   for (std::uint64_t i = 0; i < seeds; ++i) Simulate(first + i, seed.has_value(), totals);

@@ -13,6 +13,7 @@ namespace {
 void AddRobot(SmallWorld& world, const std::string& name, std::size_t index, bool memory) {
   const double angle = 1.7 * static_cast<double>(index);
   const RobotId robot = world.AddRobot(name, {1.2 * std::cos(angle), 1.2 * std::sin(angle), 0.0, 0.7 * angle});
+  if (memory && index % 4 == 1) return world.SetController(robot, kCountingController);
   if (memory && index % 2 == 0) {
     world.AddRanger(robot, {}, {OneRay(2.0)});
     return world.SetController(robot, "wander");

@@ -9,6 +9,9 @@
 
 namespace troupe::faults {
 
+// The shared library of counting_controller.cc.
+inline constexpr const char* kCountingController = TROUPE_COUNTING_CONTROLLER;
+
 // `robots` robots "r0", "r1", ... that drive into each other and a box. `memory`: some have a controller that
 // remembers.
 WorldDescription RunWorld(std::size_t robots, bool memory);

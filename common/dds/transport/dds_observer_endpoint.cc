@@ -9,9 +9,7 @@
 namespace troupe::dds {
 namespace {
 
-// After this time without an answer a request is resent: it, or the frame, was lost, or the service did not know this
-// endpoint yet. Longer than the time for which a service ignores further requests.
-constexpr double kRequestPeriod = 0.05;  // s
+constexpr double kIdlePeriod = 0.05;  // s, between two checks whether the observer is behind
 
 // Waking for each frame is most of the cost of an observer: ten of them would use a fifth of the processor time of 100
 // agents that only answer. So an observer wakes at most once in kGatherTime. Frames that follow each other within
@@ -52,9 +50,9 @@ void DdsObserverEndpoint::Start(ObserverHandler& handler) {
   TROUPE_CHECK(!queue_.has_value());
   const auto request_if_behind = [this] {
     const std::lock_guard lock(mutex_);
-    if (IsBehind()) RequestWholeFrame();
+    if (protocol_.IsBehind()) RequestWholeFrame();
   };
-  queue_.emplace(handler, request_if_behind, kRequestPeriod);
+  queue_.emplace(handler, request_if_behind, kIdlePeriod);
   sessions_.Listen([this] { DrainSessions(); });
   statuses_.Listen([this] { DrainStatuses(); });
   frames_.Listen([this] { GatherFrames(); });
@@ -66,7 +64,7 @@ void DdsObserverEndpoint::Start(ObserverHandler& handler) {
 
 void DdsObserverEndpoint::RequestFrame() {
   const std::lock_guard lock(mutex_);
-  post_again_ = true;
+  protocol_.AskAgain();
   RequestWholeFrame();
 }
 
@@ -79,7 +77,7 @@ void DdsObserverEndpoint::DrainSessions() {
         return !session.ended;
       },
       [this](const SessionMessage& session, const Sender&) {
-        world_editions_[session.run] = session.world_edition;
+        protocol_.OnSession(session.run, session.world_edition);
         queue_->PostSession(std::make_shared<const SessionMessage>(session));
       },
       [this](const Sender& ended) { EndRunsOf(ended); });
@@ -88,13 +86,9 @@ void DdsObserverEndpoint::DrainSessions() {
 }
 
 void DdsObserverEndpoint::EndRunsOf(const Sender& service) {
-  for (const RunId run : services_.Forget(service.participant)) EndRun(run);
-}
-
-void DdsObserverEndpoint::EndRun(RunId run) {
-  if (world_editions_.erase(run) == 0) return;
-  if (follower_.known() && follower_.frame().run == run) follower_.Reset();
-  if (world_editions_.empty()) queue_->PostServiceGone();
+  for (const RunId run : services_.Forget(service.participant)) {
+    if (protocol_.OnEnd(run)) queue_->PostServiceGone();
+  }
 }
 
 void DdsObserverEndpoint::DrainStatuses() {
@@ -102,7 +96,7 @@ void DdsObserverEndpoint::DrainStatuses() {
   statuses_.Drain([this](const troupe_wire_Status& status,
                          const Sender& sender) { return services_.Admits(statuses_, status.run, sender); },
                   [this](const StatusMessage& status, const Sender&) {
-                    status_ = status;
+                    protocol_.OnStatus(status);
                     queue_->PostStatus(std::make_shared<const StatusMessage>(status));
                   });
 }
@@ -119,59 +113,38 @@ void DdsObserverEndpoint::GatherFrames() {
   last_read_ = Clock::now();
 }
 
-void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame,
+void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, Read read, const troupe_wire_Frame& frame,
                                     const Sender& sender) {
   if (!services_.Admits(inbox, frame.run, sender)) return;
-  if (Status malformed = follower_.Read(frame); !malformed.ok()) inbox.ReportMalformed(malformed.error());
+  if (Status malformed = (protocol_.*read)(frame); !malformed.ok()) inbox.ReportMalformed(malformed.error());
+  PostFrame();
 }
 
 void DdsObserverEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
   const auto ignore_end = [](const Sender&) {};
   // In this order: a whole frame that is found below was sent before any frame that is not found here.
-  frames_.Drain(
-      [this](const troupe_wire_Frame& frame, const Sender& sender) {
-        ReadFrame(frames_, frame, sender);
-        PostFrame();
-      },
-      ignore_end);
+  frames_.Drain([this](const troupe_wire_Frame& frame,
+                       const Sender& sender) { ReadFrame(frames_, &ObserverProtocol::OnFrame, frame, sender); },
+                ignore_end);
   whole_frames_.Drain(
       [this](const troupe_wire_Frame& frame, const Sender& sender) {
-        requested_at_.reset();
-        ReadFrame(whole_frames_, frame, sender);
-        if (std::exchange(post_again_, false)) posted_.reset();
-        PostFrame();
+        ReadFrame(whole_frames_, &ObserverProtocol::OnWholeFrame, frame, sender);
       },
       ignore_end);
-  if (follower_.has_gap()) RequestWholeFrame();
+  if (protocol_.has_gap()) RequestWholeFrame();
 }
 
 void DdsObserverEndpoint::PostFrame() {
-  if (!follower_.known()) return;
-  const FrameMessage& frame = follower_.frame();
-  const auto world = world_editions_.find(frame.run);
-  if (world == world_editions_.end() || world->second != frame.world_edition) return;
-  const FrameKey key(frame.run, frame.edition, frame.state.tick, frame.paused, frame.last);
-  if (posted_ == key) return;
-  posted_ = key;
-  frames_are_short_ = RowsOf(frame.state) <= kShortFrameRows;
-  queue_->PostFrame(std::make_shared<const FrameMessage>(frame));
-}
-
-bool DdsObserverEndpoint::IsBehind() const {
-  if (follower_.has_gap() || !follower_.known()) return true;
-  const FrameMessage& frame = follower_.frame();
-  if (!world_editions_.contains(frame.run)) return true;
-  return status_ && status_->run == frame.run &&
-         std::tie(status_->edition, status_->tick) > std::tie(frame.edition, frame.state.tick);
+  const FrameMessage* frame = protocol_.Next();
+  if (frame == nullptr) return;
+  frames_are_short_ = RowsOf(frame->state) <= kShortFrameRows;
+  queue_->PostFrame(std::make_shared<const FrameMessage>(*frame));
 }
 
 void DdsObserverEndpoint::RequestWholeFrame() {
-  if (world_editions_.empty()) return;  // without a service
-  const auto now = Clock::now();
-  if (requested_at_ && now < *requested_at_ + std::chrono::duration<double>(kRequestPeriod)) return;
-  requested_at_ = now;
-  requests_.Send(FrameRequest{id_});
+  const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+  if (protocol_.MayRequest(now)) requests_.Send(FrameRequest{id_});
 }
 
 }  // namespace troupe::dds

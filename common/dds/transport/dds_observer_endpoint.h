@@ -5,15 +5,13 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <map>
 #include <mutex>
 #include <optional>
-#include <tuple>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
-#include "common/dds/transport/frame_follower.h"
 #include "common/dds/transport/known_services.h"
+#include "common/dds/transport/observer_protocol.h"
 #include "common/protocol/observer_queue.h"
 #include "common/protocol/transport.h"
 
@@ -29,8 +27,6 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Run, edition, tick, paused, last: two frames that agree in these are the same.
-  using FrameKey = std::tuple<RunId, Edition, Tick, bool, bool>;
 
   void DrainSessions();
   void DrainStatuses();
@@ -41,11 +37,10 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
   // The functions below: REQUIRES: mutex_ is locked.
   void EndRunsOf(const Sender& service);
-  void EndRun(RunId run);
-  void ReadFrame(WireInbox<troupe_wire_Frame>& inbox, const troupe_wire_Frame& frame, const Sender& sender);
-  // Posts the follower's frame, unless it was posted already or its world is not known yet.
+  using Read = Status (ObserverProtocol::*)(const troupe_wire_Frame&);
+  void ReadFrame(WireInbox<troupe_wire_Frame>& inbox, Read read, const troupe_wire_Frame& frame, const Sender& sender);
+  // Posts the newest frame, unless it was posted already or its world is not known yet.
   void PostFrame();
-  bool IsBehind() const;
   // Sends a request, unless the last one may still be answered.
   void RequestWholeFrame();
 
@@ -64,12 +59,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
   std::mutex mutex_;  // guards the members below it
   KnownServices services_;
-  std::map<RunId, Edition> world_editions_;  // of the newest session of each run that has a live service
-  FrameFollower follower_;
-  std::optional<FrameKey> posted_;                 // the newest frame posted to the handler
-  std::optional<StatusMessage> status_;            // the newest
-  std::optional<Clock::time_point> requested_at_;  // nothing: no request is open
-  bool post_again_ = false;                        // the next whole frame, even if it was posted already
+  ObserverProtocol protocol_;
 
   std::optional<ObserverQueue> queue_;  // once started
 };

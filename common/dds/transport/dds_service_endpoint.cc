@@ -1,6 +1,7 @@
 #include "common/dds/transport/dds_service_endpoint.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <utility>
 
@@ -12,23 +13,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Ticks between whole frames, for listeners that send no requests.
-constexpr Tick kWholePeriod = 100;
-
-// A frame is sent to the observers as a whole at most once in this time. An observer that has not received it resends
-// its request later than that.
-constexpr std::chrono::milliseconds kWholeFrameInterval(20);
-
 // Agents that may join through one writer: an agent that rejoins as another one is a new agent.
 constexpr std::ptrdiff_t kAgentsOfWriter = 64;
 
 // Lost agents whose proposals are still accepted: the run asks them to join again.
 constexpr std::size_t kLostAgentsKept = 4096;
-
-bool HaveSameSizes(const WorldState& a, const WorldState& b) {
-  return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
-         a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size();
-}
 
 }  // namespace
 
@@ -189,26 +178,17 @@ void DdsServiceEndpoint::DrainFrameRequests() {
   const std::lock_guard lock(frame_mutex_);
   bool requested = false;
   frame_requests_.Drain(AdmitAll(), [&requested](const FrameRequest&, const Sender&) { requested = true; });
-  if (!requested || !sent_) return;
-  if (sent_whole_at_ && Clock::now() < *sent_whole_at_ + kWholeFrameInterval) return;
-  SendWholeFrame();
-}
-
-void DdsServiceEndpoint::SendWholeFrame() {
-  whole_frames_.Send(*sent_);
-  sent_whole_at_ = Clock::now();
+  if (!requested) return;
+  const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+  if (const FrameMessage* frame = stream_.AnswerRequest(now)) whole_frames_.Send(*frame);
 }
 
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   const std::lock_guard lock(frame_mutex_);
-  // Every agent that answered the frame of the tick before has its state. To the others this frame is resent, whole.
-  const bool follows = sent_ && frame.run == sent_->run && frame.edition == sent_->edition &&
-                       frame.state.tick == sent_->state.tick + 1 && HaveSameSizes(frame.state, sent_->state);
-  const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;
-  frames_.Send(frame, whole ? nullptr : &std::as_const(sent_->state));
-  sent_ = frame;
-  sent_whole_at_.reset();
+  frames_.Send(frame, stream_.BaseOf(frame));
+  stream_.Sent(frame);
 }
+
 void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
   statuses_.Send(status);
 }

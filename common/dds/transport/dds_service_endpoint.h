@@ -2,15 +2,14 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
+#include "common/dds/transport/frame_stream.h"
 #include "common/protocol/transport.h"
 
 namespace troupe::dds {
@@ -44,8 +43,6 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void DrainControls();
   void DrainSessions();
   void DrainFrameRequests();
-  // REQUIRES: frame_mutex_ is locked, and there is a sent frame.
-  void SendWholeFrame();
 
   Outbox<troupe_wire_Session> sessions_;
   Outbox<troupe_wire_Admissions> admissions_;
@@ -60,11 +57,9 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   Inbox<troupe_wire_FrameRequest, FrameRequest> frame_requests_;
   Inbox<troupe_wire_Session, SessionMessage> rivals_;
 
-  std::atomic<RunId> run_ = 0;        // of the newest session; 0: none yet
-  std::mutex frame_mutex_;            // guards the members up to the next mutex; locked after mutex_ where both are
-  std::optional<FrameMessage> sent_;  // the newest frame
-  // When it was sent to the observers as a whole; nothing: not yet.
-  std::optional<std::chrono::steady_clock::time_point> sent_whole_at_;
+  std::atomic<RunId> run_ = 0;  // of the newest session; 0: none yet
+  std::mutex frame_mutex_;      // guards the next member; locked after mutex_ where both are
+  FrameStream stream_;
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
