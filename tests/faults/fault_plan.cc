@@ -61,7 +61,7 @@ PlannedObserver RandomObserver(RandomSource& random, const FaultPlan& plan) {
   observer.joins_at = random.Uniform(0.0, plan.faults_end);
   if (random.Chance(0.4)) {
     observer.stops_at = random.Uniform(observer.joins_at, plan.faults_end);
-    observer.stopped_seconds = random.Uniform(0.0, 3.0 * plan.lease);
+    observer.stopped_seconds = std::min(random.Uniform(0.0, 3.0 * plan.lease), plan.faults_end - observer.stops_at);
   }
   if (random.Chance(0.3)) observer.dies_at = random.Uniform(observer.joins_at, plan.faults_end);
   return observer;

@@ -1,5 +1,5 @@
-// FrameStream: the frames of a service as they travel: most as the changes since the frame before, some whole, and whole
-// ones again for observers that have requested one. Without a clock: times are in s, of any clock that does not
+// FrameStream: the frames of a service as they travel: most as the changes since the frame before, some whole, and
+// whole ones again for observers that have requested one. Without a clock: times are in s, of any clock that does not
 // decrease. Not thread-safe.
 #pragma once
 
