@@ -72,8 +72,18 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->type_name("D")
       ->group(group);
   app.add_option("--ros-interface", options.network_interface,
-                 "Network interface to ROS 2; auto: chosen by DDS (default: auto, or lo if ROS_LOCALHOST_ONLY is 1)")
+                 "Network interface to ROS 2; auto: chosen by DDS (default), or lo if Humble stays on this host")
       ->type_name("NAME")
+      ->group(group);
+  AddText(app, group, "--ros-discovery",
+          "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
+          "or ROS_LOCALHOST_ONLY says, or subnet)",
+          {"off", "localhost", "subnet", "system-default"},
+          [&options](const std::string& word) { options.discovery = *ros::ParseDiscoveryRange(word); });
+  app.add_option("--ros-peers", options.static_peers,
+                 "Other hosts to look for ROS 2 on, separated by commas (default: ROS_STATIC_PEERS)")
+      ->delimiter(',')
+      ->type_name("HOSTS")
       ->group(group);
   AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
           {"humble", "iron", "jazzy", "kilted", "rolling"},
@@ -101,6 +111,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   std::vector<std::string> arguments = {
       "--ros-domain=" + std::to_string(options.domain),
       "--ros-interface=" + options.network_interface,
+      std::string("--ros-discovery=") + ToString(options.discovery),
       std::string("--ros-distro=") + ToString(options.distribution),
       std::string("--ros-cmd-vel=") + ToString(options.command_type),
       "--ros-command-timeout=" + CLI::detail::to_string(options.command_timeout),
@@ -112,6 +123,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   arguments.push_back(std::string("--ros-security=") + ToString(options.security.strategy));
   if (!options.security.keystore.empty()) arguments.push_back("--ros-keystore=" + options.security.keystore);
   if (!options.security.enclave.empty()) arguments.push_back("--ros-enclave=" + options.security.enclave);
+  for (const std::string& peer : options.static_peers) arguments.push_back("--ros-peers=" + peer);
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;
 }

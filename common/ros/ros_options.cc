@@ -1,5 +1,7 @@
 #include "common/ros/ros_options.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <string_view>
@@ -9,11 +11,41 @@ namespace {
 
 constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::kIron, Distribution::kJazzy,
                                            Distribution::kKilted, Distribution::kRolling};
+constexpr DiscoveryRange kRanges[] = {DiscoveryRange::kOff, DiscoveryRange::kLocalhost, DiscoveryRange::kSubnet,
+                                      DiscoveryRange::kSystemDefault};
 constexpr std::uint32_t kMaxDomain = 230;
 
 std::string_view Environment(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+// "SYSTEM_DEFAULT" as "system-default".
+std::string OptionWord(std::string_view text) {
+  std::string word;
+  for (const char c : text) word += c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+std::vector<std::string> SplitAtSemicolons(std::string_view text) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(';'), text.size());
+    if (end > 0) parts.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return parts;
+}
+
+// The older variable prevails, as in ROS.
+void SetDiscovery(RosOptions& options) {
+  if (Environment("ROS_LOCALHOST_ONLY") == "1") {
+    options.discovery = DiscoveryRange::kLocalhost;
+    return;
+  }
+  const std::string_view range = Environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  if (!range.empty()) options.discovery = ParseDiscoveryRange(OptionWord(range)).value_or(DiscoveryRange::kLocalhost);
+  options.static_peers = SplitAtSemicolons(Environment("ROS_STATIC_PEERS"));
 }
 
 }  // namespace
@@ -29,9 +61,7 @@ RosOptions OptionsFromEnvironment() {
   if (const auto distribution = ParseDistribution(std::string(Environment("ROS_DISTRO")))) {
     options.distribution = *distribution;
   }
-  if (Environment("ROS_LOCALHOST_ONLY") == "1" || Environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST") {
-    options.network_interface = "lo";
-  }
+  SetDiscovery(options);
   options.security = SecurityFromEnvironment();
   return options;
 }
@@ -55,6 +85,27 @@ const char* ToString(Distribution distribution) {
       return "kilted";
     case Distribution::kRolling:
       return "rolling";
+  }
+  return "";
+}
+
+std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name) {
+  for (const DiscoveryRange range : kRanges) {
+    if (name == ToString(range)) return range;
+  }
+  return std::nullopt;
+}
+
+const char* ToString(DiscoveryRange range) {
+  switch (range) {
+    case DiscoveryRange::kOff:
+      return "off";
+    case DiscoveryRange::kLocalhost:
+      return "localhost";
+    case DiscoveryRange::kSubnet:
+      return "subnet";
+    case DiscoveryRange::kSystemDefault:
+      return "system-default";
   }
   return "";
 }

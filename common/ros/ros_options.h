@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/ros/ros_security.h"
 
@@ -14,9 +15,14 @@ enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolli
 // The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
 
+// Which other participants are discovered, as ROS_AUTOMATIC_DISCOVERY_RANGE states it.
+enum class DiscoveryRange : std::uint8_t { kOff, kLocalhost, kSubnet, kSystemDefault };
+
 struct RosOptions {
   std::uint32_t domain = 0;
   std::string network_interface = "auto";
+  DiscoveryRange discovery = DiscoveryRange::kSubnet;
+  std::vector<std::string> static_peers;  // hosts; only for ranges localhost and subnet
   Distribution distribution = Distribution::kJazzy;
   CommandType command_type = CommandType::kTwist;
   bool reliable_commands = false;         // then only reliable writers match, and they can wait for acknowledgment
@@ -31,13 +37,15 @@ struct RosOptions {
   RosSecurity security = {};
 };
 
-// The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, of
-// which values that are not valid are ignored, and those of SecurityFromEnvironment.
+// The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE,
+// ROS_STATIC_PEERS, of which values that are not valid are ignored, and those of SecurityFromEnvironment.
 RosOptions OptionsFromEnvironment();
 
 // `name`: in lower case.
 std::optional<Distribution> ParseDistribution(const std::string& name);
+std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name);
 const char* ToString(Distribution distribution);
+const char* ToString(DiscoveryRange range);  // "system-default"
 const char* ToString(CommandType type);
 
 }  // namespace troupe::ros

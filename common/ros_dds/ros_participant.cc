@@ -10,6 +10,7 @@
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/domain_config.h"
 #include "common/dds/binding/wire.h"
+#include "common/ros_dds/ros_network.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
 
@@ -26,11 +27,7 @@ Enclave EnclaveOf(const RosOptions& options, const std::string& name) {
 }
 
 dds::DomainConfig ConfigOf(const RosOptions& options, const Enclave& enclave) {
-  dds::DomainConfig config;
-  config.domain = options.domain;
-  config.network_interface = options.network_interface;
-  config.data_multicast = false;  // as ROS by default: not every network has multicast
-  config.heard_on_own_machine = !options.quiet;
+  dds::DomainConfig config = RosNetwork(options);
   config.security_enclave = enclave.folder;
   config.numbered_as_on_network = !enclave.folder.empty();  // permissions of ROS name its domain
   return config;

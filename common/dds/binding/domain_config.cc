@@ -35,10 +35,27 @@ bool IsAddress(const std::string& text) {
   return inet_pton(AF_INET, text.c_str(), &address) == 1;
 }
 
-// An attribute.
-std::string Interface(const std::string& name) {
-  if (name == "auto") return R"(autodetermine="true")";
-  return (IsAddress(name) ? "address=\"" : "name=\"") + Escaped(name) + "\"";
+// An element. `more`: attributes.
+std::string Interface(const std::string& name, const std::string& more) {
+  const std::string attribute = name == "auto"    ? R"(autodetermine="true")"
+                                : IsAddress(name) ? "address=\"" + Escaped(name) + "\""
+                                                  : "name=\"" + Escaped(name) + "\"";
+  return "<NetworkInterface " + attribute + more + "/>";
+}
+
+std::string Interfaces(const DomainConfig& config, const std::string& profile) {
+  const std::string more = profile == "one-host" ? R"( multicast="true")" : "";
+  return Interface(config.network_interface, more) + (config.adds_loopback ? Interface("lo", more) : "");
+}
+
+std::string ParticipantIndex(const DomainConfig& config) {
+  if (config.participant_index) return std::to_string(*config.participant_index);
+  return config.indices_tried > 0 ? "auto" : "none";
+}
+
+std::uint32_t LastIndexTried(const DomainConfig& config) {
+  // Cyclone takes no index as high as the last one.
+  return config.indices_tried > 0 ? config.indices_tried : kPeerPortsTried - 1;
 }
 
 std::string Multicast(const DomainConfig& config) {
@@ -75,14 +92,16 @@ std::string NetworkProfile(const DomainConfig& config) {
 std::string ToXml(const DomainConfig& config) {
   const std::string profile = NetworkProfile(config);
   const std::map<std::string_view, std::string> words = {
-      {"INTERFACE", Interface(config.network_interface)},
+      {"INTERFACES", Interfaces(config, profile)},
       {"MULTICAST", Multicast(config)},
       {"HEARD_HERE", config.heard_on_own_machine ? "true" : "false"},
       {"DOMAIN", std::to_string(config.domain)},
-      {"PARTICIPANT_INDEX", config.participant_index ? std::to_string(*config.participant_index) : "none"},
-      {"LAST_INDEX_TRIED", std::to_string(kPeerPortsTried - 1)},
+      {"TAG", Escaped(config.tag)},
+      {"PARTICIPANT_INDEX", ParticipantIndex(config)},
+      {"LAST_INDEX_TRIED", std::to_string(LastIndexTried(config))},
       {"PEERS", Peers(config)},
       {"MAX_SAMPLE", std::to_string(config.max_sample_bytes) + "B"},
+      {"ANNOUNCE", std::to_string(config.announce_seconds) + "s"},
       {"LEASE", std::to_string(config.lease_seconds) + "s"},
   };
   std::string_view rest = profile == "one-host" ? kOneHostProfile : profile == "lan" ? kLanProfile : kUnicastProfile;

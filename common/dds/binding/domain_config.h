@@ -12,9 +12,12 @@ namespace troupe::dds {
 struct DomainConfig {
   std::uint32_t domain = 0;              // 0..230
   std::string network_interface = "lo";  // a name or an IPv4 address; "auto": Cyclone's choice
+  bool adds_loopback = false;            // the loopback interface beside another one
   std::string network;                   // a profile: "one-host", "lan", "unicast"; empty: by the interface
   // A number fixes the ports, so that others can name this participant as a peer; without one it uses any free port.
   std::optional<std::uint32_t> participant_index;
+  // Without a number: takes the first free one below this. Without a free one it uses any free port.
+  std::uint32_t indices_tried = 0;
   bool data_multicast = true;       // to many readers at once
   bool discovery_multicast = true;  // announces itself by multicast; otherwise to the peers only
   // Its multicast reaches other participants of this machine. Without, these discover it only if they announce
@@ -24,6 +27,8 @@ struct DomainConfig {
   std::vector<std::string> peers;               // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   double lease_seconds = 10.0;                  // others forget a participant that is silent for longer
+  double announce_seconds = 30.0;               // from one announcement to the next, if the lease is longer
+  std::string tag;                              // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.
   bool numbered_as_on_network = false;

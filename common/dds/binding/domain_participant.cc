@@ -1,5 +1,9 @@
 #include "common/dds/binding/domain_participant.h"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <map>
 #include <mutex>
 #include <utility>
@@ -18,13 +22,40 @@ std::string Starting(const DomainConfig& config) {
          "'";
 }
 
+bool IsFree(std::uint16_t port) {
+  const int socket_handle = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  const bool free = bind(socket_handle, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(socket_handle);
+  return free;
+}
+
+bool HasFreeIndex(const DomainConfig& config) {
+  for (std::uint32_t index = 0; index < config.indices_tried; ++index) {
+    const std::uint16_t port = DiscoveryPort(config.domain, index);
+    if (IsFree(port) && IsFree(port + 1)) return true;  // of discovery and data
+  }
+  return false;
+}
+
+// The result of dds_create_domain. Of many participants, the last ones find no free index.
+dds_entity_t TryToCreate(std::uint32_t number, DomainConfig config) {
+  if (HasFreeIndex(config)) {
+    const dds_entity_t handle = dds_create_domain(number, ToXml(config).c_str());
+    if (handle >= 0 || HasFreeIndex(config)) return handle;
+  }
+  config.indices_tried = 0;
+  return dds_create_domain(number, ToXml(config).c_str());
+}
+
 // Cyclone knows a domain by one number in a process and by another one on the network. Any free number will do in the
 // process, so that several participants, each with a configuration of its own, can be in one domain. The highest ones
 // come first: low ones are those of ROS domains, which can need theirs.
 SharedDomain CreateDomain(const DomainConfig& config) {
-  const std::string xml = ToXml(config);
   for (std::uint32_t number = kDomains; number-- > 0;) {
-    const dds_entity_t handle = dds_create_domain(number, xml.c_str());
+    const dds_entity_t handle = TryToCreate(number, config);
     if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) continue;
     return {std::make_shared<const Entity>(Check(handle, Starting(config))), number};
   }
@@ -54,7 +85,7 @@ SharedDomain OpenNumberedDomain(const DomainConfig& config) {
     const std::lock_guard closing(numbered_mutex);  // until it is closed, no other can have the number
     delete entity;
   };
-  const dds_entity_t handle = Check(dds_create_domain(config.domain, xml.c_str()), Starting(config));
+  const dds_entity_t handle = Check(TryToCreate(config.domain, config), Starting(config));
   const std::shared_ptr<const Entity> created(new Entity(handle), close);
   domain = {created, xml};
   return {created, config.domain};

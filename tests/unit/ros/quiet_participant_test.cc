@@ -1,8 +1,6 @@
 // Quiet participants on a network of this test's own: the loopback interface would deliver all their announcements.
 #include <gtest/gtest.h>
-#include <sched.h>
 
-#include <cstdlib>
 #include <memory>
 #include <set>
 #include <string>
@@ -12,18 +10,11 @@
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe {
 namespace {
-
-bool HasNetworkOfItsOwn() {
-  return unshare(CLONE_NEWNET) == 0 &&
-         std::system(
-             "ip link set lo up && ip link add net0 type veth peer name net1 2>/dev/null && "
-             "ip addr add 10.77.0.1/24 dev net0 && ip link set net0 up && "
-             "ip link set net1 up && ip route add default dev net0") == 0;
-}
 
 // Announces its name and records the names that it has discovered.
 class Speaker {
@@ -54,7 +45,7 @@ class Speaker {
 };
 
 TEST(QuietParticipant, DiscoversToolsButNoOtherQuietOnes) {
-  if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
+  if (!test::HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
   Speaker early("early", false);
   Speaker robot("robot", true);
   Speaker other("other", true);

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace troupe::ros {
 namespace {
 
@@ -12,8 +16,8 @@ class RosEnvironment : public testing::Test {
   void TearDown() override { Clear(); }
   void Clear() {
     for (const char* name :
-         {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_SECURITY_ENABLE",
-          "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"}) {
+         {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
+          "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"}) {
       unsetenv(name);
     }
   }
@@ -23,18 +27,36 @@ TEST_F(RosEnvironment, GivesTheDefaultsOfRos) {
   EXPECT_EQ(OptionsFromEnvironment().domain, 0u);
   EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kJazzy);
   EXPECT_EQ(OptionsFromEnvironment().network_interface, "auto");
+  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kSubnet);
 }
 
 TEST_F(RosEnvironment, SetsTheOptions) {
   setenv("ROS_DOMAIN_ID", "17", 1);
   setenv("ROS_DISTRO", "humble", 1);
-  setenv("ROS_LOCALHOST_ONLY", "1", 1);
   EXPECT_EQ(OptionsFromEnvironment().domain, 17u);
   EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kHumble);
-  EXPECT_EQ(OptionsFromEnvironment().network_interface, "lo");
+}
+
+TEST_F(RosEnvironment, SetsTheRangeOfDiscovery) {
+  const std::pair<const char*, DiscoveryRange> ranges[] = {
+      {"OFF", DiscoveryRange::kOff},
+      {"LOCALHOST", DiscoveryRange::kLocalhost},
+      {"SUBNET", DiscoveryRange::kSubnet},
+      {"SYSTEM_DEFAULT", DiscoveryRange::kSystemDefault},
+      {"ELSEWHERE", DiscoveryRange::kLocalhost},  // as in ROS
+  };
+  setenv("ROS_STATIC_PEERS", "one;;10.0.0.2", 1);
+  for (const auto& [name, range] : ranges) {
+    setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", name, 1);
+    EXPECT_EQ(OptionsFromEnvironment().discovery, range) << name;
+  }
+  EXPECT_EQ(OptionsFromEnvironment().static_peers, (std::vector<std::string>{"one", "10.0.0.2"}));
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET", 1);
   setenv("ROS_LOCALHOST_ONLY", "0", 1);
-  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", 1);
-  EXPECT_EQ(OptionsFromEnvironment().network_interface, "lo");
+  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kSubnet);
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kLocalhost);
+  EXPECT_TRUE(OptionsFromEnvironment().static_peers.empty());
 }
 
 TEST_F(RosEnvironment, IsIgnoredWhereItIsNotValid) {

@@ -1,0 +1,13 @@
+// How participants in a ROS domain discover each other. With each range of discovery, tools on rmw_cyclonedds_cpp and
+// rmw_fastrtps_cpp of the chosen distribution discover these participants. docs/ros2.md explains it.
+#pragma once
+
+#include "common/dds/binding/domain_config.h"
+#include "common/ros/ros_options.h"
+
+namespace troupe::ros {
+
+// Throws dds::Exception if a static peer has no address.
+dds::DomainConfig RosNetwork(const RosOptions& options);
+
+}  // namespace troupe::ros

@@ -1,0 +1,46 @@
+// Tools of ROS that stay on this machine, as its environment asks, find a run that stays there too.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <csignal>
+
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/own_network.h"
+#include "tests/support/ros_domain.h"
+#include "tests/support/ros_tool.h"
+
+namespace troupe::test {
+namespace {
+
+void ExpectRunFoundBy(const char* tool_xml) {
+  const std::uint32_t domain = TestRosOptions().domain;
+  setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
+  RosTool early(domain, tool_xml);
+  Program run = RunPen({"--ros", "--speed", "1"});
+  run.WaitForLine(", ready");
+  for (const char* topic : {"/clock", "/r0/odom", "/r1/odom", "/r2/odom", "/r3/odom"}) {
+    EXPECT_TRUE(Eventually([&] { return early.Topics().contains(topic); })) << topic;
+  }
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+TEST(RosDiscovery, OfHumbleOnLocalhost) {
+  HasNetworkOfItsOwn();
+  setenv("ROS_DISTRO", "humble", 1);
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  ExpectRunFoundBy(kHumbleLocalhost);
+}
+
+TEST(RosDiscovery, OfJazzyOnLocalhost) {
+  HasNetworkOfItsOwn();
+  setenv("ROS_DISTRO", "jazzy", 1);
+  unsetenv("ROS_LOCALHOST_ONLY");
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", 1);
+  ExpectRunFoundBy(kJazzyLocalhost);
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,134 @@
+// Participants of Troupe and tools, each with the configuration of a distribution of ROS 2, discover each other on this
+// machine. They do so on a network of this test's own where that is possible.
+#include "common/ros_dds/ros_network.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/dds/binding/exception.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/own_network.h"
+#include "tests/support/ros_domain.h"
+#include "tests/support/ros_tool.h"
+
+namespace troupe {
+namespace {
+
+using ros::DiscoveryRange;
+using ros::Distribution;
+using test::Eventually;
+using test::RosTool;
+using testing::Contains;
+using testing::Not;
+
+ros::RosOptions Options(Distribution distribution, DiscoveryRange range) {
+  ros::RosOptions options = test::TestRosOptions();
+  options.network_interface = "auto";
+  options.distribution = distribution;
+  options.discovery = range;
+  return options;
+}
+
+// A participant that writes one topic.
+class Speaker {
+ public:
+  Speaker(const ros::RosOptions& options, const std::string& topic)
+      : participant_(options), writer_(ros::MakeNode(participant_, "/", "speaker"), topic, ros::Latched()) {}
+
+ private:
+  ros::RosParticipant participant_;
+  ros::RosWriter<ros::Bool> writer_;
+};
+
+struct Range {
+  Distribution distribution;
+  const char* tool_xml;
+};
+
+class Localhost : public testing::TestWithParam<Range> {
+ protected:
+  static void SetUpTestSuite() { test::HasNetworkOfItsOwn(); }
+
+  static bool Finds(RosTool& tool, const std::vector<std::string>& topics) {
+    return Eventually([&] { return tool.Topics() == std::set<std::string>(topics.begin(), topics.end()); });
+  }
+  ros::RosOptions options_ = Options(GetParam().distribution, DiscoveryRange::kLocalhost);
+};
+
+TEST_P(Localhost, AnEarlyToolFindsAParticipant) {
+  RosTool early(options_.domain, GetParam().tool_xml);
+  const Speaker speaker(options_, "/topic");
+  EXPECT_TRUE(Finds(early, {"/topic"}));
+}
+
+TEST_P(Localhost, ALateToolFindsAParticipant) {
+  const Speaker speaker(options_, "/topic");
+  RosTool late(options_.domain, GetParam().tool_xml);
+  EXPECT_TRUE(Finds(late, {"/topic"}));
+}
+
+// Tools have a limited number of participant indices, of which Troupe must leave some.
+TEST_P(Localhost, ToolsFindAllOfManyParticipants) {
+  std::vector<std::unique_ptr<Speaker>> speakers;
+  std::vector<std::string> topics;
+  for (int i = 0; i < 20; ++i) {
+    topics.push_back("/topic" + std::to_string(i));
+    speakers.push_back(std::make_unique<Speaker>(options_, topics.back()));
+  }
+  RosTool tool(options_.domain, GetParam().tool_xml);
+  EXPECT_TRUE(Finds(tool, topics)) << testing::PrintToString(tool.Topics());
+}
+
+INSTANTIATE_TEST_SUITE_P(Distributions, Localhost,
+                         testing::Values(Range{Distribution::kHumble, test::kHumbleLocalhost},
+                                         Range{Distribution::kJazzy, test::kJazzyLocalhost}),
+                         [](const auto& range) { return ros::ToString(range.param.distribution); });
+
+TEST(RosNetwork, OffHidesAParticipant) {
+  test::HasNetworkOfItsOwn();
+  const Speaker hidden(Options(Distribution::kJazzy, DiscoveryRange::kOff), "/hidden");
+  const Speaker seen(Options(Distribution::kJazzy, DiscoveryRange::kLocalhost), "/seen");
+  RosTool tool(test::TestRosOptions().domain, test::kJazzyLocalhost);
+  EXPECT_TRUE(Eventually([&] { return tool.Topics().contains("/seen"); }));
+  EXPECT_THAT(tool.Topics(), Not(Contains("/hidden")));
+}
+
+TEST(RosNetwork, StaticPeersAreFoundWithoutMulticastUnlessTheRangeIgnoresThem) {
+  if (!test::HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
+  ros::RosOptions options = Options(Distribution::kJazzy, DiscoveryRange::kSystemDefault);
+  options.static_peers = {"10.77.0.1"};
+  const Speaker ignoring(options, "/ignoring");
+  options.discovery = DiscoveryRange::kSubnet;
+  const Speaker searching(options, "/searching");
+  RosTool tool(options.domain, test::kJazzySubnetWithoutMulticast);
+  EXPECT_TRUE(Eventually([&] { return tool.Topics().contains("/searching"); }));
+  EXPECT_THAT(tool.Topics(), Not(Contains("/ignoring")));
+}
+
+TEST(RosNetwork, AStaticPeerWithoutAnAddressIsAnError) {
+  ros::RosOptions options = Options(Distribution::kJazzy, DiscoveryRange::kSubnet);
+  options.static_peers = {"no such host"};
+  try {
+    ros::RosNetwork(options);
+    FAIL() << "expected an exception";
+  } catch (const dds::Exception& exception) {
+    EXPECT_THAT(exception.what(), testing::HasSubstr("static peer 'no such host'"));
+  }
+}
+
+TEST(RosNetwork, MulticastOfOneMachineStaysThere) {
+  for (const Distribution distribution : {Distribution::kHumble, Distribution::kJazzy}) {
+    const std::string xml = ToXml(ros::RosNetwork(Options(distribution, DiscoveryRange::kLocalhost)));
+    EXPECT_THAT(xml, testing::HasSubstr("<MulticastTimeToLive>0<"));
+    EXPECT_THAT(xml, testing::HasSubstr("<NetworkInterface name=\"lo\" multicast=\"true\"/>"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe
