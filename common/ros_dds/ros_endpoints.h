@@ -10,15 +10,9 @@
 #include "common/dds/binding/data_writer.h"
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/topic_types.h"
-#include "common/ros_dds/type_hash.h"
+#include "common/ros_dds/user_data.h"
 
 namespace troupe::ros {
-
-// Contains the type's hash: ROS 2 from Iron on warns about an endpoint without one.
-template <typename T>
-dds::UserData TypeUserData() {
-  return {"typehash=" + TypeHash(dds::TopicTraits<T>::descriptor()->m_typename) + ";"};
-}
 
 template <typename T>
 class RosWriter {
@@ -26,7 +20,7 @@ class RosWriter {
   RosWriter(const RosNode& node, const std::string& name, const dds::Qos& qos)
       : participant_(node.participant),
         topic_(participant_->participant(), "rt" + node.Resolve(name)),
-        writer_(participant_->publisher(), topic_, dds::Qos(qos) << TypeUserData<T>()) {
+        writer_(participant_->publisher(), topic_, dds::Qos(qos) << TypeUserData<T>(participant_->distribution())) {
     dds::DataWriterListener listener;
     listener.on_publication_matched = [wanted = wanted_](const dds::PublicationMatchedStatus& status) {
       wanted->store(status.current_count > 0, std::memory_order_relaxed);
@@ -56,7 +50,8 @@ class RosReader {
  public:
   RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos)
       : topic_(node.participant->participant(), "rt" + node.Resolve(name)),
-        reader_(node.participant->subscriber(), topic_, dds::Qos(qos) << TypeUserData<T>()) {
+        reader_(node.participant->subscriber(), topic_,
+                dds::Qos(qos) << TypeUserData<T>(node.participant->distribution())) {
     dds::DataReaderListener listener;
     listener.on_data_available = [arrived = arrived_] { arrived->store(true); };
     reader_.set_listener(std::move(listener));

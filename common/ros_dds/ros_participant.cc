@@ -13,6 +13,7 @@
 #include "common/ros_dds/ros_network.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
+#include "common/ros_dds/user_data.h"
 
 namespace troupe::ros {
 namespace {
@@ -76,7 +77,8 @@ template <typename Info, typename Base>
 class InfoWriter final : public Base {
  public:
   explicit InfoWriter(const RosParticipant& owner)
-      : topic_(owner.participant(), kDiscoveryTopic), writer_(owner.publisher(), topic_, Discovery()) {}
+      : topic_(owner.participant(), kDiscoveryTopic),
+        writer_(owner.publisher(), topic_, Discovery() << TypeUserData<Info>(owner.distribution())) {}
 
   void Write() override {
     dds::WireArena arena;

@@ -16,7 +16,7 @@
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
-#include "common/ros_dds/type_hash.h"
+#include "common/ros_dds/user_data.h"
 
 namespace troupe::ros {
 
@@ -28,12 +28,6 @@ struct RosCaller {
   std::uint64_t client_guid = 0;
   std::int64_t sequence_number = 0;
 };
-
-// "serviceid=...;", by which a client recognizes the two endpoints of one service, and the type's hash.
-template <typename T>
-dds::UserData ServiceUserData(const std::string& id) {
-  return {"serviceid=" + id + ";typehash=" + TypeHash(dds::TopicTraits<T>::descriptor()->m_typename) + ";"};
-}
 
 template <typename Request, typename Response>
 class RosService {
@@ -48,8 +42,10 @@ class RosService {
         response_topic_(node.participant->participant(), "rr" + node.Resolve(name) + "Reply"),
         participant_(node.participant),
         handler_(std::move(handler)),
-        writer_(node.participant->publisher(), response_topic_, dds::Qos(qos) << ServiceUserData<Response>(id_)),
-        reader_(node.participant->subscriber(), request_topic_, dds::Qos(qos) << ServiceUserData<Request>(id_)) {
+        writer_(participant_->publisher(), response_topic_,
+                dds::Qos(qos) << ServiceUserData<Response>(participant_->distribution(), id_)),
+        reader_(participant_->subscriber(), request_topic_,
+                dds::Qos(qos) << ServiceUserData<Request>(participant_->distribution(), id_)) {
     participant_->AddReader(node.index, reader_.handle());
     participant_->AddWriter(node.index, writer_.handle());
     if (serving == Serving::kAtOnce) Start();

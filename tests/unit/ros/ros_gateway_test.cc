@@ -372,6 +372,45 @@ TEST_F(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
                   "one"));
 }
 
+// The user data of all endpoints that `discovered` announces, by topic.
+std::map<std::string, std::string> UserDataOf(dds_entity_t participant, dds_entity_t discovered) {
+  const dds::Entity endpoints(dds::Check(dds_create_reader(participant, discovered, nullptr, nullptr), "reading"));
+  constexpr std::uint32_t kMost = 1000;
+  std::vector<void*> samples(kMost, nullptr);
+  std::vector<dds_sample_info_t> infos(kMost);
+  std::map<std::string, std::string> all;
+  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMost, kMost);
+  for (dds_return_t i = 0; i < count; ++i) {
+    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
+    void* bytes = nullptr;
+    std::size_t size = 0;
+    if (dds_qget_userdata(endpoint.qos, &bytes, &size) && bytes != nullptr) {
+      all[endpoint.topic_name].assign(static_cast<const char*>(bytes), size);
+      dds_free(bytes);
+    } else {
+      all[endpoint.topic_name] = "";
+    }
+  }
+  if (count > 0) dds_return_loan(endpoints.handle(), samples.data(), count);
+  return all;
+}
+
+TEST_F(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
+  MakeReplica(options_);
+  for (const dds_entity_t discovered : {DDS_BUILTIN_TOPIC_DCPSPUBLICATION, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION}) {
+    std::map<std::string, std::string> all;
+    ASSERT_TRUE(Eventually([&] {
+      all = UserDataOf(participant_.participant().handle(), discovered);
+      return all.size() > 5;
+    }));
+    for (const auto& [topic, user_data] : all) {
+      if (topic.starts_with("DCPS")) continue;  // of discovery itself, in this process
+      EXPECT_THAT(user_data, testing::ContainsRegex("(^|;)typehash=RIHS01_[0-9a-f]{64};")) << topic;
+    }
+    EXPECT_EQ(all.contains("ros_discovery_info"), discovered == DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
+  }
+}
+
 TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {
   MakeReplica(options_);
   dds::Topic<Spoofed> malformed_name(participant_.participant(), "ros_discovery_info");
