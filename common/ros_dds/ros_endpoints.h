@@ -3,11 +3,13 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
+#include "common/ros_dds/best_effort_writers.h"
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/topic_types.h"
 #include "common/ros_dds/user_data.h"
@@ -45,15 +47,25 @@ class RosWriter {
   dds::DataWriter<T> writer_;
 };
 
+// Of which matched writers a reader consumes messages. The second choice is for a best-effort reader beside a reliable
+// one, because it matches reliable writers too.
+enum class From : std::uint8_t { kAllWriters, kBestEffortWriters };
+
 template <typename T>
 class RosReader {
  public:
-  RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos)
+  RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos, From from = From::kAllWriters)
       : topic_(node.participant->participant(), "rt" + node.Resolve(name)),
         reader_(node.participant->subscriber(), topic_,
                 dds::Qos(qos) << TypeUserData<T>(node.participant->distribution())) {
     dds::DataReaderListener listener;
     listener.on_data_available = [arrived = arrived_] { arrived->store(true); };
+    if (from == From::kBestEffortWriters) {
+      best_effort_writers_ = std::make_shared<BestEffortWriters>(reader_.handle());
+      listener.on_subscription_matched = [writers = best_effort_writers_](const auto& status) {
+        writers->Note(status.last_publication_handle);
+      };
+    }
     reader_.set_listener(std::move(listener));
     node.participant->AddReader(node.index, reader_.handle());
   }
@@ -68,7 +80,7 @@ class RosReader {
         const dds::LoanedSamples<T> samples = reader_.take();
         if (samples.empty()) return;
         for (const auto sample : samples) {
-          if (sample.info().valid()) consume(sample.data());
+          if (sample.info().valid() && Accepts(sample.info().publication_handle())) consume(sample.data());
         }
       }
     } catch (const dds::Exception&) {  // out of memory; the next call reads the remaining samples
@@ -77,6 +89,11 @@ class RosReader {
   }
 
  private:
+  bool Accepts(dds_instance_handle_t writer) const {
+    return best_effort_writers_ == nullptr || best_effort_writers_->Contains(writer);
+  }
+
+  std::shared_ptr<BestEffortWriters> best_effort_writers_;  // null: from all writers
   dds::Topic<T> topic_;
   std::shared_ptr<std::atomic<bool>> arrived_ = std::make_shared<std::atomic<bool>>(true);  // a sample may wait
   dds::DataReader<T> reader_;

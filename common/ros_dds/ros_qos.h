@@ -13,8 +13,9 @@ namespace troupe::ros {
 dds::Qos Stream(std::int32_t depth);
 // Reliable and kept for late readers: maps, static transforms, descriptions.
 dds::Qos Latched(std::int32_t depth = 1);
-// The latest command. A best-effort reader matches every writer; a reliable one matches only reliable writers, which
-// can wait for its acknowledgment.
+// The latest command. A reliable reader matches only reliable writers, whose samples arrive even if they are sent
+// before the reader has discovered the writer; these can wait for its acknowledgment. A best-effort one matches every
+// writer.
 dds::Qos Commands(bool reliable);
 // Of services and their clients.
 dds::Qos Service(std::int32_t depth = 10);

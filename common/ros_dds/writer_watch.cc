@@ -45,7 +45,7 @@ void WriterWatch::Expect(dds_entity_t reader) {
   const dds_return_t result = dds_get_qos(reader, qos);
   Expected& expected = expected_[name];
   expected.types.insert(type);
-  expected.reliable = expected.reliable || (result == DDS_RETCODE_OK && IsReliable(qos));
+  expected.reliable = expected.reliable && result == DDS_RETCODE_OK && IsReliable(qos);
   dds_delete_qos(qos);
 }
 

@@ -27,7 +27,7 @@ class WriterWatch {
  private:
   struct Expected {
     std::set<std::string> types;
-    bool reliable = false;
+    bool reliable = true;  // no reader matches other writers
   };
   // The report on a writer; none if it matches, or if the same problem was reported.
   std::optional<std::string> Judge(const dds_builtintopic_endpoint_t& writer);

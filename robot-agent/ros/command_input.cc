@@ -12,33 +12,31 @@ constexpr const char* kTopic = "cmd_vel";
 
 }  // namespace
 
+template <typename T>
+void CommandInput::Readers<T>::Open(const ros::RosNode& node, bool reliable_only) {
+  reliable = std::make_unique<ros::RosReader<T>>(node, kTopic, ros::Commands(true));
+  if (reliable_only) return;
+  best_effort = std::make_unique<ros::RosReader<T>>(node, kTopic, ros::Commands(false), ros::From::kBestEffortWriters);
+}
+
 CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
                            double interval_seconds)
     : robot_(&robot), timeout_ticks_(options.command_timeout / interval_seconds) {
-  const dds::Qos qos = ros::Commands(options.reliable_commands);
-  if (options.command_type != ros::CommandType::kTwistStamped) {
-    twists_ = std::make_unique<ros::RosReader<ros::TwistMessage>>(node, kTopic, qos);
-  }
-  if (options.command_type != ros::CommandType::kTwist) {
-    stamped_twists_ = std::make_unique<ros::RosReader<ros::TwistStamped>>(node, kTopic, qos);
-  }
+  if (options.command_type != ros::CommandType::kTwistStamped) twists_.Open(node, options.reliable_commands);
+  if (options.command_type != ros::CommandType::kTwist) stamped_twists_.Open(node, options.reliable_commands);
 }
 
 std::optional<Command> CommandInput::CommandAt(Tick tick) {
-  if (twists_) {
-    twists_->Drain([&](const ros::TwistMessage& twist) { Apply(twist, tick); });
-  }
-  if (stamped_twists_) {
-    stamped_twists_->Drain([&](const ros::TwistStamped& stamped) { Apply(stamped.twist, tick); });
-  }
+  twists_.Drain([&](const ros::TwistMessage& twist) { Apply(twist, tick); });
+  stamped_twists_.Drain([&](const ros::TwistStamped& stamped) { Apply(stamped.twist, tick); });
   const bool expired = timeout_ticks_ > 0.0 && static_cast<double>(tick - received_) >= timeout_ticks_;
   if (expired) command_.reset();
   return command_;
 }
 
 void CommandInput::Restart() {
-  if (twists_) twists_->Drain([](const ros::TwistMessage&) {});
-  if (stamped_twists_) stamped_twists_->Drain([](const ros::TwistStamped&) {});
+  twists_.Drain([](const ros::TwistMessage&) {});
+  stamped_twists_.Drain([](const ros::TwistStamped&) {});
   command_.reset();
   received_ = 0;
 }

@@ -30,12 +30,26 @@ class CommandInput {
   std::optional<std::string> DrainReport();
 
  private:
+  // Of one type: a reliable reader, by which a command that is sent once arrives, and one for best-effort writers.
+  template <typename T>
+  struct Readers {
+    void Open(const ros::RosNode& node, bool reliable_only);
+    template <typename Consume>
+    void Drain(const Consume& consume) {
+      if (reliable) reliable->Drain(consume);
+      if (best_effort) best_effort->Drain(consume);
+    }
+
+    std::unique_ptr<ros::RosReader<T>> reliable;
+    std::unique_ptr<ros::RosReader<T>> best_effort;
+  };
+
   void Apply(const ros::TwistMessage& twist, Tick tick);
 
   const RobotDescription* robot_;
-  double timeout_ticks_;                                               // 0: commands never expire
-  std::unique_ptr<ros::RosReader<ros::TwistMessage>> twists_;          // may be null
-  std::unique_ptr<ros::RosReader<ros::TwistStamped>> stamped_twists_;  // may be null
+  double timeout_ticks_;  // 0: commands never expire
+  Readers<ros::TwistMessage> twists_;
+  Readers<ros::TwistStamped> stamped_twists_;
   std::optional<Command> command_;
   Tick received_ = 0;
   Refusals refusals_;

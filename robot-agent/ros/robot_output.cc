@@ -27,8 +27,11 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
       odom_(node, "odom", ros::Stream(kOutputDepth)),
       ground_truth_(node, "ground_truth", ros::Stream(kOutputDepth)),
       stalled_(node, "stalled", ros::Stream(kOutputDepth)),
-      joint_states_(node, "joint_states", ros::Stream(kOutputDepth)),
       robot_description_(node, "robot_description", ros::Latched()) {
+  if (!tree_.moving.empty()) {
+    joint_states_ =
+        std::make_unique<ros::RosWriter<ros::JointStateMessage>>(node, "joint_states", ros::Stream(kOutputDepth));
+  }
   dds::WireArena arena;
   robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, name, frames_))});
   const ros::SensorTopics topics = ros::SensorTopicsOf(description());
@@ -78,7 +81,7 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
     PublishSonar(tick, robot, sonar);
     PublishPoints(tick, robot, sonar);
   }
-  if (joint_states_.wanted()) PublishJoints(tick, robot);
+  if (joint_states_ && joint_states_->wanted()) PublishJoints(tick, robot);
 }
 
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
@@ -104,7 +107,7 @@ void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
     joints.push_back({frame.joint_name, robot.world_state().joints[frame.joint.index()]});
   }
   dds::WireArena arena;
-  joint_states_.Write(ros::MakeJointState(Stamp(tick), joints, arena));
+  joint_states_->Write(ros::MakeJointState(Stamp(tick), joints, arena));
 }
 
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {

@@ -58,7 +58,7 @@ class RobotOutput {
   ros::RosWriter<ros::OdometryMessage> odom_;
   ros::RosWriter<ros::OdometryMessage> ground_truth_;
   ros::RosWriter<ros::Bool> stalled_;
-  ros::RosWriter<ros::JointStateMessage> joint_states_;
+  std::unique_ptr<ros::RosWriter<ros::JointStateMessage>> joint_states_;  // null without joints
   ros::RosWriter<ros::String> robot_description_;
   std::vector<Laser> lasers_;
   std::vector<Sonar> sonars_;

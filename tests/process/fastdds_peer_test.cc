@@ -324,8 +324,7 @@ TEST_F(FastDdsPeerTest, ReadsTheMapTheBlocksAndTheRobots) {
   ASSERT_EQ(messages_["/r0/robot_description"].size(), 1u);
   EXPECT_THAT(messages_["/r0/robot_description"].front()["data"].get<std::string>(),
               testing::HasSubstr("<link name=\"r0/base_link\">"));
-  EXPECT_GT(messages_["/r0/joint_states"].size(), 50u);
-  EXPECT_EQ(messages_["/r0/joint_states"].front()["name"], json::array());
+  EXPECT_TRUE(messages_["/r0/joint_states"].empty()) << "r0 has no joints";
 
   EXPECT_GT(messages_["/r0/sonar/points"].size(), 50u);
   for (const json& cloud : messages_["/r0/sonar/points"]) {

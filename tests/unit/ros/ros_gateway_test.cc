@@ -87,6 +87,29 @@ test::GripperWorld TwoGrippers() {
   return world;
 }
 
+// The user data of all endpoints that `discovered` announces, by topic.
+std::map<std::string, std::string> UserDataOf(dds_entity_t participant, dds_entity_t discovered) {
+  const dds::Entity endpoints(dds::Check(dds_create_reader(participant, discovered, nullptr, nullptr), "reading"));
+  constexpr std::uint32_t kMost = 1000;
+  std::vector<void*> samples(kMost, nullptr);
+  std::vector<dds_sample_info_t> infos(kMost);
+  std::map<std::string, std::string> all;
+  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMost, kMost);
+  for (dds_return_t i = 0; i < count; ++i) {
+    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
+    void* bytes = nullptr;
+    std::size_t size = 0;
+    if (dds_qget_userdata(endpoint.qos, &bytes, &size) && bytes != nullptr) {
+      all[endpoint.topic_name].assign(static_cast<const char*>(bytes), size);
+      dds_free(bytes);
+    } else {
+      all[endpoint.topic_name] = "";
+    }
+  }
+  if (count > 0) dds_return_loan(endpoints.handle(), samples.data(), count);
+  return all;
+}
+
 // A ROS node across the network, and an agent's replica that it exchanges messages with.
 class RosGatewayTest : public testing::Test {
  protected:
@@ -269,6 +292,16 @@ TEST_F(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
   });
 }
 
+TEST_F(RosGatewayTest, ARobotWithoutJointsHasNoJointStates) {
+  MakeReplica(options_);
+  auto joints = Reader<ros::JointStateMessage>("/a/joint_states");
+  auto stalled = Reader<ros::Bool>("/a/stalled");
+  TickUntilReceived(stalled, [](const ros::Bool&) {});
+  const auto writers = UserDataOf(participant_.participant().handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
+  EXPECT_TRUE(writers.contains("rt/a/stalled"));
+  EXPECT_FALSE(writers.contains("rt/a/joint_states"));
+}
+
 TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
   options_.namespaced_tf = true;
   options_.map_to_odom = false;
@@ -291,6 +324,55 @@ TEST_F(RosGatewayTest, ObeysACommandInTheNextProposal) {
   const ProposalMessage answer = Tick();
   EXPECT_EQ(answer.proposals[0].twist, (Twist{0.5, 0.0, -0.25}));  // still valid
   EXPECT_TRUE(answer.proposals[1].twist.IsZero());
+}
+
+// Each writer writes as soon as it has discovered a reader, which may not have discovered the writer yet.
+TEST_F(RosGatewayTest, ObeysACommandThatIsSentOnce) {
+  options_.command_timeout = 0.0;
+  MakeReplica(options_);
+  for (int i = 1; i <= 20; ++i) {
+    auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
+    ASSERT_TRUE(Eventually([&] { return commands.wanted(); }));
+    commands.Write(Twist2(0.01 * i, 0.0));
+    ASSERT_TRUE(Eventually([&] { return Tick().proposals[0].twist.vx == 0.01 * i; }, 5.0)) << "command " << i;
+  }
+}
+
+TEST_F(RosGatewayTest, ReadsCommandsOfBestEffortWriters) {
+  options_.command_timeout = 0.0;
+  MakeReplica(options_);
+  ros::RosWriter<ros::TwistMessage> commands(peer_, "/a/cmd_vel", ros::Commands(false));
+  EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
+}
+
+// The reader beside a reliable one, which reads the messages of reliable writers.
+TEST_F(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) {
+  ros::RosParticipant here(options_);
+  ros::RosReader<ros::Float64> reader(ros::MakeNode(here, "/", "reader"), "/number",
+                                      dds::Qos(ros::Commands(false)) << dds::History::KeepLast(100),
+                                      ros::From::kBestEffortWriters);
+  auto reliable = Writer<ros::Float64>("/number");
+  std::vector<double> numbers;
+  const auto drain = [&] { reader.Drain([&](const ros::Float64& number) { numbers.push_back(number.data); }); };
+  {
+    ros::RosWriter<ros::Float64> best_effort(peer_, "/number", ros::Commands(false));
+    ASSERT_TRUE(Eventually([&] { return reliable.wanted() && best_effort.wanted(); }));
+    ASSERT_TRUE(Eventually([&] {
+      reliable.Write({1.0});
+      best_effort.Write({2.0});
+      drain();
+      return !numbers.empty();
+    }));
+    numbers.clear();
+    reliable.Write({1.0});
+    best_effort.Write({3.0});
+  }
+  // The writer has left.
+  EXPECT_TRUE(Eventually([&] {
+    drain();
+    return !numbers.empty() && numbers.back() == 3.0;
+  }));
+  EXPECT_THAT(numbers, testing::Not(testing::Contains(1.0)));
 }
 
 TEST_F(RosGatewayTest, StopsARobotAfterTheCommandTimeout) {
@@ -370,29 +452,6 @@ TEST_F(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
       reports,
       ElementsAre("/b/cmd_vel: cannot read another program's publisher: it is not reliable, expected a reliable "
                   "one"));
-}
-
-// The user data of all endpoints that `discovered` announces, by topic.
-std::map<std::string, std::string> UserDataOf(dds_entity_t participant, dds_entity_t discovered) {
-  const dds::Entity endpoints(dds::Check(dds_create_reader(participant, discovered, nullptr, nullptr), "reading"));
-  constexpr std::uint32_t kMost = 1000;
-  std::vector<void*> samples(kMost, nullptr);
-  std::vector<dds_sample_info_t> infos(kMost);
-  std::map<std::string, std::string> all;
-  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMost, kMost);
-  for (dds_return_t i = 0; i < count; ++i) {
-    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
-    void* bytes = nullptr;
-    std::size_t size = 0;
-    if (dds_qget_userdata(endpoint.qos, &bytes, &size) && bytes != nullptr) {
-      all[endpoint.topic_name].assign(static_cast<const char*>(bytes), size);
-      dds_free(bytes);
-    } else {
-      all[endpoint.topic_name] = "";
-    }
-  }
-  if (count > 0) dds_return_loan(endpoints.handle(), samples.data(), count);
-  return all;
 }
 
 TEST_F(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
