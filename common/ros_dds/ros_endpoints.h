@@ -24,11 +24,16 @@ class RosWriter {
         topic_(participant_->participant(), "rt" + node.Resolve(name)),
         writer_(participant_->publisher(), topic_, dds::Qos(qos) << TypeUserData<T>(participant_->distribution())) {
     dds::DataWriterListener listener;
-    listener.on_publication_matched = [wanted = wanted_](const dds::PublicationMatchedStatus& status) {
+    listener.on_publication_matched = [wanted = wanted_,
+                                       owner = participant_](const dds::PublicationMatchedStatus& status) {
       wanted->store(status.current_count > 0, std::memory_order_relaxed);
+      if (status.current_count_change > 0) owner->CountReader();
     };
     writer_.set_listener(std::move(listener));
-    if (writer_.publication_matched_status().current_count > 0) *wanted_ = true;  // matched before the listener was set
+    if (writer_.publication_matched_status().current_count > 0) {  // matched before the listener was set
+      *wanted_ = true;
+      participant_->CountReader();
+    }
     participant_->AddWriter(node.index, writer_.handle());
   }
 
@@ -47,28 +52,36 @@ class RosWriter {
   dds::DataWriter<T> writer_;
 };
 
-// Of which matched writers a reader consumes messages. The second choice is for a best-effort reader beside a reliable
-// one, because it matches reliable writers too.
-enum class From : std::uint8_t { kAllWriters, kBestEffortWriters };
+// The part of a reader. A topic can have a reliable reader and, once a best-effort writer has come, a best-effort one
+// for that. Not from the start: beside a best-effort reader, Cyclone's reliable one may lose what a writer has sent
+// before the readers discovered it. The best-effort reader matches reliable writers too, and ignores their messages.
+enum class Part : std::uint8_t { kOnlyReader, kReliableReader, kBestEffortReader };
 
 template <typename T>
 class RosReader {
  public:
-  RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos, From from = From::kAllWriters)
+  RosReader(const RosNode& node, const std::string& name, const dds::Qos& qos, Part part = Part::kOnlyReader)
       : topic_(node.participant->participant(), "rt" + node.Resolve(name)),
         reader_(node.participant->subscriber(), topic_,
                 dds::Qos(qos) << TypeUserData<T>(node.participant->distribution())) {
     dds::DataReaderListener listener;
     listener.on_data_available = [arrived = arrived_] { arrived->store(true); };
-    if (from == From::kBestEffortWriters) {
+    if (part == Part::kReliableReader) {
+      listener.on_requested_incompatible_qos = [missed = missed_](const auto&) { missed->store(true); };
+    }
+    if (part == Part::kBestEffortReader) {
       best_effort_writers_ = std::make_shared<BestEffortWriters>(reader_.handle());
       listener.on_subscription_matched = [writers = best_effort_writers_](const auto& status) {
         writers->Note(status.last_publication_handle);
       };
     }
     reader_.set_listener(std::move(listener));
-    node.participant->AddReader(node.index, reader_.handle());
+    if (part == Part::kReliableReader && reader_.requested_incompatible_qos_status().total_count > 0) *missed_ = true;
+    node.participant->AddReader(node.index, reader_.handle(), part == Part::kReliableReader);
   }
+
+  // A writer has come that needs a best-effort reader. For the part kReliableReader.
+  bool missed_writer() const { return missed_->load(std::memory_order_relaxed); }
 
   // Calls `consume` with each message received since the last call. Without one it is a single load.
   template <typename Consume>
@@ -93,6 +106,7 @@ class RosReader {
     return best_effort_writers_ == nullptr || best_effort_writers_->Contains(writer);
   }
 
+  std::shared_ptr<std::atomic<bool>> missed_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<BestEffortWriters> best_effort_writers_;  // null: from all writers
   dds::Topic<T> topic_;
   std::shared_ptr<std::atomic<bool>> arrived_ = std::make_shared<std::atomic<bool>>(true);  // a sample may wait

@@ -138,10 +138,10 @@ std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std
   return announcer_->nodes.size() - 1;
 }
 
-void RosParticipant::AddReader(std::size_t node, dds_entity_t reader) {
+void RosParticipant::AddReader(std::size_t node, dds_entity_t reader, bool accepts_best_effort) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->nodes[node].readers.push_back(GuidOf(reader));
-  if (watch_) watch_->Expect(reader);
+  if (watch_) watch_->Expect(reader, accepts_best_effort);
 }
 
 void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {

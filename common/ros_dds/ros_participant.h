@@ -31,7 +31,8 @@ class RosParticipant {
 
   // `node_namespace` begins with a slash, `name` has none. Returns the index of the node.
   std::size_t AddNode(const std::string& node_namespace, const std::string& name);
-  void AddReader(std::size_t node, dds_entity_t reader);
+  // `accepts_best_effort`: a best-effort writer on its topic is no mismatch.
+  void AddReader(std::size_t node, dds_entity_t reader, bool accepts_best_effort = false);
   void AddWriter(std::size_t node, dds_entity_t writer);
   // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   void Announce();
@@ -41,6 +42,10 @@ class RosParticipant {
   void WatchWriters();
   // A line for each writer, found since the last call, that does not match. As WriterWatch.
   std::vector<std::string> DrainMismatches();
+
+  // How many readers the writers of its nodes have matched so far.
+  void CountReader() { readers_.fetch_add(1, std::memory_order_relaxed); }
+  std::uint64_t reader_count() const { return readers_.load(std::memory_order_relaxed); }
 
   // Samples that could not be written.
   void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
@@ -57,6 +62,7 @@ class RosParticipant {
   dds::Subscriber subscriber_;
   std::unique_ptr<Announcer> announcer_;
   std::optional<WriterWatch> watch_;  // guarded by the mutex of the nodes
+  std::atomic<std::uint64_t> readers_ = 0;
   std::atomic<std::uint64_t> lost_ = 0;
 };
 

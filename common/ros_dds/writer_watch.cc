@@ -35,7 +35,7 @@ WriterWatch::WriterWatch(const dds::DomainParticipant& participant)
           dds::Check(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                      "creating a reader of discovered writers")) {}
 
-void WriterWatch::Expect(dds_entity_t reader) {
+void WriterWatch::Expect(dds_entity_t reader, bool accepts_best_effort) {
   const dds_entity_t topic = dds::Check(dds_get_topic(reader), "getting a reader's topic");
   char name[512] = "";
   char type[512] = "";
@@ -45,7 +45,7 @@ void WriterWatch::Expect(dds_entity_t reader) {
   const dds_return_t result = dds_get_qos(reader, qos);
   Expected& expected = expected_[name];
   expected.types.insert(type);
-  expected.reliable = expected.reliable && result == DDS_RETCODE_OK && IsReliable(qos);
+  expected.reliable = expected.reliable && !accepts_best_effort && result == DDS_RETCODE_OK && IsReliable(qos);
   dds_delete_qos(qos);
 }
 

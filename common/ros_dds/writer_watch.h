@@ -19,7 +19,7 @@ class WriterWatch {
   explicit WriterWatch(const dds::DomainParticipant& participant);
 
   // Watches the topic of a reader. Several readers of a topic may have different types.
-  void Expect(dds_entity_t reader);
+  void Expect(dds_entity_t reader, bool accepts_best_effort);
 
   // A line for each topic and problem found since the last call. A single status read if discovery found nothing new.
   std::vector<std::string> DrainReports();

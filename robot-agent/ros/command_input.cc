@@ -14,9 +14,16 @@ constexpr const char* kTopic = "cmd_vel";
 
 template <typename T>
 void CommandInput::Readers<T>::Open(const ros::RosNode& node, bool reliable_only) {
-  reliable = std::make_unique<ros::RosReader<T>>(node, kTopic, ros::Commands(true));
-  if (reliable_only) return;
-  best_effort = std::make_unique<ros::RosReader<T>>(node, kTopic, ros::Commands(false), ros::From::kBestEffortWriters);
+  node_ = node;
+  reliable_ = std::make_unique<ros::RosReader<T>>(node, kTopic, ros::Commands(true),
+                                                  reliable_only ? ros::Part::kOnlyReader : ros::Part::kReliableReader);
+}
+
+template <typename T>
+void CommandInput::Readers<T>::OpenMissing() {
+  if (!reliable_ || best_effort_ || !reliable_->missed_writer()) return;
+  best_effort_ = std::make_unique<ros::RosReader<T>>(node_, kTopic, ros::Commands(false), ros::Part::kBestEffortReader);
+  node_.participant->Announce();
 }
 
 CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
@@ -29,6 +36,8 @@ CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& opti
 std::optional<Command> CommandInput::CommandAt(Tick tick) {
   twists_.Drain([&](const ros::TwistMessage& twist) { Apply(twist, tick); });
   stamped_twists_.Drain([&](const ros::TwistStamped& stamped) { Apply(stamped.twist, tick); });
+  twists_.OpenMissing();
+  stamped_twists_.OpenMissing();
   const bool expired = timeout_ticks_ > 0.0 && static_cast<double>(tick - received_) >= timeout_ticks_;
   if (expired) command_.reset();
   return command_;

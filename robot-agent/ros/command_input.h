@@ -32,16 +32,21 @@ class CommandInput {
  private:
   // Of one type: a reliable reader, by which a command that is sent once arrives, and one for best-effort writers.
   template <typename T>
-  struct Readers {
+  class Readers {
+   public:
     void Open(const ros::RosNode& node, bool reliable_only);
     template <typename Consume>
     void Drain(const Consume& consume) {
-      if (reliable) reliable->Drain(consume);
-      if (best_effort) best_effort->Drain(consume);
+      if (reliable_) reliable_->Drain(consume);
+      if (best_effort_) best_effort_->Drain(consume);
     }
+    // Opens the second reader if it is needed now.
+    void OpenMissing();
 
-    std::unique_ptr<ros::RosReader<T>> reliable;
-    std::unique_ptr<ros::RosReader<T>> best_effort;
+   private:
+    ros::RosNode node_;
+    std::unique_ptr<ros::RosReader<T>> reliable_;
+    std::unique_ptr<ros::RosReader<T>> best_effort_;
   };
 
   void Apply(const ros::TwistMessage& twist, Tick tick);

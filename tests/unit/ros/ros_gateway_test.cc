@@ -350,7 +350,7 @@ TEST_F(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) 
   ros::RosParticipant here(options_);
   ros::RosReader<ros::Float64> reader(ros::MakeNode(here, "/", "reader"), "/number",
                                       dds::Qos(ros::Commands(false)) << dds::History::KeepLast(100),
-                                      ros::From::kBestEffortWriters);
+                                      ros::Part::kBestEffortReader);
   auto reliable = Writer<ros::Float64>("/number");
   std::vector<double> numbers;
   const auto drain = [&] { reader.Drain([&](const ros::Float64& number) { numbers.push_back(number.data); }); };
