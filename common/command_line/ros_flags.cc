@@ -100,6 +100,11 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->check(NumberFromZero())
       ->type_name("SECONDS")
       ->group(group);
+  app.add_option("--ros-clock-rate", options.clock_rate,
+                 "Rate of /clock in Hz of wall time, between the ticks of a run with --speed; 0: each tick (default)")
+      ->check(NumberFromZero())
+      ->type_name("HZ")
+      ->group(group);
   AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
           {"shared", "namespaced"},
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
@@ -115,6 +120,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
       std::string("--ros-distro=") + ToString(options.distribution),
       std::string("--ros-cmd-vel=") + ToString(options.command_type),
       "--ros-command-timeout=" + CLI::detail::to_string(options.command_timeout),
+      "--ros-clock-rate=" + CLI::detail::to_string(options.clock_rate),
       std::string("--ros-tf=") + (options.namespaced_tf ? "namespaced" : "shared"),
   };
   arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(options.map_resolution));

@@ -27,6 +27,7 @@ struct RosOptions {
   CommandType command_type = CommandType::kTwist;
   bool reliable_commands = false;         // then only reliable writers match, and they can wait for acknowledgment
   double command_timeout = 5.0;           // simulated s after which a command expires; 0: never
+  double clock_rate = 0.0;                // Hz of wall time at which /clock advances between ticks; 0: only at ticks
   bool namespaced_tf = false;             // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
   double map_resolution = 0.05;           // m, side of a cell of /map
   std::optional<double> map_height = {};  // m, height of the section that /map shows; none: UsualMapHeight

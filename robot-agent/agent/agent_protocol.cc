@@ -19,6 +19,7 @@ constexpr double kJoinPeriod = 0.1;  // from a join without an answer to the nex
 constexpr double kLongestJoinPeriod = 3.2;
 // Messages that were sent before a loss of the service arrive within this time after it.
 constexpr double kLongestDelay = 1.0;
+constexpr double kRepeatPeriod = 0.2;  // in a pause, for new readers of a gateway
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // With the code of a failure: the caller cannot correct it.
@@ -80,6 +81,10 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
     Fail(Failure(
         fmt::format("the world service is gone, and has not returned within {} s", options_.session_timeout_seconds)));
   }
+  if (now >= NextRepeat()) {
+    replica_->Repeat(*paused_state_);
+    repeated_at_ = now;
+  }
   if (stage_ != Stage::kJoining || now < NextJoin()) return std::nullopt;
   // Frequent joins of hundreds of agents before the run begins would delay the service.
   if (joined_at_ > -kNever) join_period_ = std::min(2.0 * join_period_, kLongestJoinPeriod);
@@ -94,7 +99,11 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
 
 double AgentProtocol::NextPoll() const {
   if (stage_ == Stage::kWaiting) return waiting_until_;
-  return std::min(stage_ == Stage::kJoining ? NextJoin() : kNever, GiveUpAt());
+  return std::min({stage_ == Stage::kJoining ? NextJoin() : kNever, NextRepeat(), GiveUpAt()});
+}
+
+double AgentProtocol::NextRepeat() const {
+  return stage_ == Stage::kRunning && paused_state_ ? repeated_at_ + kRepeatPeriod : kNever;
 }
 
 JoinMessage AgentProtocol::MakeJoin() {
@@ -259,7 +268,11 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
       answered_ && std::get<Edition>(*answered_) == frame.edition && std::get<Tick>(*answered_) == frame.state.tick;
   if (is_new && !ComputeAnswer(frame)) return;
   // A paused tick is published first: the answers of all agents mean that every gateway shows the tick.
-  if (is_new && frame.paused) replica_->Publish(frame.state);
+  if (is_new) paused_state_.reset();
+  if (is_new && frame.paused) {
+    replica_->Publish(frame.state);
+    if (replica_->has_gateway()) paused_state_ = frame.state;
+  }
   Enter(replica_->lane(), TickPhase::kSend, next);
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it

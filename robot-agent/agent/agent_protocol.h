@@ -84,6 +84,7 @@ class AgentProtocol {
   void Rejoin();
   double GiveUpAt() const;  // time, unless the lost service returns
   double NextJoin() const;
+  double NextRepeat() const;
   JoinMessage MakeJoin();
   // Answers a frame in the stage kRunning, or begins the stage kChanging if an edit came before the frame.
   void Process(const FrameMessage& frame);
@@ -118,6 +119,8 @@ class AgentProtocol {
   std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet
   std::optional<FramePlace> answered_;      // of the frame that answer_ answers
   ProposalMessage answer_;
+  std::optional<WorldState> paused_state_;  // of the answered frame, if it is paused and a gateway shows it
+  double repeated_at_ = 0.0;                // when the gateway was asked to repeat a tick
   Status failure_;
   std::vector<std::string> notices_;
 };

@@ -38,6 +38,9 @@ class Gateway {
   // Publishes a tick; called after the agent's answer to it was sent. Must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
+  // Called a few times a second in a pause: publishes the tick again for readers that have come since, if any.
+  virtual void Repeat(Tick, std::span<const RobotView* const>) {}
+
   // The robots start anew, perhaps at an earlier tick: pending commands are discarded.
   virtual void Restart() {}
 

@@ -240,13 +240,21 @@ ProposalMessage Replica::Pause(const WorldState& state) {
 }
 
 void Replica::Publish(const WorldState& state) {
+  Show(state, &Gateway::Publish);
+}
+
+void Replica::Repeat(const WorldState& state) {
+  Show(state, &Gateway::Repeat);
+}
+
+void Replica::Show(const WorldState& state, void (Gateway::*show)(Tick, std::span<const RobotView* const>)) {
   if (!gateway_) return;
   std::vector<View> views;
   views.reserve(robots_.size());
   for (const auto& robot : robots_) views.emplace_back(*robot, state, indices_.front());
   std::vector<const RobotView*> robots;
   for (const View& view : views) robots.push_back(&view);
-  gateway_->Publish(state.tick, robots);
+  (gateway_.get()->*show)(state.tick, robots);
 }
 
 }  // namespace troupe

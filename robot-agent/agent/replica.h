@@ -62,6 +62,9 @@ class Replica {
 
   // Publishes the state of the last Decide or Pause through the gateway. REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
+  // Lets the gateway publish it again for new readers. REQUIRES: as above.
+  void Repeat(const WorldState& state);
+  bool has_gateway() const { return gateway_ != nullptr; }
 
  private:
   Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway);
@@ -72,6 +75,7 @@ class Replica {
   bool GatewayFits(bool fresh) const;
   void ResetIndices(std::size_t threads);
   void NameRobotsInTrace();
+  void Show(const WorldState& state, void (Gateway::*show)(Tick, std::span<const RobotView* const>));
   void DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
                    std::atomic<std::size_t>& next, std::span<Proposal> proposals);
 

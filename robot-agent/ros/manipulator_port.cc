@@ -81,9 +81,12 @@ void ManipulatorPort::AppendGripperCommands(Tick tick, Gripper& gripper, Command
   }
 }
 
-void ManipulatorPort::Publish(const WorldState& state) {
+void ManipulatorPort::PublishActions(const WorldState& state) {
+  for (Gripper& gripper : grippers_) gripper.action->Publish(state);
+}
+
+void ManipulatorPort::PublishStates(const WorldState& state) {
   for (Gripper& gripper : grippers_) {
-    gripper.action->Publish(state);
     if (!gripper.state->wanted()) continue;
     dds::WireArena arena;
     gripper.state->Write({arena.Copy(ros::GripperJson(*world_, gripper.id, state))});

@@ -22,7 +22,9 @@ class ManipulatorPort {
   // The motion `command` with the commands to grippers and joints for the tick after `tick`.
   Command WithCommands(Tick tick, Command command);
 
-  void Publish(const WorldState& state);
+  // The progress of the actions. Once for each tick.
+  void PublishActions(const WorldState& state);
+  void PublishStates(const WorldState& state);
 
   // A line for each input that refused commands since the last call.
   std::vector<std::string> DrainReports();

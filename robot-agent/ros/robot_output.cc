@@ -62,9 +62,12 @@ bool RobotOutput::Due(Tick tick, std::size_t sensor) const {
   return tick % description().sensors[sensor].period_ticks == 0;
 }
 
+void RobotOutput::AddMotion(const RobotView& robot) {
+  odometry_error_.AddMotion(robot.state().twist, scene_->world().interval_seconds());
+}
+
 void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   const RobotState& state = robot.state();
-  odometry_error_.AddMotion(state.twist, scene_->world().interval_seconds());
   if (odom_.wanted()) {
     dds::WireArena arena;
     odom_.Write(ros::MakeOdometry(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), state.twist,

@@ -21,6 +21,8 @@ class RobotOutput {
   RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
               const std::string& name);
 
+  // Adds the motion of a tick to the error of odometry. Once for each tick.
+  void AddMotion(const RobotView& robot);
   // Publishes all topics except for the transforms.
   void Publish(Tick tick, const RobotView& robot);
 

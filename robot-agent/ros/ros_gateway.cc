@@ -18,6 +18,7 @@ constexpr std::int32_t kTransformDepth = 100;
 constexpr std::size_t kMostRobotsWithParameters = 10;
 // More processes than these do not discover each other, because discovery would grow with the square of their number.
 constexpr std::size_t kMostMutualProcesses = 10;
+constexpr int kRepeats = 5;  // in a pause, after a reader has come
 constexpr const char* kNodeName = "robot";
 
 struct RosRobot;
@@ -126,16 +127,21 @@ class RosGateway final : public Gateway {
 
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
     for (const RobotView* robot : robots) {
-      by_id_[robot->id().index()]->output.Publish(tick, *robot);
-      by_id_[robot->id().index()]->manipulator.Publish(robot->world_state());
+      by_id_[robot->id().index()]->output.AddMotion(*robot);
+      by_id_[robot->id().index()]->manipulator.PublishActions(robot->world_state());
     }
-    if (shared_transforms_) {
-      shared_transforms_->Write(tick, robots, by_id_);
-    } else {
-      for (const RobotView* robot : robots) by_id_[robot->id().index()]->transforms->Write(tick, {&robot, 1}, by_id_);
-    }
+    Show(tick, robots);
   }
 
+  // A reader may need a moment to discover its writer in turn.
+  void Repeat(Tick tick, std::span<const RobotView* const> robots) override {
+    if (const std::uint64_t count = participant_.reader_count(); count != std::exchange(readers_seen_, count)) {
+      repeats_ = kRepeats;
+    }
+    if (repeats_ == 0) return;
+    --repeats_;
+    Show(tick, robots);
+  }
   void Restart() override {
     for (const auto& robot : robots_) robot->input.Restart();
   }
@@ -150,7 +156,21 @@ class RosGateway final : public Gateway {
   }
 
  private:
+  void Show(Tick tick, std::span<const RobotView* const> robots) {
+    for (const RobotView* robot : robots) {
+      by_id_[robot->id().index()]->output.Publish(tick, *robot);
+      by_id_[robot->id().index()]->manipulator.PublishStates(robot->world_state());
+    }
+    if (shared_transforms_) {
+      shared_transforms_->Write(tick, robots, by_id_);
+    } else {
+      for (const RobotView* robot : robots) by_id_[robot->id().index()]->transforms->Write(tick, {&robot, 1}, by_id_);
+    }
+  }
+
   ros::RosParticipant participant_;
+  std::uint64_t readers_seen_ = 0;
+  int repeats_ = 0;  // still to come in this pause
   std::vector<std::unique_ptr<RosRobot>> robots_;
   RosRobots by_id_;
   std::unique_ptr<Transforms> shared_transforms_;  // null where each robot has its own

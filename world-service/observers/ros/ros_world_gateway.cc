@@ -9,6 +9,7 @@
 #include "common/ros_dds/parameter_services.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
+#include "world-service/observers/ros/clock_output.h"
 #include "world-service/observers/ros/event_line.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
@@ -16,7 +17,6 @@
 namespace troupe {
 namespace {
 
-constexpr std::int32_t kClockDepth = 10;
 constexpr std::int32_t kEventDepth = 100;
 constexpr const char* kNodeName = "world";
 
@@ -27,7 +27,7 @@ class RosWorldGateway final : public RunObserver {
         scene_(std::move(scene)),
         participant_(options, ros::kWorldEnclave),
         node_(ros::MakeNode(participant_, "/", kNodeName)),
-        clock_(node_, "/clock", ros::Stream(kClockDepth)),
+        clock_(node_, options),
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
         pictures_(node_, options, scene_),
@@ -36,6 +36,7 @@ class RosWorldGateway final : public RunObserver {
   }
 
   Status OnBegin(const RunStart& start) override {
+    clock_.SetSpeed(start.settings.speed);
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
     participant_.Announce();
     return Status();
@@ -60,14 +61,16 @@ class RosWorldGateway final : public RunObserver {
       const std::lock_guard lock(mutex_);
       if (simulation_) simulation_->Publish(frame);
     }
-    if (clock_.wanted()) clock_.Write({ros::ToTime(frame.state.tick, scene_->world().interval_ns)});
+    clock_.Show(frame.state.tick, scene_->world().interval_ns, frame.paused || frame.last);
     if (!frame.events.empty() && events_.wanted()) {
       for (const Event& event : frame.events) {
         dds::WireArena arena;
         events_.Write({arena.Copy(EventLine(scene_->world(), event))});
       }
     }
-    if ((objects_replaced_ || frame.state.objects != shown_objects_) && objects_.wanted()) {
+    // In a pause even without a reader, for one that comes before the next tick.
+    const bool is_wanted = objects_.wanted() || frame.paused;
+    if (is_wanted && (objects_replaced_ || frame.state.objects != shown_objects_)) {
       shown_objects_ = frame.state.objects;
       dds::WireArena arena;
       objects_.Write(ros::MakeObjectMarkers(*scene_, frame.state, arena, std::exchange(objects_replaced_, false)));
@@ -89,7 +92,7 @@ class RosWorldGateway final : public RunObserver {
   std::shared_ptr<const Scene> scene_;
   ros::RosParticipant participant_;
   ros::RosNode node_;
-  ros::RosWriter<ros::Clock> clock_;
+  ClockOutput clock_;
   ros::RosWriter<ros::String> events_;
   ros::RosWriter<ros::MarkerArray> objects_;
   std::vector<ObjectState> shown_objects_;

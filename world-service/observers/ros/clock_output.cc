@@ -1,0 +1,83 @@
+#include "world-service/observers/ros/clock_output.h"
+
+#include <algorithm>
+
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kDepth = 10;
+// So that a node that starts in a pause learns the time.
+constexpr auto kRepeatPeriod = std::chrono::milliseconds(200);
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+}  // namespace
+
+ClockOutput::ClockOutput(const ros::RosNode& node, const ros::RosOptions& options)
+    : rate_(options.clock_rate), writer_(node, "/clock", ros::Stream(kDepth)), thread_([this] { Run(); }) {}
+
+ClockOutput::~ClockOutput() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void ClockOutput::SetSpeed(const Speed& speed) {
+  const std::lock_guard lock(mutex_);
+  speed_ = speed;
+}
+
+void ClockOutput::Show(Tick tick, std::int64_t interval_ns, bool stays) {
+  const std::int64_t ns = static_cast<std::int64_t>(tick) * interval_ns;
+  const std::lock_guard lock(mutex_);
+  const bool wakes = interval_ns_ == 0 || advances() != (!stays && speed_ && rate_ > 0.0);
+  if (ns < tick_ns_) written_ns_ = ns;  // a reset
+  tick_ns_ = ns;
+  interval_ns_ = interval_ns;
+  stays_ = stays;
+  shown_at_ = WallClock::now();
+  Write(ns, shown_at_);
+  if (wakes) changed_.notify_one();
+}
+
+void ClockOutput::Run() {
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    if (interval_ns_ == 0) {
+      changed_.wait(lock);
+      continue;
+    }
+    if (const auto now = WallClock::now(); now >= NextWrite()) {
+      Write(TimeAt(now), now);
+    } else {
+      changed_.wait_until(lock, NextWrite());
+    }
+  }
+}
+
+ClockOutput::WallClock::time_point ClockOutput::NextWrite() const {
+  const bool waits = !advances() || written_ns_ >= tick_ns_ + interval_ns_;  // for the next tick
+  const std::chrono::duration<double> period = waits ? kRepeatPeriod : std::chrono::duration<double>(1.0 / rate_);
+  return written_at_ + std::chrono::duration_cast<WallClock::duration>(period);
+}
+
+std::int64_t ClockOutput::TimeAt(WallClock::time_point now) const {
+  if (!advances()) return tick_ns_;
+  const std::chrono::duration<double> elapsed = now - shown_at_;
+  const double ns = elapsed.count() * *speed_ * static_cast<double>(kSecond);
+  return tick_ns_ + static_cast<std::int64_t>(std::min(ns, static_cast<double>(interval_ns_)));
+}
+
+void ClockOutput::Write(std::int64_t ns, WallClock::time_point now) {
+  written_ns_ = std::max(written_ns_, ns);
+  written_at_ = now;
+  if (!writer_.wanted()) return;
+  writer_.Write(
+      {{static_cast<std::int32_t>(written_ns_ / kSecond), static_cast<std::uint32_t>(written_ns_ % kSecond)}});
+}
+
+}  // namespace troupe
