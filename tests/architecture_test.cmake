@@ -39,6 +39,7 @@ set(may_include_common/command_line common/base common/protocol common/ros commo
 set(may_include_common/dds/binding common/base)
 set(may_include_common/dds/convert common/base common/bitmap common/geometry common/model common/protocol common/dds/binding idl)
 set(may_include_common/wire common/base common/protocol common/dds/binding common/dds/convert idl)
+set(may_include_common/recording/mcap common/base)
 set(may_include_common/dds/transport
   common/base common/geometry common/model common/protocol common/run common/security common/dds/binding common/dds/convert
   idl)

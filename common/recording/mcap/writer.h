@@ -1,0 +1,75 @@
+// Writer: writes an MCAP file: messages in compressed chunks, each with its index; at the end a summary.
+//
+// A file that is not closed, because its process has ended, is readable up to its last chunk.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/recording/mcap/byte_sink.h"
+#include "common/recording/mcap/compression.h"
+#include "common/recording/mcap/format.h"
+
+namespace troupe::mcap {
+
+class Writer {
+ public:
+  // Begins the file. `profile` and `library` are for its header.
+  static Result<Writer> Create(std::unique_ptr<ByteSink> sink, const std::string& profile, const std::string& library);
+
+  // Return the new id. Errors of the sink are returned by the next EndChunk.
+  std::uint16_t AddSchema(const Schema& schema);
+  std::uint16_t AddChannel(const Channel& channel);
+
+  // Adds a message to the open chunk. REQUIRES: its channel was added.
+  void Add(const Message& message);
+  // Bytes of the open chunk, before compression.
+  std::size_t open_size() const { return records_.size(); }
+
+  // Writes the open chunk, unless it is empty. The error is that of the sink, now or before.
+  Status EndChunk();
+  // Writes the open chunk and the summary, and closes the sink.
+  Status Close();
+
+ private:
+  struct IndexedChunk {
+    ChunkInfo info;
+    std::map<std::uint16_t, std::uint64_t> index_offsets;  // of the MessageIndex records in the file, by channel
+    std::uint64_t index_length = 0;                        // of all of them
+  };
+  // Log time and offset in the chunk of a message.
+  struct IndexEntry {
+    std::uint64_t log_time;
+    std::uint64_t offset;
+  };
+
+  explicit Writer(std::unique_ptr<ByteSink> sink) : sink_(std::move(sink)) {}
+  // Writes bytes of the data section.
+  void Write(std::span<const std::byte> bytes);
+  // Writes `buffer_` likewise, and clears it.
+  void WriteBuffer();
+  void WriteSummary();
+
+  std::unique_ptr<ByteSink> sink_;
+  Status status_;
+  std::uint64_t offset_ = 0;  // bytes written
+  std::uint32_t crc_ = 0;     // of these
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, Channel> channels_;
+  std::vector<IndexedChunk> chunks_;
+  Statistics statistics_;
+
+  Compressor compressor_;
+  std::vector<std::byte> records_;                            // of the open chunk
+  std::map<std::uint16_t, std::vector<IndexEntry>> indices_;  // likewise, by channel
+  std::uint64_t start_time_ = 0;                              // likewise
+  std::uint64_t end_time_ = 0;
+  std::vector<std::byte> compressed_;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace troupe::mcap

@@ -1,0 +1,266 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+
+#include "common/recording/mcap/byte_writer.h"
+#include "common/recording/mcap/reader.h"
+#include "common/recording/mcap/writer.h"
+
+namespace troupe::mcap {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Content {
+  std::uint16_t channel = 0;
+  std::uint64_t log_time = 0;
+  std::string data;
+  bool operator==(const Content&) const = default;
+};
+using Contents = std::vector<Content>;
+
+std::span<const std::byte> BytesOf(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+// Two channels; a chunk for each element of `chunks`.
+std::vector<std::byte> Write(const std::vector<Contents>& chunks) {
+  std::vector<std::byte> bytes;
+  Writer writer = Writer::Create(MakeMemorySink(bytes), "profile", "library").value();
+  const std::uint16_t schema = writer.AddSchema({"a::Type", "omgidl", "struct Type {};"});
+  writer.AddChannel({schema, "/first", "cdr", {{"key", "value"}}});
+  writer.AddChannel({0, "/second", "text"});
+  std::uint32_t sequence = 0;
+  for (const Contents& chunk : chunks) {
+    for (const Content& content : chunk) {
+      writer.Add({content.channel, sequence++, content.log_time, content.log_time + 1, BytesOf(content.data)});
+    }
+    EXPECT_TRUE(writer.EndChunk().ok());
+  }
+  EXPECT_TRUE(writer.Close().ok());
+  return bytes;
+}
+
+Result<Reader> Open(std::span<const std::byte> bytes) {
+  return Reader::Open(MakeMemorySource("test.mcap", bytes));
+}
+
+Contents ContentsOf(const Chunk& chunk) {
+  Contents contents;
+  for (const Message& message : chunk.messages) {
+    EXPECT_EQ(message.publish_time, message.log_time + 1);
+    contents.push_back(
+        {message.channel, message.log_time, {reinterpret_cast<const char*>(message.data.data()), message.data.size()}});
+  }
+  return contents;
+}
+
+// The chunks up to the first that cannot be read.
+std::vector<Contents> ReadAll(const Reader& reader, bool& whole) {
+  std::vector<Contents> chunks;
+  whole = !reader.damage();
+  for (std::size_t i = 0; i < reader.chunks().size(); ++i) {
+    const Result<Chunk> chunk = reader.ReadChunk(i);
+    if (!chunk.ok()) {
+      EXPECT_FALSE(chunk.error().message.empty());
+      whole = false;
+      break;
+    }
+    chunks.push_back(ContentsOf(chunk.value()));
+  }
+  return chunks;
+}
+
+const std::vector<Contents>& Small() {
+  static const std::vector<Contents> chunks = {
+      {{0, 10, "one"}, {1, 20, ""}}, {{1, 20, std::string(300, 'x')}}, {{0, 30, "three"}, {0, 30, "four"}}};
+  return chunks;
+}
+
+TEST(Mcap, ReturnsWhatWasWritten) {
+  const std::vector<std::byte> bytes = Write(Small());
+  const Result<Reader> reader = Open(bytes);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_FALSE(reader.value().damage());
+  EXPECT_EQ(reader.value().profile(), "profile");
+  EXPECT_EQ(reader.value().library(), "library");
+  EXPECT_EQ(reader.value().schemas().at(1), (Schema{"a::Type", "omgidl", "struct Type {};"}));
+  EXPECT_EQ(reader.value().channels().at(0), (Channel{1, "/first", "cdr", {{"key", "value"}}}));
+  EXPECT_EQ(reader.value().channels().at(1), (Channel{0, "/second", "text"}));
+  ASSERT_EQ(reader.value().chunks().size(), 3u);
+  EXPECT_EQ(reader.value().chunks()[0].channels, (std::vector<std::uint16_t>{0, 1}));
+  EXPECT_EQ(reader.value().chunks()[1].channels, (std::vector<std::uint16_t>{1}));
+  EXPECT_EQ(reader.value().chunks()[0].start_time, 10u);
+  EXPECT_EQ(reader.value().chunks()[0].end_time, 20u);
+  EXPECT_EQ(reader.value().statistics(), (Statistics{5, 10, 30, {{0, 3}, {1, 2}}}));
+  EXPECT_TRUE(reader.value().CheckData().ok());
+  bool whole = false;
+  EXPECT_EQ(ReadAll(reader.value(), whole), Small());
+  EXPECT_TRUE(whole);
+}
+
+TEST(Mcap, ReturnsRandomMessages) {
+  std::mt19937_64 random(1);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Contents> chunks(random() % 5);
+    for (Contents& chunk : chunks) {
+      chunk.resize(1 + random() % 20);
+      for (Content& content : chunk) {
+        content = {static_cast<std::uint16_t>(random() % 2), random() % 1000, std::string(random() % 2000, 'a')};
+        for (char& c : content.data) c = static_cast<char>(random());
+      }
+    }
+    const std::vector<std::byte> bytes = Write(chunks);
+    const Result<Reader> reader = Open(bytes);
+    ASSERT_TRUE(reader.ok());
+    bool whole = false;
+    EXPECT_EQ(ReadAll(reader.value(), whole), chunks);
+    EXPECT_TRUE(whole);
+  }
+}
+
+TEST(Mcap, ReadsACutOffFileUpToItsLastWholeChunk) {
+  const std::vector<std::byte> bytes = Write(Small());
+  const Reader complete = std::move(Open(bytes)).value();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    SCOPED_TRACE(size);
+    const Result<Reader> reader = Open(std::span(bytes).first(size));
+    if (!reader.ok()) {
+      EXPECT_LT(size, complete.chunks().front().offset);
+      continue;
+    }
+    ASSERT_TRUE(reader.value().damage());
+    std::vector<Contents> expected;
+    for (std::size_t i = 0; i < Small().size(); ++i) {
+      const ChunkInfo& chunk = complete.chunks()[i];
+      if (chunk.offset + chunk.length <= size) expected.push_back(Small()[i]);
+    }
+    bool whole = true;
+    EXPECT_EQ(ReadAll(reader.value(), whole), expected);
+    EXPECT_FALSE(whole);
+  }
+}
+
+TEST(Mcap, NeverReturnsOtherMessagesAfterAnyChangedBit) {
+  std::vector<std::byte> bytes = Write(Small());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    SCOPED_TRACE(bit);
+    const std::byte mask = std::byte{1} << (bit % 8);
+    bytes[bit / 8] ^= mask;
+    if (const Result<Reader> reader = Open(bytes); reader.ok()) {
+      bool whole = false;
+      const std::vector<Contents> chunks = ReadAll(reader.value(), whole);
+      ASSERT_LE(chunks.size(), Small().size());
+      EXPECT_TRUE(std::equal(chunks.begin(), chunks.end(), Small().begin()));
+      // What the chunks do not show, the CRC of the data does.
+      if (whole) {
+        EXPECT_EQ(chunks, Small());
+        EXPECT_FALSE(reader.value().CheckData().ok());
+      }
+    }
+    bytes[bit / 8] ^= mask;
+  }
+}
+
+TEST(Mcap, ReadsAnyBytesWithoutACrash) {
+  const std::vector<std::byte> bytes = Write(Small());
+  std::mt19937_64 random(2);
+  for (int round = 0; round < 20'000; ++round) {
+    std::vector<std::byte> changed = bytes;
+    for (std::size_t i = 0; i < 1 + random() % 4; ++i) {
+      // Numbers of sizes and offsets are the most dangerous.
+      const std::size_t at = random() % changed.size();
+      const std::size_t count = std::min<std::size_t>(1 + random() % 8, changed.size() - at);
+      for (std::size_t j = 0; j < count; ++j) changed[at + j] = random() % 2 == 0 ? std::byte{0xff} : std::byte{0};
+    }
+    const Result<Reader> reader = Open(changed);
+    if (!reader.ok()) continue;
+    bool whole = false;
+    static_cast<void>(ReadAll(reader.value(), whole));
+    static_cast<void>(reader.value().CheckData());
+  }
+}
+
+TEST(Mcap, RefusesOtherFiles) {
+  const std::string text = "{\"troupe\":\"0.1.0\"}\n";
+  const Result<Reader> reader = Open(BytesOf(text));
+  ASSERT_FALSE(reader.ok());
+  EXPECT_EQ(reader.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(reader.error().message, HasSubstr("expected an MCAP file"));
+  EXPECT_THAT(Open({}).error().message, HasSubstr("empty"));
+}
+
+TEST(Mcap, ReadsUncompressedChunksThatDefineTheirChannels) {
+  std::vector<std::byte> bytes;
+  ByteWriter out(bytes);
+  const auto text = [&](std::string_view value) { out.Add(value); };
+  out.Add(std::span<const std::byte>(kMagic));
+  out.AddRecord(Opcode::kHeader, [&] { text(""), text(""); });
+  std::vector<std::byte> records;
+  ByteWriter chunk(records);
+  chunk.AddRecord(Opcode::kChannel, [&] {
+    chunk.Add(std::uint16_t{7});
+    chunk.Add(std::uint16_t{0});
+    chunk.Add(std::string_view("/topic"));
+    chunk.Add(std::string_view("json"));
+    chunk.Add(std::uint32_t{0});
+  });
+  chunk.AddRecord(Opcode::kMessage, [&] {
+    chunk.Add(std::uint16_t{7});
+    chunk.Add(std::uint32_t{0});
+    chunk.Add(std::uint64_t{5});
+    chunk.Add(std::uint64_t{6});
+    chunk.Add(BytesOf("{}"));
+  });
+  out.AddRecord(Opcode::kChunk, [&] {
+    out.Add(std::uint64_t{5});
+    out.Add(std::uint64_t{5});
+    out.Add(std::uint64_t{records.size()});
+    out.Add(std::uint32_t{0});
+    text("");
+    out.AddWithLength<std::uint64_t>([&] { out.Add(std::span<const std::byte>(records)); });
+  });
+  const Result<Reader> reader = Open(bytes);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_TRUE(reader.value().damage()) << "it has no end";
+  EXPECT_EQ(reader.value().channels().at(7).topic, "/topic");
+  bool whole = false;
+  EXPECT_EQ(ReadAll(reader.value(), whole), (std::vector<Contents>{{{7, 5, "{}"}}}));
+}
+
+// Fails after some bytes, as a disk that is full.
+class FullSink final : public ByteSink {
+ public:
+  explicit FullSink(std::size_t room) : room_(room) {}
+  Status Write(std::span<const std::byte> bytes) override {
+    if (bytes.size() > room_) return Error{{"disk"}, "no space", ErrorCode::kOutputFailed};
+    room_ -= bytes.size();
+    return {};
+  }
+  Status Close() override { return {}; }
+
+ private:
+  std::size_t room_;
+};
+
+TEST(Mcap, ReportsAFullDisk) {
+  EXPECT_FALSE(Writer::Create(std::make_unique<FullSink>(10), "", "").ok());
+  Writer writer = Writer::Create(std::make_unique<FullSink>(200), "", "").value();
+  const std::uint16_t channel = writer.AddChannel({0, "/topic", "text"});
+  const std::string data = "data";
+  for (int i = 0; i < 100; ++i) {
+    writer.Add({channel, 0, 0, 0, BytesOf(data)});
+    if (Status failure = writer.EndChunk(); !failure.ok()) {
+      EXPECT_EQ(failure.error().message, "no space");
+      EXPECT_FALSE(writer.Close().ok());
+      return;
+    }
+  }
+  ADD_FAILURE() << "no error";
+}
+
+}  // namespace
+}  // namespace troupe::mcap
