@@ -40,6 +40,9 @@ set(may_include_common/dds/binding common/base)
 set(may_include_common/dds/convert common/base common/bitmap common/geometry common/model common/protocol common/dds/binding idl)
 set(may_include_common/wire common/base common/protocol common/dds/binding common/dds/convert idl)
 set(may_include_common/recording/mcap common/base)
+set(may_include_common/recording
+  common/base common/geometry common/model common/protocol common/run common/dds/binding common/dds/convert common/wire
+  common/recording/mcap idl)
 set(may_include_common/dds/transport
   common/base common/geometry common/model common/protocol common/run common/security common/dds/binding common/dds/convert
   idl)
@@ -55,7 +58,8 @@ set(may_include_world-service/core common/base common/geometry common/model comm
 set(may_include_world-service/service
   common/base common/geometry common/model common/run common/spatial common/worldfile common/worldfile/build common/protocol common/trace world-service/core)
 set(may_include_world-service/observers/recorder
-  common/base common/geometry common/model common/protocol common/spatial world-service/service)
+  common/base common/geometry common/model common/protocol common/recording common/recording/mcap common/run common/spatial
+  world-service/core world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model common/protocol common/worldfile world-service/service)
 set(may_include_world-service/observers/ros
@@ -126,7 +130,7 @@ set(dds_headers_for_others
   common/dds/tools/control_client.h common/dds/transport/dds_transport.h common/dds/binding/network_log.h common/dds/tools/session_monitor.h)
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
-  common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/wire
+  common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/recording common/wire
   common/ros common/ros_dds robot-agent/ros world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 

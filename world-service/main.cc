@@ -13,7 +13,7 @@
 #include "common/security/run_token.h"
 #include "common/security/session_keys.h"
 #include "common/spatial/scene.h"
-#include "world-service/observers/recorder/recorder.h"
+#include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/program/command_line.h"
@@ -87,9 +87,9 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
     ros = MakeRosWorldGateway(line.ros, scene);
     observers.push_back(ros.get());
   }
-  const Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(scene->world(), line.outputs);
-  if (!recorder.ok()) return fail(recorder.error());
-  observers.push_back(recorder.value().get());
+  const auto recorders = MakeRecorders(scene->world(), line.outputs, line.file);
+  if (!recorders.ok()) return fail(recorders.error());
+  for (const auto& recorder : recorders.value()) observers.push_back(recorder.get());
   observers.push_back(&reporter);
   const Result<RunSummary> summary = RunService(scene, options, std::move(endpoint), observers, stop.requested());
   if (!summary.ok()) return fail(summary.error());

@@ -114,11 +114,25 @@ void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& grou
       ->group(group);
 }
 
-void AddServiceOutputFlags(CLI::App& app, std::string& hash_log, std::string& poses, std::string& record,
-                           const std::string& group) {
+void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& group) {
   AddOutput(app, "--hash-log", hash_log, "Write a line 'tick hash' for each tick", group);
+}
+
+void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group) {
   AddOutput(app, "--poses", poses, "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians)", group);
-  AddOutput(app, "--record", record, "Write the states and events of all ticks as JSON lines", group);
+}
+
+void AddRecordFlags(CLI::App& app, std::string& record, std::uint64_t& keyframe_interval, const std::string& group) {
+  AddOutput(app, "--record", record,
+            "FILE.mcap: write a recording, which 'troupe replay' steps again. Any other ending: write the states and "
+            "events of all ticks as JSON lines",
+            group);
+  app.add_option(
+         "--keyframe-interval", keyframe_interval,
+         fmt::format("A recording has the whole state every TICKS ticks (default: {})", kDefaultKeyframeInterval))
+      ->check(WholeNumber(1))
+      ->type_name("TICKS")
+      ->group(group);
 }
 
 void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group) {

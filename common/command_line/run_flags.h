@@ -41,9 +41,13 @@ void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group = "Opti
 // --start-timeout SECONDS
 void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group = "Options");
 
-// --hash-log, --poses, --record: files that the world service writes.
-void AddServiceOutputFlags(CLI::App& app, std::string& hash_log, std::string& poses, std::string& record,
-                           const std::string& group = "Options");
+// --hash-log, --poses: also written by a replay.
+void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& group = "Options");
+void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group = "Options");
+
+// --record FILE, --keyframe-interval TICKS
+void AddRecordFlags(CLI::App& app, std::string& record, std::uint64_t& keyframe_interval,
+                    const std::string& group = "Options");
 
 // --scans FILE
 void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group = "Options");

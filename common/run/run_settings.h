@@ -39,6 +39,9 @@ inline constexpr double kDefaultStartTimeoutSeconds = 60.0;
 inline constexpr std::uint32_t kDefaultRestartAgents = 3;
 inline constexpr std::uint32_t kMaxRestartAgents = 1'000'000;
 
+// Ticks from one whole state in a recording to the next.
+inline constexpr std::uint64_t kDefaultKeyframeInterval = 100;
+
 // A scenario sets these.
 struct RunSettings {
   std::optional<std::uint64_t> ticks;  // nothing: until stopped

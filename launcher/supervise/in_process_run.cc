@@ -26,7 +26,7 @@
 #include "launcher/supervise/progress.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/ros/ros_gateway.h"
-#include "world-service/observers/recorder/recorder.h"
+#include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/service/run_service.h"
 
@@ -283,16 +283,16 @@ RunEnd RunInProcess(const RunOptions& options) {
 
   const auto scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   SignalWatch signals;
-  const OutputFiles outputs = {options.hash_log, options.poses, options.record};
-  const Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(scene->world(), outputs);
-  if (!recorder.ok()) return FailedRun(recorder.error());
+  const OutputFiles outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
+  const auto recorders = MakeRecorders(scene->world(), outputs, options.file);
+  if (!recorders.ok()) return FailedRun(recorders.error());
   std::unique_ptr<RunObserver> ros;
   RunObservers observers;
   if (service.settings.ros) {
     ros = MakeRosWorldGateway(options.ros, scene);
     observers.push_back(ros.get());
   }
-  observers.push_back(recorder.value().get());
+  for (const auto& recorder : recorders.value()) observers.push_back(recorder.get());
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
   const Result<RunSummary> summary = run.Run(signals);

@@ -51,7 +51,9 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
 
 void AddOutputFlags(CLI::App& command, RunOptions& options) {
   const char* group = "Output files";
-  AddServiceOutputFlags(command, options.hash_log, options.poses, options.record, group);
+  AddHashLogFlag(command, options.hash_log, group);
+  AddPosesFlag(command, options.poses, group);
+  AddRecordFlags(command, options.record, options.keyframe_interval, group);
   AddScansFlag(command, options.scans, group);
   command.add_option("--summary", options.summary, "Write the summary of the run as a JSON object")
       ->type_name("FILE")
@@ -144,6 +146,9 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
   Append(arguments, "--record", options.record);
+  if (!options.record.empty()) {
+    Append(arguments, "--keyframe-interval", std::to_string(options.keyframe_interval));
+  }
   if (!options.trace.file.empty()) Append(arguments, TraceArguments(options.trace, options.trace.file));
   if (options.paused) arguments.emplace_back("--paused");
   Append(arguments, RosArguments(options.ros));

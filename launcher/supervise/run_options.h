@@ -43,6 +43,7 @@ struct RunOptions {
   std::string scans;
   std::string summary;
   std::string record;
+  std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of the record, if it is a recording
   TraceOptions trace;
 
   // For tests.

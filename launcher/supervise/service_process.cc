@@ -20,7 +20,10 @@ RunOptions ServiceProcess::OptionsThere() const {
   const std::string folder = hosts_.service_host().folder() + "/service-";
   if (!options.hash_log.empty()) options.hash_log = folder + "hashes";
   if (!options.poses.empty()) options.poses = folder + "poses";
-  if (!options.record.empty()) options.record = folder + "record";
+  // The ending selects the format.
+  if (!options.record.empty()) {
+    options.record = folder + "record" + std::filesystem::path(options.record).extension().string();
+  }
   if (!options.trace.file.empty()) options.trace.file = folder + "trace";
   return options;
 }

@@ -86,6 +86,7 @@ RunSummary ParseEnd(const Json& json) {
   }
   Get(json, "lost", summary.lost);
   Get(json, "interrupted", summary.interrupted);
+  Get(json, "record_waited_seconds", summary.record_waited_seconds);
   return summary;
 }
 

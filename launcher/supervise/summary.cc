@@ -46,6 +46,9 @@ std::string SummaryText(const RunOutcome& outcome) {
     }
     text += "slowest robots: " + ListText(slowest) + "\n";
   }
+  if (run.record_waited_seconds > 0.0) {
+    text += fmt::format("ticks waited {:.2f} s for the recording to be written\n", run.record_waited_seconds);
+  }
   if (outcome.agents_restarted > 0) {
     text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
                         outcome.agents_restarted == 1 ? "restart" : "restarts");
@@ -80,6 +83,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"slowest_robots", slowest},
       {"lost", run.lost},
       {"interrupted", run.interrupted},
+      {"record_waited_seconds", run.record_waited_seconds},
   };
   return JsonText(json, {.indent = 2});
 }

@@ -27,7 +27,9 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddProcessNetworkFlags(app, line.network, line.network.network_interface,
                          "on the interface lo a token of the run, else off");
   AddStartTimeoutFlag(app, line.service.start_timeout_seconds);
-  AddServiceOutputFlags(app, line.outputs.hash_log, line.outputs.poses, line.outputs.record);
+  AddHashLogFlag(app, line.outputs.hash_log);
+  AddPosesFlag(app, line.outputs.poses);
+  AddRecordFlags(app, line.outputs.record, line.outputs.keyframe_interval);
   AddTraceFlags(app, line.service.trace);
   app.add_option("--report-fd", line.report_fd, "File descriptor for reports to a launcher, as JSON lines")
       ->check(WholeNumber(0, 1 << 20))

@@ -119,7 +119,7 @@ void RunControl::ReplyToEdit() {
 }
 
 void RunControl::StartQueued(double now) {
-  while (!queue_.empty() && quiescent()) {
+  while (!queue_.empty() && quiescent() && engine_.observers_ready()) {
     OpenRequest next = std::move(queue_.front());
     queue_.pop_front();
     if (next.request.command == ControlCommand::kStep) return StartStep(std::move(next), now);

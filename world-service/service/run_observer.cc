@@ -14,6 +14,10 @@ Status RunObserver::OnTick(const CommittedTick&) {
   return Status();
 }
 
+bool RunObserver::IsReady() {
+  return true;
+}
+
 void RunObserver::OnWorldChange(const std::shared_ptr<const Scene>&, Edition) {}
 
 void RunObserver::OnStarted(double) {}

@@ -38,6 +38,7 @@ struct CommittedTick {
   const FrameMessage& frame;            // tick, edition, state, its hash, the ordered events
   std::span<const Proposal> proposals;  // that entered the step, in robot-id order; empty for tick 0 and after an edit
   const AppliedEdit* edit = nullptr;    // null: the frame is tick 0 of the loaded world, or the result of a step
+  const WorldState* before = nullptr;   // the state to which the edit was applied; null without one
 };
 
 class RunObserver {
@@ -52,6 +53,9 @@ class RunObserver {
   // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
   // error ends the run, and makes it fail.
   virtual Status OnTick(const CommittedTick& tick);
+  // False while the observer cannot accept a tick: the run then waits before the next one, and asks again soon. Must be
+  // quick.
+  virtual bool IsReady();
   // The frames from the next one on are of another description, after an edit. As OnTick. An error is
   // returned by the OnTick that follows.
   virtual void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition);

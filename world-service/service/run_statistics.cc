@@ -69,6 +69,7 @@ RunSummary RunStatistics::MakeSummary() const {
   summary.slowest = SlowestRobots();
   summary.lost = run_.lost_robots;
   summary.interrupted = run_.interrupted;
+  summary.record_waited_seconds = engine_.observers_waited_seconds();
   return summary;
 }
 

@@ -27,6 +27,7 @@ struct RunSummary {
   std::vector<SlowRobot> slowest;  // at most five, slowest first
   std::vector<std::string> lost;   // robots without an agent at the end
   bool interrupted = false;
+  double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
 };
 
 }  // namespace troupe

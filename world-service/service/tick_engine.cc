@@ -169,9 +169,17 @@ double TickEngine::NextDue() const {
   return pace_ == Pace::kAtOnce ? committed_at_ : pacer_.Due(run_.next_tick());
 }
 
-bool TickEngine::ReadyToCommit(double now) const {
-  return run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) &&
-         now >= NextDue() && !halted();
+bool TickEngine::observers_ready() const {
+  return std::all_of(run_.observers.begin(), run_.observers.end(),
+                     [](RunObserver* observer) { return observer->IsReady(); });
+}
+
+bool TickEngine::ReadyToCommit(double now) {
+  const bool due = run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) &&
+                   now >= NextDue() && !halted();
+  if (!due || observers_ready()) return due;
+  if (!observers_wait_since_) observers_wait_since_ = now;
+  return false;
 }
 
 void TickEngine::Begin(double now) {
@@ -186,7 +194,7 @@ void TickEngine::Begin(double now) {
   pacer_.Start(now);
   run_.frame.events = run_.events.CompleteFrame(0, {});
   run_.frame.paused = ticks_to_pause_ == 0U;
-  Publish({}, nullptr, now);
+  Publish({}, now);
 }
 
 void TickEngine::Commit(double now) {
@@ -196,6 +204,7 @@ void TickEngine::Commit(double now) {
       if (!since) since = committed_at_;
     }
   }
+  if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
   FrameMessage& frame = run_.frame;
   Enter(run_.options.trace, TickPhase::kStep, run_.next_tick());
   ++steps_;
@@ -207,7 +216,7 @@ void TickEngine::Commit(double now) {
   if (ticks_to_pause_) --*ticks_to_pause_;
   frame.paused = ticks_to_pause_ == 0U;
   pacer_.Committed(frame.state.tick, now);
-  Publish(proposals, nullptr, now);
+  Publish(proposals, now);
 }
 
 void TickEngine::Resume(double now) {
@@ -229,15 +238,16 @@ void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const 
   proposals_.ChangeWorld(run_.world());
   if (run_.members.present_members() == 0) halted_since_ = now;
   FrameMessage& frame = run_.frame;
-  frame.state = std::move(state);
+  const WorldState before = std::exchange(frame.state, std::move(state));
   frame.state_hash = StateHash(frame.state);
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
   frame.paused = true;
   ticks_to_pause_ = 0;
-  Publish({}, &edit, now);
+  Publish({}, now, &edit, &before);
 }
 
-void TickEngine::Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now) {
+void TickEngine::Publish(std::span<const Proposal> proposals, double now, const AppliedEdit* edit,
+                         const WorldState* before) {
   FrameMessage& frame = run_.frame;
   frame.awaited.clear();
   frame.last = run_.options.settings.ticks && frame.state.tick >= *run_.options.settings.ticks;
@@ -250,7 +260,7 @@ void TickEngine::Publish(std::span<const Proposal> proposals, const AppliedEdit*
   resend_timer_.Start(now);
   Status failure;
   for (RunObserver* observer : run_.observers) {
-    const Status outcome = observer->OnTick({frame, proposals, edit});
+    const Status outcome = observer->OnTick({frame, proposals, edit, before});
     if (failure.ok()) failure = outcome;
   }
   if (!failure.ok()) return Fail(failure.error(), now);
@@ -319,7 +329,7 @@ double TickEngine::NextPoll() const {
   if (run_.phase == RunPhase::kEnding) return std::min(end_at_, ResendDue());
   if (run_.phase != RunPhase::kRunning) return run_.created_at;
   const bool can_step = (run_.realtime() || barrier_.complete()) && !halted() && !run_.frame.paused;
-  const double step = can_step ? NextDue() : kNever;
+  const double step = can_step && observers_ready() ? NextDue() : kNever;  // observers are asked again at any poll
   return std::min(step, ResendDue());
 }
 

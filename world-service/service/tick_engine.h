@@ -63,6 +63,9 @@ class TickEngine {
 
   // A robot has no agent, and no tick can follow.
   bool halted() const;
+  // All observers can accept a tick.
+  bool observers_ready() const;
+  double observers_waited_seconds() const { return observers_waited_; }  // that ticks have waited for them
   std::vector<AgentId> MissingMembers() const { return barrier_.Missing(); }
   double committed_at() const { return committed_at_; }  // wall time of the newest frame, s
   std::uint64_t steps() const { return steps_; }
@@ -74,12 +77,13 @@ class TickEngine {
   void RejectUnknown(AgentId agent, double now);
   void AskToJoin(Member& member, double now);
   void Lose(Member& member, const std::string& reason, double now);
-  bool ReadyToCommit(double now) const;
+  bool ReadyToCommit(double now);
   // When the next tick may be committed.
   double NextDue() const;
   void Commit(double now);
   // The proposals or the edit led to the frame.
-  void Publish(std::span<const Proposal> proposals, const AppliedEdit* edit, double now);
+  void Publish(std::span<const Proposal> proposals, double now, const AppliedEdit* edit = nullptr,
+               const WorldState* before = nullptr);
   void End(double now);
   void ResendFrame();
   // The time of the next resend, unless the frame is answered before.
@@ -95,6 +99,8 @@ class TickEngine {
   Pace pace_ = Pace::kRun;
   std::uint64_t steps_ = 0;
   std::uint64_t frames_resent_ = 0;
+  double observers_waited_ = 0.0;  // s
+  std::optional<double> observers_wait_since_;
 
   // Wall times, s.
   double committed_at_ = 0.0;  // of the newest frame

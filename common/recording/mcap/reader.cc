@@ -218,10 +218,10 @@ Status Reader::Scan() {
     const Result<Record> record = ReadRecord(offset, size());
     const Result<bool> more = record.ok() ? ScanRecord(record.value()) : record.error();
     if (!more.ok()) {
-      const bool at_end = offset == size() || !record.ok();
-      damage_ = {offset, at_end
-                             ? fmt::format("the recording is cut off at byte {}: the file has {} bytes", offset, size())
-                             : more.error().message};
+      const bool at_end = !record.ok();
+      damage_ = {offset, at_end ? fmt::format("the file is cut off: its {1} bytes end within the record at byte {0}",
+                                              offset, size())
+                                : more.error().message};
       return {};
     }
     if (!more.value()) {

@@ -1,4 +1,4 @@
-// Recorder: an observer that writes the output files of a run, one line or more for each frame. A frame after an edit
+// Recorder: an observer that writes the text files of a run, one line or more for each frame. A frame after an edit
 // has the tick of the one before, or an earlier one.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/output_file.h"
+#include "common/run/run_settings.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -16,12 +17,14 @@ namespace troupe {
 struct OutputFiles {
   std::string hash_log;  // "tick hash" a line
   std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
-  std::string record;    // JSON lines: header, then a line for each tick
+  std::string record;    // a recording if it ends in .mcap; else JSON lines: header, then a line for each tick
+  std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
 };
 
 class Recorder final : public RunObserver {
  public:
-  // Creates the files. The world outlives the recorder. The error names the file that cannot be written.
+  // Creates the files; `record` is not a recording. The world outlives the recorder. The error names the file that
+  // cannot be written.
   static Result<std::unique_ptr<Recorder>> Create(const WorldDescription& world, const OutputFiles& files);
 
   // The error is the first one of a file (a full disk); later frames are not written to it.

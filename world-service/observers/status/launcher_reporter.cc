@@ -68,7 +68,8 @@ class LauncherReporter final : public Reporter {
           {"state_hash", fmt::format("{:016x}", summary.state_hash)},
           {"slowest", std::move(slowest)},
           {"lost", summary.lost},
-          {"interrupted", summary.interrupted}});
+          {"interrupted", summary.interrupted},
+          {"record_waited_seconds", summary.record_waited_seconds}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});

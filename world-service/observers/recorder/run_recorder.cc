@@ -1,0 +1,133 @@
+#include "world-service/observers/recorder/run_recorder.h"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "common/base/version.h"
+#include "world-service/core/step_version.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A run that is killed loses no more than the ticks of about this time.
+constexpr std::chrono::duration<double> kLongestDelay(1.0);
+
+// The frame without state and events.
+FrameMessage HeadOf(const FrameMessage& frame) {
+  FrameMessage head;
+  head.run = frame.run;
+  head.state.tick = frame.state.tick;
+  head.state_hash = frame.state_hash;
+  head.edition = frame.edition;
+  head.world_edition = frame.world_edition;
+  head.fresh_edition = frame.fresh_edition;
+  return head;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RunRecorder>> RunRecorder::Create(const std::string& path, const RecordingOptions& options) {
+  Result<std::unique_ptr<mcap::ByteSink>> sink = mcap::CreateFileSink(path);
+  if (!sink.ok()) return sink.error();
+  return std::make_unique<RunRecorder>(std::move(sink).value(), options);
+}
+
+RunRecorder::RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options)
+    : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes) {}
+
+RunRecorder::~RunRecorder() {
+  queue_.Close();
+  if (thread_.joinable()) thread_.join();
+}
+
+Status RunRecorder::OnBegin(const RunStart& start) {
+  RecordedRun run;
+  run.run = start.run;
+  run.program_version = VersionText();
+  run.step_version = kStepVersion;
+  run.file = options_.world_file;
+  run.keyframe_interval = options_.keyframe_interval;
+  run.settings = start.settings;
+  run.world = start.scene->world();
+  Result<RecordingWriter> writer = RecordingWriter::Create(std::move(sink_), run);
+  if (!writer.ok()) return writer.error();
+  writer_.emplace(std::move(writer).value());
+  thread_ = std::thread([this] {
+    try {
+      Write();
+    } catch (const std::exception& exception) {
+      Fail(FailureOf(exception));
+    }
+  });
+  return {};
+}
+
+Status RunRecorder::OnTick(const CommittedTick& tick) {
+  if (failed_) return status();
+  queue_.Push(Convert(tick));
+  return {};
+}
+
+RecordedTick RunRecorder::Convert(const CommittedTick& tick) {
+  const FrameMessage& frame = tick.frame;
+  RecordedTick recorded = queue_.Reuse();
+  recorded.number = next_number_++;
+  recorded.tick = frame.state.tick;
+  recorded.edition = frame.edition;
+  recorded.state_hash = frame.state_hash;
+  recorded.proposals.assign(tick.proposals.begin(), tick.proposals.end());
+  recorded.events = frame.events;
+  if (tick.edit != nullptr) {
+    RecordedEdit& edit = recorded.edit.emplace();
+    edit.before = last_;
+    edit.before.state = *tick.before;
+    edit.request = tick.edit->request;
+    if (tick.edit->world != nullptr) edit.world = *tick.edit->world;
+  } else if (frame.state.tick % options_.keyframe_interval == 0 || frame.last) {
+    recorded.keyframe = HeadOf(frame);
+    recorded.keyframe->state = frame.state;
+  }
+  last_ = HeadOf(frame);
+  return recorded;
+}
+
+bool RunRecorder::IsReady() {
+  return failed_ || queue_.has_room();  // the next tick reports the failure
+}
+
+void RunRecorder::Write() {
+  Clock::time_point ended = Clock::now();  // the newest chunk that was ended for its age
+  while (!queue_.done()) {
+    std::optional<RecordedTick> tick = queue_.Pop(kLongestDelay.count());
+    Status written = tick ? writer_->Add(*tick) : Status();
+    if (const Clock::time_point now = Clock::now(); written.ok() && now - ended >= kLongestDelay) {
+      written = writer_->EndChunk();
+      ended = now;
+    }
+    if (!written.ok()) return Fail(written.error());
+    if (tick) queue_.Recycle(std::move(*tick));
+  }
+  if (Status closed = writer_->Close(); !closed.ok()) Fail(closed.error());
+}
+
+void RunRecorder::Fail(Error error) {
+  const std::lock_guard lock(mutex_);
+  if (status_.ok()) status_ = std::move(error);
+  failed_ = true;
+}
+
+Status RunRecorder::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+Status RunRecorder::OnEnd() {
+  queue_.Close();
+  if (thread_.joinable()) thread_.join();
+  return status();
+}
+
+}  // namespace troupe

@@ -1,0 +1,60 @@
+// RunRecorder: an observer that writes a recording of the run (docs/recording.md). A thread of its own writes, behind a
+// bounded queue; a run that is faster than the disk waits, and loses no tick.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/base/result.h"
+#include "common/recording/mcap/byte_sink.h"
+#include "common/recording/recording_writer.h"
+#include "world-service/observers/recorder/tick_queue.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+struct RecordingOptions {
+  std::string world_file;  // as the recording names it
+  Tick keyframe_interval = kDefaultKeyframeInterval;
+  std::size_t queue_bytes = std::size_t{16} << 20;
+};
+
+class RunRecorder final : public RunObserver {
+ public:
+  // Creates the file. The error names it.
+  static Result<std::unique_ptr<RunRecorder>> Create(const std::string& path, const RecordingOptions& options);
+  RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options);
+  ~RunRecorder() override;
+
+  Status OnBegin(const RunStart& start) override;
+  // The error is the first one of the file (a full disk).
+  Status OnTick(const CommittedTick& tick) override;
+  bool IsReady() override;
+  // Writes all ticks, and closes the file.
+  Status OnEnd() override;
+
+ private:
+  void Write();
+  void Fail(Error error);
+  Status status() const;
+  RecordedTick Convert(const CommittedTick& tick);
+
+  const RecordingOptions options_;
+  std::unique_ptr<mcap::ByteSink> sink_;  // until OnBegin
+  std::optional<RecordingWriter> writer_;
+  std::uint64_t next_number_ = 0;
+  FrameMessage last_;  // the newest frame, without its state and events
+  TickQueue queue_;
+  std::atomic<bool> failed_ = false;
+  mutable std::mutex mutex_;
+  Status status_;
+  std::thread thread_;  // last, because it uses all other members
+};
+
+}  // namespace troupe
