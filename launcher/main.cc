@@ -12,6 +12,7 @@
 #include "launcher/commands/export_map_command.h"
 #include "launcher/commands/host_command.h"
 #include "launcher/commands/keys_command.h"
+#include "launcher/commands/replay_command.h"
 #include "launcher/commands/run_command.h"
 #include "launcher/commands/snapshot_command.h"
 #include "launcher/commands/top_command.h"
@@ -25,6 +26,7 @@ int Main(int argc, const char* const* argv) {
   app.require_subcommand(1);
   int exit_status = kExitDone;
   AddRunCommand(app, exit_status);
+  AddReplayCommand(app, exit_status);
   AddCheckCommand(app, exit_status);
   AddTopCommand(app, exit_status);
   AddCtlCommand(app, exit_status);

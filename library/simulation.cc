@@ -1,16 +1,12 @@
 #include "troupe/simulation.h"
 
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <iterator>
 #include <utility>
 
 #include "common/model/state_hash.h"
-#include "common/picture/draw_picture.h"
 #include "common/worldfile/load_world.h"
-#include "library/scan_fans.h"
+#include "library/save_picture.h"
 #include "library/simulation_impl.h"
 #include "robot-agent/controller/create_controller.h"
 #include "world-service/core/initial_state.h"
@@ -28,18 +24,6 @@ Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
     robots.push_back(std::move(robot).value());
   }
   return robots;
-}
-
-Status WriteFile(const std::string& path, const std::string& bytes) {
-  const auto failure = [&] {
-    return Error{{path, 0, 0}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
-  };
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) return failure();
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) return failure();
-  return {};
 }
 
 }  // namespace
@@ -186,16 +170,7 @@ void Simulation::Release(RobotId robot) {
 }
 
 Status Simulation::SavePicture(const std::string& file, const PictureOptions& options, PictureRays rays) const {
-  const Result<PictureFormat> format = PictureFormatOf(file);
-  if (!format.ok()) return format.error();
-  PictureOptions with_format = options;
-  with_format.format = format.value();
-  if (Status problem = CheckPictureOptions(with_format); !problem.ok()) return problem;
-  const std::vector<ScanFan> fans =
-      rays == PictureRays::kDrawn ? MeasureFans(*impl_->now.scene, impl_->bodies, state()) : std::vector<ScanFan>();
-  const Result<std::string> bytes = DrawPicture(world(), state(), fans, with_format);
-  if (!bytes.ok()) return Failure(bytes.error().message);
-  return WriteFile(file, bytes.value());
+  return troupe::SavePicture(*impl_->now.scene, impl_->bodies, state(), file, options, rays);
 }
 
 }  // namespace troupe

@@ -60,6 +60,9 @@ set(may_include_world-service/service
 set(may_include_world-service/observers/recorder
   common/base common/geometry common/model common/protocol common/recording common/recording/mcap common/run common/spatial
   world-service/core world-service/service)
+set(may_include_world-service/replay
+  common/base common/geometry common/model common/protocol common/recording common/sensing common/spatial
+  world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model common/protocol common/worldfile world-service/service)
 set(may_include_world-service/observers/ros
@@ -115,11 +118,11 @@ set(may_include_launcher/supervise
   common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/service)
 set(may_include_launcher/commands
-  common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol common/run
-  common/security
+  common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol
+  common/recording common/run common/security
   common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
-  common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise
-  robot-agent/controller world-service/service)
+  common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise library
+  robot-agent/controller world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
 
 #include "common/command_line/exit_status.h"
 #include "common/command_line/run_flags.h"
+#include "common/recording/recording.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
 
@@ -89,7 +91,32 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
                      ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
 }
 
+// Seconds of simulated time.
+double SecondsOf(const Recording& recording) {
+  return static_cast<double>(recording.places().end()) / 1e9;
+}
+
+int CheckRecording(const std::string& file) {
+  const Result<Recording> opened = Recording::Open(file);
+  if (!opened.ok()) return Fail(opened.error());
+  const Recording& recording = opened.value();
+  const RecordedRun& run = recording.run();
+  fmt::print("recording: of troupe {}, step version {}, {}\n", run.program_version, run.step_version, run.file);
+  fmt::print("recorded: ticks 0 to {}, {} s simulated, {}, {}, {} bytes\n", recording.places().greatest(),
+             SecondsOf(recording), Count(recording.places().edits(), "edit"), Count(recording.keyframes(), "keyframe"),
+             recording.size());
+  LoadedWorld begin;
+  begin.world = run.world;
+  begin.settings = run.settings;
+  fmt::print("{}", DescribeWorld(begin));
+  std::fflush(stdout);
+  if (recording.damage()) return Fail({{file}, recording.damage()->problem, ErrorCode::kFailure});
+  if (const Status damaged = recording.CheckData(); !damaged.ok()) return Fail(damaged.error());
+  return kExitDone;
+}
+
 int CheckCommand(const std::string& file) {
+  if (IsRecordingPath(file)) return CheckRecording(file);
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   const Result<LoadedWorld> loaded = LoadWorld(file);
   if (!loaded.ok()) return Fail(loaded.error());

@@ -7,13 +7,17 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
 #include "common/picture/picture_options.h"
+#include "common/recording/recording.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
+#include "library/save_picture.h"
 #include "troupe/simulation.h"
+#include "world-service/replay/run_replay.h"
 
 namespace troupe {
 namespace {
@@ -35,12 +39,39 @@ PictureOptions ToPictureOptions(const SnapshotOptions& options) {
   return picture;
 }
 
+int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& picture, PictureRays rays) {
+  if (options.seed || options.controller) {
+    return Fail({{options.file}, "found a recording, whose seed and controllers cannot be changed"});
+  }
+  const Result<Recording> recording = Recording::Open(options.file);
+  if (!recording.ok()) return Fail(recording.error());
+  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return Fail(other.error());
+  ReplayOptions range;
+  range.from = range.to = options.tick;
+  RunReplay replay(recording.value(), range);
+  const Result<ReplayReport> report = replay.Run();
+  if (!report.ok()) return Fail(report.error());
+  for (const std::optional<std::string>& problem : {report.value().difference, report.value().damage}) {
+    if (problem) return Fail({{options.file}, *problem, ErrorCode::kFailure});
+  }
+  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
+  const ReplayedWorld& world = replay.world();
+  if (const Status problem = SavePicture(*world.scene(), world.bodies(), world.state(), options.output, picture, rays);
+      !problem.ok()) {
+    return Fail(problem.error());
+  }
+  return kExitDone;
+}
+
 }  // namespace
 
 void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("snapshot", "Draw a world at one tick");
   const auto options = std::make_shared<SnapshotOptions>();  // lives as long as the command
-  command->add_option("FILE", options->file, "A Stage .world file, a JSON scenario or a ROS map .yaml")->required();
+  command
+      ->add_option("FILE", options->file,
+                   "A Stage .world file, a JSON scenario, a ROS map .yaml or a recording (.mcap)")
+      ->required();
   command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, selects the format")
       ->required()
       ->type_name("FILE");
@@ -82,6 +113,8 @@ int SnapshotCommand(const SnapshotOptions& options) {
   const PictureOptions picture_options = ToPictureOptions(options);
   if (const Status problem = CheckPictureOptions(picture_options); !problem.ok()) return Fail(problem.error());
 
+  const PictureRays rays = options.rays ? PictureRays::kDrawn : PictureRays::kHidden;
+  if (IsRecordingPath(options.file)) return SnapshotRecording(options, picture_options, rays);
   if (const Status problem = CheckControllers(options.file, options.controller); !problem.ok())
     return Fail(problem.error());
   SimulationOptions simulation_options;
@@ -96,7 +129,6 @@ int SnapshotCommand(const SnapshotOptions& options) {
 
   simulation.Step(options.tick);
   for (const std::string& failure : simulation.failures()) fmt::print(stderr, "warning: {}\n", failure);
-  const PictureRays rays = options.rays ? PictureRays::kDrawn : PictureRays::kHidden;
   if (const Status problem = simulation.SavePicture(options.output, picture_options, rays); !problem.ok())
     return Fail(problem.error());
   return kExitDone;

@@ -1,0 +1,130 @@
+#include "launcher/commands/replay_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/option_checks.h"
+#include "common/command_line/run_flags.h"
+#include "launcher/commands/command_failure.h"
+#include "world-service/replay/run_replay.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct ReplayArguments {
+  std::string file;
+  bool verify = false;
+  bool force = false;
+  std::optional<std::uint64_t> from;
+  std::optional<std::uint64_t> to;
+  OutputFiles outputs;
+  std::string scans;
+};
+
+// A status line on a terminal, for replays that take longer than a moment.
+class ReplayProgress {
+ public:
+  ~ReplayProgress() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void Update(Tick tick, double share) {
+    if (!terminal_ || Clock::now() < next_) return;
+    next_ = Clock::now() + std::chrono::milliseconds(500);
+    shown_ = true;
+    fmt::print(stderr, "\r\033[Ktick {}, {:.0f} %", tick, 100.0 * share);
+    std::fflush(stderr);
+  }
+
+ private:
+  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(500);
+};
+
+Status CheckOutputs(const ReplayArguments& arguments) {
+  for (const std::string* output : {&arguments.outputs.hash_log, &arguments.outputs.poses, &arguments.scans}) {
+    std::error_code failure;
+    if (output->empty() || !std::filesystem::equivalent(*output, arguments.file, failure)) continue;
+    return Error{{*output}, "found the recording itself, expected another file to write"};
+  }
+  return {};
+}
+
+// "601 states, of ticks 0 to 600"
+std::string StatesText(const ReplayReport& report) {
+  if (report.states == 0) return "no state";
+  return fmt::format("{} states, of ticks {} to {},", report.states, report.first, report.last);
+}
+
+int ReplayCommand(const ReplayArguments& arguments) {
+  if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
+  const Result<Recording> recording = Recording::Open(arguments.file);
+  if (!recording.ok()) return Fail(recording.error());
+  if (const Status other = CheckStepVersion(recording.value()); !other.ok() && !arguments.force) {
+    Error error = other.error();
+    error.message += "; --force replays it, and names the first difference";
+    return Fail(error);
+  }
+  ReplayOptions options;
+  options.from = arguments.from;
+  options.to = arguments.to;
+  options.compare_events = arguments.verify;
+  options.outputs = arguments.outputs;
+  options.scans = arguments.scans;
+  auto progress = std::make_unique<ReplayProgress>();
+  options.on_progress = [&progress](Tick tick, double share) { progress->Update(tick, share); };
+  const Clock::time_point begin = Clock::now();
+  const Result<ReplayReport> replayed = RunReplay(recording.value(), options).Run();
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  progress.reset();
+  if (!replayed.ok()) return Fail(replayed.error());
+
+  const ReplayReport& report = replayed.value();
+  fmt::print("{} replayed in {:.2f} s{}\n", StatesText(report), seconds,
+             report.difference ? " before the first difference" : ": all state hashes are equal");
+  if (report.states > 0) fmt::print("state hash of tick {}: {:016x}\n", report.last, report.state_hash);
+  std::fflush(stdout);
+  if (report.difference) return Fail({{arguments.file}, *report.difference, ErrorCode::kFailure});
+  if (report.damage) return Fail({{arguments.file}, *report.damage, ErrorCode::kFailure});
+  if (!arguments.verify) return kExitDone;
+  if (const Status damaged = recording.value().CheckData(); !damaged.ok()) return Fail(damaged.error());
+  fmt::print("all recorded events are equal, and the file is whole\n");
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("replay", "Step a recorded run again, and compare every state with it");
+  const auto arguments = std::make_shared<ReplayArguments>();  // lives as long as the command
+  command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
+      ->required()
+      ->type_name("");
+  command->add_flag("--verify", arguments->verify, "Compare the events, too, and check the CRC of the whole file");
+  command->add_flag("--force", arguments->force, "Replay a recording of another version of the step, too");
+  command->add_option("--from", arguments->from, "First tick; stepping starts at the keyframe before (default: 0)")
+      ->check(WholeNumber(0))
+      ->type_name("TICK");
+  command->add_option("--to", arguments->to, "Last tick (default: the last of the recording)")
+      ->check(WholeNumber(0))
+      ->type_name("TICK");
+  const char* group = "Output files, as those of the run";
+  AddHashLogFlag(*command, arguments->outputs.hash_log, group);
+  AddPosesFlag(*command, arguments->outputs.poses, group);
+  AddScansFlag(*command, arguments->scans, group);
+  command->final_callback([arguments, &exit_status] { exit_status = ReplayCommand(*arguments); });
+}
+
+}  // namespace troupe

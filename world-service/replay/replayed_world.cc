@@ -1,0 +1,84 @@
+#include "world-service/replay/replayed_world.h"
+
+#include <string>
+#include <utility>
+
+#include "common/model/state_hash.h"
+#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
+#include "world-service/core/validate_proposal.h"
+#include "world-service/replay/check_start_state.h"
+#include "world-service/service/apply_edit.h"
+
+namespace troupe {
+
+ReplayedWorld::ReplayedWorld(std::shared_ptr<const Scene> scene)
+    : original_(scene), scene_(std::move(scene)), bodies_(*scene_) {}
+
+ReplayedWorld::ReplayedWorld(const Recording& recording)
+    : ReplayedWorld(std::make_shared<const Scene>(recording.run().world)) {
+  SetState(InitialState(*scene_));
+}
+
+Result<ReplayedWorld> ReplayedWorld::At(const Recording& recording, std::size_t chunk) {
+  ReplayedWorld world(std::make_shared<const Scene>(recording.run().world));
+  // Each edit is recorded with the state before it, so that the steps between them need not be repeated.
+  const Status edited = recording.VisitEdits(chunk, [&](const RecordedEdit& edit) {
+    if (Status problem = CheckStartState(world.world(), edit.before.state); !problem.ok()) return problem;
+    return world.Edit(edit, edit.before.edition + 1, edit.before.state);
+  });
+  if (!edited.ok()) return Error{{recording.name()}, edited.error().message, ErrorCode::kFailure};
+  return world;
+}
+
+void ReplayedWorld::SetState(WorldState state) {
+  state_ = std::move(state);
+  state_hash_ = StateHash(state_);
+  bodies_.Assign(state_);
+}
+
+Status ReplayedWorld::Restore(const FrameMessage& keyframe) {
+  if (Status problem = CheckStartState(world(), keyframe.state); !problem.ok()) return problem;
+  SetState(keyframe.state);
+  fresh_edition_ = keyframe.fresh_edition;
+  events_.clear();
+  return {};
+}
+
+Status ReplayedWorld::Apply(const RecordedTick& tick) {
+  events_.clear();
+  if (tick.edit) return Edit(*tick.edit, tick.edition, WorldState(state_));
+  return tick.is_step() ? Step(tick) : Status();
+}
+
+Status ReplayedWorld::Step(const RecordedTick& tick) {
+  for (const Proposal& proposal : tick.proposals) {
+    if (Status problem = ValidateProposal(world(), state_, proposal); !problem.ok()) {
+      const std::size_t robot = proposal.robot.index();
+      const std::string name = robot < world().robots.size() ? world().robots[robot].name : std::to_string(robot);
+      return Error{{}, "the proposal of robot " + name + " is refused: " + problem.error().message};
+    }
+  }
+  StepResult next = troupe::Step(*scene_, state_, tick.proposals, bodies_);
+  events_ = std::move(next.events);
+  SetState(std::move(next.state));
+  return {};
+}
+
+Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const WorldState& before) {
+  if (!IsEdit(edit.request.command)) return Error{{}, "found a request that is no edit"};
+  Result<EditedWorld> edited =
+      ApplyEdit({edit.request, edit.world ? &*edit.world : nullptr}, original_, scene_, before);
+  if (!edited.ok()) return Error{{}, "the edit is refused: " + edited.error().message};
+  if (edited.value().scene != scene_) {
+    scene_ = edited.value().scene;
+    bodies_ = BodyIndex(*scene_);
+  }
+  if (edit.request.command == ControlCommand::kLoadWorld) original_ = scene_;
+  if (edited.value().fresh) fresh_edition_ = edition;
+  events_ = std::move(edited.value().events);
+  SetState(std::move(edited.value().state));
+  return {};
+}
+
+}  // namespace troupe

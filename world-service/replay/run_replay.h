@@ -1,0 +1,90 @@
+// RunReplay: steps a recorded run again, from its recorded inputs and without controllers, and compares every state
+// with the recorded hash.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/recording/recording.h"
+#include "common/recording/tick_reader.h"
+#include "world-service/observers/recorder/recorder.h"
+#include "world-service/replay/replayed_world.h"
+#include "world-service/replay/scan_writer.h"
+
+namespace troupe {
+
+struct ReplayOptions {
+  // The first and the last tick. Of a tick with several states, because of edits, `from` is the first and `to` the
+  // last. Nothing: those of the recording.
+  std::optional<Tick> from;
+  std::optional<Tick> to;
+  bool compare_events = false;
+  OutputFiles outputs;  // hash log and poses
+  std::string scans;    // file; empty: none
+  // Called now and then with the tick and the share of the ticks, 0 to 1. May be null.
+  std::function<void(Tick tick, double share)> on_progress;
+};
+
+struct ReplayReport {
+  std::uint64_t states = 0;  // that were compared without a difference
+  Tick first = 0;            // the ticks of the first and the last of these
+  Tick last = 0;
+  std::uint64_t state_hash = 0;           // of the last
+  std::optional<std::string> difference;  // the first
+  std::optional<std::string> damage;      // of the recording: the states after it were not compared
+};
+
+// Refuses a recording that was made with another version of the step.
+Status CheckStepVersion(const Recording& recording);
+
+class RunReplay {
+ public:
+  // The recording outlives the replay.
+  RunReplay(const Recording& recording, ReplayOptions options) : recording_(recording), options_(std::move(options)) {}
+
+  // The error is a tick that the recording does not have, or an output file.
+  Result<ReplayReport> Run();
+  // The world at the last state. REQUIRES: Run has succeeded, with at least one state.
+  const ReplayedWorld& world() const { return *world_; }
+
+ private:
+  Status FindRange();
+  Status CreateOutputs();
+  Status CloseOutputs();
+  Status Start();
+  Status RunTicks();
+  bool IsPastEnd(const RecordedTick& next) const;
+  // Applies a tick and compares the state. False at a difference.
+  bool Apply(const RecordedTick& tick);
+  bool Compare(const RecordedTick& tick);
+  bool CompareEvents(const RecordedTick& tick);
+  bool CompareState(const RecordedTick& tick, const FrameMessage& recorded);
+  // Empty if the state of the world is equal.
+  std::string DescribeDifference(const FrameMessage& recorded) const;
+  void Differ(const RecordedTick& tick, const std::string& problem);
+  // After a difference of hashes: steps on to the next recorded state, which names the model.
+  void FindModel(TickReader& reader);
+  Status WriteOutputs(const RecordedTick& tick);
+  void ReportProgress(const RecordedTick& tick);
+
+  const Recording& recording_;
+  const ReplayOptions options_;
+  std::uint64_t from_time_ = 0;  // log times
+  std::optional<std::uint64_t> to_time_;
+  std::size_t first_chunk_ = 0;
+  std::optional<ReplayedWorld> world_;
+  bool has_state_ = false;
+  RecordedTick tick_;  // the newest that was applied; only its tick and log time
+  bool in_range_ = false;
+  bool names_model_ = false;  // the difference
+  std::unique_ptr<Recorder> recorder_;
+  std::shared_ptr<const Scene> recorded_scene_;  // known to recorder_
+  std::optional<ScanWriter> scans_;
+  FrameMessage frame_;  // for recorder_
+  ReplayReport report_;
+};
+
+}  // namespace troupe
