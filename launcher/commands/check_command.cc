@@ -91,6 +91,25 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
                      ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
 }
 
+// Models, robots, objects and settings.
+std::string DescribeContent(const LoadedWorld& loaded) {
+  const WorldDescription& world = loaded.world;
+  std::size_t rectangles = 0;
+  std::size_t blocks = 0;
+  for (const ModelDescription& model : world.models) {
+    const Shape& shape = world.shape(model.shape);
+    rectangles += shape.area ? shape.area->cover().count() : shape.rectangles.size();
+    blocks += shape.blocks.size();
+  }
+  std::string text = fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
+                                 Count(rectangles, "rectangle"));
+  text += fmt::format("robots: {}\n", world.robots.size());
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
+  }
+  return text + DescribeObjects(world) + DescribeSettings(loaded);
+}
+
 // Seconds of simulated time.
 double SecondsOf(const Recording& recording) {
   return static_cast<double>(recording.places().end()) / 1e9;
@@ -108,7 +127,7 @@ int CheckRecording(const std::string& file) {
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;
-  fmt::print("{}", DescribeWorld(begin));
+  fmt::print("world: {}\n{}", run.world.name, DescribeContent(begin));
   std::fflush(stdout);
   if (recording.damage()) return Fail({{file}, recording.damage()->problem, ErrorCode::kFailure});
   if (const Status damaged = recording.CheckData(); !damaged.ok()) return Fail(damaged.error());
@@ -127,25 +146,10 @@ int CheckCommand(const std::string& file) {
 }  // namespace
 
 std::string DescribeWorld(const LoadedWorld& loaded) {
-  const WorldDescription& world = loaded.world;
-  std::size_t rectangles = 0;
-  std::size_t blocks = 0;
-  for (const ModelDescription& model : world.models) {
-    const Shape& shape = world.shape(model.shape);
-    rectangles += shape.area ? shape.area->cover().count() : shape.rectangles.size();
-    blocks += shape.blocks.size();
-  }
-  std::string text = fmt::format("world: {} ({})\n", world.name, Count(loaded.files.size(), "file"));
+  std::string text = fmt::format("world: {} ({})\n", loaded.world.name, Count(loaded.files.size(), "file"));
   text += loaded.map_width == 0 ? std::string("map: none\n")
                                 : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
-  text += fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
-                      Count(rectangles, "rectangle"));
-  text += fmt::format("robots: {}\n", world.robots.size());
-  for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
-  }
-  text += DescribeObjects(world);
-  text += DescribeSettings(loaded);
+  text += DescribeContent(loaded);
   text += fmt::format("warnings: {}\n", loaded.warnings.size());
   for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";
   return text;

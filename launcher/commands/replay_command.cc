@@ -92,8 +92,10 @@ int ReplayCommand(const ReplayArguments& arguments) {
   if (!replayed.ok()) return Fail(replayed.error());
 
   const ReplayReport& report = replayed.value();
-  fmt::print("{} replayed in {:.2f} s{}\n", StatesText(report), seconds,
-             report.difference ? " before the first difference" : ": all state hashes are equal");
+  const char* outcome = report.difference ? " before the first difference"
+                        : report.damage   ? " before the damage: their state hashes are equal"
+                                          : ": all state hashes are equal";
+  fmt::print("{} replayed in {:.2f} s{}\n", StatesText(report), seconds, outcome);
   if (report.states > 0) fmt::print("state hash of tick {}: {:016x}\n", report.last, report.state_hash);
   std::fflush(stdout);
   if (report.difference) return Fail({{arguments.file}, *report.difference, ErrorCode::kFailure});

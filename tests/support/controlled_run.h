@@ -20,7 +20,7 @@
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
-#include "world-service/observers/recorder/recorder.h"
+#include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe::test {
@@ -48,9 +48,11 @@ class ControlledRun final : private RunObserver {
     options.start_timeout_seconds = setup.start_timeout_seconds;
     options.world_file = setup.world_file;
     options.settings.agent_deadline_seconds = 0.0;
-    recorder_ = Recorder::Create(scene_->world(), setup.outputs).value();
-    service_ = std::thread([this, options] {
-      summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), {recorder_.get(), this}, stop_);
+    recorders_ = MakeRecorders(scene_->world(), setup.outputs, setup.world_file).value();
+    RunObservers observers = {this};
+    for (const auto& recorder : recorders_) observers.push_back(recorder.get());
+    service_ = std::thread([this, options, observers] {
+      summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), observers, stop_);
       agents_stop_ = true;  // agents that have not ended
     });
   }
@@ -173,7 +175,7 @@ class ControlledRun final : private RunObserver {
   const Setup setup_;
   const std::shared_ptr<const Scene> scene_;
   std::unique_ptr<Transport> transport_;
-  std::unique_ptr<Recorder> recorder_;
+  std::vector<std::unique_ptr<RunObserver>> recorders_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> agents_stop_ = false;
   Result<RunSummary> summary_ = Error{{}, "the run did not end"};

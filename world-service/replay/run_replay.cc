@@ -162,6 +162,7 @@ bool RunReplay::Apply(const RecordedTick& tick) {
     if (tick.edit && !CompareState(tick, tick.edit->before)) return false;
     if (Status refused = world_->Apply(tick); !refused.ok()) {
       Differ(tick, refused.error().message);
+      names_model_ = true;
       return false;
     }
   }

@@ -1,0 +1,414 @@
+// Recordings of real runs: a replay gives the same files, byte for byte, and finds every difference.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/dds/tools/control_client.h"
+#include "common/recording/recording_writer.h"
+#include "common/recording/tick_reader.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
+
+std::string ScenarioPath(const std::string& name) {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/" + name;
+}
+
+class RecordingTest : public testing::Test {
+ protected:
+  std::string Path(const std::string& name) const { return folder_.Path(name); }
+
+  // Arguments for all output files of a run or a replay, by a prefix of their names.
+  std::vector<std::string> Outputs(const std::string& prefix) const {
+    return {"--hash-log", Path(prefix + "hashes"), "--poses", Path(prefix + "poses"),
+            "--scans",    Path(prefix + "scans")};
+  }
+  // `troupe run` in one process or with a process for each robot, with a recording.
+  void Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "run");
+    for (const std::string& argument : Outputs("run-")) arguments.push_back(argument);
+    for (const std::string& argument : {std::string("--record"), Path("run.mcap"), std::string("--headless"),
+                                        std::string("--domain"), std::to_string(TestDomain())}) {
+      arguments.push_back(argument);
+    }
+    const Finished run = Finish(Troupe(arguments));
+    ASSERT_EQ(run.exit_status, 0) << run.output;
+  }
+  Finished Replay(std::vector<std::string> arguments, const std::string& file = "run.mcap") const {
+    arguments.insert(arguments.begin(), {"replay", Path(file)});
+    return Finish(Troupe(arguments));
+  }
+  // The run's scans of a tick are in the order in which the agents were started, those of a replay in that of the
+  // robots.
+  enum class ScanOrder : bool { kSame, kOfAgents };
+  void ExpectEqualReplay(ScanOrder order = ScanOrder::kSame) const {
+    std::vector<std::string> arguments = Outputs("replay-");
+    arguments.emplace_back("--verify");
+    const Finished replay = Replay(arguments);
+    EXPECT_EQ(replay.exit_status, 0) << replay.output;
+    EXPECT_THAT(replay.output, HasSubstr("all state hashes are equal"));
+    EXPECT_THAT(replay.output, HasSubstr("all recorded events are equal, and the file is whole"));
+    EXPECT_FALSE(folder_.Read("run-hashes").empty());
+    for (const char* name : {"hashes", "poses"}) {
+      EXPECT_TRUE(folder_.Read(std::string("run-") + name) == folder_.Read(std::string("replay-") + name)) << name;
+    }
+    if (order == ScanOrder::kSame) {
+      EXPECT_TRUE(folder_.Read("run-scans") == folder_.Read("replay-scans"));
+    } else {
+      EXPECT_TRUE(SortedLines("run-scans") == SortedLines("replay-scans"));
+    }
+  }
+  std::vector<std::string> SortedLines(const std::string& name) const {
+    std::istringstream text(folder_.Read(name));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    std::sort(lines.begin(), lines.end());
+    return lines;
+  }
+  // Writes the recording again, with changes.
+  template <typename ChangeRun, typename ChangeTick>
+  void Rewrite(const std::string& to, const ChangeRun& change_run, const ChangeTick& change_tick) const {
+    const Recording recording = std::move(Recording::Open(Path("run.mcap"))).value();
+    RecordedRun run = recording.run();
+    change_run(run);
+    RecordingWriter writer = RecordingWriter::Create(mcap::CreateFileSink(Path(to)).value(), run).value();
+    TickReader reader(recording);
+    RecordedTick tick;
+    while (reader.Next(tick).value()) {
+      change_tick(tick);
+      ASSERT_TRUE(writer.Add(tick).ok());
+    }
+    ASSERT_TRUE(writer.Close().ok());
+  }
+
+  OutputFolder folder_;
+};
+
+struct World {
+  std::string file;  // in worlds/scenarios, or beside this test
+  bool in_process;
+};
+
+class RecordedWorld : public RecordingTest, public testing::WithParamInterface<World> {};
+
+TEST_P(RecordedWorld, IsReplayedWithTheSameFiles) {
+  const World& world = GetParam();
+  const std::string path = world.file.ends_with(".world") ? WorldPath(world.file) : ScenarioPath(world.file);
+  std::vector<std::string> arguments = {path, "--ticks", "250", "--speed", "max"};
+  if (world.in_process) arguments.emplace_back("--in-process");
+  Run(arguments);
+  ExpectEqualReplay();
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, RecordedWorld,
+                         testing::Values(World{"demo.json", true}, World{"relay.json", true},
+                                         World{"stage_stacking.json", true}, World{"stacking.json", false},
+                                         World{"lab.json", false}, World{"pen.world", false},
+                                         World{"hands.world", true}),
+                         [](const testing::TestParamInfo<World>& world) {
+                           const std::string& file = world.param.file;
+                           return file.substr(0, file.find('.')) + (world.param.in_process ? "InProcess" : "");
+                         });
+
+TEST_F(RecordingTest, IsEqualOnALossyNetwork) {
+  Run({WorldPath("pen.world"), "--ticks", "200", "--speed", "max", "--faults",
+       "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"});
+  ExpectEqualReplay();
+}
+
+// Late robots stop: the recording has the proposals that were used.
+TEST_F(RecordingTest, IsEqualInRealtimeModeWithLateRobots) {
+  Run({WorldPath("pen.world"), "--ticks", "150", "--mode", "realtime", "--speed", "10", "--faults",
+       "delay=0.4:0.03,seed=5"});
+  const Finished replay = Replay({"--verify", "--hash-log", Path("hashes"), "--poses", Path("poses")});
+  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  EXPECT_EQ(folder_.Read("hashes"), folder_.Read("run-hashes"));
+  EXPECT_TRUE(folder_.Read("poses") == folder_.Read("run-poses"));
+  const Recording recording = std::move(Recording::Open(Path("run.mcap"))).value();
+  TickReader reader(recording);
+  RecordedTick tick;
+  std::size_t late = 0;
+  while (reader.Next(tick).value()) late += tick.is_step() && tick.proposals.size() < 4 ? 1 : 0;
+  EXPECT_GT(late, 0u) << "no robot was late";
+}
+
+ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {},
+                       const std::string& source = "") {
+  ControlRequest request;
+  request.command = command;
+  request.name = name;
+  request.pose = pose;
+  request.source = source;
+  return request;
+}
+
+ControlRequest Steps(std::uint64_t ticks) {
+  ControlRequest step = Request(ControlCommand::kStep);
+  step.ticks = ticks;
+  return step;
+}
+
+ControlRequest Reset(std::uint8_t scopes) {
+  ControlRequest reset = Request(ControlCommand::kReset);
+  reset.scopes = scopes;
+  return reset;
+}
+
+// Edits of every kind; the pen has robots, walls and a bar.
+std::vector<ControlRequest> Edits() {
+  return {Steps(12),
+          Request(ControlCommand::kSetPose, "r0", {1.0, -1.0, 0.0, 0.3}),
+          Steps(7),
+          Request(ControlCommand::kDelete, "r1"),
+          Request(ControlCommand::kSpawn, "late", {0.0, -2.0, 0.0, 1.0}, "rover"),
+          Request(ControlCommand::kSpawn, "block", {-2.0, 0.5, 0.0, 0.0}, "wall"),
+          Steps(11),
+          Request(ControlCommand::kSetPose, "bar", {-2.0, -0.5, 0.0, 0.0}),
+          Request(ControlCommand::kSpawn, "r1", {2.0, -2.0, 0.0, 0.5}, "rover"),
+          Steps(9),
+          Reset(kResetState),
+          Steps(4),
+          Reset(kResetTime),
+          Steps(6),
+          Reset(kResetSpawned),
+          Steps(5),
+          Reset(kResetAll),
+          Steps(13),
+          Request(ControlCommand::kLoadWorld, "", {}, WorldPath("pen.world")),
+          Request(ControlCommand::kDelete, "r3"),
+          Steps(8),
+          Reset(kResetAll),
+          Steps(3)};
+}
+
+class EditedRunTest : public RecordingTest {
+ protected:
+  // Runs the pen with the edits; the tick of the last state, twice: the last frame is another one.
+  void RunWithEdits() {
+    const std::string session = TestSession("recorded-edits");
+    std::vector<std::string> arguments = Outputs("run-");
+    for (const std::string& argument :
+         {std::string("--paused"), std::string("--speed"), std::string("max"), std::string("--session"), session,
+          std::string("--keyframe-interval"), std::string("10"), std::string("--record"), Path("run.mcap")}) {
+      arguments.push_back(argument);
+    }
+    Program run = RunPen(arguments);
+    ControlClient client(NetworkOf(session));
+    ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
+    run.WaitForLine("ready");
+    for (const ControlRequest& request : Edits()) {
+      const Result<ControlReply> reply = client.Call(request, kSeconds);
+      ASSERT_TRUE(reply.ok() && reply.value().done)
+          << (reply.ok() ? reply.value().problem : reply.error().message) << run.output();
+    }
+    run.Signal(SIGINT);
+    EXPECT_EQ(run.Wait(), 130) << run.output();
+  }
+};
+
+TEST_F(EditedRunTest, IsReplayedWithTheSameFilesFromAnyTick) {
+  RunWithEdits();
+  ExpectEqualReplay(ScanOrder::kOfAgents);
+  // The lines of the hash log from the first state of a tick to the last of another.
+  std::istringstream log(folder_.Read("run-hashes"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(log, line);) lines.push_back(line + "\n");
+  const auto is_of = [](Tick tick) {
+    return [tick](const std::string& line) { return line.starts_with(std::to_string(tick) + " "); };
+  };
+  for (const auto& [from, to] : std::vector<std::pair<Tick, Tick>>{
+           {0, 0}, {0, 3}, {7, 8}, {12, 12}, {19, 5}, {25, 11}, {31, 1}, {39, 13}, {43, 2}}) {
+    SCOPED_TRACE(std::to_string(from) + " to " + std::to_string(to));
+    const Finished replay =
+        Replay({"--from", std::to_string(from), "--to", std::to_string(to), "--hash-log", Path("part")});
+    ASSERT_EQ(replay.exit_status, 0) << replay.output;
+    const auto first = std::find_if(lines.begin(), lines.end(), is_of(from));
+    const auto last = std::find_if(lines.rbegin(), lines.rend(), is_of(to));
+    std::string expected;
+    for (auto line = first; line != last.base(); ++line) expected += *line;
+    EXPECT_EQ(folder_.Read("part"), expected);
+  }
+}
+
+TEST_F(RecordingTest, IsReplayedInPart) {
+  Run({WorldPath("pen.world"), "--ticks", "120", "--speed", "max", "--in-process", "--keyframe-interval", "25"});
+  std::vector<std::string> arguments = Outputs("part-");
+  for (const char* word : {"--from", "61", "--to", "90"}) arguments.emplace_back(word);
+  const Finished replay = Replay(arguments);
+  ASSERT_EQ(replay.exit_status, 0) << replay.output;
+  EXPECT_THAT(replay.output, HasSubstr("30 states, of ticks 61 to 90, replayed"));
+  // Scans and hashes are the lines of these ticks.
+  const auto lines_of = [&](const std::string& name, const auto& tick_of) {
+    std::istringstream text(folder_.Read(name));
+    std::string lines;
+    for (std::string line; std::getline(text, line);) {
+      const int tick = tick_of(line);
+      if (tick < 0 || (tick >= 61 && tick <= 90)) lines += line + "\n";
+    }
+    return lines;
+  };
+  const auto number = [](const std::string& line) { return std::isdigit(line[0]) != 0 ? std::stoi(line) : -1; };
+  EXPECT_EQ(folder_.Read("part-hashes"), lines_of("run-hashes", number));
+  EXPECT_EQ(folder_.Read("part-poses"), lines_of("run-poses", number));
+  const auto of_scan = [](const std::string& line) { return nlohmann::json::parse(line)["tick"].get<int>(); };
+  EXPECT_TRUE(folder_.Read("part-scans") == lines_of("run-scans", of_scan));
+
+  for (const auto& [option, tick] : {std::pair("--from", "121"), std::pair("--to", "500")}) {
+    const Finished beyond = Replay({option, tick});
+    EXPECT_EQ(beyond.exit_status, 2);
+    EXPECT_THAT(beyond.output, HasSubstr("expected at most 120"));
+  }
+  EXPECT_EQ(Replay({"--from", "50", "--to", "40"}).exit_status, 2);
+}
+
+TEST_F(RecordingTest, IsDrawnAndChecked) {
+  Run({ScenarioPath("demo.json"), "--ticks", "60", "--speed", "max", "--in-process"});
+  ASSERT_EQ(Finish(Troupe({"snapshot", Path("run.mcap"), "--tick", "50", "--rays", "-o", Path("a.svg")})).exit_status,
+            0);
+  ASSERT_EQ(Finish(Troupe({"snapshot", ScenarioPath("demo.json"), "--tick", "50", "--rays", "-o", Path("b.svg")}))
+                .exit_status,
+            0);
+  EXPECT_TRUE(folder_.Read("a.svg") == folder_.Read("b.svg"));
+  const Finished beyond = Finish(Troupe({"snapshot", Path("run.mcap"), "--tick", "61", "-o", Path("c.svg")}));
+  EXPECT_EQ(beyond.exit_status, 2);
+  const Finished check = Finish(Troupe({"check", Path("run.mcap")}));
+  EXPECT_EQ(check.exit_status, 0);
+  EXPECT_THAT(check.output, HasSubstr("recorded: ticks 0 to 60, 6 s simulated, 0 edits, 2 keyframes"));
+}
+
+class ChangedRecordingTest : public RecordingTest {
+ protected:
+  void SetUp() override {
+    Run({WorldPath("pen.world"), "--ticks", "60", "--speed", "max", "--in-process", "--keyframe-interval", "20"});
+  }
+  static void Same(const RecordedRun&) {}
+};
+
+TEST_F(ChangedRecordingTest, AChangedProposalIsADifferenceThatNamesTheModel) {
+  Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
+    if (tick.tick == 27) tick.proposals[2].twist.vx *= 0.99;
+  });
+  const Finished replay = Replay({}, "changed.mcap");
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("27 states, of ticks 0 to 26, replayed"));
+  EXPECT_THAT(replay.output, HasSubstr("changed.mcap: error: tick 27: found the state hash "));
+  EXPECT_THAT(replay.output, HasSubstr("; at the next recorded state, of tick 40, the x of r2 is "));
+}
+
+TEST_F(ChangedRecordingTest, AChangedStateIsADifferenceThatNamesTheField) {
+  Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
+    if (tick.keyframe && tick.tick == 40) tick.keyframe->state.robots[1].X_WR.heading = 0.125;
+  });
+  const Finished replay = Replay({}, "changed.mcap");
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("tick 40: the heading of r1 is "));
+  EXPECT_THAT(replay.output, HasSubstr(", expected 0.125"));
+}
+
+TEST_F(ChangedRecordingTest, AChangedHashIsADifference) {
+  Rewrite("changed.mcap", Same, [](RecordedTick& tick) { tick.state_hash ^= tick.tick == 33 ? 1U : 0U; });
+  const Finished replay = Replay({}, "changed.mcap");
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("; at the next recorded state, of tick 40, no model differs any more"));
+}
+
+TEST_F(ChangedRecordingTest, AChangedEventIsFoundByVerify) {
+  Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
+    if (tick.tick == 33) tick.events.push_back({33, EventType::kStallEnded, RobotId(0)});
+  });
+  EXPECT_EQ(Replay({}, "changed.mcap").exit_status, 0);
+  const Finished verified = Replay({"--verify"}, "changed.mcap");
+  EXPECT_EQ(verified.exit_status, 3);
+  EXPECT_THAT(verified.output, HasSubstr("tick 33: found "));
+}
+
+TEST_F(ChangedRecordingTest, AProposalBeyondTheLimitsIsADifference) {
+  Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
+    if (tick.tick == 27) tick.proposals[0].twist.vx = 1e9;
+  });
+  const Finished replay = Replay({}, "changed.mcap");
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("tick 27: the proposal of robot r0 is refused: found the twist"));
+}
+
+TEST_F(ChangedRecordingTest, AnotherVersionOfTheStepIsRefusedUnlessForced) {
+  const auto later = [](RecordedRun& run) {
+    ++run.step_version;
+    run.program_version = "9.8.7";
+  };
+  Rewrite("later.mcap", later, [](RecordedTick&) {});
+  const Finished refused = Replay({}, "later.mcap");
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_THAT(refused.output, HasSubstr("(troupe 9.8.7), expected"));
+  EXPECT_THAT(refused.output, HasSubstr("--force replays it"));
+  EXPECT_EQ(Replay({"--force"}, "later.mcap").exit_status, 0);
+  EXPECT_EQ(Finish(Troupe({"snapshot", Path("later.mcap"), "-o", Path("a.svg")})).exit_status, 2);
+}
+
+TEST_F(ChangedRecordingTest, ACutOffFileIsReplayedToItsLastWholeChunk) {
+  for (const double share : {0.05, 0.6, 0.9, 0.999}) {
+    SCOPED_TRACE(share);
+    const std::string whole = folder_.Read("run.mcap");
+    const std::string part = whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+    std::ofstream(Path("part.mcap"), std::ios::binary) << part;
+    const Finished replay = Replay({}, "part.mcap");
+    EXPECT_EQ(replay.exit_status, 3) << replay.output;
+    EXPECT_THAT(replay.output, HasSubstr("part.mcap: error: "));
+  }
+}
+
+TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
+  Program run = RunPen({"--speed", "200", "--session", TestSession("killed"), "--keyframe-interval", "10", "--record",
+                        Path("run.mcap"), "--hash-log", Path("hashes")});
+  run.WaitForLine("ready");
+  while (!std::filesystem::exists(Path("run.mcap")) || std::filesystem::file_size(Path("run.mcap")) < 80'000) {
+    ASSERT_TRUE(std::filesystem::exists(Path("hashes"))) << run.output();
+  }
+  for (const pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find("world-service") != std::string::npos) kill(child, SIGKILL);
+  }
+  EXPECT_EQ(run.Wait(), 3) << run.output();
+  const Finished replay = Replay({});
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("replayed"));
+  EXPECT_THAT(replay.output, HasSubstr("their state hashes are equal"));
+  EXPECT_THAT(replay.output, HasSubstr("run.mcap: error: "));
+}
+
+TEST_F(RecordingTest, EndsTheRunOnAFullDisk) {
+  for (const std::string mode : {"--headless", "--in-process"}) {
+    const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
+                                " --speed max --keyframe-interval 10 --domain " + std::to_string(TestDomain()) + " " +
+                                mode + " --record " + Path("run.mcap");
+    const Finished run = Finish(Program({"/bin/sh", "-c", command}));
+    EXPECT_EQ(run.exit_status, 3) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("\n" + Path("run.mcap") + ": error: cannot write: File too large")) << run.output;
+    const Finished replay = Replay({});
+    EXPECT_EQ(replay.exit_status, 3);
+    EXPECT_THAT(replay.output, HasSubstr("their state hashes are equal"));
+  }
+}
+
+TEST_F(RecordingTest, RefusesOtherFiles) {
+  std::ofstream(Path("run.mcap")) << "not a recording";
+  const Finished replay = Replay({});
+  EXPECT_EQ(replay.exit_status, 2);
+  EXPECT_THAT(replay.output, HasSubstr("run.mcap: error: found other bytes at the start, expected an MCAP file"));
+  EXPECT_EQ(Replay({}, "missing.mcap").exit_status, 2);
+  EXPECT_EQ(Finish(Troupe({"check", Path("run.mcap")})).exit_status, 2);
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,250 @@
+#include "common/recording/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "common/recording/recording_writer.h"
+#include "common/recording/tick_reader.h"
+#include "tests/support/small_world.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+
+RecordedRun MakeRun() {
+  SmallWorld world;
+  world.AddBox("wall", 3.0, 0.0, 0.2, 4.0, {0.0, 1.0});
+  world.AddRobot("r0", {});
+  world.AddRobot("r1", {0.0, 2.0, 0.0, 0.0});
+  RecordedRun run;
+  run.run = 7;
+  run.program_version = "1.2.3";
+  run.step_version = 4;
+  run.file = "small.world";
+  run.keyframe_interval = 5;
+  run.settings.ticks = 20;
+  run.settings.mode = Mode::kRealtime;
+  run.settings.speed = 2.5;
+  run.settings.on_agent_loss = OnAgentLoss::kPause;
+  run.world = world.world();
+  return run;
+}
+
+FrameMessage FrameOf(const RecordedTick& tick, const WorldDescription& world) {
+  FrameMessage frame;
+  frame.run = 7;
+  frame.state = PlacedState(world);
+  frame.state.tick = tick.tick;
+  frame.edition = tick.edition;
+  frame.state_hash = tick.state_hash;
+  return frame;
+}
+
+// 21 states: a keyframe every five, a set pose after tick 7, and a reset to tick 0 after tick 12.
+std::vector<RecordedTick> MakeTicks(const WorldDescription& world) {
+  std::vector<RecordedTick> ticks;
+  Tick tick = 0;
+  Edition edition = 0;
+  for (std::uint64_t number = 0; number <= 20; ++number) {
+    RecordedTick& next = ticks.emplace_back();
+    const bool moves = number == 8;
+    const bool resets = number == 14;
+    if (moves || resets) {
+      next.edit.emplace();
+      next.edit->before = FrameOf(ticks[number - 1], world);
+      next.edit->request.command = resets ? ControlCommand::kReset : ControlCommand::kSetPose;
+      next.edit->request.name = "r0";
+      ++edition;
+    } else if (number > 0) {
+      ++tick;
+      next.proposals = {{RobotId(0), {0.25, 0.0, -0.5}, {}}, {RobotId(1), {1.0 / 3.0, 0.0, 0.0}, {0.5, 1e-300}}};
+    }
+    if (resets) tick = 0;
+    next.number = number;
+    next.tick = tick;
+    next.edition = edition;
+    next.state_hash = 1000 + number;
+    if (number % 3 == 0) next.events.push_back({tick, EventType::kStallBegan, RobotId(1), ModelId(0), "detail"});
+    if (!next.edit && tick % 5 == 0) next.keyframe = FrameOf(next, world);
+  }
+  return ticks;
+}
+
+std::vector<std::byte> Write(const RecordedRun& run, const std::vector<RecordedTick>& ticks) {
+  std::vector<std::byte> bytes;
+  RecordingWriter writer = RecordingWriter::Create(mcap::MakeMemorySink(bytes), run).value();
+  for (const RecordedTick& tick : ticks) EXPECT_TRUE(writer.Add(tick).ok());
+  EXPECT_TRUE(writer.Close().ok());
+  return bytes;
+}
+
+Result<Recording> Open(std::span<const std::byte> bytes) {
+  return Recording::Open(mcap::MakeMemorySource("test.mcap", bytes));
+}
+
+void ExpectSame(const RecordedTick& found, const RecordedTick& expected) {
+  EXPECT_EQ(found.number, expected.number);
+  EXPECT_EQ(found.tick, expected.tick);
+  EXPECT_EQ(found.edition, expected.edition);
+  EXPECT_EQ(found.state_hash, expected.state_hash);
+  EXPECT_EQ(found.proposals, expected.proposals);
+  EXPECT_EQ(found.events, expected.events);
+  EXPECT_EQ(found.keyframe, expected.keyframe);
+  ASSERT_EQ(found.edit.has_value(), expected.edit.has_value());
+  if (!found.edit) return;
+  EXPECT_EQ(found.edit->before, expected.edit->before);
+  EXPECT_EQ(found.edit->request, expected.edit->request);
+  EXPECT_EQ(found.edit->world, expected.edit->world);
+}
+
+// The number of ticks up to the first that cannot be read; each is as it was written.
+std::size_t CountEqualTicks(const Recording& recording, const std::vector<RecordedTick>& expected, bool& whole) {
+  TickReader reader(recording);
+  RecordedTick tick;
+  std::size_t count = 0;
+  whole = !recording.damage();
+  for (;; ++count) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) whole = false;
+    if (!more.ok() || !more.value()) return count;
+    if (count == expected.size()) {
+      ADD_FAILURE() << "found more ticks than were written";
+      return count;
+    }
+    ExpectSame(tick, expected[count]);
+  }
+}
+
+TEST(Recording, ReturnsTheRunAndItsTicks) {
+  const RecordedRun run = MakeRun();
+  const std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  const std::vector<std::byte> bytes = Write(run, ticks);
+  const Result<Recording> opened = Open(bytes);
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  const RecordedRun& found = opened.value().run();
+  EXPECT_EQ(found.run, 7u);
+  EXPECT_EQ(found.program_version, "1.2.3");
+  EXPECT_EQ(found.step_version, 4u);
+  EXPECT_EQ(found.file, "small.world");
+  EXPECT_EQ(found.keyframe_interval, 5u);
+  EXPECT_EQ(found.settings.ticks, 20u);
+  EXPECT_EQ(found.settings.mode, Mode::kRealtime);
+  EXPECT_EQ(found.settings.speed, 2.5);
+  EXPECT_EQ(found.settings.on_agent_loss, OnAgentLoss::kPause);
+  EXPECT_EQ(found.world, run.world);
+  bool whole = false;
+  EXPECT_EQ(CountEqualTicks(opened.value(), ticks, whole), ticks.size());
+  EXPECT_TRUE(whole);
+}
+
+TEST(Recording, FindsTheStatesOfATickAndTheKeyframeBefore) {
+  const RecordedRun run = MakeRun();
+  const std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  const std::vector<std::byte> bytes = Write(run, ticks);
+  const Recording recording = std::move(Open(bytes)).value();
+  EXPECT_EQ(recording.places().greatest(), 12u);
+  EXPECT_EQ(recording.places().edits(), 2u);
+  const auto interval = static_cast<std::uint64_t>(run.world.interval_ns);
+  EXPECT_EQ(recording.places().First(3), 3 * interval);
+  EXPECT_EQ(recording.places().Last(3), 15 * interval) << "the reset is at log time 12";
+  EXPECT_EQ(recording.places().Last(12), 12 * interval);
+  EXPECT_EQ(recording.places().First(13), std::nullopt);
+  // From each keyframe on the ticks are those that were written.
+  for (std::uint64_t time = 0; time <= 18 * interval; time += interval) {
+    const std::optional<std::size_t> chunk = recording.KeyframeBefore(time);
+    ASSERT_TRUE(chunk);
+    TickReader reader(recording, *chunk);
+    RecordedTick tick;
+    ASSERT_TRUE(reader.Next(tick).value());
+    EXPECT_TRUE(tick.keyframe);
+    EXPECT_LE(tick.log_time, time);
+    EXPECT_LE(time - tick.log_time, 6 * interval) << "a reset sets the ticks back";
+    ExpectSame(tick, ticks[tick.number]);
+    std::size_t edits = 0;
+    EXPECT_TRUE(recording.VisitEdits(*chunk, [&](const RecordedEdit&) { return ++edits, Status(); }).ok());
+    EXPECT_EQ(edits, tick.edition);
+  }
+}
+
+TEST(Recording, ReadsACutOffFileUpToItsLastWholeChunk) {
+  const RecordedRun run = MakeRun();
+  const std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  const std::vector<std::byte> bytes = Write(run, ticks);
+  std::size_t most = 0;
+  for (std::size_t size = 0; size < bytes.size(); size += size < bytes.size() / 2 ? 23 : 7) {
+    SCOPED_TRACE(size);
+    const Result<Recording> recording = Open(std::span(bytes).first(size));
+    if (!recording.ok()) {
+      EXPECT_FALSE(recording.error().message.empty());
+      EXPECT_EQ(most, 0u);
+      continue;
+    }
+    bool whole = true;
+    const std::size_t count = CountEqualTicks(recording.value(), ticks, whole);
+    EXPECT_FALSE(whole);
+    EXPECT_GE(count, most);
+    most = count;
+  }
+  EXPECT_EQ(most, ticks.size()) << "only the summary is missing at the end";
+}
+
+TEST(Recording, NeverReturnsOtherTicksAfterAChangedBit) {
+  const RecordedRun run = MakeRun();
+  const std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  std::vector<std::byte> bytes = Write(run, ticks);
+  for (std::size_t at = 0; at < bytes.size(); at += 5) {
+    SCOPED_TRACE(at);
+    const std::byte mask = std::byte{1} << (at / 5 % 8);
+    bytes[at] ^= mask;
+    if (const Result<Recording> recording = Open(bytes); recording.ok()) {
+      bool whole = false;
+      const std::size_t count = CountEqualTicks(recording.value(), ticks, whole);
+      if (whole) {
+        EXPECT_EQ(count, ticks.size());
+        EXPECT_FALSE(recording.value().CheckData().ok());
+      }
+    }
+    bytes[at] ^= mask;
+  }
+}
+
+TEST(Recording, ReportsAMissingState) {
+  const RecordedRun run = MakeRun();
+  std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  ticks.erase(ticks.begin() + 3);
+  const std::vector<std::byte> bytes = Write(run, ticks);
+  const Recording recording = std::move(Open(bytes)).value();
+  TickReader reader(recording);
+  RecordedTick tick;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(reader.Next(tick).value());
+  const Result<bool> fourth = reader.Next(tick);
+  ASSERT_FALSE(fourth.ok());
+  EXPECT_THAT(fourth.error().message, HasSubstr("found state number 4, expected 3: states are missing"));
+}
+
+TEST(Recording, RefusesAnMcapFileOfAnotherProgram) {
+  std::vector<std::byte> bytes;
+  mcap::Writer writer = mcap::Writer::Create(mcap::MakeMemorySink(bytes), "ros2", "another").value();
+  EXPECT_TRUE(writer.Close().ok());
+  const Result<Recording> recording = Open(bytes);
+  ASSERT_FALSE(recording.ok());
+  EXPECT_EQ(recording.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(recording.error().message, HasSubstr("found an MCAP file of profile \"ros2\""));
+}
+
+TEST(Recording, HasCompleteSchemas) {
+  for (const ChannelType& channel : kChannelTypes) {
+    const mcap::Schema schema = SchemaOf(channel);
+    EXPECT_EQ(schema.encoding, "omgidl");
+    EXPECT_EQ(schema.name.find("troupe::wire::"), 0u);
+    EXPECT_THAT(schema.data, HasSubstr("struct " + schema.name.substr(14) + " {"));
+    EXPECT_THAT(schema.data, testing::Not(HasSubstr("#include")));
+  }
+  EXPECT_THAT(SchemaOf(kChannelTypes[2]).data, HasSubstr("struct World {"));
+}
+
+}  // namespace
+}  // namespace troupe
