@@ -7,6 +7,10 @@
 
 #include "common/dds/convert/convert.h"
 #include "common/dds/convert/topic_types.h"
+#include "common/model/state_hash.h"
+#include "common/recording/mcap/byte_writer.h"
+#include "common/recording/mcap/reader.h"
+#include "common/recording/recording_writer.h"
 #include "common/ros_dds/simulation_types.h"
 #include "common/ros_dds/topic_types.h"
 #include "common/wire/cdr.h"
@@ -14,6 +18,9 @@
 #include "common/worldfile/build/build_world.h"
 #include "common/worldfile/stage/stage_parser.h"
 #include "fuzz/check.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
 
 namespace troupe::fuzz {
 namespace {
@@ -44,6 +51,14 @@ WorldDescription SmallWorld() {
   shape.rectangles_z = {0.0, 1.0};
   shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.factor = 0.1}, {.factor = 0.2});
   world.models.push_back(std::move(map));
+  return world;
+}
+
+// Without the map, whose pixels would be most of a recording.
+WorldDescription RobotWorld() {
+  WorldDescription world = SmallWorld();
+  world.models.pop_back();
+  world.shapes.pop_back();
   return world;
 }
 
@@ -122,6 +137,63 @@ void WriteRosSamples(const Seeds& seeds) {
   seeds.WriteRos(7, "spawn", spawn);
 }
 
+// Two steps, an edit and a step, with keyframes at the first and the third state.
+void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
+  RecordedRun run;
+  run.world = world;
+  std::vector<std::byte> file;
+  RecordingWriter writer = RecordingWriter::Create(mcap::MakeMemorySink(file), run).value();
+  const auto scene = std::make_shared<const Scene>(world);
+  FrameMessage frame;
+  frame.state = InitialState(*scene);
+  for (std::uint64_t number = 0; number < 5; ++number) {
+    RecordedTick tick;
+    tick.number = number;
+    if (number == 3) {
+      ControlRequest request;
+      request.command = ControlCommand::kSetPose;
+      request.name = "r0";
+      request.pose = {-1.0, -1.0, 0.0, 0.5};
+      tick.edit = RecordedEdit{frame, request, {}};
+      frame.state = SetPose(scene, frame.state, request.name, request.pose).value().state;
+      ++frame.edition;
+    } else if (number > 0) {
+      tick.proposals = {{RobotId(0), {0.01, 0.0, 0.01}, {}}};
+      frame.state = Step(*scene, frame.state, tick.proposals).state;
+    }
+    frame.state_hash = StateHash(frame.state);
+    tick.tick = frame.state.tick;
+    tick.edition = frame.edition;
+    tick.state_hash = frame.state_hash;
+    if (number % 2 == 0) tick.keyframe = frame;
+    Check(writer.Add(tick).ok());
+  }
+  Check(writer.Close().ok());
+
+  // Without the texts of the schemas, which are longer than an input.
+  const mcap::Reader reader = mcap::Reader::Open(mcap::MakeMemorySource("seed.mcap", file)).value();
+  std::vector<std::byte> small = {std::byte{0}};
+  std::vector<std::byte> messages = {std::byte{1}};
+  mcap::Writer copy = mcap::Writer::Create(mcap::MakeMemorySink(small), kRecordingProfile, "").value();
+  for (const ChannelType& channel : kChannelTypes) {
+    copy.AddChannel({copy.AddSchema({channel.type, "", ""}), channel.topic, "cdr"});
+  }
+  mcap::ByteWriter out(messages);
+  for (std::size_t i = 0; i < reader.chunks().size(); ++i) {
+    const mcap::Chunk chunk = reader.ReadChunk(i).value();
+    for (const mcap::Message& message : chunk.messages) {
+      copy.Add(message);
+      out.Add(static_cast<std::uint8_t>(message.channel));
+      out.AddWithLength<std::uint16_t>([&] { out.Add(message.data); });
+    }
+    Check(copy.EndChunk().ok());
+    out.Add(std::uint8_t{255});
+  }
+  Check(copy.Close().ok());
+  seeds.Write("recording", "file.bin", small);
+  seeds.Write("recording", "messages.bin", messages);
+}
+
 int Main(const char* folder) {
   const Seeds seeds(folder);
   const WorldDescription world = SmallWorld();
@@ -146,6 +218,7 @@ int Main(const char* folder) {
   seeds.WriteMessage("control_reply", reply);
   seeds.WriteMessage("status", StatusMessage());
   WriteRosSamples(seeds);
+  WriteRecordings(seeds, RobotWorld());
   return 0;
 }
 

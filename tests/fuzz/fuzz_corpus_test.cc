@@ -31,6 +31,7 @@ constexpr Target kTargets[] = {
     {"join", Join},
     {"map_yaml", MapYaml},
     {"proposal", Proposal},
+    {"recording", Recording},
     {"ros_sample", RosSample},
     {"scenario", Scenario},
     {"service_report", ServiceReport},

@@ -144,6 +144,10 @@ Status RunReplay::RunTicks() {
     ReportProgress(next);
   }
   if (!report_.damage && recording_.damage()) report_.damage = recording_.damage()->problem;
+  const bool ends_early = to_time_ && (tick_.log_time != *to_time_ || tick_.tick != *options_.to);
+  if (!report_.damage && (report_.states == 0 || ends_early)) {
+    report_.damage = "the ticks are not those that their times say";
+  }
   return {};
 }
 
