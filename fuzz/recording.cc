@@ -14,8 +14,8 @@
 namespace troupe::fuzz {
 namespace {
 
-// A file of the messages in the bytes: each behind its channel, one byte, and its length, two. Another number in place of
-// a channel ends a chunk. So the CRCs of a file do not keep changed messages from the readers.
+// A file of the messages in the bytes: each behind its channel, one byte, and its length, two. Another number in place
+// of a channel ends a chunk. So the CRCs of a file do not keep changed messages from the readers.
 std::vector<std::byte> FileOf(Bytes bytes) {
   std::vector<std::byte> file;
   mcap::Writer writer = mcap::Writer::Create(mcap::MakeMemorySink(file), kRecordingProfile, "fuzz").value();

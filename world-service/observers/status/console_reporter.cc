@@ -43,6 +43,9 @@ class ConsoleReporter final : public Reporter {
     for (const SlowRobot& slow : summary.slowest) {
       fmt::print(stderr, "  {}: last {} times, waited {:.2f} s\n", slow.robot, slow.times_last, slow.waited_seconds);
     }
+    if (summary.record_waited_seconds > 0.0) {
+      fmt::print(stderr, "  ticks waited {:.2f} s for the recording to be written\n", summary.record_waited_seconds);
+    }
     for (const std::string& robot : summary.lost) fmt::print(stderr, "  {}: no agent at the end\n", robot);
   }
   void Failed(const Error& error) override { fmt::print(stderr, "{}\n", error.ToString()); }
