@@ -66,8 +66,8 @@ set(may_include_world-service/replay
 set(may_include_world-service/observers/status
   common/base common/model common/protocol common/worldfile world-service/service)
 set(may_include_world-service/observers/ros
-  common/base common/geometry common/model common/spatial common/protocol common/dds/binding common/ros common/ros_dds
-  world-service/service)
+  common/base common/geometry common/model common/run common/spatial common/protocol common/dds/binding common/ros
+  common/ros_dds world-service/service)
 set(may_include_world-service/program
   common/base common/command_line common/protocol common/ros common/run common/worldfile common/worldfile/build
   world-service/observers/recorder world-service/service)
