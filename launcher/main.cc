@@ -16,6 +16,7 @@
 #include "launcher/commands/run_command.h"
 #include "launcher/commands/snapshot_command.h"
 #include "launcher/commands/top_command.h"
+#include "launcher/commands/view_command.h"
 
 namespace troupe {
 namespace {
@@ -30,6 +31,7 @@ int Main(int argc, const char* const* argv) {
   AddCheckCommand(app, exit_status);
   AddTopCommand(app, exit_status);
   AddCtlCommand(app, exit_status);
+  AddViewCommand(app, exit_status);
   AddSnapshotCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);

@@ -108,6 +108,10 @@ set(may_include_library
   common/base common/geometry common/model common/picture common/sensing common/spatial common/worldfile
   include/troupe/simulation.h robot-agent/controller robot-agent/robot world-service/core)
 
+# The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
+set(may_include_viewer/gateway
+  common/base common/geometry common/model common/picture common/protocol common/sensing common/spatial)
+
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run common/worldfile/scenario launcher/process)
@@ -122,15 +126,17 @@ set(may_include_launcher/commands
   common/recording common/run common/security
   common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
   common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise library
-  robot-agent/controller world-service/observers/recorder world-service/replay world-service/service)
+  robot-agent/controller viewer/gateway world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users
-  launcher/commands/ctl_command.cc launcher/commands/session_table.h launcher/commands/top_command.cc
+  launcher/commands/ctl_command.cc launcher/commands/find_session.cc launcher/commands/session_table.h
+  launcher/commands/top_command.cc launcher/commands/view_command.cc
   robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others
-  common/dds/tools/control_client.h common/dds/transport/dds_transport.h common/dds/binding/network_log.h common/dds/tools/session_monitor.h)
+  common/dds/tools/control_client.h common/dds/transport/dds_transport.h common/dds/binding/network_log.h common/dds/tools/session_monitor.h
+  common/dds/tools/session_observer.h)
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/recording common/wire
@@ -141,7 +147,7 @@ set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
   ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
   ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
-  ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc)
+  ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc ${ROOT}/viewer/gateway/*.h ${ROOT}/viewer/gateway/*.cc)
 foreach(file IN LISTS files)
   get_filename_component(folder ${file} DIRECTORY)
   if(folder STREQUAL "include/troupe")

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,16 +14,12 @@
 #include "common/command_line/option_checks.h"
 #include "common/command_line/run_flags.h"
 #include "common/dds/tools/control_client.h"
-#include "common/dds/tools/session_monitor.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/commands/find_session.h"
 #include "launcher/commands/pose_text.h"
 
 namespace troupe {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr double kDiscoverySeconds = 5.0;
 
 struct CtlOptions {
   NetworkSettings network;  // session empty: the only one
@@ -57,22 +52,6 @@ const char* Word(EntityKind kind) {
       return "model";
   }
   return "";
-}
-
-// The name of the only session in the domain.
-Result<std::string> FindSession(const NetworkSettings& network) {
-  SessionMonitor monitor(network);
-  const auto deadline = Clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
-  while (Clock::now() < deadline) {
-    monitor.WaitForChange(0.1);
-    const std::vector<SessionInfo> sessions = monitor.Sessions();
-    if (sessions.size() == 1) return sessions.front().session;
-    if (sessions.empty()) continue;
-    std::string names;
-    for (const SessionInfo& info : sessions) names += (names.empty() ? "" : ", ") + info.session;
-    return Failure("found several sessions (" + names + "), expected --session NAME");
-  }
-  return Failure("found no session");
 }
 
 // The pose of the command line. Without a height an entity keeps the one that it has.

@@ -17,6 +17,7 @@
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/service_process.h"
 #include "launcher/supervise/service_report.h"
+#include "launcher/supervise/viewer_process.h"
 
 namespace troupe {
 namespace {
@@ -41,7 +42,8 @@ class DistributedRun {
 
  private:
   void SuperviseUntilServiceEnds();
-  void AwaitAgents();
+  void StartViewer(const ReadyReport& ready);
+  void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
   void WaitForEvents();
@@ -72,6 +74,7 @@ class DistributedRun {
   Progress progress_;
   ServiceProcess service_;
   AgentFleet agents_;
+  ViewerProcess viewer_;
   AgentRestarts restarts_;  // none before the world service is ready
   std::uint32_t restarted_ = 0;
   const Clock::time_point start_ = Clock::now();
@@ -105,13 +108,16 @@ void DistributedRun::ProcessEvents() {
   for (const auto& host : hosts_.all()) host->Receive();
   service_.process().Poll();
   const std::vector<std::size_t> ended = agents_.PollEnded();
+  const Status viewer = viewer_.Poll();
   PrintOutput();
+  if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   for (const std::size_t agent : ended) ReactToEnd(agents_.agent(agent));
   RestartAgents();
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
     agents_.Kill();
+    viewer_.Kill();
   }
 }
 
@@ -154,7 +160,15 @@ void DistributedRun::React(const ReadyReport& ready) {
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
   const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
-  if (!started.ok()) Fail(FailedRun(started.error()));
+  if (!started.ok()) return Fail(FailedRun(started.error()));
+  StartViewer(ready);
+}
+
+// Without a viewer the run is the same.
+void DistributedRun::StartViewer(const ReadyReport& ready) {
+  if (options_.headless) return;
+  const Status started = viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(ready.port), keys_);
+  if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -248,11 +262,12 @@ void DistributedRun::SuperviseUntilServiceEnds() {
   }
 }
 
-void DistributedRun::AwaitAgents() {
+void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
+  viewer_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended()) ProcessEvents();
+  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
   PrintOutput();
 }
 
@@ -304,7 +319,7 @@ RunEnd DistributedRun::Run() {
   keys_ = std::move(keys).value();
   if (const Status status = service_.Start(keys_); !status.ok()) return FailedRun(status.error());
   SuperviseUntilServiceEnds();
-  AwaitAgents();
+  AwaitProcesses();
   return End();
 }
 

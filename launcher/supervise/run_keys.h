@@ -29,6 +29,8 @@ class RunKeys {
   // the process' host: "off" or a folder there. Copies the keys to a remote host.
   Result<std::string> ForService(Host& host) const;
   Result<std::string> ForAgent(Host& host, const std::vector<std::string>& robots) const;
+  // Likewise for a tool on the launcher's host.
+  std::string ForTools() const { return any() ? folder_ : kSecurityOff; }
 
  private:
   Result<std::string> PlaceOn(Host& host, const std::vector<std::string>& folders) const;

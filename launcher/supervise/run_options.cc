@@ -99,7 +99,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts",
                          "on, keys for this run alone; on the interface lo a token of the run", processes);
   AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
-  command.add_flag("--headless", options.headless, "Open no viewer")->group(processes);
+  command.add_flag("--headless", options.headless, "Start no viewer (see 'troupe view')")->group(processes);
 
   AddRosFlags(command, options.run.ros, options.ros, "ROS 2");
   AddOutputFlags(command, options);

@@ -34,7 +34,7 @@ struct RunOptions {
   std::vector<HostSettings> hosts;                  // of the scenario; none: this host only
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;
   bool paused = false;    // at the start
-  bool headless = false;  // no viewer exists yet: every run is headless
+  bool headless = false;  // no viewer
   ros::RosOptions ros = ros::OptionsFromEnvironment();
 
   // Files; empty: none.

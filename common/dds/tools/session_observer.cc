@@ -1,0 +1,45 @@
+#include "common/dds/tools/session_observer.h"
+
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "common/dds/transport/dds_transport.h"
+#include "common/security/session_keys.h"
+
+namespace troupe {
+namespace {
+
+class DdsSessionObserver : public SessionObserver {
+ public:
+  DdsSessionObserver(const DdsOptions& options, ObserverHandler& handler)
+      : transport_(MakeDdsObserverTransport(options)), endpoint_(transport_->MakeObserverEndpoint()) {
+    endpoint_->Start(handler);
+  }
+
+ private:
+  std::unique_ptr<Transport> transport_;
+  std::unique_ptr<ObserverEndpoint> endpoint_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler) {
+  Result<std::string> enclave = EnclaveOf(network.security, network.domain, network.session, Role::Observer());
+  if (!enclave.ok()) return enclave.error();
+  DdsOptions options;
+  static_cast<NetworkSettings&>(options) = network;
+  options.enclave = std::move(enclave).value();
+  try {
+    return std::unique_ptr<SessionObserver>(std::make_unique<DdsSessionObserver>(options, handler));
+  } catch (const std::exception& exception) {
+    return FailureOf(exception);
+  }
+}
+
+bool IsSecured(const NetworkSettings& network) {
+  const Result<std::string> enclave = EnclaveOf(network.security, network.domain, network.session, Role::Observer());
+  return !enclave.ok() || !enclave.value().empty();
+}
+
+}  // namespace troupe

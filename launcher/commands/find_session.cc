@@ -1,0 +1,26 @@
+#include "launcher/commands/find_session.h"
+
+#include <chrono>
+#include <vector>
+
+#include "common/dds/tools/session_monitor.h"
+
+namespace troupe {
+
+Result<std::string> FindSession(const NetworkSettings& network) {
+  using Clock = std::chrono::steady_clock;
+  SessionMonitor monitor(network);
+  const auto deadline = Clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
+  while (Clock::now() < deadline) {
+    monitor.WaitForChange(0.1);
+    const std::vector<SessionInfo> sessions = monitor.Sessions();
+    if (sessions.size() == 1) return sessions.front().session;
+    if (sessions.empty()) continue;
+    std::string names;
+    for (const SessionInfo& info : sessions) names += (names.empty() ? "" : ", ") + info.session;
+    return Failure("found several sessions (" + names + "), expected the name of one");
+  }
+  return Failure("found no session");
+}
+
+}  // namespace troupe

@@ -1,0 +1,144 @@
+#include "launcher/commands/view_command.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/network_flags.h"
+#include "common/command_line/option_checks.h"
+#include "common/dds/tools/control_client.h"
+#include "common/dds/tools/session_observer.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/commands/find_session.h"
+#include "launcher/process/signal_watch.h"
+#include "viewer/gateway/viewer_gateway.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kReplySeconds = 10.0;
+constexpr int kNiceness = 10;  // where processors are short, the run goes first
+
+struct ViewOptions {
+  NetworkSettings network;  // session empty: the only one
+  std::string listen;       // text for ParseListen; empty: the default
+  bool view_only = false;
+};
+
+struct ListenAddress {
+  std::string address;
+  std::uint16_t port = 0;
+};
+
+// "ADDRESS:PORT", with an IPv4 address.
+std::optional<ListenAddress> ParseListen(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) return std::nullopt;
+  ListenAddress listen{text.substr(0, colon)};
+  in_addr address{};
+  const char* const end = text.data() + text.size();
+  const auto port = std::from_chars(text.data() + colon + 1, end, listen.port);
+  const bool good = inet_pton(AF_INET, listen.address.c_str(), &address) == 1 && port.ec == std::errc() && port.ptr == end;
+  return good ? std::optional(listen) : std::nullopt;
+}
+
+std::string CheckListen(const std::string& text) {
+  return ParseListen(text) ? "" : "found '" + text + "', expected ADDRESS:PORT with an IPv4 address, for instance 127.0.0.1:8470";
+}
+
+// A run over DDS, as an observer and an operator of its session.
+class DdsRunLink : public RunLink {
+ public:
+  explicit DdsRunLink(const NetworkSettings& network) : network_(network), control_(network) {}
+
+  Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
+    Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(network_, handler);
+    if (!observer.ok()) return observer.error();
+    return std::unique_ptr<RunObservation>(std::make_unique<SessionObservation>(std::move(observer).value()));
+  }
+
+  Result<ControlReply> Ask(const ControlRequest& request) override {
+    try {
+      if (Status missing = control_.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
+      return control_.Call(request, kReplySeconds);
+    } catch (const std::exception& exception) {
+      return FailureOf(exception);
+    }
+  }
+
+ private:
+  struct SessionObservation : RunObservation {
+    explicit SessionObservation(std::unique_ptr<SessionObserver> observer) : observer_(std::move(observer)) {}
+    std::unique_ptr<SessionObserver> observer_;
+  };
+
+  const NetworkSettings network_;
+  ControlClient control_;
+};
+
+int Serve(const ViewOptions& options, SignalWatch& signals) {
+  DdsRunLink link(options.network);
+  ViewerGatewayOptions gateway_options;
+  gateway_options.session = options.network.session;
+  gateway_options.view_only = options.view_only;
+  gateway_options.needs_token = IsSecured(options.network);
+  if (const std::optional<ListenAddress> listen = ParseListen(options.listen)) {
+    gateway_options.address = listen->address;
+    gateway_options.port = listen->port;
+    gateway_options.any_port = false;
+  }
+  const Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(gateway_options, link);
+  if (!gateway.ok()) return Fail(gateway.error());
+  fmt::print("viewer: {}\n", gateway.value()->Address());
+  std::fflush(stdout);
+  pollfd waited = {signals.descriptor(), POLLIN, 0};
+  while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
+  return kExitDone;
+}
+
+int ViewCommand(ViewOptions options) {
+  SignalWatch signals;
+  setpriority(PRIO_PROCESS, 0, kNiceness);
+  try {
+    if (options.network.session.empty()) {
+      Result<std::string> found = FindSession(options.network);
+      if (!found.ok()) return Fail(found.error());
+      options.network.session = std::move(found).value();
+    }
+    return Serve(options, signals);
+  } catch (const std::exception& exception) {
+    return Fail(FailureOf(exception));
+  }
+}
+
+}  // namespace
+
+void AddViewCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("view", "Show a run in a browser");
+  const auto options = std::make_shared<ViewOptions>();
+  command->add_option("SESSION", options->network.session, "Session of the run (default: the only one in the domain)")
+      ->check(SessionName());
+  command
+      ->add_option("--listen", options->listen,
+                   fmt::format("Where the web server listens. Beyond this host the printed address has a token, "
+                               "without which nothing is served (default: 127.0.0.1:{}, or another port if that one is "
+                               "in use)",
+                               kViewerPort))
+      ->check(CLI::Validator(CheckListen, ""))
+      ->type_name("ADDRESS:PORT");
+  command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
+  AddToolNetworkFlags(*command, options->network);
+  command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,31 @@
+// ViewerProcess: the viewer of a run, `troupe view` as a process of its own on the launcher's host. Whatever becomes of
+// it, the run goes on.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "launcher/hosts/host.h"
+#include "launcher/supervise/run_keys.h"
+#include "launcher/supervise/run_options.h"
+
+namespace troupe {
+
+class ViewerProcess {
+ public:
+  // `service_address` is "host:port". The error is for people; without a viewer the run is the same.
+  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys);
+
+  // Checks for its end. The error, once, is an end that was not asked for.
+  Status Poll();
+  bool running() const { return process_ && process_->running(); }
+  // Asks it to end. No effect without a viewer, as below.
+  void Stop();
+  void Kill();
+
+ private:
+  std::unique_ptr<Child> process_;  // null: none
+  bool stopped_ = false;
+};
+
+}  // namespace troupe

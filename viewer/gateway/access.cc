@@ -1,0 +1,78 @@
+#include "viewer/gateway/access.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "common/base/random_id.h"
+
+namespace troupe {
+namespace {
+
+// The host without its port, in lower case.
+std::string NameIn(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  std::string name(colon == std::string_view::npos ? host : host.substr(0, colon));
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+bool IsAddress(const std::string& name) {
+  in_addr address{};
+  return inet_pton(AF_INET, name.c_str(), &address) == 1;
+}
+
+// Takes the same time wherever the texts differ, so that a token cannot be guessed byte by byte.
+bool AreEqual(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+const char* ToString(Access access) {
+  switch (access) {
+    case Access::kGranted:
+      return "granted";
+    case Access::kWrongHost:
+      return "the address of this page is not one of the viewer";
+    case Access::kWrongOrigin:
+      return "the request comes from a page of another site";
+    case Access::kWrongToken:
+      return "the address lacks the token that troupe printed";
+  }
+  return "";
+}
+
+Access AccessRules::ForPage(std::string_view host, std::string_view given_token) const {
+  const std::string name = NameIn(host);
+  const bool known = name == "localhost" || (loopback_only ? IsLoopback(name) : IsAddress(name)) ||
+                     std::find(names.begin(), names.end(), name) != names.end();
+  if (!known) return Access::kWrongHost;
+  if (!AreEqual(token, given_token) && !token.empty()) return Access::kWrongToken;
+  return Access::kGranted;
+}
+
+Access AccessRules::ForSocket(std::string_view host, std::string_view origin, std::string_view given_token) const {
+  const Access page = ForPage(host, given_token);
+  if (page == Access::kWrongHost) return page;
+  if (origin != fmt::format("http://{}", host) && origin != fmt::format("https://{}", host)) return Access::kWrongOrigin;
+  return page;
+}
+
+std::string MakeToken() {
+  return fmt::format("{:016x}{:016x}", MakeRandomId(), MakeRandomId());
+}
+
+bool IsLoopback(const std::string& address) {
+  in_addr parsed{};
+  return inet_pton(AF_INET, address.c_str(), &parsed) == 1 && (ntohl(parsed.s_addr) >> 24) == 127;
+}
+
+}  // namespace troupe

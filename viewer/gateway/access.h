@@ -1,0 +1,37 @@
+// Access: which requests of browsers the gateway serves. A page of another site that the user has open can send
+// requests to this machine, too; the headers tell them apart.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe {
+
+enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };
+
+// One line for people.
+const char* ToString(Access access);
+
+struct AccessRules {
+  // The gateway listens on a loopback address: requests must be addressed to one.
+  bool loopback_only = true;
+  // Beside addresses and "localhost", the names by which browsers may reach the gateway. Other names would let a site
+  // point its own name at this machine (DNS rebinding).
+  std::vector<std::string> names;
+  std::string token;  // in each request; empty: none is needed
+
+  // `host`: the Host header.
+  Access ForPage(std::string_view host, std::string_view given_token) const;
+  // `origin`: the Origin header; a browser sends it, and it must be the page that this host has served.
+  Access ForSocket(std::string_view host, std::string_view origin, std::string_view given_token) const;
+};
+
+// 128 random bits, as 32 hexadecimal digits.
+std::string MakeToken();
+
+// True for an address of the loopback network 127.0.0.0/8.
+bool IsLoopback(const std::string& address);
+
+}  // namespace troupe

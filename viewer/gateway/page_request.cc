@@ -1,0 +1,168 @@
+#include "viewer/gateway/page_request.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+struct CommandName {
+  const char* name;
+  ControlCommand command;
+};
+
+constexpr std::array<CommandName, 9> kCommands = {{{"status", ControlCommand::kStatus},
+                                                   {"pause", ControlCommand::kPause},
+                                                   {"play", ControlCommand::kPlay},
+                                                   {"step", ControlCommand::kStep},
+                                                   {"reset", ControlCommand::kReset},
+                                                   {"spawn", ControlCommand::kSpawn},
+                                                   {"delete", ControlCommand::kDelete},
+                                                   {"set_pose", ControlCommand::kSetPose},
+                                                   {"spawnables", ControlCommand::kSpawnables}}};
+
+constexpr std::uint64_t kMostTicks = 1'000'000;
+
+Error Malformed(const std::string& found, const std::string& expected) {
+  return {{}, "found " + found + ", expected " + expected};
+}
+
+std::optional<ControlCommand> FindCommand(const std::string& name) {
+  for (const CommandName& known : kCommands) {
+    if (name == known.name) return known.command;
+  }
+  return std::nullopt;
+}
+
+// Empty if the object has no text of that name.
+std::string TextIn(const Json& object, const char* key) {
+  const auto member = object.find(key);
+  return member != object.end() && member->is_string() ? member->get<std::string>() : std::string();
+}
+
+std::optional<std::uint64_t> WholeNumberIn(const Json& object, const char* key) {
+  const auto member = object.find(key);
+  if (member == object.end() || !member->is_number_unsigned()) return std::nullopt;
+  return member->get<std::uint64_t>();
+}
+
+std::optional<Pose> PoseIn(const Json& object) {
+  const auto member = object.find("pose");
+  if (member == object.end() || !member->is_array() || member->size() != 4) return std::nullopt;
+  std::array<double, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!(*member)[i].is_number()) return std::nullopt;
+    numbers[i] = (*member)[i].get<double>();
+    if (!std::isfinite(numbers[i])) return std::nullopt;
+  }
+  return Pose{numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+// A model of the run's world file, and no file.
+bool IsModelName(const std::string& source) {
+  if (source.empty() || source.find_first_of("/#") != std::string::npos) return false;
+  for (const char* ending : {".world", ".inc", ".json", ".yaml", ".yml"}) {
+    if (source.ends_with(ending)) return false;
+  }
+  return true;
+}
+
+Result<PageRequest> ParseControl(const Json& object) {
+  PageControl control;
+  const auto id = WholeNumberIn(object, "id");
+  if (!id) return Malformed("no id", "a whole number");
+  control.id = *id;
+  const std::string name = TextIn(object, "command");
+  const auto command = FindCommand(name);
+  if (!command) return Malformed("command '" + name + "'", "a command of the page");
+  ControlRequest& request = control.request;
+  request.command = *command;
+  if (*command == ControlCommand::kStep) {
+    const auto ticks = WholeNumberIn(object, "ticks");
+    if (!ticks || *ticks == 0 || *ticks > kMostTicks) return Malformed("no ticks", "1 to 1000000");
+    request.ticks = *ticks;
+  }
+  if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose) {
+    request.name = TextIn(object, "name");
+    if (request.name.empty()) return Malformed("no name", "that of a robot, an object or a model");
+  }
+  if (*command == ControlCommand::kSpawn) {
+    request.source = TextIn(object, "source");
+    if (!IsModelName(request.source)) return Malformed("source '" + request.source + "'", "a model of the world file");
+    request.rename = true;
+  }
+  if (*command == ControlCommand::kSpawn || *command == ControlCommand::kSetPose) {
+    const auto pose = PoseIn(object);
+    if (!pose) return Malformed("no pose", "four finite numbers");
+    request.pose = *pose;
+  }
+  return PageRequest(std::move(control));
+}
+
+Result<PageRequest> ParseSelect(const Json& object) {
+  SelectRequest select;
+  const auto robots = object.find("robots");
+  if (robots == object.end()) return Malformed("no robots", "names, or \"all\"");
+  if (robots->is_string() && robots->get<std::string>() == "all") {
+    select.all = true;
+    return PageRequest(std::move(select));
+  }
+  if (!robots->is_array() || robots->size() > kMostSelected) return Malformed("no list of robots", "up to 64 names");
+  for (const Json& robot : *robots) {
+    if (!robot.is_string()) return Malformed("a robot without a name", "a text");
+    select.robots.push_back(robot.get<std::string>());
+  }
+  return PageRequest(std::move(select));
+}
+
+const char* Word(RunState state) {
+  switch (state) {
+    case RunState::kStarting:
+      return "starting";
+    case RunState::kPlaying:
+      return "playing";
+    case RunState::kPaused:
+      return "paused";
+    case RunState::kOver:
+      return "over";
+  }
+  return "";
+}
+
+}  // namespace
+
+Result<PageRequest> ParsePageRequest(std::string_view text) {
+  if (text.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
+  const Json object = Json::parse(text, nullptr, false);
+  if (!object.is_object()) return Malformed("a text", "a JSON object");
+  const std::string type = TextIn(object, "type");
+  if (type == "select") return ParseSelect(object);
+  if (type == "control") return ParseControl(object);
+  return Malformed("type '" + type + "'", "select or control");
+}
+
+bool IsQuestion(ControlCommand command) {
+  return command == ControlCommand::kStatus || command == ControlCommand::kSpawnables ||
+         command == ControlCommand::kEntities;
+}
+
+std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
+  Json text = {{"type", "reply"}, {"id", id}};
+  text["done"] = reply.ok() && reply.value().done;
+  text["problem"] = reply.ok() ? reply.value().problem : reply.error().message;
+  if (reply.ok()) {
+    text["state"] = Word(reply.value().state);
+    text["tick"] = reply.value().tick;
+    Json names = Json::array();
+    for (const EntityReport& entity : reply.value().entities) names.push_back({{"name", entity.name}, {"type", entity.type}});
+    text["entities"] = std::move(names);
+  }
+  return text.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace troupe

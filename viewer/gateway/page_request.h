@@ -1,0 +1,44 @@
+// PageRequest: a request of the page, as JSON text.
+//   {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows
+//   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
+// The commands are those of `troupe ctl`, but for those that name files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/messages.h"
+
+namespace troupe {
+
+inline constexpr std::size_t kLongestPageRequest = 8192;  // bytes
+inline constexpr std::size_t kMostSelected = 64;          // robots by name
+
+struct SelectRequest {
+  bool all = false;
+  std::vector<std::string> robots;
+  bool operator==(const SelectRequest&) const = default;
+};
+
+struct PageControl {
+  std::uint64_t id = 0;  // repeated in the reply
+  ControlRequest request;
+  bool operator==(const PageControl&) const = default;
+};
+
+using PageRequest = std::variant<SelectRequest, PageControl>;
+
+// The error is of the page, or of a stranger: it is not a request.
+Result<PageRequest> ParsePageRequest(std::string_view text);
+
+// True for a request that changes nothing.
+bool IsQuestion(ControlCommand command);
+
+// The JSON text of a reply.
+std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply);
+
+}  // namespace troupe

@@ -1,0 +1,28 @@
+// RunLink: the gateway's connection to a run, over any transport.
+#pragma once
+
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/protocol/transport.h"
+
+namespace troupe {
+
+// An observer that follows a run until it is destroyed; no handler call runs any more then.
+class RunObservation {
+ public:
+  virtual ~RunObservation() = default;
+};
+
+class RunLink {
+ public:
+  virtual ~RunLink() = default;
+
+  // Begins to follow the run, which need not exist yet. The handler outlives the observation.
+  virtual Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) = 0;
+
+  // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
+  virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,295 @@
+#include "viewer/gateway/viewer_gateway.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "viewer/gateway/control_queue.h"
+#include "viewer/gateway/follower.h"
+#include "viewer/gateway/robot_readings.h"
+#include "viewer/gateway/run_feed.h"
+#include "viewer/gateway/state_rows.h"
+#include "viewer/gateway/viewer_state.h"
+#include "viewer/gateway/web_server.h"
+#include "viewer/gateway/world_message.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Of all robots' readings, the part of the time that the gateway may spend on measuring.
+constexpr int kMeasuringShare = 4;  // 1 / (1 + 4)
+
+// The flags of an update message.
+constexpr std::uint8_t kPausedFlag = 1;
+constexpr std::uint8_t kLastFlag = 2;
+constexpr std::uint8_t kStatusFlag = 4;
+constexpr std::uint8_t kReadingsFlag = 8;
+
+constexpr std::size_t kMostAwaited = 50;  // names in an update
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+void Write(ByteWriter& writer, const Event& event) {
+  writer.Write(event.tick);
+  writer.Write(static_cast<std::uint8_t>(event.type));
+  writer.WriteId(event.robot);
+  writer.WriteId(event.other);
+  writer.WriteId(event.object);
+  writer.WriteText(event.detail);
+}
+
+void Write(ByteWriter& writer, const StatusMessage& status) {
+  writer.Write(status.target_ticks);
+  writer.Write(status.wall_seconds);
+  writer.Write(status.real_time_factor);
+  writer.WriteCount(status.robots);
+  writer.WriteCount(status.agents);
+  writer.Write(status.waiting_seconds);
+  writer.WriteCount(status.waiting_for.size());
+  const std::size_t named = std::min(status.waiting_for.size(), kMostAwaited);
+  writer.WriteCount(named);
+  for (std::size_t i = 0; i < named; ++i) writer.WriteText(status.waiting_for[i]);
+}
+
+class RunGateway final : public ViewerGateway, private WebHandler {
+ public:
+  RunGateway(ViewerGatewayOptions options, RunLink& link)
+      : options_(std::move(options)),
+        token_(options_.needs_token || !IsLoopback(options_.address) ? MakeToken() : ""),
+        follower_(link, feed_),
+        controls_(link, [this] { server_->Wake(); }) {}
+
+  ~RunGateway() override {
+    if (server_) server_->Stop();
+  }
+
+  Status Listen() {
+    WebServer::Options web;
+    web.address = options_.address;
+    web.port = options_.port;
+    web.any_port = options_.any_port;
+    web.access.loopback_only = IsLoopback(options_.address);
+    web.access.token = token_;
+    if (!web.access.loopback_only) web.access.names = {HostName()};
+    web.longest_text = kLongestPageRequest;
+    web.files = options_.files;
+    Result<std::unique_ptr<WebServer>> server = WebServer::Create(web, *this);
+    if (!server.ok()) return server.error();
+    server_ = std::move(server).value();
+    server_->Serve();
+    return Status();
+  }
+
+  std::string Address() const override {
+    const std::string host = options_.address == "0.0.0.0" ? HostName() : options_.address;
+    const std::string page = "http://" + host + ":" + std::to_string(server_->port()) + "/";
+    return token_.empty() ? page : page + "?token=" + token_;
+  }
+
+ private:
+  void OnOpened(Viewer viewer) override {
+    if (viewers_.empty()) server_->SetPeriod(1.0 / kUpdatesPerSecond);
+    viewers_.try_emplace(viewer);
+    follower_.SetWanted(true);
+  }
+
+  void OnClosed(Viewer viewer) override {
+    viewers_.erase(viewer);
+    if (!viewers_.empty()) return;
+    follower_.SetWanted(false);
+    server_->SetPeriod(0.0);
+  }
+
+  bool OnText(Viewer viewer, std::string_view text) override;
+  std::optional<WebMessage> NextMessage(Viewer viewer) override;
+  void OnPeriod() override;
+  void OnWake() override;
+
+  void Answer(Viewer viewer, std::string text);
+  std::vector<RobotId> SelectedRobots(const ViewerState& viewer) const;
+  std::string SessionText() const;
+  bool NeedsUpdate(const ViewerState& viewer) const;
+  std::shared_ptr<const std::string> MakeUpdate(ViewerState& viewer);
+  void WriteEvents(ByteWriter& writer, ViewerState& viewer) const;
+  void WriteReadings(ByteWriter& writer, const ViewerState& viewer);
+
+  const ViewerGatewayOptions options_;
+  const std::string token_;
+  RunFeed feed_;
+  // Of the server's thread, with everything below but the threads themselves.
+  std::map<Viewer, ViewerState> viewers_;
+  FeedContent content_;
+  StateRows rows_;
+  std::uint64_t update_ = 0;  // counts the versions of the content that viewers may see
+  std::uint32_t world_ = 0;   // of rows_
+  RobotReadings readings_;
+  Clock::time_point next_readings_;
+  bool measure_all_ = true;  // now; all robots are measured less often if that takes long
+  std::string problem_;
+  std::unique_ptr<WebServer> server_;  // stopped first, but the queue may wake it still
+  Follower follower_;
+  ControlQueue controls_;
+};
+
+void RunGateway::Answer(Viewer viewer, std::string text) {
+  const auto known = viewers_.find(viewer);
+  if (known == viewers_.end() || known->second.texts.size() >= ViewerState::kMostTexts) return;
+  known->second.texts.push_back(std::move(text));
+  server_->RequestMessage(viewer);
+}
+
+bool RunGateway::OnText(Viewer viewer, std::string_view text) {
+  Result<PageRequest> request = ParsePageRequest(text);
+  if (!request.ok()) return false;
+  if (auto* const select = std::get_if<SelectRequest>(&request.value())) {
+    ViewerState& state = viewers_[viewer];
+    state.selected = std::move(*select);
+    state.selection_new = true;
+    return true;
+  }
+  PageControl& control = std::get<PageControl>(request.value());
+  const std::uint64_t id = control.id;
+  if (options_.view_only && !IsQuestion(control.request.command)) {
+    Answer(viewer, PageReplyText(id, Failure("this viewer only shows the run (--view-only)")));
+  } else if (!controls_.Add(viewer, std::move(control))) {
+    Answer(viewer, PageReplyText(id, Failure("too many requests wait for the run")));
+  }
+  return true;
+}
+
+void RunGateway::OnWake() {
+  for (ControlQueue::Answer& answer : controls_.TakeAnswers()) Answer(answer.viewer, std::move(answer.text));
+}
+
+void RunGateway::OnPeriod() {
+  const std::uint64_t before = content_.version;
+  feed_.Read(content_);
+  std::string problem = follower_.problem();
+  const bool has_world = content_.world != nullptr;
+  const bool session_changed = problem != problem_ || has_world != (world_ != 0);
+  problem_ = std::move(problem);
+  if (content_.version != before) {
+    ++update_;
+    const std::uint32_t world = has_world ? content_.world->number : 0;
+    if (world != 0) {
+      rows_.Assign(content_.state, update_, world != world_);
+      readings_.SetState(content_.world->scene, content_.state);
+      measure_all_ = Clock::now() >= next_readings_;
+    }
+    world_ = world;
+  }
+  for (auto& [viewer, state] : viewers_) {
+    if (session_changed) state.knows_session = false;
+    if (!state.knows_session || NeedsUpdate(state)) server_->RequestMessage(viewer);
+  }
+}
+
+bool RunGateway::NeedsUpdate(const ViewerState& viewer) const {
+  return world_ != 0 && (viewer.world != world_ || viewer.update != update_ || viewer.selection_new);
+}
+
+std::string RunGateway::SessionText() const {
+  const nlohmann::json text = {{"type", "session"},
+                               {"session", options_.session},
+                               {"view_only", options_.view_only},
+                               {"connected", world_ != 0},
+                               {"problem", problem_}};
+  return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::optional<WebMessage> RunGateway::NextMessage(Viewer id) {
+  ViewerState& viewer = viewers_[id];
+  if (!viewer.knows_session) {
+    viewer.knows_session = true;
+    return WebMessage{std::make_shared<const std::string>(SessionText()), true};
+  }
+  if (!viewer.texts.empty()) {
+    auto text = std::make_shared<const std::string>(std::move(viewer.texts.front()));
+    viewer.texts.pop_front();
+    return WebMessage{std::move(text), true};
+  }
+  if (!NeedsUpdate(viewer)) return std::nullopt;
+  if (viewer.world != world_) {
+    viewer.world = world_;
+    viewer.update = 0;
+    return WebMessage{content_.world->message, false};
+  }
+  return WebMessage{MakeUpdate(viewer), false};
+}
+
+std::shared_ptr<const std::string> RunGateway::MakeUpdate(ViewerState& viewer) {
+  ByteWriter writer;
+  writer.Write(static_cast<std::uint8_t>(PageMessage::kUpdate));
+  writer.Write(world_);
+  const bool has_readings = !viewer.selected.all || measure_all_;
+  writer.Write(static_cast<std::uint8_t>((content_.paused ? kPausedFlag : 0) | (content_.last ? kLastFlag : 0) |
+                                         (content_.status ? kStatusFlag : 0) | (has_readings ? kReadingsFlag : 0)));
+  writer.Write(content_.state.tick);
+  writer.Write(content_.state_hash);
+  writer.Write(content_.edition);
+  rows_.Write(writer, viewer.update);
+  WriteEvents(writer, viewer);
+  if (content_.status) Write(writer, *content_.status);
+  if (has_readings) WriteReadings(writer, viewer);
+  viewer.update = update_;
+  viewer.selection_new = false;
+  return std::make_shared<const std::string>(writer.TakeBytes());
+}
+
+void RunGateway::WriteEvents(ByteWriter& writer, ViewerState& viewer) const {
+  const std::size_t place = writer.ReserveCount();
+  std::size_t count = 0;
+  for (const NumberedEvent& numbered : content_.events) {
+    if (numbered.number <= viewer.event) continue;
+    Write(writer, numbered.event);
+    viewer.event = numbered.number;
+    ++count;
+  }
+  writer.FillCount(place, count);
+}
+
+std::vector<RobotId> RunGateway::SelectedRobots(const ViewerState& viewer) const {
+  const WorldDescription& world = content_.world->scene->world();
+  std::vector<RobotId> robots;
+  if (viewer.selected.all) {
+    for (std::size_t i = 0; i < world.robots.size(); ++i) {
+      if (IsThere(world, RobotId(i))) robots.emplace_back(i);
+    }
+    return robots;
+  }
+  for (const std::string& name : viewer.selected.robots) {
+    if (const std::optional<RobotId> robot = FindRobot(world, name)) robots.push_back(*robot);
+  }
+  return robots;
+}
+
+void RunGateway::WriteReadings(ByteWriter& writer, const ViewerState& viewer) {
+  const auto start = Clock::now();
+  const std::vector<RobotId> robots = SelectedRobots(viewer);
+  writer.WriteCount(robots.size());
+  for (const RobotId robot : robots) writer.Append(readings_.Of(robot));
+  const auto end = Clock::now();
+  if (viewer.selected.all) next_readings_ = end + kMeasuringShare * (end - start);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options, RunLink& link) {
+  auto gateway = std::make_unique<RunGateway>(options, link);
+  if (Status failure = gateway->Listen(); !failure.ok()) return failure.error();
+  return std::unique_ptr<ViewerGateway>(std::move(gateway));
+}
+
+}  // namespace troupe

@@ -1,0 +1,39 @@
+// ViewerGateway: shows a run to browsers. It follows the run as an observer (run_feed.h), serves the page, and sends each
+// viewer the world, then updates: at most kUpdatesPerSecond, each the difference from the viewer's last one. A viewer
+// that is slow skips updates, and delays nothing.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "viewer/gateway/page_files.h"
+#include "viewer/gateway/run_link.h"
+
+namespace troupe {
+
+inline constexpr std::uint16_t kViewerPort = 8470;
+inline constexpr int kUpdatesPerSecond = 60;
+
+struct ViewerGatewayOptions {
+  std::string session;                // for the page
+  std::string address = "127.0.0.1";  // IPv4 to listen on
+  std::uint16_t port = kViewerPort;   // 0: any
+  bool any_port = true;               // if the port is in use, another one
+  bool view_only = false;             // refuses requests that change the run
+  bool needs_token = false;           // on a loopback address as well; on others one is always needed
+  std::span<const PageFile> files = PageFiles();
+};
+
+class ViewerGateway {
+ public:
+  // Serves until the gateway is destroyed. The link must outlive it.
+  static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, RunLink& link);
+  virtual ~ViewerGateway() = default;
+
+  // The URL of the page, with the token.
+  virtual std::string Address() const = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,26 @@
+// ViewerState: the messages that one viewer has received, and those that it is to receive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string>
+
+#include "viewer/gateway/page_request.h"
+
+namespace troupe {
+
+struct ViewerState {
+  // Replies that wait for a viewer; a viewer with more of them does not read, and is not answered any more.
+  static constexpr std::size_t kMostTexts = 64;
+
+  SelectRequest selected;
+  std::deque<std::string> texts;
+  std::uint32_t world = 0;    // number of the world that it has; 0: none
+  std::uint64_t update = 0;   // of that world that it has received last; 0: none
+  std::uint64_t event = 0;    // number of the last event
+  bool selection_new = false;  // since the last update
+  bool knows_session = false;  // the session message was sent, as it is now
+};
+
+}  // namespace troupe

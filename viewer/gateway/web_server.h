@@ -1,0 +1,92 @@
+// WebServer: HTTP for the files of the page, and WebSockets for viewers, on libwebsockets. It knows nothing of the
+// simulation.
+//
+// Bounds: kMostConnections connections, of which kMostViewers are viewers; headers of kLongestHeaders; messages from a
+// viewer as long as Options says; one message on its way to each viewer, in pieces of kPiece bytes. A connection that
+// sends no request for kRequestSeconds, or does not answer a ping, is closed.
+//
+// Threads: the handler is called on the server's own thread. Wake may be called on any thread; RequestMessage and
+// SetPeriod only inside of handler calls.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "viewer/gateway/access.h"
+#include "viewer/gateway/page_files.h"
+
+namespace troupe {
+
+// A message to a viewer. Viewers share its bytes.
+struct WebMessage {
+  std::shared_ptr<const std::string> content;
+  bool is_text = false;
+};
+
+class WebHandler {
+ public:
+  using Viewer = std::uint64_t;  // never used twice
+
+  virtual ~WebHandler() = default;
+  virtual void OnOpened(Viewer viewer) = 0;
+  virtual void OnClosed(Viewer viewer) = 0;
+  // False closes the connection: the text is none that the page sends.
+  virtual bool OnText(Viewer viewer, std::string_view text) = 0;
+  // The viewer has received all messages before: the next one, if there is one already.
+  virtual std::optional<WebMessage> NextMessage(Viewer viewer) = 0;
+  virtual void OnPeriod() = 0;  // each period of SetPeriod
+  virtual void OnWake() = 0;    // after Wake
+};
+
+class WebServer {
+ public:
+  static constexpr int kMostConnections = 100;
+  static constexpr int kMostViewers = 40;
+  static constexpr int kLongestHeaders = 4096;       // bytes
+  static constexpr std::size_t kPiece = 32 * 1024;   // bytes
+  static constexpr int kRequestSeconds = 5;
+  static constexpr int kPingSeconds = 10;  // of silence, until a ping
+  static constexpr int kHangUpSeconds = 30;  // of silence
+
+  struct Options {
+    std::string address = "127.0.0.1";  // IPv4
+    std::uint16_t port = 0;
+    bool any_port = true;  // if the port is in use, another one
+    AccessRules access;
+    std::size_t longest_text = 8192;  // of a viewer, bytes
+    std::span<const PageFile> files;
+  };
+
+  // Listens. The handler must outlive the server.
+  static Result<std::unique_ptr<WebServer>> Create(const Options& options, WebHandler& handler);
+  ~WebServer();  // stops it
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  std::uint16_t port() const;
+
+  // Serves until Stop. REQUIRES: called once.
+  void Serve();
+  // No handler call runs any more when it returns.
+  void Stop();
+
+  void Wake();
+
+  // Calls NextMessage as soon as the viewer can receive one.
+  void RequestMessage(WebHandler::Viewer viewer);
+  // Seconds between two calls of OnPeriod; 0: none.
+  void SetPeriod(double seconds);
+
+ private:
+  class Implementation;
+  explicit WebServer(std::unique_ptr<Implementation> implementation);
+
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace troupe

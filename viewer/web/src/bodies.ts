@@ -1,0 +1,244 @@
+// Bodies: the robots and the objects in the scene. A body is a tree of links, as in common/spatial/scene.h: link 0 is
+// its root with everything that no joint moves. Links of equal geometry are instances of one mesh, so that a thousand
+// robots are drawn by a few calls.
+import {
+  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, MeshLambertMaterial, Raycaster, Sphere,
+  Vector3,
+} from 'three';
+import {GeometryBuilder, softened, type Rgb} from './geometry';
+import {compose, IDENTITY, jointMotion, toMatrix} from './pose';
+import type {Pose, World} from './protocol';
+import {poseOf, sameEntity, type Entity, type Run} from './run';
+
+interface Part {
+  model: number;
+  pose: Pose;  // in the link
+}
+
+interface Link {
+  joint: number;  // -1: link 0
+  parent: number;  // link
+  pose: Pose;  // in the parent link, at joint position 0
+  parts: Part[];
+  batch: Batch | null;  // null: nothing to draw
+  instance: number;
+}
+
+interface Body {
+  entity: Entity;
+  links: Link[];
+  radius: number;
+  top: number;  // m above its pose
+}
+
+interface Batch {
+  geometry: BufferGeometry;
+  owners: Entity[];  // by instance
+  mesh: InstancedMesh | null;
+}
+
+const PLAIN = new Color(1, 1, 1);
+const STALLED = new Color(1.25, 0.5, 0.45);
+const SELECTED = new Color(1.2, 1.2, 1.25);
+
+export class Bodies {
+  readonly group = new Group();
+  private readonly bodies: Body[] = [];
+  private readonly ofRobots: Body[] = [];  // by index, like the next
+  private readonly ofObjects: Body[] = [];
+  private readonly batches = new Map<string, Batch>();
+  private readonly linkOfModel = new Map<number, {body: Body; link: number; pose: Pose}>();
+  private readonly matrix = new Matrix4();
+
+  constructor(private readonly world: World, material: MeshLambertMaterial) {
+    world.robots.forEach((robot, index) => {
+      if (robot.present) this.addBody({kind: 'robot', index}, robot.root);
+    });
+    world.objects.forEach((root, index) => {
+      if (!world.models[root].removed) this.addBody({kind: 'object', index}, root);
+    });
+    for (const batch of this.batches.values()) {
+      const mesh = new InstancedMesh(batch.geometry, material, batch.owners.length);
+      mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+      mesh.frustumCulled = false;
+      mesh.castShadow = true;
+      mesh.receiveShadow = true;
+      mesh.userData.batch = batch;
+      for (let i = 0; i < batch.owners.length; ++i) mesh.setColorAt(i, PLAIN);
+      batch.mesh = mesh;
+      this.group.add(mesh);
+    }
+  }
+
+  // True for models of bodies, which are no part of the static map.
+  contains(model: number): boolean {
+    return this.linkOfModel.has(model);
+  }
+
+  place(run: Run, selected: Entity | null): void {
+    for (const body of this.bodies) {
+      const links = this.linkPoses(body, run);
+      if (!links) continue;
+      const stalled = body.entity.kind === 'robot' && run.robots[body.entity.index].stalled;
+      const color = stalled ? STALLED : sameEntity(body.entity, selected) ? SELECTED : PLAIN;
+      body.links.forEach((link, i) => {
+        if (!link.batch?.mesh) return;
+        link.batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));
+        link.batch.mesh.setColorAt(link.instance, color);
+      });
+    }
+    for (const {mesh} of this.batches.values()) {
+      if (!mesh) continue;
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+      mesh.boundingSphere = null;  // else picking would use the poses of before
+    }
+  }
+
+  radiusOf(entity: Entity): number {
+    return this.bodyOf(entity)?.radius ?? 0.2;
+  }
+
+  topOf(entity: Entity): number {
+    return this.bodyOf(entity)?.top ?? 0;
+  }
+
+  // The pose of a model of a body, in the world.
+  poseOfModel(model: number, run: Run): Pose | null {
+    const place = this.linkOfModel.get(model);
+    const links = place ? this.linkPoses(place.body, run) : null;
+    return place && links ? compose(links[place.link], place.pose) : null;
+  }
+
+  // The pose at which link 0 of an entity is drawn.
+  drawnPose(entity: Entity): Pose | null {
+    const link = this.bodyOf(entity)?.links.find(l => l.joint < 0);
+    if (!link?.batch?.mesh) return null;
+    link.batch.mesh.getMatrixAt(link.instance, this.matrix);
+    const e = this.matrix.elements;
+    return {x: e[12], y: e[13], z: e[14], heading: Math.atan2(e[1], e[0])};
+  }
+
+  // The entity under a ray, and how far away it is.
+  pick(raycaster: Raycaster): {entity: Entity; distance: number} | null {
+    const hit = raycaster.intersectObjects(this.group.children, false)[0];
+    if (!hit || hit.instanceId === undefined) return null;
+    const batch = hit.object.userData.batch as Batch;
+    return {entity: batch.owners[hit.instanceId], distance: hit.distance};
+  }
+
+  dispose(): void {
+    for (const batch of this.batches.values()) {
+      batch.geometry.dispose();
+      batch.mesh?.dispose();
+    }
+  }
+
+  private bodyOf(entity: Entity): Body | undefined {
+    return (entity.kind === 'robot' ? this.ofRobots : this.ofObjects)[entity.index];
+  }
+
+  private linkPoses(body: Body, run: Run): Pose[] | null {
+    const root = poseOf(run, body.entity);
+    if (!root) return null;
+    const poses: Pose[] = [root];
+    for (let i = 1; i < body.links.length; ++i) {
+      const link = body.links[i];
+      const position = run.joints[link.joint]?.position ?? 0;
+      poses.push(compose(compose(poses[link.parent], link.pose), jointMotion(this.world.joints[link.joint], position)));
+    }
+    return poses;
+  }
+
+  private addBody(entity: Entity, root: number): void {
+    const links: Link[] = [{joint: -1, parent: 0, pose: IDENTITY, parts: [], batch: null, instance: 0}];
+    const body: Body = {entity, links, radius: 0.05, top: 0};
+    const models = this.world.models;
+    const places = new Map<number, {link: number; pose: Pose}>([[root, {link: 0, pose: IDENTITY}]]);
+    // A model's parent has a smaller index.
+    for (let m = root; m < models.length; ++m) {
+      if (m !== root) {
+        const parent = places.get(models[m].parent);
+        if (!parent) continue;
+        const pose = compose(parent.pose, models[m].pose);
+        const joint = this.world.joints.findIndex(j => j.model === m);
+        if (joint >= 0) {
+          links.push({joint, parent: parent.link, pose, parts: [], batch: null, instance: 0});
+          places.set(m, {link: links.length - 1, pose: IDENTITY});
+        } else {
+          places.set(m, {link: parent.link, pose});
+        }
+      }
+      const place = places.get(m)!;
+      this.linkOfModel.set(m, {body, ...place});
+      if (!models[m].removed) links[place.link].parts.push({model: m, pose: place.pose});
+    }
+    for (const link of links) this.addInstance(link, entity, link.joint < 0 ? body : null);
+    this.bodies.push(body);
+    (entity.kind === 'robot' ? this.ofRobots : this.ofObjects)[entity.index] = body;
+  }
+
+  private addInstance(link: Link, entity: Entity, measured: Body | null): void {
+    const models = this.world.models;
+    const isRobot = entity.kind === 'robot';
+    const key = JSON.stringify([
+      isRobot && link.joint < 0, link.parts.map(({model, pose}) => [models[model].shape, models[model].color, pose]),
+    ]);
+    let batch = this.batches.get(key);
+    if (!batch) {
+      const geometry = this.makeGeometry(link, isRobot && link.joint < 0);
+      if (!geometry) return;
+      batch = {geometry, owners: [], mesh: null};
+      this.batches.set(key, batch);
+    }
+    link.batch = batch;
+    link.instance = batch.owners.length;
+    batch.owners.push(entity);
+    if (!measured) return;
+    const box = batch.geometry.boundingBox ?? new Box3();
+    measured.radius = new Sphere().setFromPoints([
+      new Vector3(box.min.x, box.min.y, 0), new Vector3(box.max.x, box.max.y, 0),
+    ]).radius;
+    measured.top = box.max.z;
+  }
+
+  private makeGeometry(link: Link, withNose: boolean): BufferGeometry | null {
+    const builder = new GeometryBuilder();
+    for (const {model, pose} of link.parts) {
+      const {shape, color} = this.world.models[model];
+      builder.addShape(this.world.shapes[shape], pose, softened(color.slice(0, 3) as Rgb));
+    }
+    if (builder.empty) return null;
+    if (withNose) this.addNose(builder, link);
+    const geometry = builder.build();
+    geometry.computeBoundingBox();
+    return geometry;
+  }
+
+  // A wedge on the widest block that shows the heading.
+  private addNose(builder: GeometryBuilder, link: Link): void {
+    let widest = 0;
+    let front = 0;
+    let side = 0;
+    let z = 0;
+    for (const {model, pose} of link.parts) {
+      for (const block of this.world.shapes[this.world.models[model].shape].blocks) {
+        const box = new Box3();
+        for (let i = 0; i < block.outline.length; i += 2) {
+          const p = compose(pose, {x: block.outline[i], y: block.outline[i + 1], z: 0, heading: 0});
+          box.expandByPoint(new Vector3(p.x, p.y, 0));
+        }
+        const area = (box.max.x - box.min.x) * (box.max.y - box.min.y);
+        if (area <= widest * 1.0001 && !(area > 0.98 * widest && pose.z + block.top > z)) continue;
+        widest = area;
+        front = box.max.x;
+        side = 0.55 * Math.min(box.max.y, -box.min.y, box.max.x);
+        z = pose.z + block.top;
+      }
+    }
+    if (front <= 0 || side <= 0) return;
+    const white: Rgb = [0.97, 0.97, 0.97];
+    builder.addFlat([[0.96 * front, 0], [0.35 * front, side], [0.5 * front, 0]], z + 0.004, IDENTITY, white);
+    builder.addFlat([[0.96 * front, 0], [0.5 * front, 0], [0.35 * front, -side]], z + 0.004, IDENTITY, white);
+  }
+}

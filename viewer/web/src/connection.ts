@@ -1,0 +1,94 @@
+// Connection: the WebSocket to the gateway. It connects again by itself, for instance when the gateway was restarted.
+import {decode, type Message} from './protocol';
+
+export interface SessionInfo {
+  session: string;
+  view_only: boolean;
+  connected: boolean;  // the gateway knows the run's state
+  problem: string;
+}
+
+export interface Reply {
+  done: boolean;
+  problem: string;
+  state?: string;
+  tick?: number;
+  entities?: Array<{name: string; type: string}>;
+}
+
+export interface ConnectionHandler {
+  onOpen(): void;
+  onClosed(): void;
+  onSession(info: SessionInfo): void;
+  onMessage(message: Message): void;
+}
+
+const SHORTEST_WAIT = 300;  // ms, before a new attempt
+const LONGEST_WAIT = 3000;
+
+export class Connection {
+  private socket: WebSocket | null = null;
+  private wait = SHORTEST_WAIT;
+  private lastId = 0;
+  private readonly open = new Map<number, (reply: Reply) => void>();
+
+  constructor(private readonly handler: ConnectionHandler) {
+    this.connect();
+  }
+
+  // Whose readings the gateway sends.
+  select(robots: string[] | 'all'): void {
+    this.send({type: 'select', robots});
+  }
+
+  // A request for the run. The reply of a lost connection says so.
+  request(command: string, more: object = {}): Promise<Reply> {
+    const id = ++this.lastId;
+    return new Promise(resolve => {
+      if (!this.send({type: 'control', id, command, ...more})) {
+        resolve({done: false, problem: 'the viewer is not connected'});
+        return;
+      }
+      this.open.set(id, resolve);
+    });
+  }
+
+  private send(value: object): boolean {
+    if (!this.socket || this.socket.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(value));
+    return true;
+  }
+
+  private connect(): void {
+    const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
+    const socket = new WebSocket(`${scheme}//${location.host}/socket${location.search}`, 'troupe');
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => {
+      this.socket = socket;
+      this.wait = SHORTEST_WAIT;
+      this.handler.onOpen();
+    };
+    socket.onmessage = event => this.receive(event.data as ArrayBuffer | string);
+    socket.onclose = () => {
+      this.socket = null;
+      for (const resolve of this.open.values()) resolve({done: false, problem: 'the connection to the viewer is lost'});
+      this.open.clear();
+      this.handler.onClosed();
+      setTimeout(() => this.connect(), this.wait);
+      this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
+    };
+  }
+
+  private receive(data: ArrayBuffer | string): void {
+    if (typeof data !== 'string') {
+      this.handler.onMessage(decode(data));
+      return;
+    }
+    const text = JSON.parse(data);
+    if (text.type === 'session') this.handler.onSession(text as SessionInfo);
+    if (text.type === 'reply') {
+      this.open.get(text.id)?.(text as Reply);
+      this.open.delete(text.id);
+    }
+  }
+}

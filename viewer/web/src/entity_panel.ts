@@ -1,0 +1,120 @@
+// The panel of the selected robot or object.
+import {byId, fixed, make, setText} from './dom';
+import {drawPolarPlot} from './polar_plot';
+import {degrees} from './pose';
+import {OBJECT_MODES, type Pose} from './protocol';
+import {robotState} from './robot_list';
+import {nameOf, poseOf, type Entity, type Run} from './run';
+
+function normalizedDegrees(heading: number): number {
+  return degrees(Math.atan2(Math.sin(heading), Math.cos(heading)));
+}
+
+export class EntityPanel {
+  private readonly panel = byId('panel');
+  private readonly facts = byId('panel-facts');
+  private readonly joints = byId('panel-joints');
+  private readonly plot = byId<HTMLCanvasElement>('panel-plot');
+  private readonly cells = new Map<string, HTMLElement>();
+
+  show(run: Run, entity: Entity | null): void {
+    const pose = entity ? poseOf(run, entity) : null;
+    this.panel.hidden = !pose;
+    if (!entity || !pose) return;
+    setText(byId('panel-name'), nameOf(run.world, entity));
+    if (entity.kind === 'robot') this.showRobot(run, entity.index, pose);
+    else this.showObject(run, entity.index, pose);
+  }
+
+  private showRobot(run: Run, robot: number, pose: Pose): void {
+    const description = run.world.robots[robot];
+    const row = run.robots[robot];
+    const held = run.held(robot);
+    const state = robotState(run, robot, held.length > 0);
+    const badge = byId('panel-state');
+    badge.className = `badge ${state}`;
+    setText(badge, state === 'lost' ? 'no agent' : state);
+    const facts: Array<[string, string]> = [
+      ...this.poseFacts(pose),
+      ['speed', `${fixed(row.vx, 3)} m/s`],
+      ...(row.vy !== 0 ? [['sideways', `${fixed(row.vy, 3)} m/s`] as [string, string]] : []),
+      ['turning', `${fixed(degrees(row.wz), 1)} °/s`],
+      ['controller', description.controller],
+    ];
+    if (held.length > 0) {
+      facts.push(['holds', held.map(i => nameOf(run.world, {kind: 'object', index: i})).join(', ')]);
+    }
+    this.showFacts(facts);
+    this.showJoints(run, robot);
+    const readings = run.readings.get(robot)?.readings ?? [];
+    const hasScans = readings.some(reading => reading.scans.length > 0);
+    byId('panel-sensors').hidden = !hasScans;
+    if (!hasScans) return;
+    const rays = readings.reduce((sum, r) => sum + r.scans.reduce((n, scan) => n + scan.ranges.length, 0), 0);
+    const nearest = Math.min(...readings.flatMap(r => r.scans.map(scan => Math.min(...scan.ranges))));
+    setText(byId('panel-sensor-text'), `${rays} rays, nearest ${fixed(nearest, 2)} m`);
+    drawPolarPlot(this.plot, readings);
+  }
+
+  private showObject(run: Run, object: number, pose: Pose): void {
+    const row = run.objects[object];
+    const mode = OBJECT_MODES[row.mode] ?? '?';
+    const badge = byId('panel-state');
+    badge.className = `badge ${mode === 'held' ? 'holding' : mode === 'falling' ? 'moving' : 'idle'}`;
+    setText(badge, mode);
+    const facts = this.poseFacts(pose);
+    if (row.holder >= 0) {
+      const gripper = run.world.grippers[row.holder];
+      facts.push(['held by', `${run.world.robots[gripper.robot].name}, ${gripper.name}`]);
+    }
+    this.showFacts(facts);
+    this.joints.replaceChildren();
+    byId('panel-sensors').hidden = true;
+  }
+
+  private poseFacts(pose: Pose): Array<[string, string]> {
+    return [
+      ['x', `${fixed(pose.x, 3)} m`],
+      ['y', `${fixed(pose.y, 3)} m`],
+      ['z', `${fixed(pose.z, 3)} m`],
+      ['heading', `${fixed(normalizedDegrees(pose.heading), 1)}°`],
+    ];
+  }
+
+  private showFacts(facts: Array<[string, string]>): void {
+    const names = facts.map(([name]) => name);
+    if (names.join() !== [...this.cells.keys()].join()) {
+      this.cells.clear();
+      this.facts.replaceChildren();
+      for (const name of names) {
+        const cell = make('dd', '');
+        this.facts.append(make('dt', '', name), cell);
+        this.cells.set(name, cell);
+      }
+    }
+    for (const [name, value] of facts) setText(this.cells.get(name)!, value);
+  }
+
+  private showJoints(run: Run, robot: number): void {
+    const joints = run.world.joints.map((joint, i) => ({joint, i})).filter(({joint}) => joint.robot === robot);
+    if (this.joints.childElementCount !== joints.length) {
+      this.joints.replaceChildren(...joints.map(() => {
+        const row = make('div', 'joint');
+        row.append(make('span', 'joint-name'), make('meter', 'joint-bar'), make('span', 'joint-value'));
+        return row;
+      }));
+    }
+    joints.forEach(({joint, i}, n) => {
+      const row = this.joints.children[n];
+      const [name, bar, value] = [...row.children] as [HTMLElement, HTMLMeterElement, HTMLElement];
+      const state = run.joints[i];
+      setText(name, joint.name);
+      bar.min = 0;
+      bar.max = 1;
+      const share = joint.max > joint.min ? ((state?.position ?? 0) - joint.min) / (joint.max - joint.min) : 0;
+      if (Math.abs(bar.value - share) > 1e-4) bar.value = share;
+      setText(value, joint.revolute ? `${fixed(degrees(state?.position ?? 0), 1)}°` : `${fixed(state?.position ?? 0, 3)} m`);
+      row.classList.toggle('blocked', state?.blocked ?? false);
+    });
+  }
+}

@@ -1,0 +1,52 @@
+// The list of events, the newest first.
+import {byId, fixed, make} from './dom';
+import {EventType, type RunEvent, type World} from './protocol';
+import type {Run} from './run';
+
+const MOST_SHOWN = 100;
+
+export function eventText(world: World, event: RunEvent): string {
+  const model = (index: number, none: string): string => (index >= 0 ? world.models[index]?.name ?? '?' : none);
+  const robot = event.robot >= 0 ? world.robots[event.robot]?.name ?? '?' : '';
+  switch (event.type) {
+    case EventType.StallBegan: return `${robot} stalls at ${model(event.other, 'the ground')}`;
+    case EventType.StallEnded: return `${robot} moves again`;
+    case EventType.Joined: return `${robot} has an agent`;
+    case EventType.Left: return `${robot} has lost its agent`;
+    case EventType.ProposalRejected: return `${robot}: proposal rejected: ${event.detail}`;
+    case EventType.Blocked: return `${robot}: ${event.detail} blocked by ${model(event.other, 'the ground')}`;
+    case EventType.Gripped: return `${robot}: ${event.detail} holds ${model(event.object, 'an object')}`;
+    case EventType.Released: return `${robot}: ${event.detail} has released ${model(event.object, 'an object')}`;
+    case EventType.Landed: return `${model(event.object, 'an object')} rests on ${model(event.other, 'the ground')}`;
+    case EventType.Unstable: return `${model(event.object, 'an object')} rests unstably on ${model(event.other, 'the ground')}`;
+  }
+}
+
+const WARNINGS = [EventType.Left, EventType.ProposalRejected, EventType.Blocked, EventType.StallBegan, EventType.Unstable];
+
+export class EventList {
+  private readonly list = byId('event-list');
+  private newest: RunEvent | null = null;
+
+  constructor(private readonly onRobot: (robot: number) => void) {}
+
+  show(run: Run): void {
+    const last = run.events[run.events.length - 1] ?? null;
+    if (last === this.newest) return;
+    const known = this.newest ? run.events.lastIndexOf(this.newest) : -1;
+    this.newest = last;
+    if (known < 0) this.list.replaceChildren();
+    for (const event of run.events.slice(known + 1).slice(-MOST_SHOWN)) this.list.prepend(this.row(run, event));
+    while (this.list.childElementCount > MOST_SHOWN) this.list.lastElementChild!.remove();
+    byId('event-count').textContent = String(run.events.length);
+  }
+
+  private row(run: Run, event: RunEvent): HTMLElement {
+    const row = make('button', WARNINGS.includes(event.type) ? 'event warning' : 'event');
+    row.append(
+      make('span', 'event-time', `${fixed(event.tick * run.world.interval, 1)} s`),
+      make('span', 'event-text', eventText(run.world, event)));
+    if (event.robot >= 0) row.onclick = () => this.onRobot(event.robot);
+    return row;
+  }
+}

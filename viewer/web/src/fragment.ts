@@ -1,0 +1,27 @@
+// The fragment of the address, for links to a view: #robot=r0&view=top&follow=1&rays=all
+export interface Fragment {
+  robot?: string;
+  view?: string;
+  follow?: boolean;
+  rays?: string;
+}
+
+export function readFragment(): Fragment {
+  const values = new URLSearchParams(location.hash.slice(1));
+  const fragment: Fragment = {};
+  if (values.get('robot')) fragment.robot = values.get('robot')!;
+  if (values.get('view')) fragment.view = values.get('view')!;
+  if (values.get('rays')) fragment.rays = values.get('rays')!;
+  fragment.follow = values.get('follow') === '1';
+  return fragment;
+}
+
+export function writeFragment(fragment: Fragment): void {
+  const values = new URLSearchParams();
+  if (fragment.robot) values.set('robot', fragment.robot);
+  if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
+  if (fragment.rays) values.set('rays', fragment.rays);
+  if (fragment.follow) values.set('follow', '1');
+  const text = values.toString();
+  history.replaceState(null, '', text ? `#${text}` : location.pathname + location.search);
+}

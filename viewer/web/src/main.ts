@@ -1,0 +1,249 @@
+// The page of `troupe view`.
+import {Connection, type SessionInfo} from './connection';
+import {byId, setText, throttled, toast} from './dom';
+import {Editing} from './editing';
+import {EntityPanel} from './entity_panel';
+import {EventList} from './events';
+import {readFragment, writeFragment} from './fragment';
+import type {Message} from './protocol';
+import {RobotList} from './robot_list';
+import {findEntity, nameOf, sameEntity, type Entity, Run} from './run';
+import {WorldScene, type ViewName} from './scene';
+import {installTestInterface} from './test_interface';
+import {TimeBar} from './time_bar';
+
+const PANEL_PERIOD = 100;  // ms between two texts of the panels
+
+class Viewer {
+  private run: Run | null = null;
+  private selected: Entity | null = null;
+  private wantedName: string;  // selected as soon as the world has it
+  private allRays = false;
+  private online = false;
+  private info: SessionInfo | null = null;
+  private readonly scene = new WorldScene(byId('scene'));
+  private readonly connection: Connection;
+  private readonly timeBar: TimeBar;
+  private readonly editing: Editing;
+  private readonly panel = new EntityPanel();
+  private readonly robots = new RobotList(robot => this.selectAndCenter({kind: 'robot', index: robot}));
+  private readonly events = new EventList(robot => this.selectAndCenter({kind: 'robot', index: robot}));
+  private readonly refresh = throttled(PANEL_PERIOD, () => this.refreshPanels());
+
+  constructor() {
+    this.connection = new Connection({
+      onOpen: () => {
+        this.online = true;
+        this.sendSelection();
+        this.showConnection();
+      },
+      onClosed: () => {
+        this.online = false;
+        this.showConnection();
+      },
+      onSession: info => this.onSession(info),
+      onMessage: message => this.onMessage(message),
+    });
+    this.timeBar = new TimeBar(this.connection);
+    this.editing = new Editing(this.scene, this.connection, {
+      run: () => this.run,
+      selected: () => this.selected,
+      select: entity => this.select(entity),
+    });
+    const fragment = readFragment();
+    this.wantedName = fragment.robot ?? '';
+    this.allRays = fragment.rays === 'all';
+    this.scene.following = fragment.follow ?? false;
+    this.setView(fragment.view === 'top' ? 'top' : 'orbit');
+    this.bindButtons();
+    this.bindKeys();
+    this.setTheme(localStorage.getItem('theme'));
+    this.showToggles();
+    this.showConnection();
+    installTestInterface({
+      run: () => this.run,
+      connected: () => this.online && (this.info?.connected ?? false),
+      select: name => {
+        this.wantedName = name;
+        this.selectWanted();
+      },
+    }, this.scene, this.connection);
+  }
+
+  private onSession(info: SessionInfo): void {
+    this.info = info;
+    document.title = `${info.session} · Troupe`;
+    setText(byId('session'), info.session);
+    this.timeBar.setViewOnly(info.view_only);
+    this.editing.setViewOnly(info.view_only);
+    byId('view-only').hidden = !info.view_only;
+    this.showConnection();
+    this.refresh();
+  }
+
+  private onMessage(message: Message): void {
+    if (message.kind === 'world') {
+      const before = this.run;
+      const name = this.selected && before ? nameOf(before.world, this.selected) : '';
+      this.run = new Run(message.world, before);
+      this.selected = null;
+      if (name) this.wantedName = name;
+      this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
+      return;
+    }
+    if (!this.run || message.update.world !== this.run.world.number) return;
+    const first = !this.run.hasState;
+    this.run.apply(message.update);
+    if (first) this.selectWanted();
+    this.scene.show(this.run, this.selected);
+    this.refresh();
+  }
+
+  private selectWanted(): void {
+    const entity = this.run && this.wantedName ? findEntity(this.run.world, this.wantedName) : null;
+    if (entity) this.select(entity);
+  }
+
+  private select(entity: Entity | null): void {
+    this.wantedName = '';
+    if (sameEntity(entity, this.selected)) return;
+    this.selected = entity;
+    this.sendSelection();
+    if (this.run) this.scene.show(this.run, entity);
+    this.remember();
+    this.refresh();
+  }
+
+  private selectAndCenter(entity: Entity): void {
+    this.select(entity);
+    this.scene.centerOn(entity);
+  }
+
+  private sendSelection(): void {
+    const name = this.run && this.selected?.kind === 'robot' ? this.run.world.robots[this.selected.index].name : '';
+    this.connection.select(this.allRays ? 'all' : name ? [name] : []);
+  }
+
+  private refreshPanels(): void {
+    this.timeBar.show(this.run);
+    if (!this.run?.hasState) return;
+    this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
+    this.panel.show(this.run, this.selected);
+    this.events.show(this.run);
+    setText(byId('world-name'), this.run.world.name);
+  }
+
+  private showConnection(): void {
+    const overlay = byId('overlay');
+    const text = !this.online ? 'Connecting to the viewer …'
+      : this.info?.problem ? `Cannot follow the run: ${this.info.problem}`
+      : !this.info?.connected ? `Waiting for a run in session ${this.info?.session ?? ''} …` : '';
+    overlay.hidden = text === '' || (this.run?.over ?? false);
+    setText(byId('overlay-text'), text);
+    byId('scene').classList.toggle('stale', text !== '');
+  }
+
+  private setView(view: ViewName): void {
+    this.scene.setView(view);
+    byId('view-orbit').classList.toggle('on', view === 'orbit');
+    byId('view-top').classList.toggle('on', view === 'top');
+  }
+
+  private setTheme(theme: string | null): void {
+    if (theme === 'light' || theme === 'dark') document.documentElement.dataset.theme = theme;
+    this.scene.applyTheme();
+  }
+
+  private toggleTheme(): void {
+    const dark = document.documentElement.dataset.theme === 'dark' ||
+      (!document.documentElement.dataset.theme && matchMedia('(prefers-color-scheme: dark)').matches);
+    const theme = dark ? 'light' : 'dark';
+    localStorage.setItem('theme', theme);
+    this.setTheme(theme);
+  }
+
+  private remember(): void {
+    const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
+    writeFragment({
+      robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+    });
+  }
+
+  private showToggles(): void {
+    byId('rays').classList.toggle('on', this.allRays);
+    byId('names').classList.toggle('on', this.scene.labels.visible);
+    byId('follow').classList.toggle('on', this.scene.following);
+  }
+
+  private changed(): void {
+    this.showToggles();
+    this.remember();
+    if (this.run) this.scene.show(this.run, this.selected);
+  }
+
+  private takePicture(): void {
+    const link = document.createElement('a');
+    link.href = this.scene.picture();
+    link.download = `${this.info?.session ?? 'troupe'}-${this.run?.tick ?? 0}.png`;
+    link.click();
+    toast('The picture is saved');
+  }
+
+  private bindButtons(): void {
+    const bind = (id: string, action: () => void): void => {
+      byId(id).onclick = action;
+    };
+    bind('view-orbit', () => {
+      this.setView('orbit');
+      this.remember();
+    });
+    bind('view-top', () => {
+      this.setView('top');
+      this.remember();
+    });
+    bind('home', () => this.scene.home());
+    bind('theme', () => this.toggleTheme());
+    bind('picture', () => this.takePicture());
+    bind('names', () => {
+      this.scene.labels.visible = !this.scene.labels.visible;
+      this.changed();
+    });
+    bind('rays', () => {
+      this.allRays = !this.allRays;
+      this.sendSelection();
+      this.changed();
+    });
+    bind('follow', () => {
+      this.scene.following = !this.scene.following;
+      this.changed();
+    });
+    bind('panel-close', () => this.select(null));
+    byId('robot-search').oninput = () => this.refresh();
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.scene.applyTheme());
+  }
+
+  private bindKeys(): void {
+    window.addEventListener('keydown', event => {
+      if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
+      const actions: Record<string, () => void> = {
+        ' ': () => this.timeBar.toggle(),
+        '.': () => this.timeBar.step(1),
+        'o': () => byId('view-orbit').click(),
+        't': () => byId('view-top').click(),
+        'h': () => this.scene.home(),
+        'n': () => byId('names').click(),
+        'r': () => byId('rays').click(),
+        'f': () => byId('follow').click(),
+        'm': () => byId('move').click(),
+        'Delete': () => void this.editing.deleteSelected(),
+        'Escape': () => this.editing.cancel(),
+      };
+      const action = actions[event.key];
+      if (!action) return;
+      event.preventDefault();
+      action();
+    });
+  }
+}
+
+new Viewer();

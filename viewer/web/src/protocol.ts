@@ -1,0 +1,340 @@
+// The messages of the gateway: viewer/gateway/world_message.cc and viewer_gateway.cc write them. Numbers are
+// little-endian; metres and radians, in the world frame unless the name says otherwise.
+
+export const PROTOCOL = 1;
+
+export interface Pose {
+  x: number;
+  y: number;
+  z: number;
+  heading: number;
+}
+
+export interface Block {
+  bottom: number;
+  top: number;
+  outline: Float32Array;  // x, y, x, y ... counter-clockwise
+}
+
+// The occupied pixels of a dense bitmap.
+export interface Area {
+  box: [number, number, number, number];  // min x, min y, max x, max y
+  pose: Pose;
+  width: number;  // pixels
+  height: number;
+  bits: Uint8Array;  // row by row, the lowest bit first
+}
+
+export interface Shape {
+  blocks: Block[];
+  bottom: number;  // of the rectangles and the area
+  top: number;
+  rectangles: Float32Array;  // min x, min y, max x, max y of each
+  loops: Float32Array[];  // around the union of the rectangles
+  area: Area | null;
+}
+
+export interface Model {
+  name: string;
+  type: string;
+  parent: number;  // -1: none
+  pose: Pose;  // in the parent
+  shape: number;
+  color: [number, number, number, number];
+  removed: boolean;
+}
+
+export interface Sensor {
+  name: string;
+  type: string;
+}
+
+export interface Robot {
+  name: string;
+  root: number;  // model
+  present: boolean;
+  controller: string;
+  sensors: Sensor[];
+}
+
+export interface Joint {
+  name: string;
+  robot: number;
+  model: number;
+  revolute: boolean;
+  axis: [number, number, number];
+  min: number;
+  max: number;
+}
+
+export interface Gripper {
+  name: string;
+  robot: number;
+}
+
+export interface World {
+  number: number;
+  name: string;
+  host: string;
+  interval: number;  // s
+  shapes: Shape[];
+  models: Model[];
+  robots: Robot[];
+  joints: Joint[];
+  grippers: Gripper[];
+  objects: number[];  // models
+}
+
+export interface RobotRow {
+  pose: Pose;
+  vx: number;
+  vy: number;
+  wz: number;
+  stalled: boolean;
+}
+
+export interface JointRow {
+  position: number;
+  blocked: boolean;
+}
+
+export interface ObjectRow {
+  pose: Pose;
+  mode: number;  // OBJECT_MODES
+  holder: number;  // gripper; -1: none
+}
+
+export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
+
+// As EventType of common/model/event.h.
+export const enum EventType {
+  StallBegan, StallEnded, Joined, Left, ProposalRejected, Blocked, Gripped, Released, Landed, Unstable,
+}
+
+export interface RunEvent {
+  tick: number;
+  type: EventType;
+  robot: number;
+  other: number;  // models; -1: none
+  object: number;
+  detail: string;
+}
+
+export interface RunStatus {
+  targetTicks: number;  // 0: no end
+  wallSeconds: number;
+  realTimeFactor: number;
+  robots: number;
+  agents: number;
+  waitingSeconds: number;
+  waitingCount: number;
+  waitingFor: string[];  // the first ones
+}
+
+export interface Scan {
+  pose: Pose;  // in the robot
+  fov: number;
+  min: number;
+  max: number;
+  ranges: Float64Array;
+}
+
+export interface Beam {
+  from: [number, number];  // in the gripper's model
+  to: [number, number];
+  z: number;
+  broken: boolean;
+}
+
+export interface Reading {
+  sensor: string;
+  scans: Scan[];  // of a ranger
+  beams: Beam[];  // of a gripper
+  gripperModel: number;  // of the beams; -1: none
+}
+
+export interface RobotReadings {
+  robot: number;
+  tick: number;
+  readings: Reading[];
+}
+
+export interface Update {
+  world: number;
+  paused: boolean;
+  last: boolean;
+  tick: number;
+  hash: string;
+  edition: number;
+  robots: Array<[number, RobotRow]>;
+  joints: Array<[number, JointRow]>;
+  grippers: Array<[number, number]>;
+  objects: Array<[number, ObjectRow]>;
+  events: RunEvent[];
+  status: RunStatus | null;
+  readings: RobotReadings[] | null;  // null: the ones before still count
+}
+
+class Reader {
+  private at = 0;
+  private readonly view: DataView;
+
+  constructor(private readonly buffer: ArrayBuffer) {
+    this.view = new DataView(buffer);
+  }
+
+  u8(): number {
+    return this.view.getUint8(this.at++);
+  }
+  flag(): boolean {
+    return this.u8() !== 0;
+  }
+  u32(): number {
+    this.at += 4;
+    return this.view.getUint32(this.at - 4, true);
+  }
+  i32(): number {
+    this.at += 4;
+    return this.view.getInt32(this.at - 4, true);
+  }
+  u64(): bigint {
+    this.at += 8;
+    return this.view.getBigUint64(this.at - 8, true);
+  }
+  f32(): number {
+    this.at += 4;
+    return this.view.getFloat32(this.at - 4, true);
+  }
+  f64(): number {
+    this.at += 8;
+    return this.view.getFloat64(this.at - 8, true);
+  }
+  bytes(count: number): Uint8Array {
+    this.at += count;
+    return new Uint8Array(this.buffer.slice(this.at - count, this.at));
+  }
+  text(): string {
+    return new TextDecoder().decode(this.bytes(this.u32()));
+  }
+  pose(): Pose {
+    return {x: this.f64(), y: this.f64(), z: this.f64(), heading: this.f64()};
+  }
+  floats(count: number): Float32Array {
+    return new Float32Array(this.bytes(4 * count).buffer);
+  }
+  doubles(count: number): Float64Array {
+    return new Float64Array(this.bytes(8 * count).buffer);
+  }
+  list<T>(read: () => T): T[] {
+    const count = this.u32();
+    const result: T[] = [];
+    for (let i = 0; i < count; ++i) result.push(read());
+    return result;
+  }
+}
+
+function readShape(r: Reader): Shape {
+  const blocks = r.list((): Block => {
+    const bottom = r.f32();
+    const top = r.f32();
+    return {bottom, top, outline: r.floats(2 * r.u32())};
+  });
+  const bottom = r.f32();
+  const top = r.f32();
+  const rectangles = r.floats(4 * r.u32());
+  const loops = r.list(() => r.floats(2 * r.u32()));
+  let area: Area | null = null;
+  if (r.flag()) {
+    const box: Area['box'] = [r.f32(), r.f32(), r.f32(), r.f32()];
+    const pose = r.pose();
+    const width = r.u32();
+    const height = r.u32();
+    area = {box, pose, width, height, bits: r.bytes(Math.ceil((width * height) / 8))};
+  }
+  return {blocks, bottom, top, rectangles, loops, area};
+}
+
+function readWorld(r: Reader): World {
+  const protocol = r.u32();
+  if (protocol !== PROTOCOL) throw new Error('the viewer was updated: load the page again');
+  return {
+    number: r.u32(),
+    name: r.text(),
+    host: r.text(),
+    interval: r.f64(),
+    shapes: r.list(() => readShape(r)),
+    models: r.list((): Model => ({
+      name: r.text(), type: r.text(), parent: r.i32(), pose: r.pose(), shape: r.u32(),
+      color: [r.f32(), r.f32(), r.f32(), r.f32()], removed: r.flag(),
+    })),
+    robots: r.list((): Robot => ({
+      name: r.text(), root: r.u32(), present: r.flag(), controller: r.text(),
+      sensors: r.list((): Sensor => ({name: r.text(), type: r.text()})),
+    })),
+    joints: r.list((): Joint => ({
+      name: r.text(), robot: r.u32(), model: r.u32(), revolute: r.flag(),
+      axis: [r.f32(), r.f32(), r.f32()], min: r.f64(), max: r.f64(),
+    })),
+    grippers: r.list((): Gripper => ({name: r.text(), robot: r.u32()})),
+    objects: r.list(() => r.u32()),
+  };
+}
+
+function readReading(r: Reader): Reading {
+  const reading: Reading = {sensor: r.text(), scans: [], beams: [], gripperModel: -1};
+  const kind = r.u8();
+  if (kind === 1) {
+    reading.scans = r.list((): Scan => ({
+      pose: r.pose(), fov: r.f64(), min: r.f64(), max: r.f64(), ranges: r.doubles(r.u32()),
+    }));
+  } else if (kind === 2) {
+    reading.gripperModel = r.u32();
+    reading.beams = r.list((): Beam => ({
+      from: [r.f64(), r.f64()], to: [r.f64(), r.f64()], z: r.f64(), broken: r.flag(),
+    }));
+  }
+  return reading;
+}
+
+function readStatus(r: Reader): RunStatus {
+  return {
+    targetTicks: Number(r.u64()), wallSeconds: r.f64(), realTimeFactor: r.f64(), robots: r.u32(), agents: r.u32(),
+    waitingSeconds: r.f64(), waitingCount: r.u32(), waitingFor: r.list(() => r.text()),
+  };
+}
+
+function readUpdate(r: Reader): Update {
+  const world = r.u32();
+  const flags = r.u8();
+  return {
+    world,
+    paused: (flags & 1) !== 0,
+    last: (flags & 2) !== 0,
+    tick: Number(r.u64()),
+    hash: r.u64().toString(16).padStart(16, '0'),
+    edition: r.u32(),
+    robots: r.list((): [number, RobotRow] => [
+      r.u32(), {pose: r.pose(), vx: r.f32(), vy: r.f32(), wz: r.f32(), stalled: r.flag()},
+    ]),
+    joints: r.list((): [number, JointRow] => [r.u32(), {position: r.f64(), blocked: r.flag()}]),
+    grippers: r.list((): [number, number] => [r.u32(), r.i32()]),
+    objects: r.list((): [number, ObjectRow] => [r.u32(), {pose: r.pose(), mode: r.u8(), holder: r.i32()}]),
+    events: r.list((): RunEvent => ({
+      tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
+    })),
+    status: (flags & 4) !== 0 ? readStatus(r) : null,
+    readings: (flags & 8) !== 0
+      ? r.list((): RobotReadings => ({robot: r.u32(), tick: Number(r.u64()), readings: r.list(() => readReading(r))}))
+      : null,
+  };
+}
+
+export type Message = {kind: 'world'; world: World} | {kind: 'update'; update: Update};
+
+export function decode(buffer: ArrayBuffer): Message {
+  const reader = new Reader(buffer);
+  const kind = reader.u8();
+  if (kind === 1) return {kind: 'world', world: readWorld(reader)};
+  if (kind === 2) return {kind: 'update', update: readUpdate(reader)};
+  throw new Error(`found a message of kind ${kind}, expected 1 or 2`);
+}

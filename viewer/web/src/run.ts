@@ -1,0 +1,92 @@
+// Run: the newest state of the run, as the updates of the gateway add up.
+import type {
+  JointRow, ObjectRow, Pose, RobotReadings, RobotRow, RunEvent, RunStatus, Update, World,
+} from './protocol';
+import {EventType} from './protocol';
+
+const MOST_EVENTS = 500;
+
+export class Run {
+  robots: RobotRow[] = [];
+  joints: JointRow[] = [];
+  grippers: number[] = [];  // the object between the pads; -1: none
+  objects: ObjectRow[] = [];
+  events: RunEvent[] = [];
+  status: RunStatus | null = null;
+  readings = new Map<number, RobotReadings>();  // by robot
+  tick = 0;
+  hash = '';
+  edition = 0;
+  paused = false;
+  over = false;
+  hasState = false;
+  lostAgents = new Set<number>();  // robots
+
+  constructor(public readonly world: World, before: Run | null) {
+    if (before) this.events = before.events;
+  }
+
+  get seconds(): number {
+    return this.tick * this.world.interval;
+  }
+
+  apply(update: Update): void {
+    for (const [i, row] of update.robots) this.robots[i] = row;
+    for (const [i, row] of update.joints) this.joints[i] = row;
+    for (const [i, row] of update.grippers) this.grippers[i] = row;
+    for (const [i, row] of update.objects) this.objects[i] = row;
+    for (const event of update.events) {
+      if (event.type === EventType.Left) this.lostAgents.add(event.robot);
+      if (event.type === EventType.Joined) this.lostAgents.delete(event.robot);
+      this.events.push(event);
+    }
+    if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
+    if (update.status) this.status = update.status;
+    if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, readings]));
+    this.tick = update.tick;
+    this.hash = update.hash;
+    this.edition = update.edition;
+    this.paused = update.paused;
+    this.over = update.last;
+    this.hasState = true;
+  }
+
+  // The objects that the robot's grippers hold, as indices.
+  held(robot: number): number[] {
+    const result: number[] = [];
+    this.objects.forEach((object, i) => {
+      if (object.holder >= 0 && this.world.grippers[object.holder]?.robot === robot) result.push(i);
+    });
+    return result;
+  }
+}
+
+// A robot or an object of the world.
+export interface Entity {
+  kind: 'robot' | 'object';
+  index: number;
+}
+
+export function sameEntity(a: Entity | null, b: Entity | null): boolean {
+  return a === b || (a !== null && b !== null && a.kind === b.kind && a.index === b.index);
+}
+
+export function rootOf(world: World, entity: Entity): number {
+  return entity.kind === 'robot' ? world.robots[entity.index].root : world.objects[entity.index];
+}
+
+export function nameOf(world: World, entity: Entity): string {
+  return world.models[rootOf(world, entity)].name;
+}
+
+export function findEntity(world: World, name: string): Entity | null {
+  const robot = world.robots.findIndex(r => r.present && r.name === name);
+  if (robot >= 0) return {kind: 'robot', index: robot};
+  const object = world.objects.findIndex(o => !world.models[o].removed && world.models[o].name === name);
+  return object >= 0 ? {kind: 'object', index: object} : null;
+}
+
+export function poseOf(run: Run, entity: Entity): Pose | null {
+  const row = entity.kind === 'robot' ? run.robots[entity.index] : run.objects[entity.index];
+  return row ? row.pose : null;
+}

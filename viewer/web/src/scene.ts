@@ -1,0 +1,329 @@
+// WorldScene: the picture of a run. It is drawn anew only when something has changed.
+import {
+  AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane, Raycaster, RingGeometry, Scene, Vector2, Vector3,
+  WebGLRenderer,
+} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {Bodies} from './bodies';
+import {Ground} from './ground';
+import {Labels} from './labels';
+import {Rays} from './rays';
+import {poseOf, type Entity, type Run} from './run';
+import {StaticMap} from './static_map';
+import type {Pose, World} from './protocol';
+
+export type ViewName = 'orbit' | 'top';
+
+// The places of a world's parts that do not change with the state.
+interface Setting {
+  world: World;
+  map: StaticMap;
+  bodies: Bodies;
+  ground: Ground;
+}
+
+const MOST_SHADOWS = 400;  // bodies; beyond that shadows cost more than they show
+
+function colorOf(name: string): Color {
+  return new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+}
+
+export class WorldScene {
+  readonly labels: Labels;
+  view: ViewName = 'orbit';
+  following = false;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly perspective = new PerspectiveCamera(45, 1, 0.05, 5000);
+  private readonly orthographic = new OrthographicCamera(-1, 1, 1, -1, 0.1, 5000);
+  private readonly orbit: OrbitControls;
+  private readonly top: OrbitControls;
+  private readonly sky = new HemisphereLight(0xffffff, 0x8a8f98, 1.9);
+  private readonly sun = new DirectionalLight(0xffffff, 1.7);
+  private readonly material = new MeshLambertMaterial({vertexColors: true});
+  private readonly rays = new Rays();
+  private readonly ring = new Mesh(
+    new RingGeometry(1.12, 1.26, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
+  private readonly ghost = new Mesh(
+    new RingGeometry(0.86, 1, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
+  private readonly raycaster = new Raycaster();
+  private setting: Setting | null = null;
+  private run: Run | null = null;
+  private selected: Entity | null = null;
+  private followed: Vector3 | null = null;  // where the followed robot was
+  private dirty = true;
+
+  constructor(private readonly parent: HTMLElement) {
+    this.renderer = new WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.type = PCFSoftShadowMap;
+    parent.append(this.renderer.domElement);
+    this.labels = new Labels(parent);
+    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.ring, this.ghost);
+    this.ring.visible = false;
+    this.ghost.visible = false;
+    this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
+    for (const mark of [this.ring, this.ghost]) mark.renderOrder = 2;
+    this.perspective.up.set(0, 0, 1);
+    this.orthographic.up.set(0, 1, 0);
+    this.orbit = new OrbitControls(this.perspective, this.renderer.domElement);
+    this.orbit.maxPolarAngle = 0.495 * Math.PI;
+    this.orbit.zoomToCursor = true;
+    this.top = new OrbitControls(this.orthographic, this.renderer.domElement);
+    this.top.enableRotate = false;
+    this.top.screenSpacePanning = true;
+    this.top.zoomToCursor = true;
+    this.top.mouseButtons = {LEFT: 2, MIDDLE: 1, RIGHT: 2};
+    this.top.touches = {ONE: 1, TWO: 2};
+    for (const controls of [this.orbit, this.top]) controls.addEventListener('change', () => this.invalidate());
+    new ResizeObserver(() => this.resize()).observe(parent);
+    this.resize();
+    this.setView('orbit');
+    const frame = (): void => {
+      requestAnimationFrame(frame);
+      this.draw();
+    };
+    requestAnimationFrame(frame);
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
+  }
+  get camera(): PerspectiveCamera | OrthographicCamera {
+    return this.view === 'orbit' ? this.perspective : this.orthographic;
+  }
+  get bodies(): Bodies | null {
+    return this.setting?.bodies ?? null;
+  }
+
+  invalidate(): void {
+    this.dirty = true;
+  }
+
+  // `keepCamera`: the world has been edited, or is the one of before.
+  setWorld(world: World, keepCamera: boolean): void {
+    this.clear();
+    const bodies = new Bodies(world, this.material);
+    const map = new StaticMap(world, this.material, model => bodies.contains(model));
+    const box = this.contentBox(world, map);
+    const ground = new Ground(box);
+    this.setting = {world, map, bodies, ground};
+    this.scene.add(ground.group, map.group, bodies.group);
+    this.aimSun(box);
+    this.renderer.shadowMap.enabled = world.robots.length + world.objects.length <= MOST_SHADOWS;
+    this.material.needsUpdate = true;
+    this.applyTheme();
+    if (!keepCamera) this.frame(box);
+  }
+
+  clear(): void {
+    if (!this.setting) return;
+    const {map, bodies, ground} = this.setting;
+    this.scene.remove(map.group, bodies.group, ground.group);
+    for (const part of [map, bodies, ground]) part.dispose();
+    this.setting = null;
+    this.run = null;
+    this.labels.clear();
+    this.invalidate();
+  }
+
+  show(run: Run, selected: Entity | null): void {
+    if (!this.setting || run.world !== this.setting.world) return;
+    this.run = run;
+    this.selected = selected;
+    this.setting.bodies.place(run, selected);
+    this.rays.show(run, this.setting.bodies);
+    const pose = selected ? poseOf(run, selected) : null;
+    this.ring.visible = pose !== null;
+    if (pose && selected) {
+      const radius = this.setting.bodies.radiusOf(selected);
+      this.ring.position.set(pose.x, pose.y, pose.z + 0.01);
+      this.ring.scale.setScalar(radius);
+    }
+    this.follow(pose);
+    this.invalidate();
+  }
+
+  setView(view: ViewName): void {
+    if (view === 'top' && this.view !== 'top') {
+      this.orthographic.position.set(this.orbit.target.x, this.orbit.target.y, 1000);
+      this.top.target.set(this.orbit.target.x, this.orbit.target.y, 0);
+      const distance = this.perspective.position.distanceTo(this.orbit.target);
+      const height = 2 * distance * Math.tan((this.perspective.fov * Math.PI) / 360);
+      this.orthographic.zoom = (this.orthographic.top - this.orthographic.bottom) / height;
+      this.orthographic.updateProjectionMatrix();
+    } else if (view === 'orbit' && this.view !== 'orbit') {
+      const shift = this.top.target.clone().sub(this.orbit.target).setZ(0);
+      this.orbit.target.add(shift);
+      this.perspective.position.add(shift);
+    }
+    this.view = view;
+    this.orbit.enabled = view === 'orbit';
+    this.top.enabled = view === 'top';
+    this.orbit.update();
+    this.top.update();
+    this.invalidate();
+  }
+
+  // The whole world in the picture.
+  home(): void {
+    if (this.setting) this.frame(this.contentBox(this.setting.world, this.setting.map));
+  }
+
+  setControlsEnabled(enabled: boolean): void {
+    (this.view === 'orbit' ? this.orbit : this.top).enabled = enabled;
+  }
+
+  centerOn(entity: Entity): void {
+    const pose = this.run ? poseOf(this.run, entity) : null;
+    if (!pose) return;
+    this.shiftTo(new Vector3(pose.x, pose.y, pose.z));
+  }
+
+  applyTheme(): void {
+    this.scene.background = colorOf('--sky');
+    this.ring.material.color = colorOf('--accent');
+    this.ghost.material.color = colorOf('--accent');
+    this.rays.setColor(colorOf('--rays'));
+    this.setting?.ground.setColors(colorOf('--ground'), colorOf('--grid'));
+    this.setting?.map.setEdgeColor(colorOf('--edges'));
+    this.invalidate();
+  }
+
+  // The entity at a place of the window.
+  pick(clientX: number, clientY: number): Entity | null {
+    if (!this.setting) return null;
+    this.aim(clientX, clientY);
+    return this.setting.bodies.pick(this.raycaster)?.entity ?? null;
+  }
+
+  // The point of the plane z at a place of the window; null: none.
+  pointAt(clientX: number, clientY: number, z: number): Vector3 | null {
+    this.aim(clientX, clientY);
+    return this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+  }
+
+  // Where an entity is on the window.
+  placeOf(entity: Entity): {x: number; y: number} | null {
+    const pose = this.run ? poseOf(this.run, entity) : null;
+    if (!pose || !this.setting) return null;
+    const z = pose.z + 0.5 * this.setting.bodies.topOf(entity);
+    return this.project(new Vector3(pose.x, pose.y, z));
+  }
+
+  project(point: Vector3): {x: number; y: number} {
+    this.camera.updateMatrixWorld();
+    const p = point.clone().project(this.camera);
+    const box = this.canvas.getBoundingClientRect();
+    return {x: box.left + ((p.x + 1) / 2) * box.width, y: box.top + ((1 - p.y) / 2) * box.height};
+  }
+
+  // The place where a dragged entity would be put.
+  showGhost(pose: Pose | null, radius: number): void {
+    this.ghost.visible = pose !== null;
+    if (pose) {
+      this.ghost.position.set(pose.x, pose.y, pose.z + 0.015);
+      this.ghost.rotation.z = pose.heading;
+      this.ghost.scale.setScalar(1.3 * radius);
+    }
+    this.invalidate();
+  }
+
+  picture(): string {
+    this.dirty = true;
+    this.draw();
+    return this.canvas.toDataURL('image/png');
+  }
+
+  private draw(): void {
+    if (!this.dirty) return;
+    this.dirty = false;
+    this.renderer.render(this.scene, this.camera);
+    this.labels.place(this.run, this.bodies, this.camera, this.selected);
+  }
+
+  private aim(clientX: number, clientY: number): void {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    this.camera.updateMatrixWorld();
+    this.raycaster.setFromCamera(at, this.camera);
+  }
+
+  private follow(pose: Pose | null): void {
+    if (!this.following || !pose) {
+      this.followed = null;
+      return;
+    }
+    const at = new Vector3(pose.x, pose.y, pose.z);
+    if (this.followed) this.shiftBy(at.clone().sub(this.followed));
+    else this.shiftTo(at);
+    this.followed = at;
+  }
+
+  private shiftTo(point: Vector3): void {
+    this.shiftBy(point.clone().sub(this.view === 'orbit' ? this.orbit.target : this.top.target));
+  }
+
+  private shiftBy(shift: Vector3): void {
+    if (this.view === 'top') shift.setZ(0);
+    const controls = this.view === 'orbit' ? this.orbit : this.top;
+    controls.target.add(shift);
+    this.camera.position.add(shift);
+    controls.update();
+    this.invalidate();
+  }
+
+  private contentBox(world: World, map: StaticMap): Box3 {
+    const box = new Box3().setFromObject(map.group);
+    for (const root of [...world.robots.filter(r => r.present).map(r => r.root), ...world.objects]) {
+      const {x, y, z} = world.models[root].pose;
+      box.expandByPoint(new Vector3(x, y, z));
+    }
+    if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));
+    return box;
+  }
+
+  private aimSun(box: Box3): void {
+    const center = box.getCenter(new Vector3());
+    const size = Math.max(box.max.x - box.min.x, box.max.y - box.min.y, 2);
+    this.sun.position.set(center.x - 0.45 * size, center.y - 0.75 * size, center.z + 1.3 * size);
+    this.sun.target.position.copy(center);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(2048, 2048);
+    Object.assign(this.sun.shadow.camera, {
+      left: -0.8 * size, right: 0.8 * size, top: 0.8 * size, bottom: -0.8 * size, near: 0.1 * size, far: 4 * size,
+    });
+    this.sun.shadow.normalBias = 0.0006 * size;
+    this.sun.shadow.camera.updateProjectionMatrix();
+  }
+
+  private frame(box: Box3): void {
+    const center = box.getCenter(new Vector3()).setZ(0);
+    const width = Math.max(box.max.x - box.min.x, 1);
+    const depth = Math.max(box.max.y - box.min.y, 1);
+    const aspect = this.perspective.aspect;
+    const distance = 1.25 * Math.max(depth, width / aspect);
+    this.orbit.target.copy(center);
+    this.perspective.position.set(center.x, center.y - 0.72 * distance, 0.95 * distance);
+    this.orbit.update();
+    this.top.target.copy(center);
+    this.orthographic.position.set(center.x, center.y, 1000);
+    const height = this.orthographic.top - this.orthographic.bottom;
+    this.orthographic.zoom = height / (1.15 * Math.max(depth, width / aspect));
+    this.orthographic.updateProjectionMatrix();
+    this.top.update();
+    this.invalidate();
+  }
+
+  private resize(): void {
+    const width = Math.max(1, this.parent.clientWidth);
+    const height = Math.max(1, this.parent.clientHeight);
+    this.renderer.setSize(width, height);
+    this.perspective.aspect = width / height;
+    this.perspective.updateProjectionMatrix();
+    Object.assign(this.orthographic, {left: (-10 * width) / height, right: (10 * width) / height, top: 10, bottom: -10});
+    this.orthographic.updateProjectionMatrix();
+    this.invalidate();
+  }
+}

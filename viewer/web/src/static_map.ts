@@ -1,0 +1,92 @@
+// The static map: everything that never moves, merged into one mesh, with lines along its upper edges.
+import {
+  BufferGeometry, Color, DataTexture, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace,
+} from 'three';
+import {GeometryBuilder, mixed, softened, type Rgb} from './geometry';
+import {compose, toMatrix} from './pose';
+import type {Area, Pose, World} from './protocol';
+
+const SLATE: Rgb = [0.36, 0.41, 0.48];
+
+// Geometry that is drawn with one opacity.
+interface Layer {
+  builder: GeometryBuilder;
+  opacity: number;
+}
+
+export class StaticMap {
+  readonly group = new Group();
+  private readonly disposables: Array<{dispose(): void}> = [];
+  private readonly edges = new LineBasicMaterial({transparent: true, opacity: 0.35});
+
+  // `moves`: of the index of a model.
+  constructor(world: World, material: MeshLambertMaterial, moves: (model: number) => boolean) {
+    const poses: Pose[] = [];
+    const layers = new Map<number, Layer>();
+    world.models.forEach((model, i) => {
+      poses.push(model.parent < 0 ? model.pose : compose(poses[model.parent], model.pose));
+      if (model.removed || moves(i)) return;
+      const shape = world.shapes[model.shape];
+      const isMap = shape.rectangles.length > 0 || shape.area !== null;
+      const rgb = model.color.slice(0, 3) as Rgb;
+      const color = isMap ? mixed(rgb, SLATE, 0.8) : softened(rgb);
+      const opacity = Math.round(Math.min(1, Math.max(0.15, model.color[3])) * 10) / 10;
+      if (!layers.has(opacity)) layers.set(opacity, {builder: new GeometryBuilder(), opacity});
+      layers.get(opacity)!.builder.addShape(shape, poses[i], color);
+      if (shape.area) this.addArea(shape.area, compose(poses[i], shape.area.pose), shape.top, color);
+    });
+    for (const layer of layers.values()) this.addLayer(layer, material);
+    this.disposables.push(this.edges);
+  }
+
+  setEdgeColor(color: Color): void {
+    this.edges.color = color;
+  }
+
+  dispose(): void {
+    for (const disposable of this.disposables) disposable.dispose();
+  }
+
+  private addLayer({builder, opacity}: Layer, material: MeshLambertMaterial): void {
+    if (builder.empty) return;
+    let used = material;
+    if (opacity < 1) {
+      used = material.clone();
+      used.transparent = true;
+      used.opacity = opacity;
+      this.disposables.push(used);
+    }
+    const mesh = new Mesh(this.kept(builder.build()), used);
+    mesh.castShadow = opacity === 1;
+    mesh.receiveShadow = true;
+    this.group.add(mesh, new LineSegments(this.kept(builder.buildEdges()), this.edges));
+  }
+
+  // A dense bitmap is a picture in the plane of its upper side.
+  private addArea(area: Area, pose: Pose, top: number, rgb: Rgb): void {
+    const pixels = new Uint8Array(4 * area.width * area.height);
+    const color = rgb.map(value => Math.round(255 * value));
+    for (let i = 0; i < area.width * area.height; ++i) {
+      const occupied = (area.bits[i >> 3] >> (i & 7)) & 1;
+      pixels.set([color[0], color[1], color[2], occupied ? 255 : 0], 4 * i);
+    }
+    const texture = new DataTexture(pixels, area.width, area.height);
+    texture.colorSpace = SRGBColorSpace;
+    texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    const [minX, minY, maxX, maxY] = area.box;
+    const material = new MeshBasicMaterial({map: texture, alphaTest: 0.5, side: DoubleSide});
+    const plane = new Mesh(this.kept(new PlaneGeometry(maxX - minX, maxY - minY)), material);
+    plane.matrixAutoUpdate = false;
+    const center = compose(pose, {x: (minX + maxX) / 2, y: (minY + maxY) / 2, z: top, heading: 0});
+    toMatrix(center, plane.matrix);
+    this.disposables.push(texture, material);
+    this.group.add(plane);
+  }
+
+  private kept(geometry: BufferGeometry): BufferGeometry {
+    this.disposables.push(geometry);
+    return geometry;
+  }
+}

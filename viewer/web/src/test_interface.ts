@@ -1,0 +1,68 @@
+// window.troupe: what the page shows, for tests.
+import type {Connection, Reply} from './connection';
+import type {Pose} from './protocol';
+import {findEntity, type Run} from './run';
+import type {WorldScene} from './scene';
+
+export interface ShownRobot {
+  name: string;
+  pose: Pose;  // as received
+  drawn: Pose | null;  // of the instance in the scene; null: it has no body
+  stalled: boolean;
+}
+
+export interface TestInterface {
+  connected(): boolean;
+  state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number} | null;
+  robots(): ShownRobot[];
+  // Of the robot: by sensor, the ranges of each scan, at the tick of the measurement.
+  readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
+  select(name: string): void;
+  request(command: string, more?: object): Promise<Reply>;
+  // Where an entity is on the window.
+  placeOf(name: string): {x: number; y: number} | null;
+}
+
+export interface TestHost {
+  run(): Run | null;
+  connected(): boolean;
+  select(name: string): void;
+}
+
+export function installTestInterface(host: TestHost, scene: WorldScene, connection: Connection): void {
+  const troupe: TestInterface = {
+    connected: () => host.connected(),
+    state: () => {
+      const run = host.run();
+      if (!run?.hasState) return null;
+      return {tick: run.tick, hash: run.hash, paused: run.paused, over: run.over, edition: run.edition};
+    },
+    robots: () => {
+      const run = host.run();
+      if (!run?.hasState) return [];
+      return run.world.robots.flatMap((robot, i) => robot.present && run.robots[i] ? [{
+        name: robot.name,
+        pose: run.robots[i].pose,
+        drawn: scene.bodies?.drawnPose({kind: 'robot', index: i}) ?? null,
+        stalled: run.robots[i].stalled,
+      }] : []);
+    },
+    readings: name => {
+      const run = host.run();
+      const robot = run?.world.robots.findIndex(r => r.present && r.name === name) ?? -1;
+      const readings = run?.readings.get(robot);
+      if (!readings) return null;
+      const sensors: Record<string, number[][]> = {};
+      for (const {sensor, scans} of readings.readings) sensors[sensor] = scans.map(scan => [...scan.ranges]);
+      return {tick: readings.tick, sensors};
+    },
+    select: name => host.select(name),
+    request: (command, more = {}) => connection.request(command, more),
+    placeOf: name => {
+      const run = host.run();
+      const entity = run ? findEntity(run.world, name) : null;
+      return entity ? scene.placeOf(entity) : null;
+    },
+  };
+  Object.assign(window, {troupe});
+}
