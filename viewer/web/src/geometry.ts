@@ -87,11 +87,14 @@ export class GeometryBuilder {
       this.triangle(corners[0], corners[1], corners[2], top, 1);
       this.triangle(corners[0], corners[2], corners[3], top, 1);
     }
-    for (const loop of shape.loops) {
+    // The gateway does not say which way round the loops go; all go the same way, holes the other one.
+    const loops = shape.loops.map(loop => {
       const points: Vector2[] = [];
       for (let i = 0; i < loop.length; i += 2) points.push(at(loop[i], loop[i + 1]));
-      this.addSides(points, pose.z + shape.bottom, top);
-    }
+      return points;
+    });
+    const area = loops.reduce((sum, points) => sum + ShapeUtils.area(points), 0);
+    for (const points of loops) this.addSides(area < 0 ? points.reverse() : points, pose.z + shape.bottom, top);
   }
 
   // The inside is to the left of each side.

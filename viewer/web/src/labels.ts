@@ -3,7 +3,10 @@ import {Vector3, type Camera} from 'three';
 import type {Bodies} from './bodies';
 import {sameEntity, type Entity, type Run} from './run';
 
-const MOST = 120;  // more would only cover each other
+const MOST = 120;
+// px around a name that no other name may have: names of a crowd would only cover each other.
+const WIDTH = 62;
+const HEIGHT = 17;
 
 export class Labels {
   visible = true;
@@ -16,6 +19,7 @@ export class Labels {
     const width = this.parent.clientWidth;
     const height = this.parent.clientHeight;
     const shown = new Set<number>();
+    const taken: Array<[number, number]> = [];
     if (run && bodies) {
       for (let i = 0; i < run.world.robots.length && shown.size < MOST; ++i) {
         const robot = run.world.robots[i];
@@ -26,9 +30,14 @@ export class Labels {
         this.point.set(row.pose.x, row.pose.y, row.pose.z + bodies.topOf(entity)).project(camera);
         const {x, y, z} = this.point;
         if (z > 1 || Math.abs(x) > 1 || Math.abs(y) > 1) continue;
+        const left = ((x + 1) / 2) * width;
+        const top = ((1 - y) / 2) * height;
+        const isFree = !taken.some(([a, b]) => Math.abs(a - left) < WIDTH && Math.abs(b - top) < HEIGHT);
+        if (!isFree && !isSelected) continue;
+        taken.push([left, top]);
         shown.add(i);
         const element = this.elementOf(i, robot.name);
-        element.style.transform = `translate(${((x + 1) / 2) * width}px, ${((1 - y) / 2) * height}px) translate(-50%, -135%)`;
+        element.style.transform = `translate(${left}px, ${top}px) translate(-50%, -135%)`;
         element.classList.toggle('stalled', row.stalled);
         element.classList.toggle('selected', isSelected);
       }

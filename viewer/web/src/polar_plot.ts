@@ -25,7 +25,7 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
   context.fillStyle = color('--faint');
   context.font = '10px system-ui, sans-serif';
   context.lineWidth = 1;
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find(s => reach / s <= 4) ?? 100;
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find(s => reach / s <= 5) ?? 100;
   for (let r = step; r <= reach * 1.001; r += step) {
     context.beginPath();
     context.arc(center, center, r * scale, 0, 2 * Math.PI);

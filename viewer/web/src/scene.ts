@@ -23,6 +23,7 @@ interface Setting {
   ground: Ground;
 }
 
+const PANELS = 500;  // px of the width that panels cover
 const MOST_SHADOWS = 400;  // bodies; beyond that shadows cost more than they show
 
 function colorOf(name: string): Color {
@@ -159,6 +160,7 @@ export class WorldScene {
       this.perspective.position.add(shift);
     }
     this.view = view;
+    this.sun.castShadow = view === 'orbit';
     this.orbit.enabled = view === 'orbit';
     this.top.enabled = view === 'top';
     this.orbit.update();
@@ -289,7 +291,6 @@ export class WorldScene {
     const size = Math.max(box.max.x - box.min.x, box.max.y - box.min.y, 2);
     this.sun.position.set(center.x - 0.45 * size, center.y - 0.75 * size, center.z + 1.3 * size);
     this.sun.target.position.copy(center);
-    this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(2048, 2048);
     Object.assign(this.sun.shadow.camera, {
       left: -0.8 * size, right: 0.8 * size, top: 0.8 * size, bottom: -0.8 * size, near: 0.1 * size, far: 4 * size,
@@ -302,15 +303,16 @@ export class WorldScene {
     const center = box.getCenter(new Vector3()).setZ(0);
     const width = Math.max(box.max.x - box.min.x, 1);
     const depth = Math.max(box.max.y - box.min.y, 1);
-    const aspect = this.perspective.aspect;
-    const distance = 1.25 * Math.max(depth, width / aspect);
+    // Panels cover the sides.
+    const aspect = this.perspective.aspect * Math.max(0.5, 1 - PANELS / Math.max(1, this.parent.clientWidth));
+    const distance = 1.15 * Math.max(depth, width / aspect);
     this.orbit.target.copy(center);
     this.perspective.position.set(center.x, center.y - 0.72 * distance, 0.95 * distance);
     this.orbit.update();
     this.top.target.copy(center);
     this.orthographic.position.set(center.x, center.y, 1000);
     const height = this.orthographic.top - this.orthographic.bottom;
-    this.orthographic.zoom = height / (1.15 * Math.max(depth, width / aspect));
+    this.orthographic.zoom = height / (1.25 * Math.max(depth, width / aspect));
     this.orthographic.updateProjectionMatrix();
     this.top.update();
     this.invalidate();

@@ -1,0 +1,97 @@
+#include "viewer/gateway/page_request.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace troupe {
+namespace {
+
+PageControl Control(const std::string& text) {
+  const Result<PageRequest> request = ParsePageRequest(text);
+  EXPECT_TRUE(request.ok()) << text << (request.ok() ? "" : request.error().message);
+  const PageControl* control = request.ok() ? std::get_if<PageControl>(&request.value()) : nullptr;
+  EXPECT_NE(control, nullptr) << text;
+  return control != nullptr ? *control : PageControl();
+}
+
+TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
+  const PageControl step = Control(R"({"type": "control", "id": 7, "command": "step", "ticks": 10})");
+  EXPECT_EQ(step.id, 7u);
+  EXPECT_EQ(step.request.command, ControlCommand::kStep);
+  EXPECT_EQ(step.request.ticks, 10u);
+  const PageControl pose =
+      Control(R"({"type": "control", "id": 0, "command": "set_pose", "name": "r0", "pose": [1, -2.5, 0, 3]})");
+  EXPECT_EQ(pose.request.command, ControlCommand::kSetPose);
+  EXPECT_EQ(pose.request.name, "r0");
+  EXPECT_EQ(pose.request.pose, (Pose{1.0, -2.5, 0.0, 3.0}));
+  const PageControl spawn =
+      Control(R"({"type": "control", "id": 1, "command": "spawn", "source": "can", "pose": [0, 0, 0, 0]})");
+  EXPECT_EQ(spawn.request.source, "can");
+  EXPECT_TRUE(spawn.request.rename);
+}
+
+TEST(PageRequestTest, ReadsSelections) {
+  const Result<PageRequest> names = ParsePageRequest(R"({"type": "select", "robots": ["a", "b"]})");
+  ASSERT_TRUE(names.ok());
+  EXPECT_EQ(std::get<SelectRequest>(names.value()), (SelectRequest{false, {"a", "b"}}));
+  const Result<PageRequest> all = ParsePageRequest(R"({"type": "select", "robots": "all"})");
+  ASSERT_TRUE(all.ok());
+  EXPECT_TRUE(std::get<SelectRequest>(all.value()).all);
+}
+
+TEST(PageRequestTest, RefusesEverythingElse) {
+  std::string many = R"({"type": "select", "robots": [)";
+  for (std::size_t i = 0; i <= kMostSelected; ++i) many += i == 0 ? "\"r\"" : ",\"r\"";
+  many += "]}";
+  const std::string texts[] = {
+      "",
+      "x",
+      "[]",
+      "{}",
+      "null",
+      std::string(4000, '['),
+      std::string("\xff\xfe{}"),
+      std::string("{\0}", 3),
+      std::string(kLongestPageRequest + 1, ' '),
+      many,
+      R"({"type": "select"})",
+      R"({"type": "select", "robots": "some"})",
+      R"({"type": "select", "robots": [1]})",
+      R"({"type": "other"})",
+      R"({"type": "control", "command": "pause"})",
+      R"({"type": "control", "id": -1, "command": "pause"})",
+      R"({"type": "control", "id": "1", "command": "pause"})",
+      R"({"type": "control", "id": 1, "command": "load", "source": "/etc/passwd"})",
+      R"({"type": "control", "id": 1, "command": ["pause"]})",
+      R"({"type": "control", "id": 1, "command": "step"})",
+      R"({"type": "control", "id": 1, "command": "step", "ticks": 0})",
+      R"({"type": "control", "id": 1, "command": "step", "ticks": 1.5})",
+      R"({"type": "control", "id": 1, "command": "step", "ticks": 99999999999})",
+      R"({"type": "control", "id": 1, "command": "delete"})",
+      R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3]})",
+      R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3, 1e999]})",
+      R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3, null]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "/tmp/x.world", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "x.json", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "x#y", "pose": [0, 0, 0, 0]})",
+  };
+  for (const std::string& text : texts) EXPECT_FALSE(ParsePageRequest(text).ok()) << text.substr(0, 100);
+}
+
+TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
+  ControlReply reply;
+  reply.done = true;
+  reply.state = RunState::kPaused;
+  reply.tick = 12;
+  reply.entities.push_back({"can\xff\"", "model"});
+  EXPECT_EQ(PageReplyText(3, reply),
+            "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
+            "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
+  EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")),
+            R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,115 @@
+#include "viewer/gateway/run_feed.h"
+
+#include <gtest/gtest.h>
+
+#include "common/model/state_hash.h"
+#include "tests/support/small_world.h"
+
+namespace troupe {
+namespace {
+
+SessionMessage Session(RunId run = 1, Edition edition = 0) {
+  SmallWorld world;
+  world.AddBox("box", 2.0, 0.0, 1.0, 1.0, {0.0, 1.0});
+  world.AddRobot("r0", {});
+  SessionMessage session;
+  session.run = run;
+  session.world = world.world();
+  session.world_edition = edition;
+  return session;
+}
+
+FrameMessage Frame(const SessionMessage& session, Tick tick, std::size_t events = 0) {
+  FrameMessage frame;
+  frame.run = session.run;
+  frame.state = PlacedState(session.world);
+  frame.state.tick = tick;
+  frame.state_hash = tick;
+  frame.edition = session.world_edition;
+  frame.world_edition = session.world_edition;
+  for (std::size_t i = 0; i < events; ++i) frame.events.push_back({tick, EventType::kStallBegan, RobotId(0), {}, {}, {}});
+  return frame;
+}
+
+TEST(RunFeedTest, HasNothingBeforeTheFirstFrame) {
+  RunFeed feed;
+  FeedContent content;
+  feed.OnFrame(Frame(Session(), 1));  // of no known world
+  feed.OnSession(Session());
+  feed.Read(content);
+  EXPECT_EQ(content.version, 0u);
+  EXPECT_EQ(content.world, nullptr);
+}
+
+TEST(RunFeedTest, HasTheNewestStateWithItsWorld) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  feed.OnFrame(Frame(session, 3));
+  feed.OnFrame(Frame(session, 2));  // late
+  feed.Read(content);
+  ASSERT_NE(content.world, nullptr);
+  EXPECT_EQ(content.state.tick, 3u);
+  EXPECT_EQ(content.world->scene->world(), session.world);
+}
+
+TEST(RunFeedTest, AFrameOfAnotherEditionWaitsForItsWorld) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage first = Session();
+  const SessionMessage second = Session(1, 5);
+  feed.OnSession(first);
+  feed.OnFrame(Frame(first, 3));
+  feed.OnFrame(Frame(second, 0));  // its world is not known yet
+  feed.Read(content);
+  EXPECT_EQ(content.state.tick, 3u);
+  feed.OnSession(second);
+  feed.Read(content);
+  EXPECT_EQ(content.world->number, 1u);  // the state is still the one of the first world
+  feed.OnFrame(Frame(second, 0));
+  feed.Read(content);
+  EXPECT_EQ(content.world->number, 2u);
+  EXPECT_EQ(content.state.tick, 0u);
+}
+
+TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  for (Tick tick = 1; tick <= 200; ++tick) {
+    feed.OnFrame(Frame(session, tick, 3));
+    feed.OnFrame(Frame(session, tick, 3));  // resent
+  }
+  feed.Read(content);
+  ASSERT_EQ(content.events.size(), RunFeed::kEventsKept);
+  EXPECT_EQ(content.events.back().number, 600u);
+  EXPECT_EQ(content.events.front().number, 101u);
+}
+
+TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  FrameMessage last = Frame(session, 9);
+  last.last = true;
+  feed.OnFrame(last);
+  feed.OnServiceGone();
+  feed.Read(content);
+  EXPECT_NE(content.world, nullptr);
+  EXPECT_TRUE(content.last);
+  EXPECT_TRUE(feed.ConsumeServiceGone());
+  EXPECT_FALSE(feed.ConsumeServiceGone());
+
+  const SessionMessage next = Session(2);
+  feed.OnSession(next);
+  feed.OnFrame(Frame(next, 1));
+  feed.OnServiceGone();
+  feed.Read(content);
+  EXPECT_EQ(content.world, nullptr);
+}
+
+}  // namespace
+}  // namespace troupe

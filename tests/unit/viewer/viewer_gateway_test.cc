@@ -1,0 +1,377 @@
+#include "viewer/gateway/viewer_gateway.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/sensing/sensor_suite.h"
+#include "tests/support/small_world.h"
+#include "tests/unit/viewer/byte_reader.h"
+#include "tests/unit/viewer/web_client.h"
+
+namespace troupe {
+namespace {
+
+using test::ByteReader;
+using test::WebClient;
+
+// A run that the test makes up.
+class ScriptedLink : public RunLink {
+ public:
+  Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
+    const std::lock_guard lock(mutex);
+    observer = &handler;
+    ++observed;
+    changed.notify_all();
+    return std::unique_ptr<RunObservation>(std::make_unique<End>(*this));
+  }
+  Result<ControlReply> Ask(const ControlRequest& request) override {
+    const std::lock_guard lock(mutex);
+    asked.push_back(request);
+    ControlReply reply;
+    reply.done = request.command != ControlCommand::kSetPose;
+    reply.problem = reply.done ? "" : "in a wall";
+    return reply;
+  }
+
+  ObserverHandler& AwaitObserver() {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer != nullptr; }));
+    return *observer;
+  }
+  void AwaitNoObserver() {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer == nullptr; }));
+  }
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  ObserverHandler* observer = nullptr;
+  int observed = 0;
+  std::vector<ControlRequest> asked;
+
+ private:
+  struct End : RunObservation {
+    explicit End(ScriptedLink& of) : link(of) {}
+    ~End() override {
+      const std::lock_guard lock(link.mutex);
+      link.observer = nullptr;
+      link.changed.notify_all();
+    }
+    ScriptedLink& link;
+  };
+};
+
+SessionMessage LaserWorld(Edition edition = 0) {
+  SmallWorld world;
+  world.AddBox("box", 2.0, 0.0, 1.0, 1.0, {0.0, 1.0});
+  for (const char* name : {"r0", "r1"}) {
+    const RobotId robot = world.AddRobot(name, {name[1] == '1' ? -1.0 : 0.0, 0.3, 0.0, 0.1});
+    RaySensorDescription fan = Fan(2.0, 30);
+    fan.noise_variance = 0.01;
+    world.AddRanger(robot, {0.0, 0.0, 0.2, 0.0}, {fan});
+  }
+  SessionMessage session;
+  session.run = 1;
+  session.world = world.world();
+  session.world_edition = edition;
+  return session;
+}
+
+FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
+  FrameMessage frame;
+  frame.run = session.run;
+  frame.edition = frame.world_edition = session.world_edition;
+  frame.state = PlacedState(session.world);
+  frame.state.tick = tick;
+  frame.state.robots[0].X_WR.x = 0.001 * static_cast<double>(tick);
+  frame.state_hash = 1000 + tick;
+  return frame;
+}
+
+// With one sensor of one scan, no joints, grippers, objects, events or status.
+struct ParsedUpdate {
+  explicit ParsedUpdate(const std::string& bytes) {
+    ByteReader reader(bytes);
+    EXPECT_EQ(reader.ReadByte(), 2);
+    world = reader.ReadCount();
+    flags = reader.ReadByte();
+    tick = reader.Read<std::uint64_t>();
+    hash = reader.Read<std::uint64_t>();
+    reader.ReadCount();  // edition
+    const std::uint32_t robots = reader.ReadCount();
+    for (std::uint32_t i = 0; i < robots; ++i) {
+      rows.push_back(reader.ReadCount());
+      poses.push_back(reader.ReadPose());
+      for (int k = 0; k < 3; ++k) reader.ReadFloat();
+      reader.ReadByte();
+    }
+    for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);  // joints, grippers, objects, events
+    EXPECT_EQ(flags & 4, 0);
+    if ((flags & 8) == 0) return;
+    const std::uint32_t measured = reader.ReadCount();
+    for (std::uint32_t i = 0; i < measured; ++i) {
+      readings.push_back(reader.ReadCount());
+      reading_tick = reader.Read<std::uint64_t>();
+      EXPECT_EQ(reader.ReadCount(), 1u);
+      EXPECT_EQ(reader.ReadText(), "ranger:0");
+      EXPECT_EQ(reader.ReadByte(), 1);
+      EXPECT_EQ(reader.ReadCount(), 1u);
+      reader.ReadPose();
+      for (int k = 0; k < 3; ++k) reader.ReadDouble();
+      std::vector<double>& ranges = scans.emplace_back(reader.ReadCount());
+      for (double& range : ranges) range = reader.ReadDouble();
+    }
+    EXPECT_TRUE(reader.at_end());
+  }
+
+  std::uint32_t world = 0;
+  std::uint8_t flags = 0;
+  Tick tick = 0;
+  std::uint64_t hash = 0;
+  std::vector<std::uint32_t> rows;
+  std::vector<Pose> poses;
+  std::vector<std::uint32_t> readings;  // robots
+  Tick reading_tick = 0;
+  std::vector<std::vector<double>> scans;
+};
+
+class ViewerGatewayTest : public testing::Test {
+ protected:
+  void Start(bool view_only = false, bool needs_token = false) {
+    ViewerGatewayOptions options;
+    options.session = "s";
+    options.port = 0;
+    options.view_only = view_only;
+    options.needs_token = needs_token;
+    Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, link_);
+    ASSERT_TRUE(gateway.ok()) << gateway.error().message;
+    gateway_ = std::move(gateway).value();
+  }
+  std::uint16_t port() const {
+    const std::string address = gateway_->Address();
+    return static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':', 6) + 1)));
+  }
+  std::unique_ptr<WebClient> Connect() {
+    auto client = std::make_unique<WebClient>(port());
+    client->Upgrade();
+    return client;
+  }
+  static nlohmann::json ReadText(WebClient& client) {
+    for (;;) {
+      const auto message = client.Read();
+      if (!message) {
+        ADD_FAILURE() << "the connection ended";
+        return {};
+      }
+      if (message->opcode == 1) return nlohmann::json::parse(message->content);
+    }
+  }
+  static std::string ReadBinary(WebClient& client) {
+    for (;;) {
+      const auto message = client.Read();
+      if (!message) {
+        ADD_FAILURE() << "the connection ended";
+        return {};
+      }
+      if (message->opcode == 2) return message->content;
+    }
+  }
+  // The first update that `wanted` accepts.
+  template <typename Wanted>
+  static ParsedUpdate AwaitUpdate(WebClient& client, Wanted wanted) {
+    for (;;) {
+      const std::string bytes = ReadBinary(client);
+      if (bytes.empty() || bytes[0] != 2) continue;
+      ParsedUpdate update(bytes);
+      if (wanted(update)) return update;
+    }
+  }
+
+  ScriptedLink link_;
+  std::unique_ptr<ViewerGateway> gateway_;
+};
+
+TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
+  Start();
+  auto client = Connect();
+  nlohmann::json session = ReadText(*client);
+  EXPECT_EQ(session["session"], "s");
+  EXPECT_EQ(session["connected"], false);
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  run.OnFrame(FrameAt(world, 1));
+  EXPECT_EQ(ReadText(*client)["connected"], true);
+  const std::string description = ReadBinary(*client);
+  EXPECT_EQ(description[0], 1);
+  EXPECT_NE(description.find("ranger:0"), std::string::npos);
+  const ParsedUpdate whole(ReadBinary(*client));
+  EXPECT_EQ(whole.tick, 1u);
+  EXPECT_EQ(whole.hash, 1001u);
+  EXPECT_THAT(whole.rows, testing::ElementsAre(0, 1));
+  run.OnFrame(FrameAt(world, 2));
+  const ParsedUpdate difference(ReadBinary(*client));
+  EXPECT_EQ(difference.tick, 2u);
+  EXPECT_THAT(difference.rows, testing::ElementsAre(0));
+  EXPECT_EQ(difference.poses[0].x, 0.002);
+
+  auto late = Connect();
+  EXPECT_EQ(ReadBinary(*late)[0], 1);
+  EXPECT_THAT(ParsedUpdate(ReadBinary(*late)).rows, testing::ElementsAre(0, 1));
+}
+
+TEST_F(ViewerGatewayTest, ManyTicksAreFewUpdates) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  const auto start = std::chrono::steady_clock::now();
+  constexpr Tick kTicks = 20000;
+  for (Tick tick = 1; tick <= kTicks; ++tick) run.OnFrame(FrameAt(world, tick));
+  int updates = 0;
+  AwaitUpdate(*client, [&](const ParsedUpdate& update) {
+    ++updates;
+    return update.tick == kTicks;
+  });
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  EXPECT_LE(updates, kUpdatesPerSecond * seconds.count() + 3.0);
+}
+
+TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  run.OnFrame(FrameAt(world, 7));
+  EXPECT_TRUE(AwaitUpdate(*client, [](const ParsedUpdate&) { return true; }).readings.empty());
+  client->SendText(R"({"type": "select", "robots": ["r1", "nobody"]})");
+  const ParsedUpdate one = AwaitUpdate(*client, [](const ParsedUpdate& update) { return !update.readings.empty(); });
+  EXPECT_THAT(one.readings, testing::ElementsAre(1));
+  client->SendText(R"({"type": "select", "robots": "all"})");
+  const ParsedUpdate all = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.readings.size() == 2; });
+  EXPECT_EQ(all.reading_tick, 7u);
+
+  const Scene scene(world.world);
+  BodyIndex bodies(scene);
+  bodies.Assign(FrameAt(world, 7).state);
+  for (std::size_t robot = 0; robot < 2; ++robot) {
+    SensorSuite suite(scene, RobotId(robot));
+    const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
+    EXPECT_EQ(all.scans[robot], expected.scans[0].ranges);
+  }
+}
+
+TEST_F(ViewerGatewayTest, RequestsReachTheRunAndTheirRepliesTheViewer) {
+  Start();
+  auto client = Connect();
+  client->SendText(R"({"type": "control", "id": 5, "command": "pause"})");
+  client->SendText(R"({"type": "control", "id": 6, "command": "set_pose", "name": "r0", "pose": [2, 0, 0, 0]})");
+  std::vector<nlohmann::json> replies;
+  while (replies.size() < 2) {
+    nlohmann::json text = ReadText(*client);
+    ASSERT_FALSE(text.is_null());
+    if (text["type"] == "reply") replies.push_back(text);
+  }
+  EXPECT_EQ(replies[0]["id"], 5);
+  EXPECT_EQ(replies[0]["done"], true);
+  EXPECT_EQ(replies[1]["id"], 6);
+  EXPECT_EQ(replies[1]["problem"], "in a wall");
+}
+
+TEST_F(ViewerGatewayTest, AViewOnlyGatewayAsksTheRunForNothingButAnswers) {
+  Start(true);
+  auto client = Connect();
+  EXPECT_EQ(ReadText(*client)["view_only"], true);
+  for (const char* command : {"pause", "play", "reset"}) {
+    client->SendText(std::string(R"({"type": "control", "id": 1, "command": ")") + command + "\"}");
+    const nlohmann::json reply = ReadText(*client);
+    EXPECT_EQ(reply["done"], false);
+    EXPECT_THAT(std::string(reply["problem"]), testing::HasSubstr("--view-only"));
+  }
+  client->SendText(R"({"type": "control", "id": 2, "command": "spawnables"})");
+  EXPECT_EQ(ReadText(*client)["done"], true);
+  const std::lock_guard lock(link_.mutex);
+  ASSERT_EQ(link_.asked.size(), 1u);
+  EXPECT_EQ(link_.asked[0].command, ControlCommand::kSpawnables);
+}
+
+TEST_F(ViewerGatewayTest, ATextThatIsNoRequestEndsTheConnection) {
+  Start();
+  auto client = Connect();
+  client->SendText("give me everything");
+  std::optional<test::WebFrame> message;
+  do {
+    message = client->Read();
+  } while (message && message->opcode != 8);
+  ASSERT_TRUE(message.has_value());
+  EXPECT_EQ(message->close_status(), 1008);
+}
+
+TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
+  Start();
+  auto sleeping = Connect();
+  auto watching = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  constexpr Tick kTicks = 50;
+  for (Tick tick = 1; tick <= kTicks; ++tick) {
+    run.OnFrame(FrameAt(world, tick));
+    AwaitUpdate(*watching, [&](const ParsedUpdate& update) { return update.tick == tick; });
+  }
+  const ParsedUpdate newest = AwaitUpdate(*sleeping, [&](const ParsedUpdate& update) { return update.tick == kTicks; });
+  EXPECT_EQ(newest.poses[0].x, 0.001 * static_cast<double>(kTicks));
+}
+
+TEST_F(ViewerGatewayTest, TheRunIsObservedOnlyWhileThereAreViewers) {
+  Start();
+  {
+    const std::lock_guard lock(link_.mutex);
+    EXPECT_EQ(link_.observed, 0);
+  }
+  auto client = Connect();
+  link_.AwaitObserver();
+  client.reset();
+  link_.AwaitNoObserver();
+}
+
+TEST_F(ViewerGatewayTest, AnEditedWorldIsSentAgain) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage first = LaserWorld();
+  run.OnSession(first);
+  run.OnFrame(FrameAt(first, 1));
+  AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.world == 1; });
+  const SessionMessage second = LaserWorld(1);
+  run.OnSession(second);
+  run.OnFrame(FrameAt(second, 1));
+  EXPECT_EQ(ReadBinary(*client)[0], 1);
+  const ParsedUpdate update(ReadBinary(*client));
+  EXPECT_EQ(update.world, 2u);
+  EXPECT_THAT(update.rows, testing::ElementsAre(0, 1));
+}
+
+TEST_F(ViewerGatewayTest, TheAddressHasATokenIfOneIsNeeded) {
+  Start(false, true);
+  const std::string address = gateway_->Address();
+  const std::size_t token = address.find("/?token=");
+  ASSERT_NE(token, std::string::npos) << address;
+  WebClient stranger(port());
+  EXPECT_THAT(stranger.Get("/socket", WebClient::UpgradeHeaders(stranger.host(), "http://" + stranger.host())),
+              testing::HasSubstr(" 403 "));
+  WebClient viewer(port());
+  viewer.Upgrade("/socket" + address.substr(token + 1));
+}
+
+}  // namespace
+}  // namespace troupe

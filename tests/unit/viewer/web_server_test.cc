@@ -1,0 +1,313 @@
+// Clients that do not behave like a browser.
+#include "viewer/gateway/web_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "tests/unit/viewer/web_client.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using test::WebClient;
+
+constexpr PageFile kFiles[] = {{"/", "text/html", "the page", false}, {"/viewer.js", "text/javascript", "code", false}};
+
+// Sends each viewer `message` once, and an echo of each text.
+class EchoHandler : public WebHandler {
+ public:
+  void OnOpened(Viewer viewer) override {
+    ++open;
+    const std::lock_guard lock(mutex);
+    if (message) next[viewer].push_back({message, false});
+  }
+  void OnClosed(Viewer) override {
+    --open;
+    ++closed;
+    changed.notify_all();
+  }
+  bool OnText(Viewer viewer, std::string_view text) override {
+    if (text == "refuse") return false;
+    next[viewer].push_back({std::make_shared<const std::string>(text), true});
+    server->RequestMessage(viewer);
+    return true;
+  }
+  std::optional<WebMessage> NextMessage(Viewer viewer) override {
+    ++asked;
+    if (next[viewer].empty()) return std::nullopt;
+    WebMessage first = next[viewer].front();
+    next[viewer].erase(next[viewer].begin());
+    return first;
+  }
+  void OnPeriod() override {}
+  void OnWake() override { ++woken; }
+
+  void AwaitClosed(int count) {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return closed >= count; }));
+  }
+
+  WebServer* server = nullptr;
+  std::shared_ptr<const std::string> message;
+  std::atomic<int> open = 0;
+  std::atomic<int> closed = 0;
+  std::atomic<int> asked = 0;
+  std::atomic<int> woken = 0;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<Viewer, std::vector<WebMessage>> next;  // of the server's thread
+};
+
+class WebServerTest : public testing::Test {
+ protected:
+  void Serve(const std::string& token = "") {
+    WebServer::Options options;
+    options.access.token = token;
+    options.files = kFiles;
+    options.longest_text = 1000;
+    Result<std::unique_ptr<WebServer>> started = WebServer::Create(options, handler_);
+    ASSERT_TRUE(started.ok()) << started.error().message;
+    server_ = std::move(started).value();
+    handler_.server = server_.get();
+    server_->Serve();
+  }
+  // The server works as on its first day.
+  void ExpectHealthy() {
+    WebClient client(server_->port());
+    client.Upgrade();
+    ASSERT_TRUE(client.SendText("hello"));
+    const auto echo = client.Read();
+    ASSERT_TRUE(echo.has_value());
+    EXPECT_EQ(echo->content, "hello");
+  }
+
+  EchoHandler handler_;
+  std::unique_ptr<WebServer> server_;
+};
+
+double ResidentMib() {
+  std::ifstream file("/proc/self/statm");
+  double size = 0.0;
+  double resident = 0.0;
+  file >> size >> resident;
+  return resident * 4096.0 / (1 << 20);
+}
+
+TEST_F(WebServerTest, ServesTheFilesOfItsTableOnly) {
+  Serve();
+  const std::string page = WebClient(server_->port()).Get("/");
+  EXPECT_THAT(page, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(page, HasSubstr("content-security-policy: default-src 'none'"));
+  EXPECT_THAT(WebClient(server_->port()).Get("/viewer.js"), HasSubstr("text/javascript"));
+  for (const char* path : {"/etc/passwd", "/../etc/passwd", "/..%2f..%2fetc/passwd", "/%2e%2e/%2e%2e/etc/passwd",
+                           "//etc/passwd", "/viewer.js/", "/viewer.js%00.html", "/socket", "/index.html"}) {
+    EXPECT_THAT(WebClient(server_->port()).Get(path), Not(HasSubstr("200 OK"))) << path;
+  }
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, RefusesOtherMethodsAndRequestsThatAreNone) {
+  Serve();
+  const std::string host = "Host: 127.0.0.1\r\n";
+  for (const std::string& request :
+       {"POST / HTTP/1.1\r\n" + host + "Content-Length: 100000000\r\n\r\nabc", "PUT / HTTP/1.1\r\n" + host + "\r\n",
+        "DELETE / HTTP/1.1\r\n" + host + "\r\n", "CONNECT example.org:80 HTTP/1.1\r\n" + host + "\r\n",
+        std::string("GET http://example.org/ HTTP/1.1\r\nHost: example.org\r\n\r\n"), std::string("\r\n\r\n\r\n"),
+        std::string("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"), std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03garbage"),
+        std::string(3000, '\0'), "GET / HTTP/1.1\r\nUpgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\n" + host +
+        "HTTP2-Settings: AAMAAABkAAQAAP__\r\n\r\n"}) {
+    WebClient client(server_->port());
+    client.Send(request);
+    EXPECT_THAT(client.ReadHead(), Not(HasSubstr("200 OK"))) << request.substr(0, 60);
+  }
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, LongHeadersAreRefused) {
+  Serve();
+  WebClient client(server_->port());
+  client.Send("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: " + std::string(1'000'000, 'x') + "\r\n\r\n");
+  EXPECT_THAT(client.ReadHead(), Not(HasSubstr("200 OK")));
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, ANameThatPointsHereIsNoNameOfTheServer) {
+  Serve();
+  EXPECT_THAT(WebClient(server_->port()).Get("/", "Host: evil.example\r\n"), HasSubstr(" 403 "));
+  EXPECT_THAT(WebClient(server_->port()).Get("/", ""), Not(HasSubstr("200 OK")));
+}
+
+TEST_F(WebServerTest, APageOfAnotherSiteGetsNoSocket) {
+  Serve();
+  WebClient client(server_->port());
+  const std::string head = client.Get("/socket", WebClient::UpgradeHeaders(client.host(), "http://evil.example"));
+  EXPECT_THAT(head, HasSubstr(" 403 "));
+  WebClient rebound(server_->port());
+  EXPECT_THAT(rebound.Get("/socket", WebClient::UpgradeHeaders("evil.example", "http://evil.example")),
+              HasSubstr(" 403 "));
+  EXPECT_EQ(handler_.open, 0);
+}
+
+TEST_F(WebServerTest, ASocketIsAtItsPathAndForTheProtocolOfThePage) {
+  Serve();
+  WebClient elsewhere(server_->port());
+  EXPECT_THAT(elsewhere.Get("/", WebClient::UpgradeHeaders(elsewhere.host(), "http://" + elsewhere.host())),
+              Not(StartsWith("HTTP/1.1 101")));
+  WebClient other(server_->port());
+  std::string headers = WebClient::UpgradeHeaders(other.host(), "http://" + other.host());
+  headers = headers.substr(0, headers.find("Sec-WebSocket-Protocol"));
+  EXPECT_THAT(other.Get("/socket", headers), Not(StartsWith("HTTP/1.1 101")));
+  EXPECT_EQ(handler_.open, 0);
+}
+
+TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
+  Serve("secret");
+  for (const char* query : {"", "?token=", "?token=secreT", "?token=secretsecret", "?other=secret"}) {
+    EXPECT_THAT(WebClient(server_->port()).Get(std::string("/") + query), HasSubstr(" 403 ")) << query;
+    WebClient client(server_->port());
+    EXPECT_THAT(client.Get(std::string("/socket") + query, WebClient::UpgradeHeaders(client.host(), "http://" + client.host())),
+                HasSubstr(" 403 "))
+        << query;
+  }
+  EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
+  WebClient viewer(server_->port());
+  viewer.Upgrade("/socket?token=secret");
+}
+
+TEST_F(WebServerTest, AMessageOf100MegabytesEndsTheConnectionAtOnce) {
+  Serve();
+  const double before = ResidentMib();
+  {
+    WebClient client(server_->port());
+    client.Upgrade();
+    // The length is announced; the content would follow.
+    client.Send(WebClient::Frame(0x81, std::string(2000, 'x'), 100'000'000));
+    const auto close = client.Read();
+    ASSERT_TRUE(close.has_value());
+    EXPECT_EQ(close->close_status(), 1009);
+  }
+  handler_.AwaitClosed(1);
+  EXPECT_LT(ResidentMib() - before, 10.0);
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, EndlessFragmentsEndTheConnection) {
+  Serve();
+  WebClient client(server_->port());
+  client.Upgrade();
+  bool alive = client.Send(WebClient::Frame(0x01, std::string(100, 'x')));
+  for (int i = 0; i < 1000 && alive; ++i) alive = client.Send(WebClient::Frame(0x00, std::string(100, 'x')));
+  handler_.AwaitClosed(1);
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, FramesThatThePageDoesNotSendEndTheConnection) {
+  Serve();
+  int count = 0;
+  for (const std::string& bytes :
+       {WebClient::Frame(0x82, "binary"), WebClient::Frame(0x81, "refuse"), std::string("\x81\x05hello", 7),  // no mask
+        WebClient::Frame(0xf1, "reserved bits"), WebClient::Frame(0x83, "reserved opcode"),
+        WebClient::Frame(0x81, "x", 0xffffffffffffffffULL), WebClient::Frame(0x09, std::string(60, 'x')),
+        WebClient::Frame(0x81, "\xff\xfe\xc0")}) {
+    {
+      WebClient client(server_->port());
+      client.Upgrade();
+      client.Send(bytes);
+      client.Send(WebClient::Frame(0x81, "refuse"));  // at the latest
+      // The server says goodbye, or hangs up.
+      for (auto message = client.Read(); message && message->opcode != 8;) message = client.Read();
+    }
+    handler_.AwaitClosed(++count);
+  }
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, AClientThatIsSilentIsDisconnected) {
+  Serve();
+  WebClient silent(server_->port());
+  WebClient slow(server_->port());
+  slow.Send("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Slow: ");
+  EXPECT_TRUE(silent.ReadAll().has_value());
+  EXPECT_TRUE(slow.ReadAll().has_value());
+}
+
+TEST_F(WebServerTest, ThousandsOfConnectionsLeaveNothingBehind) {
+  Serve();
+  const auto connect = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      WebClient client(server_->port());
+      ASSERT_TRUE(client.connected()) << i;
+      if (i % 3 == 0) client.Send("GET /nothing HTTP/1.1\r\n");
+      if (i % 3 == 1) client.Get("/");
+    }
+  };
+  connect(500);
+  ExpectHealthy();
+  const double before = ResidentMib();
+  connect(3000);
+  ExpectHealthy();
+  EXPECT_LT(ResidentMib() - before, 5.0);
+}
+
+TEST_F(WebServerTest, ViewersBeyondTheLimitAreTurnedAway) {
+  Serve();
+  std::vector<std::unique_ptr<WebClient>> viewers;
+  for (int i = 0; i < WebServer::kMostViewers; ++i) {
+    viewers.push_back(std::make_unique<WebClient>(server_->port()));
+    viewers.back()->Upgrade();
+  }
+  WebClient late(server_->port());
+  EXPECT_THAT(late.Get("/socket", WebClient::UpgradeHeaders(late.host(), "http://" + late.host())),
+              HasSubstr(" 503 "));
+  viewers.clear();
+  handler_.AwaitClosed(WebServer::kMostViewers);
+  ExpectHealthy();
+}
+
+TEST_F(WebServerTest, AViewerThatDoesNotReadDelaysNoOther) {
+  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
+  Serve();
+  WebClient sleeping(server_->port());
+  sleeping.Upgrade();
+  WebClient reading(server_->port());
+  reading.Upgrade();
+  const auto message = reading.Read();
+  ASSERT_TRUE(message.has_value());
+  EXPECT_EQ(message->content, *handler_.message);
+  handler_.message.reset();
+  ExpectHealthy();
+  // What the sleeping one has not received is not copied: one message, in pieces.
+  const auto late = sleeping.Read();
+  ASSERT_TRUE(late.has_value());
+  EXPECT_EQ(late->content.size(), 50'000'000u);
+}
+
+TEST_F(WebServerTest, APortInUseIsAnErrorOrReplacedByAnother) {
+  Serve();
+  WebServer::Options options;
+  options.port = server_->port();
+  options.any_port = false;
+  EchoHandler other;
+  const auto refused = WebServer::Create(options, other);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("the port is in use"));
+  options.any_port = true;
+  const auto moved = WebServer::Create(options, other);
+  ASSERT_TRUE(moved.ok());
+  EXPECT_NE(moved.value()->port(), server_->port());
+  EXPECT_NE(moved.value()->port(), 0);
+}
+
+}  // namespace
+}  // namespace troupe
