@@ -27,6 +27,8 @@ namespace troupe {
 namespace {
 
 constexpr double kReplySeconds = 10.0;
+constexpr int kEndMilliseconds = 300;
+constexpr int kPollMilliseconds = 10;
 constexpr int kNiceness = 10;  // where processors are short, the run goes first
 
 struct ViewOptions {
@@ -103,6 +105,10 @@ int Serve(const ViewOptions& options, SignalWatch& signals) {
   std::fflush(stdout);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
+  // The launcher ends the viewer of a run with the run, whose last frame is on its way.
+  for (int ms = 0; ms < kEndMilliseconds && !gateway.value()->HasShownEnd(); ms += kPollMilliseconds) {
+    poll(nullptr, 0, kPollMilliseconds);
+  }
   return kExitDone;
 }
 

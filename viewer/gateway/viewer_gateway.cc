@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -98,16 +99,20 @@ class RunGateway final : public ViewerGateway, private WebHandler {
     return token_.empty() ? page : page + "?token=" + token_;
   }
 
+  bool HasShownEnd() const override { return shown_end_; }
+
  private:
   void OnOpened(Viewer viewer) override {
     if (viewers_.empty()) server_->SetPeriod(1.0 / kUpdatesPerSecond);
     viewers_.try_emplace(viewer);
+    shown_end_ = false;
     follower_.SetWanted(true);
   }
 
   void OnClosed(Viewer viewer) override {
     viewers_.erase(viewer);
     if (!viewers_.empty()) return;
+    shown_end_ = true;
     follower_.SetWanted(false);
     server_->SetPeriod(0.0);
   }
@@ -138,6 +143,7 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   Clock::time_point next_readings_;
   bool measure_all_ = true;  // now; all robots are measured less often if that takes long
   std::string problem_;
+  std::atomic<bool> shown_end_ = true;  // for any thread
   std::unique_ptr<WebServer> server_;  // stopped first, but the queue may wake it still
   Follower follower_;
   ControlQueue controls_;
@@ -190,10 +196,14 @@ void RunGateway::OnPeriod() {
     }
     world_ = world;
   }
+  bool all_know = true;
   for (auto& [viewer, state] : viewers_) {
     if (session_changed) state.knows_session = false;
-    if (!state.knows_session || NeedsUpdate(state)) server_->RequestMessage(viewer);
+    const bool is_behind = !state.knows_session || NeedsUpdate(state);
+    if (is_behind) server_->RequestMessage(viewer);
+    all_know = all_know && !is_behind;
   }
+  shown_end_ = all_know && (world_ == 0 || content_.last);
 }
 
 bool RunGateway::NeedsUpdate(const ViewerState& viewer) const {

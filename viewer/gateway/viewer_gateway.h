@@ -34,6 +34,9 @@ class ViewerGateway {
 
   // The URL of the page, with the token.
   virtual std::string Address() const = 0;
+
+  // True if each viewer has received the end of the run, or there are no viewers. For a gateway that ends with its run.
+  virtual bool HasShownEnd() const = 0;
 };
 
 }  // namespace troupe

@@ -85,7 +85,9 @@ void DdsObserverEndpoint::DrainSessions() {
   PostFrame();
 }
 
+// The last frame may wait still, to be gathered.
 void DdsObserverEndpoint::EndRunsOf(const Sender& service) {
+  ReadFrames();
   for (const RunId run : services_.Forget(service.participant)) {
     if (protocol_.OnEnd(run)) queue_->PostServiceGone();
   }
@@ -122,6 +124,10 @@ void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, Read re
 
 void DdsObserverEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
+  ReadFrames();
+}
+
+void DdsObserverEndpoint::ReadFrames() {
   const auto ignore_end = [](const Sender&) {};
   // In this order: a whole frame that is found below was sent before any frame that is not found here.
   frames_.Drain([this](const troupe_wire_Frame& frame,

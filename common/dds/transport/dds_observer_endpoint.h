@@ -37,6 +37,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
 
   // The functions below: REQUIRES: mutex_ is locked.
   void EndRunsOf(const Sender& service);
+  void ReadFrames();
   using Read = Status (ObserverProtocol::*)(const troupe_wire_Frame&);
   void ReadFrame(WireInbox<troupe_wire_Frame>& inbox, Read read, const troupe_wire_Frame& frame, const Sender& sender);
   // Posts the newest frame, unless it was posted already or its world is not known yet.

@@ -8,6 +8,7 @@ import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies} from './bodies';
 import {Ground} from './ground';
 import {Labels} from './labels';
+import {Quality} from './quality';
 import {Rays} from './rays';
 import {poseOf, type Entity, type Run} from './run';
 import {StaticMap} from './static_map';
@@ -54,6 +55,7 @@ export class WorldScene {
   private selected: Entity | null = null;
   private followed: Vector3 | null = null;  // where the followed robot was
   private dirty = true;
+  private readonly quality = new Quality();
 
   constructor(private readonly parent: HTMLElement) {
     this.renderer = new WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
@@ -81,9 +83,12 @@ export class WorldScene {
     new ResizeObserver(() => this.resize()).observe(parent);
     this.resize();
     this.setView('orbit');
-    const frame = (): void => {
+    const frame = (now: number): void => {
       requestAnimationFrame(frame);
+      if (this.quality.next(now)) this.applyQuality();
+      if (!this.dirty) return;
       this.draw();
+      this.quality.drawn(now);
     };
     requestAnimationFrame(frame);
   }
@@ -112,8 +117,7 @@ export class WorldScene {
     this.setting = {world, map, bodies, ground};
     this.scene.add(ground.group, map.group, bodies.group);
     this.aimSun(box);
-    this.renderer.shadowMap.enabled = world.robots.length + world.objects.length <= MOST_SHADOWS;
-    this.material.needsUpdate = true;
+    this.applyQuality();
     this.applyTheme();
     if (!keepCamera) this.frame(box);
   }
@@ -233,16 +237,23 @@ export class WorldScene {
   }
 
   picture(): string {
-    this.dirty = true;
     this.draw();
     return this.canvas.toDataURL('image/png');
   }
 
   private draw(): void {
-    if (!this.dirty) return;
     this.dirty = false;
     this.renderer.render(this.scene, this.camera);
     this.labels.place(this.run, this.bodies, this.camera, this.selected);
+  }
+
+  private applyQuality(): void {
+    const world = this.setting?.world;
+    const isSmall = world !== undefined && world.robots.length + world.objects.length <= MOST_SHADOWS;
+    this.renderer.shadowMap.enabled = isSmall && this.quality.level === 0;
+    this.material.needsUpdate = true;
+    this.renderer.setPixelRatio(this.quality.level < 2 ? Math.min(window.devicePixelRatio, 2) : 0.75);
+    this.invalidate();
   }
 
   private aim(clientX: number, clientY: number): void {

@@ -1,0 +1,265 @@
+// Drives the page of `troupe view` in a headless Chromium against live runs.
+//   node browser_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
+import assert from 'node:assert/strict';
+import {existsSync, mkdirSync, readFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {Program, until} from './programs.mjs';
+
+const [programs, source, files] = process.argv.slice(2);
+
+function skip(reason) {
+  console.log(`browser_test: ${reason}; nothing was checked`);
+  process.exit(77);
+}
+
+const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(path => existsSync(path));
+if (!chromium) skip('chromium is not installed');
+let playwright;
+try {
+  playwright = createRequire(`${source}/viewer/web/package.json`)('playwright-core');
+} catch {
+  skip('the packages of viewer/web are not installed');
+}
+
+const troupe = `${programs}/troupe`;
+const scenario = `${source}/worlds/scenarios/demo.json`;
+const domain = String(101 + (process.pid % 19));
+const session = `browser-${process.pid}`;
+mkdirSync(files, {recursive: true});
+
+const browser = await playwright.chromium.launch({
+  executablePath: chromium,
+  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+});
+const problems = [];  // of all pages: errors, and requests to elsewhere
+let gatewayIsDown = false;
+
+async function open(url) {
+  const page = await browser.newPage({viewport: {width: 800, height: 500}});
+  page.on('console', message => {
+    if (['error', 'warning'].includes(message.type()) && !gatewayIsDown && !message.text().includes('GPU stall')) {
+      problems.push(message.text());
+    }
+  });
+  page.on('pageerror', error => problems.push(error.message));
+  page.on('request', request => {
+    const to = new URL(request.url());
+    if (to.protocol.startsWith('http') && to.hostname !== '127.0.0.1') problems.push(`request to ${to}`);
+  });
+  await page.goto(url);
+  await stateOf(page, 'the page has a state', state => state !== null);
+  return page;
+}
+
+// All at one instant of the page.
+function look(page, robot) {
+  return page.evaluate(name => ({
+    state: window.troupe.state(), robots: window.troupe.robots(), readings: window.troupe.readings(name),
+  }), robot);
+}
+
+function stateOf(page, what, wanted) {
+  return until(what, async () => {
+    const state = await page.evaluate(() => window.troupe?.state() ?? null);
+    return wanted(state) ? state ?? true : null;
+  });
+}
+
+function connected(page) {
+  return until('the page is connected', () => page.evaluate(() => window.troupe?.connected()));
+}
+
+// The files of a run, by tick.
+function readPoses(path) {
+  const ticks = new Map();
+  for (const line of readFileSync(path, 'utf8').trim().split('\n').slice(1)) {
+    const [tick, name, x, y, z, heading, stalled, kind] = line.split(',');
+    if (kind !== 'robot') continue;
+    if (!ticks.has(+tick)) ticks.set(+tick, new Map());
+    ticks.get(+tick).set(name, {x: +x, y: +y, z: +z, heading: +heading, stalled: stalled === '1'});
+  }
+  return ticks;
+}
+
+function readScans(path) {
+  const scans = new Map();
+  for (const line of readFileSync(path, 'utf8').trim().split('\n')) {
+    const {tick, robot, sensor, ranges} = JSON.parse(line);
+    scans.set(`${tick} ${robot} ${sensor}`, ranges);
+  }
+  return scans;
+}
+
+function readHashes(path) {
+  return new Map(readFileSync(path, 'utf8').trim().split('\n').map(line => {
+    const [tick, hash] = line.split(' ');
+    return [+tick, hash];
+  }));
+}
+
+function checkRobots({state, robots}, poses) {
+  const expected = poses.get(state.tick);
+  assert.equal(robots.length, expected.size, 'as many robots as in the world');
+  for (const {name, pose, drawn, stalled} of robots) {
+    const wanted = expected.get(name);
+    for (const key of ['x', 'y', 'z', 'heading']) {
+      assert.equal(pose[key], wanted[key], `${key} of ${name} at tick ${state.tick}`);
+    }
+    assert.equal(stalled, wanted.stalled);
+    // The scene has 32-bit numbers.
+    assert.ok(Math.hypot(drawn.x - wanted.x, drawn.y - wanted.y, drawn.z - wanted.z) < 1e-5, `${name} is drawn elsewhere`);
+    const turn = Math.abs(drawn.heading - wanted.heading) % (2 * Math.PI);
+    assert.ok(Math.min(turn, 2 * Math.PI - turn) < 1e-5, `${name} is drawn with another heading`);
+  }
+}
+
+function checkReadings({readings, state}, robot, scans) {
+  assert.equal(readings.tick, state.tick);
+  assert.ok(Object.keys(readings.sensors).length > 0);
+  for (const [sensor, fans] of Object.entries(readings.sensors)) {
+    fans.forEach((ranges, i) => assert.deepEqual(ranges, scans.get(`${readings.tick} ${robot} ${sensor}.${i}`)));
+  }
+}
+
+const run = (name, more) => new Program(troupe, [
+  'run', scenario, '--domain', domain, '--session', `${session}-${name}`, ...more,
+]);
+
+async function showsTheRunAsItIs() {
+  const path = name => `${files}/${name}`;
+  const ticks = 120;
+  const reference = run('reference', ['--headless', '--ticks', String(ticks), '--hash-log', path('reference.hash')]);
+  assert.equal(await reference.end, 0, reference.lines.join('\n'));
+
+  const viewed = run('viewed', [
+    '--ticks', String(ticks), '--speed', '1', '--paused', '--hash-log', path('viewed.hash'), '--poses', path('poses.csv'),
+    '--scans', path('scans.jsonl'),
+  ]);
+  const url = await viewed.line('viewer: ');
+  const page = await open(`${url}#robot=anna`);
+  const samples = [];
+  const sample = async from => samples.push(await look(from, 'anna'));
+  const readingsArrive = from => until('readings arrive', async () => (await look(from, 'anna')).readings);
+  await readingsArrive(page);
+  await sample(page);
+
+  await page.click('#step');
+  await stateOf(page, 'the run makes a step', state => state.paused && state.tick === 1);
+  await sample(page);
+  await page.click('#step-ten');
+  await stateOf(page, 'the run makes ten steps', state => state.paused && state.tick === 11);
+  await sample(page);
+  await page.click('#play');
+  for (let tick = 12; tick < 40; tick += 4) {
+    await stateOf(page, 'the run plays', state => !state.paused && state.tick >= tick);
+    await sample(page);
+  }
+  await page.keyboard.press(' ');
+  const paused = await stateOf(page, 'the run is paused', state => state.paused);
+  assert.ok(paused.tick < ticks, 'the pause came in time');
+  await sample(page);
+
+  // Late, and again.
+  const late = await open(`${url}#robot=anna`);
+  await readingsArrive(late);
+  await sample(late);
+  assert.equal((await look(late, 'anna')).state.tick, paused.tick);
+  await late.close();
+  await page.reload();
+  await stateOf(page, 'the page has a state again', state => state !== null);
+  await readingsArrive(page);
+  await sample(page);
+
+  // Without its gateway the run goes on, and the page connects to the next one.
+  const [gateway] = viewed.children('view');
+  gatewayIsDown = true;
+  process.kill(gateway, 'SIGKILL');
+  await until('the page knows', async () => !(await page.evaluate(() => window.troupe.connected())));
+  const second = new Program(troupe, ['view', `${session}-viewed`, '--domain', domain, '--listen', new URL(url).host]);
+  await second.line('viewer: ');
+  await connected(page);
+  gatewayIsDown = false;
+  await sample(page);
+  await page.click('#play');
+  await stateOf(page, 'the run plays', state => state.tick > paused.tick);
+  await sample(page);
+  await stateOf(page, 'the run is over', state => state.over && state.tick === ticks);
+  await sample(page);
+
+  assert.equal(await viewed.end, 0, viewed.lines.join('\n'));
+  assert.equal(await second.stop(), 0, second.lines.join('\n'));
+  await page.close();
+
+  const poses = readPoses(path('poses.csv'));
+  const scans = readScans(path('scans.jsonl'));
+  const hashes = readHashes(path('viewed.hash'));
+  for (const shown of samples) {
+    assert.equal(shown.state.hash, hashes.get(shown.state.tick));
+    checkRobots(shown, poses);
+    // Agents do not measure at the last tick, which they do not answer.
+    if (shown.readings && shown.state.tick < ticks) checkReadings(shown, 'anna', scans);
+  }
+  assert.ok(samples.filter(shown => shown.readings).length >= 8);
+  assert.deepEqual(hashes, readHashes(path('reference.hash')), 'a viewer changes no hash');
+}
+
+async function editsTheRun() {
+  const edited = run('edited', ['--ticks', '1000000', '--speed', '1', '--paused']);
+  const page = await open(await edited.line('viewer: '));
+  const poseOf = async name => (await look(page, name)).robots.find(robot => robot.name === name)?.pose;
+  await stateOf(page, 'the run is paused', state => state.paused);
+
+  // Into a wall: refused, with the reason. Then to a free place, by mouse.
+  const refused = await page.evaluate(() => window.troupe.request('set_pose', {name: 'anna', pose: [-8, 1.0, 0, 0]}));
+  const before = await poseOf('anna');
+  assert.equal(before.x, -8);
+  assert.equal(refused.done, false);
+  assert.notEqual(refused.problem, '');
+  await page.click('#move');
+  const from = await page.evaluate(() => window.troupe.placeOf('anna'));
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x + 30, from.y, {steps: 4});
+  await page.mouse.up();
+  await until('the robot is moved', async () => (await poseOf('anna')).x > -7.9);
+  await page.keyboard.press('Escape');
+  // A click on a robot selects it.
+  const at = await page.evaluate(() => window.troupe.placeOf('bela'));
+  await page.mouse.click(at.x, at.y);
+  await until('bela is selected', async () => (await page.textContent('#panel-name')) === 'bela');
+  assert.match(page.url(), /#robot=bela/);
+
+  await page.click('#delete');
+  await until('bela is deleted', async () => !(await poseOf('bela')));
+  await page.click('#reset');
+  await until('bela is there again', () => poseOf('bela'));
+  assert.equal((await poseOf('anna')).x, -8);
+
+  // A viewer that only shows.
+  const only = new Program(troupe, ['view', `${session}-edited`, '--domain', domain, '--view-only', '--listen', '127.0.0.1:0']);
+  const watching = await open(await only.line('viewer: '));
+  const reply = await watching.evaluate(() => window.troupe.request('play'));
+  assert.equal(reply.done, false);
+  assert.match(reply.problem, /view-only/);
+  assert.ok(await watching.isDisabled('#play'));
+  assert.equal(await only.stop(), 0);
+  gatewayIsDown = true;
+  await edited.stop();
+}
+
+let failed = false;
+try {
+  await showsTheRunAsItIs();
+  await editsTheRun();
+  assert.deepEqual(problems, [], 'no errors on the page, and no request leaves this host');
+  console.log('browser_test: passed');
+} catch (error) {
+  failed = true;
+  console.error(error);
+  for (const program of Program.all) console.error(program.lines.join('\n'));
+}
+for (const program of Program.all) {
+  if (!program.ended) program.child.kill('SIGKILL');
+}
+await browser.close();
+process.exit(failed ? 1 : 0);
