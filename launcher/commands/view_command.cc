@@ -18,9 +18,11 @@
 #include "common/command_line/option_checks.h"
 #include "common/dds/tools/control_client.h"
 #include "common/dds/tools/session_observer.h"
+#include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/find_session.h"
 #include "launcher/process/signal_watch.h"
+#include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"
 
 namespace troupe {
@@ -50,12 +52,15 @@ std::optional<ListenAddress> ParseListen(const std::string& text) {
   in_addr address{};
   const char* const end = text.data() + text.size();
   const auto port = std::from_chars(text.data() + colon + 1, end, listen.port);
-  const bool good = inet_pton(AF_INET, listen.address.c_str(), &address) == 1 && port.ec == std::errc() && port.ptr == end;
+  const bool good =
+      inet_pton(AF_INET, listen.address.c_str(), &address) == 1 && port.ec == std::errc() && port.ptr == end;
   return good ? std::optional(listen) : std::nullopt;
 }
 
 std::string CheckListen(const std::string& text) {
-  return ParseListen(text) ? "" : "found '" + text + "', expected ADDRESS:PORT with an IPv4 address, for instance 127.0.0.1:8470";
+  return ParseListen(text)
+             ? ""
+             : "found '" + text + "', expected ADDRESS:PORT with an IPv4 address, for instance 127.0.0.1:8470";
 }
 
 // A run over DDS, as an observer and an operator of its session.
@@ -88,12 +93,21 @@ class DdsRunLink : public RunLink {
   ControlClient control_;
 };
 
+// The token of the page's address. A run that only its user may control must not be open to other users of the host by
+// its page. The same for all viewers of a run with a token, so that a page connects to the next viewer, too.
+std::string TokenOf(const NetworkSettings& network) {
+  if (network.security == kSecurityOff) return "";
+  const Result<ParticipantKeys> keys = FindKeys(network.security, network.domain, network.session, Role::Observer());
+  if (!keys.ok() || !keys.value().token) return MakeToken();
+  return keys.value().token->Proof("the page of its viewer").substr(0, MakeToken().size());
+}
+
 int Serve(const ViewOptions& options, SignalWatch& signals) {
   DdsRunLink link(options.network);
   ViewerGatewayOptions gateway_options;
   gateway_options.session = options.network.session;
   gateway_options.view_only = options.view_only;
-  gateway_options.needs_token = IsSecured(options.network);
+  gateway_options.token = TokenOf(options.network);
   if (const std::optional<ListenAddress> listen = ParseListen(options.listen)) {
     gateway_options.address = listen->address;
     gateway_options.port = listen->port;
@@ -136,9 +150,8 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->check(SessionName());
   command
       ->add_option("--listen", options->listen,
-                   fmt::format("Where the web server listens. Beyond this host the printed address has a token, "
-                               "without which nothing is served (default: 127.0.0.1:{}, or another port if that one is "
-                               "in use)",
+                   fmt::format("Where the web server listens (default: 127.0.0.1:{}, or another port if that one is in "
+                               "use)",
                                kViewerPort))
       ->check(CLI::Validator(CheckListen, ""))
       ->type_name("ADDRESS:PORT");

@@ -30,7 +30,7 @@ class RunKeys {
   Result<std::string> ForService(Host& host) const;
   Result<std::string> ForAgent(Host& host, const std::vector<std::string>& robots) const;
   // Likewise for a tool on the launcher's host.
-  std::string ForTools() const { return any() ? folder_ : kSecurityOff; }
+  std::string ForTools() const { return folder_.empty() ? kSecurityOff : folder_; }
 
  private:
   Result<std::string> PlaceOn(Host& host, const std::vector<std::string>& folders) const;

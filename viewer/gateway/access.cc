@@ -62,7 +62,8 @@ Access AccessRules::ForPage(std::string_view host, std::string_view given_token)
 Access AccessRules::ForSocket(std::string_view host, std::string_view origin, std::string_view given_token) const {
   const Access page = ForPage(host, given_token);
   if (page == Access::kWrongHost) return page;
-  if (origin != fmt::format("http://{}", host) && origin != fmt::format("https://{}", host)) return Access::kWrongOrigin;
+  if (origin != fmt::format("http://{}", host) && origin != fmt::format("https://{}", host))
+    return Access::kWrongOrigin;
   return page;
 }
 

@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "messages are copies o
 class ByteWriter {
  public:
   template <typename Number>
-    requires std::is_arithmetic_v<Number>
+  requires std::is_arithmetic_v<Number>
   void Write(Number value) {
     char bytes[sizeof value];
     std::memcpy(bytes, &value, sizeof value);

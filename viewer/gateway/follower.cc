@@ -52,7 +52,10 @@ void Follower::Run() {
     const bool close = observation && now >= wanted_until;
     lock.unlock();
     // The next run of the session may have other keys.
-    if (close || (feed_.ConsumeServiceGone() && observation)) observation.reset();
+    if (close || (feed_.ConsumeServiceGone() && observation)) {
+      observation.reset();
+      feed_.Clear();  // its state is not the newest for long
+    }
     std::string problem;
     if (open) {
       Result<std::unique_ptr<RunObservation>> opened = link_.Observe(feed_);

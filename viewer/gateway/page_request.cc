@@ -159,7 +159,8 @@ std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
     text["state"] = Word(reply.value().state);
     text["tick"] = reply.value().tick;
     Json names = Json::array();
-    for (const EntityReport& entity : reply.value().entities) names.push_back({{"name", entity.name}, {"type", entity.type}});
+    for (const EntityReport& entity : reply.value().entities)
+      names.push_back({{"name", entity.name}, {"type", entity.type}});
     text["entities"] = std::move(names);
   }
   return text.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -36,7 +36,8 @@ struct ContentWriter {
     writer.WriteCount(reading.gripper_model.index());
     writer.WriteCount(reading.beams.size());
     for (const BreakBeamReading::Beam& beam : reading.beams) {
-      for (const double value : {beam.beam.from.x(), beam.beam.from.y(), beam.beam.to.x(), beam.beam.to.y(), beam.beam.z}) {
+      for (const double value :
+           {beam.beam.from.x(), beam.beam.from.y(), beam.beam.to.x(), beam.beam.to.y(), beam.beam.z}) {
         writer.Write(value);
       }
       writer.WriteByte(beam.broken_by.has_value());

@@ -30,7 +30,7 @@ class RobotReadings {
   const WorldState* state_ = nullptr;
   std::optional<BodyIndex> bodies_;
   bool bodies_fresh_ = false;
-  std::map<RobotId, SensorSuite> suites_;      // made on first use
+  std::map<RobotId, SensorSuite> suites_;   // made on first use
   std::map<RobotId, std::string> encoded_;  // in the state
 };
 

@@ -65,10 +65,15 @@ void RunFeed::OnStatus(const StatusMessage& status) {
 }
 
 void RunFeed::OnServiceGone() {
-  announced_.reset();
+  Clear();
   const std::lock_guard lock(mutex_);
   service_gone_ = true;
-  if (content_.last) return;  // its end stays in view
+}
+
+void RunFeed::Clear() {
+  announced_.reset();
+  const std::lock_guard lock(mutex_);
+  if (content_.last || !content_.world) return;
   ++content_.version;
   content_.world.reset();
 }

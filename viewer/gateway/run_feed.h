@@ -20,7 +20,7 @@ namespace troupe {
 struct ViewedWorld {
   std::uint32_t number = 0;  // counts the worlds of a feed from 1
   RunId run = 0;
-  Edition edition = 0;  // world_edition of its frames
+  Edition edition = 0;                         // world_edition of its frames
   std::shared_ptr<const std::string> message;  // EncodeWorld
   std::shared_ptr<const Scene> scene;
 };
@@ -51,6 +51,8 @@ class RunFeed : public ObserverHandler {
   void Read(FeedContent& content) const;
   // The service has ended since the last call.
   bool ConsumeServiceGone();
+  // Forgets the run, unless it has ended in order: its end stays in view. REQUIRES: no handler call runs.
+  void Clear();
 
   void OnSession(const SessionMessage& session) override;
   void OnFrame(const FrameMessage& frame) override;

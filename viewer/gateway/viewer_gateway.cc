@@ -68,7 +68,7 @@ class RunGateway final : public ViewerGateway, private WebHandler {
  public:
   RunGateway(ViewerGatewayOptions options, RunLink& link)
       : options_(std::move(options)),
-        token_(options_.needs_token || !IsLoopback(options_.address) ? MakeToken() : ""),
+        token_(options_.token.empty() && !IsLoopback(options_.address) ? MakeToken() : options_.token),
         follower_(link, feed_),
         controls_(link, [this] { server_->Wake(); }) {}
 
@@ -144,7 +144,7 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   bool measure_all_ = true;  // now; all robots are measured less often if that takes long
   std::string problem_;
   std::atomic<bool> shown_end_ = true;  // for any thread
-  std::unique_ptr<WebServer> server_;  // stopped first, but the queue may wake it still
+  std::unique_ptr<WebServer> server_;   // stopped first, but the queue may wake it still
   Follower follower_;
   ControlQueue controls_;
 };

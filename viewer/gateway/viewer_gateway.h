@@ -1,6 +1,6 @@
-// ViewerGateway: shows a run to browsers. It follows the run as an observer (run_feed.h), serves the page, and sends each
-// viewer the world, then updates: at most kUpdatesPerSecond, each the difference from the viewer's last one. A viewer
-// that is slow skips updates, and delays nothing.
+// ViewerGateway: shows a run to browsers. It follows the run as an observer (run_feed.h), serves the page, and sends
+// each viewer the world, then updates: at most kUpdatesPerSecond, each the difference from the viewer's last one. A
+// viewer that is slow skips updates, and delays nothing.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct ViewerGatewayOptions {
   std::uint16_t port = kViewerPort;   // 0: any
   bool any_port = true;               // if the port is in use, another one
   bool view_only = false;             // refuses requests that change the run
-  bool needs_token = false;           // on a loopback address as well; on others one is always needed
+  std::string token = {};             // of the page's address; empty: none on a loopback address, else a random one
   std::span<const PageFile> files = PageFiles();
 };
 

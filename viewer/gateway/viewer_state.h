@@ -16,9 +16,9 @@ struct ViewerState {
 
   SelectRequest selected;
   std::deque<std::string> texts;
-  std::uint32_t world = 0;    // number of the world that it has; 0: none
-  std::uint64_t update = 0;   // of that world that it has received last; 0: none
-  std::uint64_t event = 0;    // number of the last event
+  std::uint32_t world = 0;     // number of the world that it has; 0: none
+  std::uint64_t update = 0;    // of that world that it has received last; 0: none
+  std::uint64_t event = 0;     // number of the last event
   bool selection_new = false;  // since the last update
   bool knows_session = false;  // the session message was sent, as it is now
 };

@@ -18,13 +18,13 @@ namespace {
 
 // Of responses: the page loads nothing from elsewhere, and no other page embeds it.
 constexpr const char* kContentSecurityPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 // What lws keeps for each connection. Zeroed by lws.
 struct Connection {
-  const PageFile* file;  // on its way
-  std::size_t sent;      // bytes of it
+  const PageFile* file;       // on its way
+  std::size_t sent;           // bytes of it
   WebHandler::Viewer viewer;  // 0: none
 };
 
@@ -132,8 +132,8 @@ Status WebServer::Implementation::Listen() {
   idle_policy_.secs_since_valid_hangup = kHangUpSeconds;
 
   lws_context_creation_info info{};
-  info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6 |
-                 LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
+  info.options =
+      LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   info.gid = static_cast<decltype(info.gid)>(-1);
   info.uid = static_cast<decltype(info.uid)>(-1);
   info.user = this;
@@ -216,9 +216,10 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
 
 int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol) {
   if (std::strcmp(protocol, "websocket") != 0) return -1;
-  if (Header(socket, WSI_TOKEN_GET_URI) != "/socket") return Refuse(socket, HTTP_STATUS_NOT_FOUND, nullptr) < 0 ? -1 : 1;
-  const Access access = options_.access.ForSocket(Header(socket, WSI_TOKEN_HOST), Header(socket, WSI_TOKEN_ORIGIN),
-                                                  TokenIn(socket));
+  if (Header(socket, WSI_TOKEN_GET_URI) != "/socket")
+    return Refuse(socket, HTTP_STATUS_NOT_FOUND, nullptr) < 0 ? -1 : 1;
+  const Access access =
+      options_.access.ForSocket(Header(socket, WSI_TOKEN_HOST), Header(socket, WSI_TOKEN_ORIGIN), TokenIn(socket));
   const bool full = viewers_.size() >= kMostViewers;
   if (access == Access::kGranted && !full) return 0;
   const int written = full ? Refuse(socket, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many viewers")
@@ -328,8 +329,8 @@ int WebServer::Implementation::WritePiece(lws* socket, Connection& connection) {
   const std::size_t count = std::min(content.size() - viewer.sent, kPiece);
   std::memcpy(piece_.data() + LWS_PRE, content.data() + viewer.sent, count);
   const bool last = viewer.sent + count == content.size();
-  const int flags = lws_write_ws_flags(viewer.message->is_text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY, viewer.sent == 0,
-                                       last ? 1 : 0);
+  const int flags =
+      lws_write_ws_flags(viewer.message->is_text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY, viewer.sent == 0, last ? 1 : 0);
   if (lws_write(socket, piece_.data() + LWS_PRE, count, static_cast<lws_write_protocol>(flags)) < 0) return -1;
   viewer.sent += count;
   if (last) viewer.message.reset();

@@ -32,16 +32,16 @@ void Write(ByteWriter& writer, const Rectangle& r) {
 // The pixels of an area, reduced to at most kLargestArea along each side: a byte for eight, row by row from below.
 void WritePixels(ByteWriter& writer, const PixelArea& area) {
   const PixelRectangle bounds = area.cover().bounds();
-  const int reduction =
-      std::max({1, (bounds.x1 - bounds.x0 + kLargestArea - 1) / kLargestArea,
-                (bounds.y1 - bounds.y0 + kLargestArea - 1) / kLargestArea});
+  const int reduction = std::max({1, (bounds.x1 - bounds.x0 + kLargestArea - 1) / kLargestArea,
+                                  (bounds.y1 - bounds.y0 + kLargestArea - 1) / kLargestArea});
   const int width = (bounds.x1 - bounds.x0 + reduction - 1) / reduction;
   const int height = (bounds.y1 - bounds.y0 + reduction - 1) / reduction;
   std::vector<std::uint8_t> bits((static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 7) / 8, 0);
   area.cover().ForEach([&](const PixelRectangle& r) {
     for (int y = (r.y0 - bounds.y0) / reduction; y <= (r.y1 - 1 - bounds.y0) / reduction; ++y) {
       for (int x = (r.x0 - bounds.x0) / reduction; x <= (r.x1 - 1 - bounds.x0) / reduction; ++x) {
-        const std::size_t bit = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+        const std::size_t bit =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
         bits[bit >> 3] = static_cast<std::uint8_t>(bits[bit >> 3] | (1U << (bit & 7U)));
       }
     }

@@ -1,7 +1,6 @@
 #include "common/dds/tools/session_observer.h"
 
 #include <exception>
-#include <string>
 #include <utility>
 
 #include "common/dds/transport/dds_transport.h"
@@ -25,21 +24,16 @@ class DdsSessionObserver : public SessionObserver {
 }  // namespace
 
 Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler) {
-  Result<std::string> enclave = EnclaveOf(network.security, network.domain, network.session, Role::Observer());
-  if (!enclave.ok()) return enclave.error();
+  Result<ParticipantKeys> keys = FindKeys(network.security, network.domain, network.session, Role::Observer());
+  if (!keys.ok()) return keys.error();
   DdsOptions options;
   static_cast<NetworkSettings&>(options) = network;
-  options.enclave = std::move(enclave).value();
+  options.keys = std::move(keys).value();
   try {
     return std::unique_ptr<SessionObserver>(std::make_unique<DdsSessionObserver>(options, handler));
   } catch (const std::exception& exception) {
     return FailureOf(exception);
   }
-}
-
-bool IsSecured(const NetworkSettings& network) {
-  const Result<std::string> enclave = EnclaveOf(network.security, network.domain, network.session, Role::Observer());
-  return !enclave.ok() || !enclave.value().empty();
 }
 
 }  // namespace troupe

@@ -20,7 +20,4 @@ class SessionObserver {
 // (kBadInput), or DDS cannot start.
 Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler);
 
-// True if the tools of this user need keys for the session, now.
-bool IsSecured(const NetworkSettings& network);
-
 }  // namespace troupe

@@ -86,11 +86,11 @@ TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
   reply.state = RunState::kPaused;
   reply.tick = 12;
   reply.entities.push_back({"can\xff\"", "model"});
-  EXPECT_EQ(PageReplyText(3, reply),
-            "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
-            "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
-  EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")),
-            R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
+  EXPECT_EQ(
+      PageReplyText(3, reply),
+      "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
+      "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
+  EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")), R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ FrameMessage Frame(const SessionMessage& session, Tick tick, std::size_t events 
   frame.state_hash = tick;
   frame.edition = session.world_edition;
   frame.world_edition = session.world_edition;
-  for (std::size_t i = 0; i < events; ++i) frame.events.push_back({tick, EventType::kStallBegan, RobotId(0), {}, {}, {}});
+  for (std::size_t i = 0; i < events; ++i)
+    frame.events.push_back({tick, EventType::kStallBegan, RobotId(0), {}, {}, {}});
   return frame;
 }
 

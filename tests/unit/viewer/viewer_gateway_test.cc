@@ -42,12 +42,14 @@ class ScriptedLink : public RunLink {
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
-    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer != nullptr; }));
+    EXPECT_TRUE(
+        changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer != nullptr; }));
     return *observer;
   }
   void AwaitNoObserver() {
     std::unique_lock lock(mutex);
-    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer == nullptr; }));
+    EXPECT_TRUE(
+        changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return observer == nullptr; }));
   }
 
   std::mutex mutex;
@@ -144,12 +146,12 @@ struct ParsedUpdate {
 
 class ViewerGatewayTest : public testing::Test {
  protected:
-  void Start(bool view_only = false, bool needs_token = false) {
+  void Start(bool view_only = false, const std::string& token = "") {
     ViewerGatewayOptions options;
     options.session = "s";
     options.port = 0;
     options.view_only = view_only;
-    options.needs_token = needs_token;
+    options.token = token;
     Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, link_);
     ASSERT_TRUE(gateway.ok()) << gateway.error().message;
     gateway_ = std::move(gateway).value();
@@ -253,7 +255,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
   run.OnSession(world);
   run.OnFrame(FrameAt(world, 7));
   EXPECT_TRUE(AwaitUpdate(*client, [](const ParsedUpdate&) { return true; }).readings.empty());
-  client->SendText(R"({"type": "select", "robots": ["r1", "nobody"]})");
+  client->SendText(R"({"type": "select", "robots": ["r1", "unknown"]})");
   const ParsedUpdate one = AwaitUpdate(*client, [](const ParsedUpdate& update) { return !update.readings.empty(); });
   EXPECT_THAT(one.readings, testing::ElementsAre(1));
   client->SendText(R"({"type": "select", "robots": "all"})");
@@ -361,10 +363,10 @@ TEST_F(ViewerGatewayTest, AnEditedWorldIsSentAgain) {
   EXPECT_THAT(update.rows, testing::ElementsAre(0, 1));
 }
 
-TEST_F(ViewerGatewayTest, TheAddressHasATokenIfOneIsNeeded) {
-  Start(false, true);
+TEST_F(ViewerGatewayTest, TheAddressHasTheToken) {
+  Start(false, "0123abcd");
   const std::string address = gateway_->Address();
-  const std::size_t token = address.find("/?token=");
+  const std::size_t token = address.find("/?token=0123abcd");
   ASSERT_NE(token, std::string::npos) << address;
   WebClient stranger(port());
   EXPECT_THAT(stranger.Get("/socket", WebClient::UpgradeHeaders(stranger.host(), "http://" + stranger.host())),
