@@ -20,10 +20,29 @@ std::size_t PixelsOf(const PixelRectangle& r) {
   return static_cast<std::size_t>(r.x1 - r.x0) * static_cast<std::size_t>(r.y1 - r.y0);
 }
 
+// A PNG of few bytes may have millions of pixels, which only takes time. Width and height are at fixed places in the
+// header chunk, big-endian.
+bool IsLargePng(Bytes bytes) {
+  constexpr std::size_t kWidthAt = 16;
+  constexpr std::size_t kHeightAt = 20;
+  constexpr std::uint64_t kMostPixels = 10'000;
+  if (bytes.size() < kHeightAt + 4 || bytes[1] != std::byte{'P'}) return false;
+  const auto number = [bytes](std::size_t at) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | std::to_integer<std::uint64_t>(bytes[at + i]);
+    return value;
+  };
+  const std::uint64_t width = number(kWidthAt);
+  const std::uint64_t height = number(kHeightAt);
+  // Numbers beyond the limits are errors, which take no time.
+  return width < 100'000 && height < 100'000 && width * height > kMostPixels;
+}
+
 }  // namespace
 
 void Image(Bytes bytes) {
   static const MemoryFile file;
+  if (IsLargePng(bytes)) return;
   file.Write(bytes);
   const Result<Bitmap> bitmap = ReadBitmap(file.path(), StagePixelRule());
   if (!bitmap.ok()) {

@@ -30,9 +30,10 @@ class PgmReader {
     if (*width * *height > (file_.size + 1) / bytes_per_sample) {
       return Fail("found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text);
     }
-    for (std::size_t value = 0; value < lookup_.size(); ++value) {
-      const std::int64_t clamped = std::min(static_cast<std::int64_t>(value), *maximum);
-      lookup_[value] = rule_.occupied[static_cast<std::size_t>((clamped * 255 + *maximum / 2) / *maximum)];
+    lookup_.resize(static_cast<std::size_t>(*maximum) + 1);
+    for (std::int64_t value = 0; value <= *maximum; ++value) {
+      lookup_[static_cast<std::size_t>(value)] =
+          rule_.occupied[static_cast<std::size_t>((value * 255 + *maximum / 2) / *maximum)];
     }
     Bitmap bitmap(static_cast<int>(*width), static_cast<int>(*height));
     for (int y = bitmap.height() - 1; y >= 0; --y) {
@@ -68,13 +69,15 @@ class PgmReader {
     return value;
   }
 
+  bool IsOccupied(std::size_t sample) const { return lookup_[std::min(sample, lookup_.size() - 1)]; }
+
   static bool IsBlank(int c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 
   bool ReadTextRow(Bitmap& bitmap, int y) {
     for (int x = 0; x < bitmap.width(); ++x) {
       const std::optional<std::int64_t> value = Number(65535);
       if (!value) return false;
-      if (lookup_[static_cast<std::size_t>(*value)]) bitmap.set_occupied(x, y, true);
+      if (IsOccupied(static_cast<std::size_t>(*value))) bitmap.set_occupied(x, y, true);
     }
     return true;
   }
@@ -86,14 +89,14 @@ class PgmReader {
     for (int x = 0; x < bitmap.width(); ++x) {
       const unsigned char* sample = row_.data() + static_cast<std::size_t>(x) * step;
       const std::size_t value = step == 1 ? sample[0] : static_cast<std::size_t>(sample[0]) * 256 + sample[1];
-      if (lookup_[value]) bitmap.set_occupied(x, y, true);
+      if (IsOccupied(value)) bitmap.set_occupied(x, y, true);
     }
     return true;
   }
 
   const ImageFile& file_;
   const PixelRule& rule_;
-  std::vector<bool> lookup_ = std::vector<bool>(65536);  // occupied, by sample
+  std::vector<bool> lookup_;  // occupied, by sample up to the maximum
   std::vector<unsigned char> row_;
 };
 
