@@ -71,9 +71,10 @@ Status RunReplay::FindRange() {
 }
 
 Status RunReplay::CreateOutputs() {
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(recording_.run().world, options_.outputs);
-  if (!recorder.ok()) return recorder.error();
-  recorder_ = std::move(recorder).value();
+  const OutputFiles& files = options_.outputs;
+  if (!files.hash_log.empty() || !files.poses.empty()) {
+    if (Status failure = CreateRecorder(files); !failure.ok()) return failure;
+  }
   if (options_.scans.empty()) return {};
   Result<ScanWriter> scans = ScanWriter::Create(options_.scans);
   if (!scans.ok()) return scans.error();
@@ -81,8 +82,15 @@ Status RunReplay::CreateOutputs() {
   return {};
 }
 
+Status RunReplay::CreateRecorder(const OutputFiles& files) {
+  Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(recording_.run().world, files);
+  if (!recorder.ok()) return recorder.error();
+  recorder_ = std::move(recorder).value();
+  return {};
+}
+
 Status RunReplay::CloseOutputs() {
-  const Status recorded = recorder_->OnEnd();
+  const Status recorded = recorder_ != nullptr ? recorder_->OnEnd() : Status();
   const Status scanned = scans_ ? scans_->Close() : Status();
   return recorded.ok() ? scanned : recorded;
 }
@@ -229,6 +237,7 @@ void RunReplay::FindModel(TickReader& reader) {
 }
 
 Status RunReplay::WriteOutputs(const RecordedTick& tick) {
+  if (recorder_ == nullptr) return {};
   if (world_->scene() != recorded_scene_) {
     recorded_scene_ = world_->scene();
     recorder_->OnWorldChange(recorded_scene_, tick.edition);

@@ -53,6 +53,7 @@ class RunReplay {
  private:
   Status FindRange();
   Status CreateOutputs();
+  Status CreateRecorder(const OutputFiles& files);
   Status CloseOutputs();
   Status Start();
   Status RunTicks();
@@ -79,8 +80,8 @@ class RunReplay {
   bool has_state_ = false;
   RecordedTick tick_;  // the newest that was applied; only its tick and log time
   bool in_range_ = false;
-  bool names_model_ = false;  // the difference
-  std::unique_ptr<Recorder> recorder_;
+  bool names_model_ = false;                     // the difference
+  std::unique_ptr<Recorder> recorder_;           // null: no hash log and no poses
   std::shared_ptr<const Scene> recorded_scene_;  // known to recorder_
   std::optional<ScanWriter> scans_;
   FrameMessage frame_;  // for recorder_
