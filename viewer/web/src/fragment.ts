@@ -1,9 +1,11 @@
 // The fragment of the address, for links to a view: #robot=r0&view=top&follow=1&rays=all
+// quality=full draws everything, however slow that is.
 export interface Fragment {
   robot?: string;
   view?: string;
   follow?: boolean;
   rays?: string;
+  fullQuality?: boolean;
 }
 
 export function readFragment(): Fragment {
@@ -12,6 +14,7 @@ export function readFragment(): Fragment {
   if (values.get('robot')) fragment.robot = values.get('robot')!;
   if (values.get('view')) fragment.view = values.get('view')!;
   if (values.get('rays')) fragment.rays = values.get('rays')!;
+  fragment.fullQuality = values.get('quality') === 'full';
   fragment.follow = values.get('follow') === '1';
   return fragment;
 }
@@ -22,6 +25,7 @@ export function writeFragment(fragment: Fragment): void {
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
   if (fragment.rays) values.set('rays', fragment.rays);
   if (fragment.follow) values.set('follow', '1');
+  if (fragment.fullQuality) values.set('quality', 'full');
   const text = values.toString();
   history.replaceState(null, '', text ? `#${text}` : location.pathname + location.search);
 }

@@ -54,6 +54,7 @@ class Viewer {
     this.wantedName = fragment.robot ?? '';
     this.allRays = fragment.rays === 'all';
     this.scene.following = fragment.follow ?? false;
+    this.scene.quality.fixed = fragment.fullQuality ?? false;
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
     this.bindButtons();
     this.bindKeys();
@@ -166,6 +167,7 @@ class Viewer {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
     writeFragment({
       robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+      fullQuality: this.scene.quality.fixed,
     });
   }
 

@@ -4,6 +4,7 @@ const SLOW = 70;  // ms
 const PATIENCE = 4;  // slow drawings in a row
 
 export class Quality {
+  fixed = false;  // at the present level
   level = 0;  // 0: everything; 1: no shadows; 2: fewer pixels as well
   private slow = 0;
   private drawnAt: number | null = null;
@@ -19,7 +20,7 @@ export class Quality {
     this.drawnAt = null;
     // A page in the background gets no frames at all.
     this.slow = took > SLOW && took < 5000 ? this.slow + 1 : 0;
-    if (this.slow < PATIENCE || this.level === 2) return false;
+    if (this.fixed || this.slow < PATIENCE || this.level === 2) return false;
     this.slow = 0;
     ++this.level;
     return true;

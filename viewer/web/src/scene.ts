@@ -55,11 +55,12 @@ export class WorldScene {
   private selected: Entity | null = null;
   private followed: Vector3 | null = null;  // where the followed robot was
   private dirty = true;
-  private readonly quality = new Quality();
+  readonly quality = new Quality();
 
   constructor(private readonly parent: HTMLElement) {
     this.renderer = new WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     parent.append(this.renderer.domElement);
     this.labels = new Labels(parent);
@@ -164,7 +165,7 @@ export class WorldScene {
       this.perspective.position.add(shift);
     }
     this.view = view;
-    this.sun.castShadow = view === 'orbit';
+    this.applyQuality();
     this.orbit.enabled = view === 'orbit';
     this.top.enabled = view === 'top';
     this.orbit.update();
@@ -250,8 +251,7 @@ export class WorldScene {
   private applyQuality(): void {
     const world = this.setting?.world;
     const isSmall = world !== undefined && world.robots.length + world.objects.length <= MOST_SHADOWS;
-    this.renderer.shadowMap.enabled = isSmall && this.quality.level === 0;
-    this.material.needsUpdate = true;
+    this.sun.castShadow = this.view === 'orbit' && isSmall && this.quality.level === 0;
     this.renderer.setPixelRatio(this.quality.level < 2 ? Math.min(window.devicePixelRatio, 2) : 0.75);
     this.invalidate();
   }
@@ -312,8 +312,9 @@ export class WorldScene {
 
   private frame(box: Box3): void {
     const center = box.getCenter(new Vector3()).setZ(0);
-    const width = Math.max(box.max.x - box.min.x, 1);
-    const depth = Math.max(box.max.y - box.min.y, 1);
+    // The box has the places of robots and objects, not their extents.
+    const width = Math.max(box.max.x - box.min.x + 2, 4);
+    const depth = Math.max(box.max.y - box.min.y + 2, 4);
     // Panels cover the sides.
     const aspect = this.perspective.aspect * Math.max(0.5, 1 - PANELS / Math.max(1, this.parent.clientWidth));
     const distance = 1.15 * Math.max(depth, width / aspect);
