@@ -11,6 +11,8 @@
 namespace troupe {
 namespace {
 
+constexpr std::size_t kMostNamed = 10;  // robots, in an error
+
 // With fewer robots a thread costs more in hand-overs than it saves.
 constexpr std::size_t kRobotsPerThread = 16;
 // Robots that a thread claims at a time.
@@ -27,10 +29,13 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
   for (const std::string& name : names) {
     const std::optional<RobotId> id = FindRobot(world, name);
     if (!id) {
-      std::string known;
-      for (std::size_t i = 0; i < world.robots.size() && i < 10; ++i) known += (i ? ", " : "") + world.robots[i].name;
-      if (world.robots.size() > 10) known += fmt::format(", ... ({} in all)", world.robots.size());
-      return Error{{}, fmt::format("the world has no robot '{}', expected one of: {}", name, known)};
+      std::vector<std::string> known;
+      for (std::size_t i = 0; i < world.robots.size(); ++i) {
+        if (IsThere(world, RobotId(i))) known.push_back(world.robots[i].name);
+      }
+      if (known.size() > kMostNamed) known[kMostNamed] = fmt::format("... ({} in all)", known.size());
+      known.resize(std::min(known.size(), kMostNamed + 1));
+      return Error{{}, fmt::format("the world has no robot '{}', expected one of: {}", name, fmt::join(known, ", "))};
     }
     if (std::find(ids.begin(), ids.end(), *id) != ids.end()) {
       return Error{{}, fmt::format("robot '{}' is named twice", name)};

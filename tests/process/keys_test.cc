@@ -8,6 +8,7 @@
 #include "common/protocol/agent_name.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe::test {
 namespace {
@@ -71,6 +72,18 @@ TEST(Keys, AServiceThatIsStartedByHandMakesNone) {
       Program({ProgramPath("world-service"), WorldPath("pen.world"), "--session", "by-hand", "--security", "on"}));
   EXPECT_EQ(service.exit_status, 2) << service.output;
   EXPECT_THAT(service.output, HasSubstr("--security: found 'on', expected a folder of keys, auto or off"));
+}
+
+TEST(Keys, AToolThatNeedsThemFailsWithoutThem) {
+  const std::string domain = std::to_string(TestDomain());
+  const Finished tool = Finish(Troupe(
+      {"ctl", "status", "--session", "no-such-run", "--domain", domain, "--security", "on", "--timeout", "0.3"}));
+  EXPECT_EQ(tool.exit_status, 3);
+  EXPECT_THAT(tool.output, HasSubstr("no run of session 'no-such-run' has published keys"));
+  const Finished agent = Finish(Program({ProgramPath("robot-agent"), "--robot", "r0", "--session", "no-such-run",
+                                         "--domain", domain, "--security", "on"}));
+  EXPECT_EQ(agent.exit_status, 3);
+  EXPECT_THAT(agent.output, HasSubstr("no run of session 'no-such-run' has published keys"));
 }
 
 }  // namespace
