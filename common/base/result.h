@@ -24,6 +24,7 @@ struct SourceLocation {
 enum class ErrorCode : std::uint8_t {
   kBadInput,      // the user's input is wrong: a file, an option, a request
   kFailure,       // the input is good, but the work cannot be done: no memory, a lost service
+  kNoRoom,        // a failure: the place that the input names is taken
   kOutputFailed,  // a failure, of writing an output file: a full disk
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/ids.h"
+#include "common/base/result.h"
 #include "common/model/event.h"
 #include "common/model/proposal.h"
 #include "common/model/world_description.h"
@@ -157,7 +158,8 @@ struct ControlReply {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
   bool done = false;
-  std::string problem;  // reason of a refusal or failure; empty when done
+  std::string problem;                           // reason of a refusal or failure; empty when done
+  ErrorCode problem_code = ErrorCode::kFailure;  // its kind; only in the service's process, not on the wire
   RunState state = RunState::kStarting;
   Tick tick = 0;
   std::uint64_t state_hash = 0;

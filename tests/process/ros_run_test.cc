@@ -296,7 +296,10 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.Spawn("late", "rover", 0.0, 2.0), 101) << "the name is not unique";
   EXPECT_EQ(world.Spawn("other", "", 0.0, 2.0), 104) << "no resource";
   EXPECT_EQ(world.Spawn("other", "truck", 0.0, 2.0), kFailed);
-  EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), kFailed) << "the place is occupied";
+  EXPECT_EQ(world.Spawn("other", "/models/robot.urdf", 0.0, 2.0), 103) << "an unsupported format";
+  EXPECT_EQ(world.Spawn("other", "package://models/robot.world", 0.0, 2.0), 103) << "an unsupported scheme";
+  EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), 109) << "the place is occupied";
+  EXPECT_EQ(world.Spawn("other", "rover", 3.1, 0.0), 109) << "in a wall";
   EXPECT_EQ(world.Spawn("other", "rover", std::nan(""), 0.0), 109) << "a pose that is not finite";
 
   EXPECT_EQ(world.SetPose("late", ros::ToMessage(Pose{1.0, -2.0, 0.0, 1.0})), kOk);
@@ -325,6 +328,7 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.States("").size(), 4u) << "deleted entities are back";
   EXPECT_EQ(world.Load(WorldPath("pen.world")), kOk);
   EXPECT_EQ(world.Load("/nowhere.world"), kFailed);
+  EXPECT_EQ(world.Load("/worlds/office.sdf"), 101) << "an unsupported format";
   world.PlainReset();
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130) << run.output();

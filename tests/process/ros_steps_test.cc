@@ -87,11 +87,14 @@ class RosStepsTest : public testing::Test {
     get_state_.Call({}, [&](const auto& response) { state = response.state.state; });
     return state;
   }
-  void Step() {
+  std::uint8_t StepResult() {
     simulation_interfaces_srv_dds__StepSimulation_Request_ one{};
     one.steps = 1;
-    step_.Call(one, [](const auto& response) { EXPECT_EQ(response.result.result, kOk); });
+    std::uint8_t result = 0;
+    step_.Call(one, [&](const auto& response) { result = response.result.result; });
+    return result;
   }
+  void Step() { EXPECT_EQ(StepResult(), kOk); }
   std::int64_t Now() {
     simulation_interfaces_srv_dds__GetEntityState_Request_ request{};
     request.entity = const_cast<char*>("r0");
@@ -158,6 +161,20 @@ class RosStepsTest : public testing::Test {
   std::map<int, std::vector<std::pair<std::uint64_t, std::uint64_t>>> feedback_of_goals_;  // by goal
   std::map<int, GoalStatus> statuses_;
 };
+
+TEST_F(RosStepsTest, RefusesWhatItsStateDoesNotAllow) {
+  Program run = RunPenPaused();
+  EXPECT_EQ(StepResult(), kOk);  // once all agents have joined
+  EXPECT_EQ(SetState(kPaused), 101) << "already";
+  EXPECT_EQ(SetState(0), kOk) << "stopped";
+  EXPECT_EQ(SetState(kPaused), 103) << "from stopped";
+  EXPECT_EQ(SetState(1), kOk) << "playing";
+  EXPECT_EQ(StepResult(), kFailed) << "in a playing run";
+  EXPECT_EQ(SetState(kPaused), kOk);
+  EXPECT_EQ(StepResult(), kOk);
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
 
 TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
   Program run = RunPenPaused();

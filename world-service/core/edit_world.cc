@@ -82,13 +82,20 @@ Status CheckAboveGround(const EditedWorld& edited, ModelId root, const Pose& X_W
   return Refuse(reason.str());
 }
 
+Status WithoutRoom(Status problem) {
+  if (problem.ok()) return problem;
+  Error error = problem.error();
+  error.code = ErrorCode::kNoRoom;
+  return error;
+}
+
 // The error names the ground, or the obstacle that the entity overlaps.
 Status CheckRoom(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
-  if (Status below = CheckAboveGround(edited, root, X_WE); !below.ok()) return below;
+  if (Status below = WithoutRoom(CheckAboveGround(edited, root, X_WE)); !below.ok()) return below;
   const std::optional<ModelId> obstacle = FindOverlap(*edited.scene, edited.state, root);
   if (!obstacle) return {};
   const WorldDescription& world = edited.scene->world();
-  return Refuse("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'");
+  return WithoutRoom(Refuse("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'"));
 }
 
 // Removes the tree of `root` from the description.

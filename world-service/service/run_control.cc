@@ -172,6 +172,7 @@ void RunControl::Reply(const ControlRequest& request, const ControlReplyTo& repl
     content.entities = outcome.value();
   } else {
     content.problem = outcome.error().message;
+    content.problem_code = outcome.error().code;
   }
   content.tick = run_.frame.state.tick;
   content.state_hash = run_.frame.state_hash;

@@ -24,6 +24,13 @@ bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
          twist.angular.y == 0.0 && twist.angular.z == 0.0;
 }
 
+std::uint8_t SpawnCode(const ControlReply& reply, const std::string& source) {
+  if (reply.done) return kOk;
+  if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
+  if (HasOtherFormat(source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
+  return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
+}
+
 }  // namespace
 
 void EntityEdits::Open(const ros::RosNode& node, const std::string& prefix, ros::Distribution distribution) {
@@ -117,9 +124,9 @@ void EntityEdits::OnSpawn(const RosCaller& caller, const simulation_interfaces_s
     if (other != nullptr && !spawn.rename) {
       return self.AnswerSpawn(caller, kNameNotUnique, "the name '" + spawn.name + "' is in use", "");
     }
-    self.Ask(spawn, [caller](EntityEdits& edits, const ControlReply& reply) {
+    self.Ask(spawn, [caller, source = spawn.source](EntityEdits& edits, const ControlReply& reply) {
       const std::string name = reply.entities.empty() ? "" : edits.context().RosNameOf(reply.entities.front());
-      edits.AnswerSpawn(caller, static_cast<std::uint8_t>(CodeOf(reply)), reply.problem, name);
+      edits.AnswerSpawn(caller, SpawnCode(reply, source), reply.problem, name);
     });
   });
 }

@@ -1,6 +1,9 @@
-// Paths from the URIs in ROS requests.
+// Paths from the URIs in ROS requests, and their formats.
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -13,6 +16,14 @@ inline std::string ResourcePath(const char* uri) {
   const std::string text = dds::Text(uri);
   constexpr std::string_view kScheme = "file://";
   return text.starts_with(kScheme) ? text.substr(kScheme.size()) : text;
+}
+
+// Whether a resource that cannot be used has a format other than those with the endings: another ending, or another
+// scheme. A name without an ending, as of a model, has none.
+inline bool HasOtherFormat(const std::string& path, std::initializer_list<std::string_view> endings) {
+  if (path.find("://") != std::string::npos) return true;
+  const std::string ending = std::filesystem::path(path.substr(0, path.rfind('#'))).extension().string();
+  return !ending.empty() && std::find(endings.begin(), endings.end(), ending) == endings.end();
 }
 
 }  // namespace troupe

@@ -7,7 +7,9 @@ namespace {
 
 using ros::RosCaller;
 
-constexpr std::uint8_t kAlreadyInTargetState = 101;  // of SetSimulationState
+// Of SetSimulationState.
+constexpr std::uint8_t kAlreadyInTargetState = 101;
+constexpr std::uint8_t kIncorrectTransition = 103;
 
 // As in SimulationState.
 constexpr std::uint8_t kStopped = 0;
@@ -101,6 +103,9 @@ void RunServices::OnSetState(const RosCaller& caller,
       return self.AnswerSetState(caller, kAlreadyInTargetState, "it is so already");
     }
     if (wanted == kStopped) return self.Stop(caller);
+    if (wanted == kPaused && status.state == RunState::kPaused) {
+      return self.AnswerSetState(caller, kIncorrectTransition, "a stopped run can be played, not paused");
+    }
     self.Ask(wanted == kPlaying ? ControlCommand::kPlay : ControlCommand::kPause,
              [caller](RunServices& services, const ControlReply& reply) { services.AnswerSetState(caller, reply); });
   });
@@ -124,9 +129,7 @@ void RunServices::OnStep(const RosCaller& caller,
   Ask(step, [caller](RunServices& self, const ControlReply& reply) {
     dds::WireArena arena;
     simulation_interfaces_srv_dds__StepSimulation_Response_ response{};
-    const ResultCode failure =
-        reply.state == RunState::kPlaying ? ResultCode::kIncorrectState : ResultCode::kOperationFailed;
-    response.result = MakeResult(reply.done ? ResultCode::kOk : failure, reply.problem, arena);
+    response.result = MakeResult(reply, arena);
     self.step_.Respond(caller, response);
   });
 }

@@ -52,8 +52,9 @@ void WorldServices::OnLoad(const RosCaller& caller, const simulation_interfaces_
                       "", "");
   }
   Ask(load, [caller, path = load.source](WorldServices& self, const ControlReply& reply) {
-    self.AnswerLoad(caller, static_cast<std::uint8_t>(CodeOf(reply)), reply.problem,
-                    reply.done ? self.context().scene()->world().name : "", path);
+    const bool is_other = !reply.done && HasOtherFormat(path, {".world", ".json", ".yaml", ".yml"});
+    const auto code = is_other ? kUnsupportedWorldFormat : static_cast<std::uint8_t>(CodeOf(reply));
+    self.AnswerLoad(caller, code, reply.problem, reply.done ? self.context().scene()->world().name : "", path);
   });
 }
 
