@@ -69,6 +69,7 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->group(group);
   app.add_option("--ros-domain", options.domain, "ROS domain (default: ROS_DOMAIN_ID, or 0)")
       ->check(DdsDomain())
+      ->each([&options](const std::string&) { options.faults.domain.clear(); })
       ->type_name("D")
       ->group(group);
   app.add_option("--ros-interface", options.network_interface,
@@ -78,16 +79,20 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
   AddText(app, group, "--ros-discovery",
           "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
           "or ROS_LOCALHOST_ONLY says, or subnet)",
-          {"off", "localhost", "subnet", "system-default"},
-          [&options](const std::string& word) { options.discovery = *ros::ParseDiscoveryRange(word); });
+          {"off", "localhost", "subnet", "system-default"}, [&options](const std::string& word) {
+            options.discovery = *ros::ParseDiscoveryRange(word);
+            options.faults.discovery.clear();
+          });
   app.add_option("--ros-peers", options.static_peers,
                  "Other hosts to look for ROS 2 on, separated by commas (default: ROS_STATIC_PEERS)")
       ->delimiter(',')
       ->type_name("HOSTS")
       ->group(group);
   AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
-          {"humble", "iron", "jazzy", "kilted", "rolling"},
-          [&options](const std::string& word) { options.distribution = *ros::ParseDistribution(word); });
+          {"humble", "iron", "jazzy", "kilted", "rolling"}, [&options](const std::string& word) {
+            options.distribution = *ros::ParseDistribution(word);
+            options.faults.distribution.clear();
+          });
   AddText(app, group, "--ros-cmd-vel", "Message types accepted on cmd_vel: twist (default), stamped or both",
           {"twist", "stamped", "both"},
           [&options](const std::string& word) { options.command_type = ParseCommandType(word); });
@@ -105,6 +110,8 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
+  AddText(app, group, "--ros-no-hit", "What a ray of a scan without a hit reads: inf (default) or range-max",
+          {"inf", "range-max"}, [&options](const std::string& word) { options.infinite_ranges = word == "inf"; });
   AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
           {"shared", "namespaced"},
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
@@ -130,6 +137,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   if (!options.security.keystore.empty()) arguments.push_back("--ros-keystore=" + options.security.keystore);
   if (!options.security.enclave.empty()) arguments.push_back("--ros-enclave=" + options.security.enclave);
   for (const std::string& peer : options.static_peers) arguments.push_back("--ros-peers=" + peer);
+  if (!options.infinite_ranges) arguments.emplace_back("--ros-no-hit=range-max");
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;
 }

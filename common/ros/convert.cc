@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace troupe::ros {
 namespace {
@@ -14,9 +15,8 @@ constexpr std::uint32_t kBytesPerFloat = 4;
 
 // Only x, y and the heading vary in the plane.
 void SetDiagonal(double (&covariance)[36], double x, double y, double heading) {
-  covariance[0] = x;
-  covariance[kColumns + 1] = y;
-  covariance[5 * kColumns + 5] = heading;
+  const double variances[kColumns] = {x, y, 0.0, 0.0, 0.0, heading};
+  for (std::size_t i = 0; i < kColumns; ++i) covariance[i * kColumns + i] = std::max(variances[i], kLeastVariance);
 }
 
 void Copy(const std::vector<double>& values, float* out) {
@@ -85,7 +85,7 @@ OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const 
 }
 
 LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangeScan& scan, double period_seconds,
-                        dds::WireArena& arena) {
+                        bool infinite, dds::WireArena& arena) {
   LaserScan message{};
   message.header = MakeHeader(stamp, frame, arena);
   message.angle_min = static_cast<float>(scan.fan.angle_min());
@@ -95,7 +95,12 @@ LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const Range
   message.scan_time = static_cast<float>(period_seconds);
   message.range_min = static_cast<float>(scan.limits.min);
   message.range_max = static_cast<float>(scan.limits.max);
-  Copy(scan.ranges, arena.Fill(message.ranges, scan.ranges.size()));
+  float* const ranges = arena.Fill(message.ranges, scan.ranges.size());
+  Copy(scan.ranges, ranges);
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const bool is_hit = scan.ranges[i] < scan.limits.max;
+    if (infinite && !is_hit) ranges[i] = std::numeric_limits<float>::infinity();
+  }
   Copy(scan.intensities, arena.Fill(message.intensities, scan.intensities.size()));
   return message;
 }

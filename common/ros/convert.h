@@ -28,14 +28,16 @@ TransformStamped MakeTransform(const Time& stamp, const std::string& parent, con
                                dds::WireArena& arena);
 TfMessage MakeTfMessage(const std::vector<TransformStamped>& transforms, dds::WireArena& arena);
 
-// `pose` is of `child` in `frame`; `twist` in `child`.
+// `pose` is of `child` in `frame`; `twist` in `child`. No variance is below kLeastVariance, which also is that of the
+// components out of the plane: filters reject a variance of zero.
+inline constexpr double kLeastVariance = 1e-6;  // m^2, rad^2, and of velocities: 1 mm, 1 mrad
 OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const std::string& child, const Pose& pose,
                              const Twist& twist, const Covariance& error, dds::WireArena& arena);
 
-// One scan of one ray sensor, in the sensor's frame. A ray without a hit has the range range_max. `period_seconds`:
-// from one scan to the next.
+// One scan of one ray sensor, in the sensor's frame. A ray without a hit has the range +Inf (REP 117) or, unless
+// `infinite`, range_max. `period_seconds`: from one scan to the next.
 LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangeScan& scan, double period_seconds,
-                        dds::WireArena& arena);
+                        bool infinite, dds::WireArena& arena);
 
 // The first ray of a scan. REQUIRES: it has one.
 RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena);

@@ -37,6 +37,25 @@ std::vector<std::string> SplitAtSemicolons(std::string_view text) {
   return parts;
 }
 
+std::string Found(const char* variable, std::string_view value, const char* expected) {
+  return std::string(variable) + ": found '" + std::string(value) + "', expected " + expected;
+}
+
+// As ROS reads it: decimal, octal ("017") or hexadecimal ("0x11").
+std::optional<std::uint32_t> ParseDomain(std::string_view text) {
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.size() > 1 && text.front() == '0') {
+    base = 8;
+  }
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (error != std::errc() || end != text.data() + text.size() || number > kMaxDomain) return std::nullopt;
+  return number;
+}
+
 // The older variable prevails, as in ROS.
 void SetDiscovery(RosOptions& options) {
   if (Environment("ROS_LOCALHOST_ONLY") == "1") {
@@ -44,7 +63,14 @@ void SetDiscovery(RosOptions& options) {
     return;
   }
   const std::string_view range = Environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  if (!range.empty()) options.discovery = ParseDiscoveryRange(OptionWord(range)).value_or(DiscoveryRange::kLocalhost);
+  if (!range.empty()) {
+    const std::optional<DiscoveryRange> parsed = ParseDiscoveryRange(OptionWord(range));
+    options.discovery = parsed.value_or(DiscoveryRange::kLocalhost);
+    if (!parsed) {
+      options.faults.discovery =
+          Found("ROS_AUTOMATIC_DISCOVERY_RANGE", range, "OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT; using LOCALHOST");
+    }
+  }
   options.static_peers = SplitAtSemicolons(Environment("ROS_STATIC_PEERS"));
 }
 
@@ -53,13 +79,17 @@ void SetDiscovery(RosOptions& options) {
 RosOptions OptionsFromEnvironment() {
   RosOptions options;
   const std::string_view domain = Environment("ROS_DOMAIN_ID");
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(domain.data(), domain.data() + domain.size(), number);
-  if (!domain.empty() && error == std::errc() && end == domain.data() + domain.size() && number <= kMaxDomain) {
-    options.domain = number;
+  if (const std::optional<std::uint32_t> number = ParseDomain(domain)) {
+    options.domain = *number;
+  } else if (!domain.empty()) {
+    options.faults.domain = Found("ROS_DOMAIN_ID", domain, "a number from 0 to 230");
   }
-  if (const auto distribution = ParseDistribution(std::string(Environment("ROS_DISTRO")))) {
+  const std::string_view name = Environment("ROS_DISTRO");
+  if (const auto distribution = ParseDistribution(std::string(name))) {
     options.distribution = *distribution;
+  } else if (!name.empty()) {
+    options.faults.distribution =
+        Found("ROS_DISTRO", name, "humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
   }
   SetDiscovery(options);
   options.security = SecurityFromEnvironment();

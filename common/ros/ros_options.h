@@ -18,6 +18,13 @@ enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
 // Which other participants are discovered, as ROS_AUTOMATIC_DISCOVERY_RANGE states it.
 enum class DiscoveryRange : std::uint8_t { kOff, kLocalhost, kSubnet, kSystemDefault };
 
+// Values of the environment that are not valid, as messages; empty: none.
+struct EnvironmentFaults {
+  std::string domain;
+  std::string distribution;
+  std::string discovery;  // ROS itself continues with localhost
+};
+
 struct RosOptions {
   std::uint32_t domain = 0;
   std::string network_interface = "auto";
@@ -34,12 +41,14 @@ struct RosOptions {
   // For one of many processes, which need not discover each other: its own announcements do not reach the other
   // processes on this machine; they discover it by theirs. Without effect on the loopback interface.
   bool quiet = false;
-  bool map_to_odom = true;  // publish the true pose of each odom frame in the map
+  bool map_to_odom = true;      // publish the true pose of each odom frame in the map
+  bool infinite_ranges = true;  // a ray of a scan without a hit reads +Inf (REP 117), else range_max
   RosSecurity security = {};
+  EnvironmentFaults faults = {};  // of settings that no option has replaced
 };
 
 // The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE,
-// ROS_STATIC_PEERS, of which values that are not valid are ignored, and those of SecurityFromEnvironment.
+// ROS_STATIC_PEERS, and those of SecurityFromEnvironment.
 RosOptions OptionsFromEnvironment();
 
 // `name`: in lower case.

@@ -132,6 +132,11 @@ void RosParticipant::WatchWriters() {
   watch_.emplace(participant_);
 }
 
+void RosParticipant::WatchDistributions() {
+  const std::lock_guard lock(announcer_->mutex);
+  watch_->ExpectDistribution(distribution_);
+}
+
 std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std::string& name) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->nodes.push_back({node_namespace, name, {}, {}});

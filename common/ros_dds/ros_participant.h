@@ -40,6 +40,8 @@ class RosParticipant {
   // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
   // now and then, because all writers of the domain are kept for it.
   void WatchWriters();
+  // Reports, once, a participant of a distribution with another layout of the list of nodes, too. After WatchWriters.
+  void WatchDistributions();
   // A line for each writer, found since the last call, that does not match. As WriterWatch.
   std::vector<std::string> DrainMismatches();
 

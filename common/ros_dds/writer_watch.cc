@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "common/dds/binding/exception.h"
 #include "common/ros_dds/type_hash.h"
 
 namespace troupe::ros {
 namespace {
 
+constexpr std::string_view kNodesTopic = "ros_discovery_info";
 constexpr std::size_t kBatch = 64;
 constexpr std::size_t kMostReports = 100;  // a hostile peer can make up any number
 
@@ -15,6 +18,17 @@ bool IsReliable(const dds_qos_t* qos) {
   dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
   dds_duration_t blocking = 0;
   return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
+}
+
+// From Iron on, endpoints of ROS have one.
+bool HasTypeHash(const dds_qos_t* qos) {
+  void* bytes = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(qos, &bytes, &size) || bytes == nullptr) return false;
+  const bool found =
+      std::string_view(static_cast<const char*>(bytes), size).find("typehash=") != std::string_view::npos;
+  dds_free(bytes);
+  return found;
 }
 
 // "geometry_msgs/msg/Twist", or the name on DDS of a type that is not of ROS.
@@ -69,7 +83,21 @@ std::vector<std::string> WriterWatch::DrainReports() {
   }
 }
 
+// Once, because every process of the other distribution would be reported.
+std::optional<std::string> WriterWatch::JudgeDistribution(const dds_builtintopic_endpoint_t& writer) {
+  if (!distribution_) return std::nullopt;
+  const bool is_humble = !HasTypeHash(writer.qos);
+  if (is_humble == (*distribution_ == Distribution::kHumble)) return std::nullopt;
+  const Distribution own = *std::exchange(distribution_, std::nullopt);
+  return fmt::format(
+      "another program in the ROS domain is of {}, and this run is for {}: they cannot list each other's nodes; "
+      "expected "
+      "the same with --ros-distro, or another domain",
+      is_humble ? "Humble" : "Iron or later", ToString(own));
+}
+
 std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
+  if (std::string_view(writer.topic_name) == kNodesTopic) return JudgeDistribution(writer);
   const auto found = expected_.find(writer.topic_name);
   if (found == expected_.end()) return std::nullopt;
   const Expected& expected = found->second;

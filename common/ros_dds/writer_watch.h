@@ -11,6 +11,7 @@
 
 #include "common/dds/binding/domain_participant.h"
 #include "common/dds/binding/entity.h"
+#include "common/ros/ros_options.h"
 
 namespace troupe::ros {
 
@@ -20,6 +21,9 @@ class WriterWatch {
 
   // Watches the topic of a reader. Several readers of a topic may have different types.
   void Expect(dds_entity_t reader, bool accepts_best_effort);
+
+  // Reports participants whose list of nodes has another layout than that of the distribution, too.
+  void ExpectDistribution(Distribution distribution) { distribution_ = distribution; }
 
   // A line for each topic and problem found since the last call. A single status read if discovery found nothing new.
   std::vector<std::string> DrainReports();
@@ -31,9 +35,11 @@ class WriterWatch {
   };
   // The report on a writer; none if it matches, or if the same problem was reported.
   std::optional<std::string> Judge(const dds_builtintopic_endpoint_t& writer);
+  std::optional<std::string> JudgeDistribution(const dds_builtintopic_endpoint_t& writer);
 
   dds::Entity publications_;                                // a reader of discovered writers
   std::map<std::string, Expected> expected_;                // by topic
+  std::optional<Distribution> distribution_;                // none: not reported, or reported
   std::set<std::pair<std::string, std::string>> reported_;  // topic and problem
 };
 

@@ -9,7 +9,7 @@
 #include "common/base/output_file.h"
 #include "common/ros/ros_security.h"
 #include "launcher/commands/check_controllers.h"
-#include "launcher/commands/check_ros_security.h"
+#include "launcher/commands/check_ros_options.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
@@ -36,7 +36,7 @@ int RunCommand(RunOptions options) {
   }
   // Cyclone does not keep two identities in one process apart that are in one domain.
   if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;
-  if (const Status status = CheckRosSecurity(options); !status.ok()) return Fail(status.error());
+  if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
   const RunEnd end = options.in_process ? RunInProcess(options) : RunDistributed(options);
   if (end.error) fmt::print(stderr, "{}\n", end.error->ToString());
   if (!end.outcome) return end.exit_status;

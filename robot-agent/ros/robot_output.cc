@@ -21,6 +21,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
     : scene_(&scene),
       id_(robot),
       map_to_odom_(options.map_to_odom),
+      infinite_ranges_(options.infinite_ranges),
       frames_(ros::FramesOf(name, !options.namespaced_tf)),
       tree_(ros::RobotFramesOf(scene, robot, frames_)),
       odometry_error_(description().localization),
@@ -118,8 +119,8 @@ void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) 
   if (!laser.writer->wanted() || !Due(tick, ranger)) return;
   const double period = description().sensors[ranger].period_ticks * scene_->world().interval_seconds();
   dds::WireArena arena;
-  laser.writer->Write(
-      ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ScansOf(robot, ranger)[sensor], period, arena));
+  laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ScansOf(robot, ranger)[sensor], period,
+                                         infinite_ranges_, arena));
 }
 
 void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) {

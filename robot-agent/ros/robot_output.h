@@ -54,6 +54,7 @@ class RobotOutput {
   const Scene* scene_;
   RobotId id_;
   bool map_to_odom_;
+  bool infinite_ranges_;
   ros::FrameNames frames_;
   ros::RobotFrames tree_;
   ros::OdometryError odometry_error_;

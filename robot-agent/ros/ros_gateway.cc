@@ -104,6 +104,8 @@ class RosGateway final : public Gateway {
       : participant_(OptionsFor(options, scene, robots), EnclaveFor(scene, robots)),
         by_id_(scene.world().robots.size()) {
     participant_.WatchWriters();
+    // Not by each process, because all would report the same.
+    if (!robots.empty() && robots.front().index() == 0) participant_.WatchDistributions();
     const std::vector<std::string> names = ros::RobotNames(scene.world());
     for (const RobotId robot : robots) {
       const std::string& name = names[robot.index()];

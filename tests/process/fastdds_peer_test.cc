@@ -45,9 +45,26 @@ class FastDdsPeerTest : public testing::Test {
     const std::string domain = std::to_string(TestRosOptions().domain);
     Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), drives[0], drives[1]});
     peer.WaitForLine("ready");
-    Program run = Troupe({"run", WorldPath(world), "--domain", std::to_string(TestDomain()), "--headless", "--ros",
-                          "--ros-interface", "lo", "--ros-domain", domain, "--ros-distro", "jazzy", "--speed", "4",
-                          "--poses", folder_.Path("poses"), "--scans", folder_.Path("scans")});
+    Program run = Troupe({"run",
+                          WorldPath(world),
+                          "--domain",
+                          std::to_string(TestDomain()),
+                          "--headless",
+                          "--ros",
+                          "--ros-no-hit",
+                          "range-max",
+                          "--ros-interface",
+                          "lo",
+                          "--ros-domain",
+                          domain,
+                          "--ros-distro",
+                          "jazzy",
+                          "--speed",
+                          "4",
+                          "--poses",
+                          folder_.Path("poses"),
+                          "--scans",
+                          folder_.Path("scans")});
     // Until it has enough scans, however long discovery took.
     peer.WaitForLine("\"enough\"");
     run.Signal(SIGINT);

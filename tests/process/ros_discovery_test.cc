@@ -42,5 +42,30 @@ TEST(RosDiscovery, OfJazzyOnLocalhost) {
   ExpectRunFoundBy(kJazzyLocalhost);
 }
 
+TEST(RosDiscovery, AnEnvironmentThatIsNotValidIsAnErrorUnlessAnOptionReplacesIt) {
+  unsetenv("ROS_LOCALHOST_ONLY");
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  setenv("ROS_DISTRO", "jazzy", 1);
+  for (const char* domain : {"abc", "240"}) {
+    setenv("ROS_DOMAIN_ID", domain, 1);
+    const Finished run = Finish(RunPen({"--ros", "--ticks", "1"}));
+    EXPECT_EQ(run.exit_status, 2);
+    EXPECT_THAT(run.output, testing::HasSubstr("error: ROS_DOMAIN_ID: found '" + std::string(domain) + "'"));
+  }
+  const std::string domain = std::to_string(TestRosOptions().domain);
+  EXPECT_EQ(Finish(RunPen({"--ros", "--ros-domain", domain, "--ticks", "1"})).exit_status, 0);
+  EXPECT_EQ(Finish(RunPen({"--no-ros", "--ticks", "1"})).exit_status, 0);
+  setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+  setenv("ROS_DISTRO", "foxy", 1);
+  const Finished run = Finish(RunPen({"--ros", "--ticks", "1"}));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.output, testing::HasSubstr("error: ROS_DISTRO: found 'foxy', expected humble"));
+  setenv("ROS_DISTRO", "jazzy", 1);
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", 1);
+  const Finished warned = Finish(RunPen({"--ros", "--ticks", "1"}));
+  EXPECT_EQ(warned.exit_status, 0);
+  EXPECT_THAT(warned.output, testing::HasSubstr("warning: ROS_AUTOMATIC_DISCOVERY_RANGE: found 'LOCAL'"));
+}
+
 }  // namespace
 }  // namespace troupe::test

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -104,7 +105,9 @@ TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
     }
     for (const auto& [tick, ranges] : robot.scans) {
       const std::vector<double>& logged = scans.at({tick, robot.name, "ranger:1.0"});
-      ASSERT_EQ(ranges, std::vector<float>(logged.begin(), logged.end()));
+      std::vector<float> expected(logged.begin(), logged.end());
+      for (float& range : expected) range = range < 8.0F ? range : std::numeric_limits<float>::infinity();  // no hit
+      ASSERT_EQ(ranges, expected);
     }
   }
   EXPECT_GT(reader.clocks().size(), 100u);

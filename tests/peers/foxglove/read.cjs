@@ -34,7 +34,7 @@ const expected = gripper !== undefined ? {
   [`/${robot}/robot_description`]: ["std_msgs/msg/String", kTransientLocal, (m) => m.data.includes(`<joint name="${gripper}_lift" type="prismatic">`)],
 } : {
   [`/${robot}/scan`]: ["sensor_msgs/msg/LaserScan", kVolatile, (m) =>
-    m.header.frame_id === `${robot}/scan` && m.ranges.length === 181 && m.range_max === 8 && m.ranges.every((r) => r > 0 && r <= 8)],
+    m.header.frame_id === `${robot}/scan` && m.ranges.length === 181 && m.range_max === 8 && m.ranges.every((r) => r > 0 && (r <= 8 || r === Infinity))],
   [`/${robot}/odom`]: ["nav_msgs/msg/Odometry", kVolatile, (m) =>
     m.header.frame_id === `${robot}/odom` && m.child_frame_id === `${robot}/base_link` && Math.abs(m.pose.pose.orientation.z ** 2 + m.pose.pose.orientation.w ** 2 - 1) < 1e-9],
   [`/${robot}/ground_truth`]: ["nav_msgs/msg/Odometry", kVolatile, (m) => m.header.frame_id === "map" && m.twist.covariance.length === 36],

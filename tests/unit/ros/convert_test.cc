@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/support/small_world.h"
 
 namespace troupe::ros {
@@ -50,13 +52,15 @@ TEST(MakeOdometry, ContainsPoseTwistAndCovariances) {
   EXPECT_EQ(odometry.twist.covariance[0], 0.4);
   EXPECT_EQ(odometry.twist.covariance[7], 0.5);
   EXPECT_EQ(odometry.twist.covariance[35], 0.6);
+  for (const std::size_t z_roll_pitch : {14, 21, 28}) EXPECT_EQ(odometry.pose.covariance[z_roll_pitch], kLeastVariance);
+  EXPECT_EQ(odometry.pose.covariance[1], 0.0);
 }
 
 TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
   const RangeScan measured{
       .ranges = {1, 2, 3, 8}, .intensities = {1, 1, 0.5, 0}, .fan = {3.0, 4}, .limits = {0.25, 8.0}};
   dds::WireArena arena;
-  const LaserScan scan = MakeLaserScan({}, "r/scan", measured, 3 * 0.1, arena);
+  const LaserScan scan = MakeLaserScan({}, "r/scan", measured, 3 * 0.1, false, arena);
   EXPECT_EQ(scan.angle_min, -1.5F);
   EXPECT_EQ(scan.angle_max, 1.5F);
   EXPECT_EQ(scan.angle_increment, 1.0F);
@@ -65,6 +69,9 @@ TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
   EXPECT_EQ(scan.range_max, 8.0F);
   EXPECT_THAT(dds::Elements(scan.ranges), ElementsAre(1.0F, 2.0F, 3.0F, 8.0F));
   EXPECT_THAT(dds::Elements(scan.intensities), ElementsAre(1.0F, 1.0F, 0.5F, 0.0F));
+  const LaserScan infinite = MakeLaserScan({}, "r/scan", measured, 3 * 0.1, true, arena);
+  EXPECT_THAT(dds::Elements(infinite.ranges), ElementsAre(1.0F, 2.0F, 3.0F, std::numeric_limits<float>::infinity()));
+  EXPECT_EQ(infinite.range_max, 8.0F);
 }
 
 TEST(MakeRange, HasNoVarianceInHumble) {

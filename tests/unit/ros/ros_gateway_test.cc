@@ -188,6 +188,10 @@ TEST_F(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
     EXPECT_STREQ(message.child_frame_id, "b/base_link");
     EXPECT_EQ(message.pose.pose.position.x, 1.0);
     EXPECT_EQ(message.pose.pose.position.y, 2.0);
+    for (std::size_t i = 0; i < 36; i += 7) {
+      EXPECT_GT(message.pose.covariance[i], 0.0) << i;
+      EXPECT_GT(message.twist.covariance[i], 0.0) << i;
+    }
   });
   TickUntilReceived(truth, [](const ros::OdometryMessage& message) {
     EXPECT_STREQ(message.header.frame_id, "map");
@@ -204,7 +208,7 @@ TEST_F(RosGatewayTest, PublishesScansAndRanges) {
     EXPECT_STREQ(scan.header.frame_id, "a/scan");
     ASSERT_EQ(scan.ranges._length, 5u);
     EXPECT_FLOAT_EQ(scan.ranges._buffer[2], 2.7F);  // from x = 0.1 to b's side at 2.8
-    EXPECT_EQ(scan.ranges._buffer[0], 5.0F);
+    EXPECT_EQ(scan.ranges._buffer[0], std::numeric_limits<float>::infinity()) << "no hit";
   });
   std::vector<std::string> frames;
   ASSERT_TRUE(Eventually([&] {
@@ -468,6 +472,32 @@ TEST_F(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
     }
     EXPECT_EQ(all.contains("ros_discovery_info"), discovered == DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   }
+}
+
+TEST_F(RosGatewayTest, ReportsAHumbleParticipantInTheDomainOfLaterOnesOnce) {
+  MakeReplica(options_);
+  EXPECT_THAT(Tick().reports, IsEmpty());
+  options_.distribution = ros::Distribution::kHumble;
+  const ros::RosParticipant humble(options_);
+  const ros::RosParticipant another(options_);
+  std::vector<std::string> reports;
+  EXPECT_TRUE(Eventually([&] {
+    reports = Tick().reports;
+    return !reports.empty();
+  }));
+  EXPECT_THAT(reports, ElementsAre(testing::HasSubstr("is of Humble, and this run is for jazzy")));
+  EXPECT_THAT(Tick().reports, IsEmpty());
+}
+
+TEST_F(RosGatewayTest, ReportsALaterParticipantInTheDomainOfHumble) {
+  options_.distribution = ros::Distribution::kHumble;
+  MakeReplica(options_);  // the peer of this test is of Jazzy
+  std::vector<std::string> reports;
+  EXPECT_TRUE(Eventually([&] {
+    reports = Tick().reports;
+    return !reports.empty();
+  }));
+  EXPECT_THAT(reports, ElementsAre(testing::HasSubstr("is of Iron or later, and this run is for humble")));
 }
 
 TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {

@@ -59,13 +59,25 @@ TEST_F(RosEnvironment, SetsTheRangeOfDiscovery) {
   EXPECT_TRUE(OptionsFromEnvironment().static_peers.empty());
 }
 
-TEST_F(RosEnvironment, IsIgnoredWhereItIsNotValid) {
-  for (const char* domain : {"", "x", "17x", "-1", "231", "99999999999"}) {
-    setenv("ROS_DOMAIN_ID", domain, 1);
-    EXPECT_EQ(OptionsFromEnvironment().domain, 0u) << domain;
+TEST_F(RosEnvironment, NamesValuesThatAreNotValid) {
+  for (const std::string domain : {"x", "17x", "-1", "231", "99999999999", "0x", "08"}) {
+    setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+    EXPECT_EQ(OptionsFromEnvironment().faults.domain,
+              "ROS_DOMAIN_ID: found '" + domain + "', expected a number from 0 to 230");
   }
   setenv("ROS_DISTRO", "noetic", 1);
-  EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kJazzy);
+  EXPECT_EQ(OptionsFromEnvironment().faults.distribution,
+            "ROS_DISTRO: found 'noetic', expected humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", 1);
+  EXPECT_NE(OptionsFromEnvironment().faults.discovery, "");
+}
+
+TEST_F(RosEnvironment, ReadsADomainAsRosDoes) {
+  for (const auto& [text, domain] : {std::pair{"", 0U}, {"0", 0U}, {"230", 230U}, {"0x11", 17U}, {"021", 17U}}) {
+    setenv("ROS_DOMAIN_ID", text, 1);
+    EXPECT_EQ(OptionsFromEnvironment().domain, domain) << text;
+    EXPECT_EQ(OptionsFromEnvironment().faults.domain, "") << text;
+  }
 }
 
 TEST_F(RosEnvironment, HasNoSecurityUnlessItIsEnabled) {

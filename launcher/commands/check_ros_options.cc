@@ -1,4 +1,4 @@
-#include "launcher/commands/check_ros_security.h"
+#include "launcher/commands/check_ros_options.h"
 
 #include <fmt/format.h>
 
@@ -26,11 +26,18 @@ std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld
 
 }  // namespace
 
-Status CheckRosSecurity(const RunOptions& options) {
+Status CheckRosOptions(const RunOptions& options) {
   const ros::RosSecurity& security = options.ros.security;
-  if (security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff) return Status();
+  const ros::EnvironmentFaults& faults = options.ros.faults;
+  const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
+  if (is_open && faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty()) return Status();
   const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
   if (!loaded.ok() || !options.run.ros.value_or(loaded.value().settings.ros)) return Status();
+  for (const std::string& fault : {faults.domain, faults.distribution}) {
+    if (!fault.empty()) return Error{{}, fault};
+  }
+  if (!faults.discovery.empty()) fmt::print(stderr, "warning: {}\n", faults.discovery);
+  if (is_open) return Status();
   for (const std::string& name : EnclavesOf(options, loaded.value())) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(security, name);
     if (!enclave.ok()) return enclave.error();
