@@ -29,4 +29,12 @@ foreach(file IN LISTS FILES)
   string(APPEND source "    {\"${file}\", R\"IDL(${text})IDL\"},\n")
 endforeach()
 string(APPEND source "};\nconst std::size_t kIdlTextCount = sizeof kIdlTexts / sizeof kIdlTexts[0];\n\n}  // namespace troupe\n")
-file(WRITE ${OUTPUT} "${source}")
+
+# A file that is the same keeps its time, so that it is not compiled again.
+set(before "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} before)
+endif()
+if(NOT before STREQUAL source)
+  file(WRITE ${OUTPUT} "${source}")
+endif()
