@@ -26,7 +26,7 @@ ClockOutput::~ClockOutput() {
   thread_.join();
 }
 
-void ClockOutput::SetSpeed(const Speed& speed) {
+void ClockOutput::SetSpeed(std::optional<double> speed) {
   const std::lock_guard lock(mutex_);
   speed_ = speed;
 }

@@ -6,12 +6,12 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "common/base/ids.h"
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
-#include "common/run/run_settings.h"
 
 namespace troupe {
 
@@ -21,7 +21,7 @@ class ClockOutput {
   ~ClockOutput();
 
   // Simulated time of a second of wall time; none: the run is not paced.
-  void SetSpeed(const Speed& speed);
+  void SetSpeed(std::optional<double> speed);
   // Writes the time of a committed tick. Time never decreases, unless the tick is an earlier one than that before.
   // `stays`: no tick follows for the time being.
   void Show(Tick tick, std::int64_t interval_ns, bool stays);
@@ -41,7 +41,7 @@ class ClockOutput {
   std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   bool stop_ = false;
-  Speed speed_;
+  std::optional<double> speed_;
   bool stays_ = true;
   std::int64_t tick_ns_ = 0;             // time of the newest tick
   std::int64_t interval_ns_ = 0;         // 0: before the first tick
