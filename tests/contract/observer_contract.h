@@ -205,7 +205,7 @@ TEST_P(ObserverContract, AHundredObserversSeeTheRun) {
 }
 
 TEST_P(ObserverContract, ObserversDoNotChangeARun) {
-  const WholeRun run{{{"r0"}, {"r1", "r2"}, {"r3"}}, true, GetParam().ticks};
+  WholeRun run{{{"r0"}, {"r1", "r2"}, {"r3"}}, true, GetParam().ticks};
   const WholeRunResult alone = RunBusyWorld(*rig_, run);
   ASSERT_FALSE(alone.hash_log.empty());
   std::map<Tick, std::uint64_t> hashes;
@@ -225,6 +225,10 @@ TEST_P(ObserverContract, ObserversDoNotChangeARun) {
     ended.reset();
     late = std::make_unique<Observer>(*rig);
   });
+  // An observer that starts before the service discovers it when it announces itself again: a short run would be over.
+  run.before_agents = [&follower] {
+    follower.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; });
+  };
   const WholeRunResult observed = RunBusyWorld(*rig, run);
   visitor.join();
   gate.Open();

@@ -89,6 +89,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   std::vector<std::future<Result<AgentEnd>>> agents;
   std::future<Result<RunSummary>> service;
   if (run.service_first) service = std::async(std::launch::async, serve);
+  if (run.service_first && run.before_agents) run.before_agents();
   AgentId next_agent = 100;
   for (const std::vector<std::string>& robots : run.agents) {
     AgentOptions options;

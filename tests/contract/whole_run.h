@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct WholeRun {
   std::vector<std::vector<std::string>> agents;  // the robots of each, in the order in which the agents start
   bool service_first = true;                     // or last
   std::uint64_t ticks = 40;
+  std::function<void()> before_agents = {};  // called when the service has started, if it is first
 };
 
 struct WholeRunResult {
