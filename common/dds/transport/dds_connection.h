@@ -85,7 +85,10 @@ class WireInbox {
   WireInbox(const DdsConnection& connection, const char* topic, const Qos& qos)
       : WireInbox(connection, connection.subscriber, topic, qos) {}
   WireInbox(const DdsConnection& connection, const Subscriber& subscriber, const char* topic, const Qos& qos)
-      : connection_(connection), topic_(connection.participant, topic, senders_), reader_(subscriber, topic_, qos) {}
+      : connection_(connection),
+        senders_(connection.proof),
+        topic_(connection.participant, topic, senders_),
+        reader_(subscriber, topic_, qos) {}
 
   // Calls `drain`, on a thread of Cyclone's, whenever there may be samples, or a sender may have ended.
   void Listen(const std::function<void()>& drain) {
@@ -126,7 +129,7 @@ class WireInbox {
   // Refuses a sender that does not prove to be of the run. `on_foreign_run` is called if it could be proven to a
   // participant with the run's token.
   bool IsOfRun(const Sender& sender) {
-    switch (connection_.proof.Check(sender.participant, sender.user_data)) {
+    switch (sender.proof) {
       case ProofCheck::kAccepted:
         return true;
       case ProofCheck::kNoProof:

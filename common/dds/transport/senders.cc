@@ -11,8 +11,8 @@ const Sender* Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
   const std::optional<PublicationData> publication = MatchedPublicationData(reader, writer);
   if (!publication) return nullptr;
   const std::string partition = publication->partitions.empty() ? "" : publication->partitions.front();
-  return &known_.emplace(writer, Sender{writer, publication->participant, partition, publication->user_data})
-              .first->second;
+  const ProofCheck proof = proof_.Check(publication->participant, publication->user_data);
+  return &known_.emplace(writer, Sender{writer, publication->participant, partition, proof}).first->second;
 }
 
 bool Senders::Refuse(const Sender& sender) {

@@ -12,6 +12,7 @@
 
 #include "common/dds/binding/guid_prefix.h"
 #include "common/dds/binding/topic.h"
+#include "common/dds/transport/run_proof.h"
 
 namespace troupe::dds {
 
@@ -19,11 +20,14 @@ struct Sender {
   dds_instance_handle_t writer = 0;
   GuidPrefix participant;
   std::string partition;  // the first of the writer's
-  std::string user_data;  // of the writer's announcement
+  ProofCheck proof = ProofCheck::kAccepted;
 };
 
 class Senders : public SampleFilter {
  public:
+  // Their proofs are checked by `proof`, which must outlive it.
+  explicit Senders(const RunProof& proof) : proof_(proof) {}
+
   // The writer with this handle, which `reader` has received a sample from; null if it has ended. Valid until
   // ForgetEnded.
   const Sender* Find(dds_entity_t reader, dds_instance_handle_t writer);
@@ -37,6 +41,7 @@ class Senders : public SampleFilter {
   bool Accepts(dds_instance_handle_t writer) const override;
 
  private:
+  const RunProof& proof_;
   std::map<dds_instance_handle_t, Sender> known_;
   std::atomic<bool> any_refused_ = false;
   mutable std::mutex mutex_;  // guards the member below, which Cyclone's threads read
