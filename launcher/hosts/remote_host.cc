@@ -121,7 +121,7 @@ Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, con
 Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::string& enclave) {
   if (enclaves_.insert(enclave).second) {
     std::error_code failure;
-    for (const auto& entry : std::filesystem::directory_iterator(keys + "/" + enclave, failure)) {
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(keys) / enclave, failure)) {
       const std::filesystem::path path = enclave / entry.path().filename();
       const std::string source = keys / path;
       std::ifstream file(source, std::ios::binary);

@@ -47,8 +47,8 @@ class WebServer {
  public:
   static constexpr int kMostConnections = 100;
   static constexpr int kMostViewers = 40;
-  static constexpr int kLongestHeaders = 4096;      // bytes
-  static constexpr std::size_t kPiece = 32 * 1024;  // bytes
+  static constexpr int kLongestHeaders = 4096;                   // bytes
+  static constexpr std::size_t kPiece = std::size_t{32} * 1024;  // bytes
   static constexpr int kRequestSeconds = 5;
   static constexpr int kPingSeconds = 10;    // of silence, until a ping
   static constexpr int kHangUpSeconds = 30;  // of silence
