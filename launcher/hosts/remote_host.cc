@@ -131,6 +131,7 @@ Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::st
       const std::string data = content.str();
       Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(data.data(), data.size())}}));
     }
+    if (failure) return Error{{keys + "/" + enclave}, "cannot read the folder of keys: " + failure.message()};
   }
   return folder_ + "/" + kKeysFolderOfHost;
 }
