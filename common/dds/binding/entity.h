@@ -27,7 +27,8 @@ class Entity {
 
   // Deletes the entity. Waits for its listeners to return, so never call it from one.
   void close() noexcept {
-    if (handle_ != 0) dds_delete(std::exchange(handle_, 0));
+    if (handle_ != 0) dds_delete(handle_);
+    handle_ = 0;  // not before: a listener may still be reading it
   }
 
  private:
