@@ -46,6 +46,7 @@ async function open(url) {
     const to = new URL(request.url());
     if (to.protocol.startsWith('http') && to.hostname !== '127.0.0.1') problems.push(`request to ${to}`);
   });
+  page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
   await page.goto(url);
   await stateOf(page, 'the page has a state', state => state !== null);
   return page;

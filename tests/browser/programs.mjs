@@ -3,7 +3,7 @@ import {spawn} from 'node:child_process';
 import {readFileSync, readdirSync} from 'node:fs';
 import {createInterface} from 'node:readline';
 
-const DEADLINE = 60_000;  // ms
+const DEADLINE = 120_000;  // ms, on the slowest machine
 
 // Waits until `ask` returns something that is true, and returns that.
 export async function until(what, ask) {
