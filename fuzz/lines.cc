@@ -1,6 +1,10 @@
 // Feed any bytes to the readers of the lines between a launcher and its processes.
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
 
+#include "common/base/hexadecimal.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "launcher/hosts/host_messages.h"
@@ -14,8 +18,8 @@ void HostMessage(Bytes bytes) {
   Check(ParseHostMessage(ToLine(message)) == message);
   const auto data = message.find("data");
   if (data == message.end() || !data->is_string()) return;
-  const std::string content = FromHexadecimal(*data);
-  Check(FromHexadecimal(ToHexadecimal(content.data(), content.size())) == content);
+  const std::optional<std::string> content = FromHexadecimal(data->get_ref<const std::string&>());
+  if (content) Check(ToHexadecimal(std::as_bytes(std::span(*content))) == *data);
 }
 
 void ServiceReport(Bytes bytes) {

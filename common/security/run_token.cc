@@ -6,15 +6,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <system_error>
 
+#include "common/base/hexadecimal.h"
 #include "common/security/private_folder.h"
 
 namespace troupe {
 namespace {
-
-constexpr char kDigits[] = "0123456789abcdef";
 
 std::string PathIn(const std::string& keys) {
   return keys + "/" + kTokenFolder + "/" + kTokenFile;
@@ -47,21 +47,6 @@ Digest HashWithPad(std::span<const std::uint8_t> key, std::uint8_t pad, std::spa
 
 #pragma GCC diagnostic pop
 
-std::string ToHex(std::span<const std::uint8_t> bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
-
-int DigitOf(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return -1;
-}
-
 }  // namespace
 
 Result<RunToken> RunToken::Make() {
@@ -75,14 +60,11 @@ Result<RunToken> RunToken::ReadFrom(const std::string& keys) {
   const Result<std::string> text = ReadWholeFile(path);
   if (!text.ok()) return text.error();
   RunToken token;
-  bool valid = text.value().size() == 2 * token.secret_.size();
-  for (std::size_t i = 0; valid && i < token.secret_.size(); ++i) {
-    const int high = DigitOf(text.value()[2 * i]);
-    const int low = DigitOf(text.value()[2 * i + 1]);
-    valid = high >= 0 && low >= 0;
-    token.secret_[i] = static_cast<std::uint8_t>(high * 16 + low);
+  const std::optional<std::string> secret = FromHexadecimal(text.value());
+  if (secret && secret->size() == token.secret_.size()) {
+    std::copy(secret->begin(), secret->end(), token.secret_.begin());
+    return token;
   }
-  if (valid) return token;
   return Error{{path}, "found another text, expected the token of a run: 64 hexadecimal digits"};
 }
 
@@ -92,13 +74,15 @@ bool RunToken::IsIn(const std::string& keys) {
 }
 
 Status RunToken::WriteTo(const std::string& keys) const {
-  return WritePrivateFolder(keys + "/" + kTokenFolder, {{kTokenFile, ToHex(secret_)}});
+  return WritePrivateFolder(keys + "/" + kTokenFolder,
+                            {{kTokenFile, ToHexadecimal(std::as_bytes(std::span(secret_)))}});
 }
 
 std::string RunToken::Proof(const std::string& participant) const {
   const auto* text = reinterpret_cast<const std::uint8_t*>(participant.data());
   const Digest inner = HashWithPad(secret_, kInnerPad, std::span(text, participant.size()));
-  return ToHex(HashWithPad(secret_, kOuterPad, inner));
+  const Digest outer = HashWithPad(secret_, kOuterPad, inner);
+  return ToHexadecimal(std::as_bytes(std::span(outer)));
 }
 
 bool RunToken::Accepts(const std::string& participant, const std::string& proof) const {

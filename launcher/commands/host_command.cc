@@ -12,8 +12,10 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
+#include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
 #include "common/command_line/exit_status.h"
@@ -82,7 +84,7 @@ void HostServer::SendFile(const std::string& path) {
   char data[kPieceOfFile];
   ssize_t size = 0;
   while (connected_ && (size = read(file, data, sizeof data)) > 0) {
-    Send({{"file", path}, {"data", ToHexadecimal(data, static_cast<std::size_t>(size))}});
+    Send({{"file", path}, {"data", ToHexadecimal(std::as_bytes(std::span(data, static_cast<std::size_t>(size))))}});
   }
   if (size < 0) {
     Send({{"file", path}, {"error", strerror(errno)}});
@@ -109,7 +111,7 @@ void HostServer::Execute(const HostMessage& request) {
       const auto child = children_.find(IntegerOf<int>(request["signal"]));
       if (child != children_.end()) child->second->Signal(IntegerOf<int>(request.at("number")));
     } else if (request.contains("key")) {
-      KeepKey(request["key"], FromHexadecimal(request.at("data")));
+      KeepKey(request["key"], FromHexadecimal(std::string(request.at("data"))).value());
     } else if (request.contains("read")) {
       SendFile(request["read"]);
     }

@@ -28,9 +28,6 @@ std::string ToLine(const HostMessage& message);
 // The result is not an object if the line is not a message.
 HostMessage ParseHostMessage(const std::string& line);
 
-std::string ToHexadecimal(const char* data, std::size_t size);
-std::string FromHexadecimal(const std::string& text);
-
 // Writes all of the text, waiting if necessary. False: the reader has closed its end.
 bool WriteAll(int descriptor, const std::string& text);
 

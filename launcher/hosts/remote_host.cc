@@ -11,9 +11,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <utility>
 
+#include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
 #include "launcher/hosts/host_messages.h"
@@ -129,7 +131,7 @@ Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::st
       content << file.rdbuf();
       if (!file) return Error{{source}, "cannot read a file of the folder of keys"};
       const std::string data = content.str();
-      Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(data.data(), data.size())}}));
+      Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(std::as_bytes(std::span(data)))}}));
     }
     if (failure) return Error{{keys + "/" + enclave}, "cannot read the folder of keys: " + failure.message()};
   }
@@ -190,7 +192,7 @@ void RemoteHost::ApplyMessage(const std::string& line) try {
                              message.at("peak_memory_mib")};
     }
   } else if (message.contains("file") && fetch_ && message["file"] == fetch_->source) {
-    if (message.contains("data") && !WriteAll(fetch_->target, FromHexadecimal(message["data"]))) {
+    if (message.contains("data") && !WriteAll(fetch_->target, FromHexadecimal(std::string(message["data"])).value())) {
       fetch_->error = strerror(errno);
     }
     if (message.contains("error")) fetch_->error = message["error"];

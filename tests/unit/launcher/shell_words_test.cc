@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
 
+#include "common/base/hexadecimal.h"
 #include "launcher/hosts/host_messages.h"
 
 namespace troupe {
@@ -20,7 +23,8 @@ TEST(ShellWords, FillInReplacesKnownNamesAndKeepsOtherBraces) {
 TEST(HostMessages, EncodeAllBytes) {
   std::string bytes;
   for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
-  EXPECT_EQ(FromHexadecimal(ToHexadecimal(bytes.data(), bytes.size())), bytes);
+  EXPECT_EQ(FromHexadecimal(ToHexadecimal(std::as_bytes(std::span(bytes)))), bytes);
+  for (const char* text : {"a", "0g", "AB", "0 "}) EXPECT_EQ(FromHexadecimal(text), std::nullopt) << text;
 }
 
 TEST(HostMessages, AreObjectsOrInvalid) {
