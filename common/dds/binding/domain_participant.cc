@@ -1,15 +1,12 @@
 #include "common/dds/binding/domain_participant.h"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <map>
 #include <mutex>
 #include <utility>
 
 #include "common/base/enclave.h"
 #include "common/dds/binding/exception.h"
+#include "common/dds/binding/free_ports.h"
 #include "common/dds/binding/security_properties.h"
 
 namespace troupe::dds {
@@ -22,20 +19,9 @@ std::string Starting(const DomainConfig& config) {
          "'";
 }
 
-bool IsFree(std::uint16_t port) {
-  const int socket_handle = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  const bool free = bind(socket_handle, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  close(socket_handle);
-  return free;
-}
-
 bool HasFreeIndex(const DomainConfig& config) {
   for (std::uint32_t index = 0; index < config.indices_tried; ++index) {
-    const std::uint16_t port = DiscoveryPort(config.domain, index);
-    if (IsFree(port) && IsFree(port + 1)) return true;  // of discovery and data
+    if (PortsAreFree(config.domain, index)) return true;
   }
   return false;
 }

@@ -1,10 +1,7 @@
 #include "common/dds/transport/dds_transport.h"
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "common/base/check.h"
+#include "common/dds/binding/free_ports.h"
 #include "common/dds/transport/dds_agent_endpoint.h"
 #include "common/dds/transport/dds_observer_endpoint.h"
 #include "common/dds/transport/dds_service_endpoint.h"
@@ -100,23 +97,6 @@ DomainConfig PeerConfig(const DdsOptions& options) {
   return config;
 }
 
-bool IsFree(std::uint16_t port) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return true;  // DDS will report the cause
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
-  const bool free = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
-  close(socket);
-  return free;
-}
-
-// A participant's data port is the one after its discovery port.
-bool PortsAreFree(std::uint16_t discovery_port) {
-  return IsFree(discovery_port) && IsFree(static_cast<std::uint16_t>(discovery_port + 1));
-}
-
 }  // namespace
 
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
@@ -125,15 +105,14 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   config.max_sample_bytes = kLargestSampleForService;
   // The first free index, found by trying: Cyclone could find one itself, but does not tell which.
   for (std::uint32_t index = 0; index < kServicesOfMachine; ++index) {
-    const std::uint16_t port = dds::DiscoveryPort(options.domain, index);
-    if (!PortsAreFree(port)) continue;
+    if (!dds::PortsAreFree(options.domain, index)) continue;
     config.participant_index = index;
     try {
       auto transport = std::make_unique<DdsTransport>(DdsTransport::Role::kService, options, config);
       std::string participant = transport->participant();
-      return {std::move(transport), port, std::move(participant)};
+      return {std::move(transport), dds::DiscoveryPort(options.domain, index), std::move(participant)};
     } catch (const dds::Exception&) {
-      if (PortsAreFree(port)) throw;  // otherwise another service was faster
+      if (dds::PortsAreFree(options.domain, index)) throw;  // otherwise another service was faster
     }
   }
   throw dds::Exception(DDS_RETCODE_OUT_OF_RESOURCES,
