@@ -10,7 +10,6 @@
 #include "common/dds/transport/dds_transport.h"
 #include "common/ros/ros_security.h"
 #include "common/security/run_keys_folder.h"
-#include "common/security/run_token.h"
 #include "common/security/session_keys.h"
 #include "common/spatial/scene.h"
 #include "world-service/observers/recorder/make_recorders.h"
@@ -29,11 +28,8 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
   }
   if (network.security != kSecurityAuto) return network.security;
   if (network.network_interface != kLoopbackInterface) return std::string(kSecurityOff);
-  Result<RunKeysFolder> folder = RunKeysFolder::Make();
+  Result<RunKeysFolder> folder = RunKeysFolder::MakeWithToken();
   if (!folder.ok()) return folder.error();
-  const Result<RunToken> token = RunToken::Make();
-  if (!token.ok()) return token.error();
-  if (const Status written = token.value().WriteTo(folder.value().path()); !written.ok()) return written.error();
   own_keys = std::move(folder).value();
   return own_keys.path();
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/security/run_token.h"
 #include "common/security/session_keys.h"
 
 namespace troupe {
@@ -46,6 +47,15 @@ Result<RunKeysFolder> RunKeysFolder::Make() {
   if (mkdtemp(path.data()) == nullptr) return Failure("cannot make " + path + ": " + std::strerror(errno));
   RunKeysFolder folder;
   folder.path_ = std::move(path);
+  return folder;
+}
+
+Result<RunKeysFolder> RunKeysFolder::MakeWithToken() {
+  Result<RunKeysFolder> folder = Make();
+  if (!folder.ok()) return folder;
+  const Result<RunToken> token = RunToken::Make();
+  if (!token.ok()) return token.error();
+  if (const Status written = token.value().WriteTo(folder.value().path()); !written.ok()) return written.error();
   return folder;
 }
 

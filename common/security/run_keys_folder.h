@@ -12,6 +12,9 @@ class RunKeysFolder {
   // In SessionsFolder(), of mode 0700. Deletes those that killed processes have left.
   static Result<RunKeysFolder> Make();
 
+  // The same with a token in it.
+  static Result<RunKeysFolder> MakeWithToken();
+
   RunKeysFolder() = default;  // none
   RunKeysFolder(RunKeysFolder&& other) noexcept;
   RunKeysFolder& operator=(RunKeysFolder&& other) noexcept;

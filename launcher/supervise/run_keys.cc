@@ -9,6 +9,7 @@
 #include "common/security/session_keys.h"
 
 namespace troupe {
+
 namespace fs = std::filesystem;
 
 Result<RunKeys> RunKeys::Make(const NetworkSettings& network) {
@@ -20,17 +21,12 @@ Result<RunKeys> RunKeys::Make(const NetworkSettings& network) {
     keys.token_ = RunToken::IsIn(keys.folder_);
     return keys;
   }
-  Result<RunKeysFolder> folder = RunKeysFolder::Make();
+  keys.token_ = network.security == kSecurityAuto && network.network_interface == kLoopbackInterface;
+  Result<RunKeysFolder> folder = keys.token_ ? RunKeysFolder::MakeWithToken() : RunKeysFolder::Make();
   if (!folder.ok()) return folder.error();
   keys.own_ = std::move(folder).value();
   keys.folder_ = keys.own_.path();
-  if (network.security == kSecurityAuto && network.network_interface == kLoopbackInterface) {
-    const Result<RunToken> token = RunToken::Make();
-    if (!token.ok()) return token.error();
-    if (const Status written = token.value().WriteTo(keys.folder_); !written.ok()) return written.error();
-    keys.token_ = true;
-    return keys;
-  }
+  if (keys.token_) return keys;
   Result<KeyAuthority> authority = KeyAuthority::Create(KeyAuthority::kEphemeralLifetime);
   if (!authority.ok()) return authority.error();
   keys.authority_.emplace(std::move(authority).value());
