@@ -14,6 +14,7 @@
 #include "common/command_line/option_checks.h"
 #include "common/command_line/run_flags.h"
 #include "common/dds/tools/control_client.h"
+#include "common/protocol/run_state_text.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/find_session.h"
 #include "launcher/commands/pose_text.h"
@@ -27,20 +28,6 @@ struct CtlOptions {
   double timeout_seconds = 0.0;  // 0: no limit
   std::string pose;              // text for ParsePoseText; empty: none
 };
-
-const char* Word(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return "starting";
-    case RunState::kPlaying:
-      return "playing";
-    case RunState::kPaused:
-      return "paused";
-    case RunState::kOver:
-      return "over";
-  }
-  return "";
-}
 
 const char* Word(EntityKind kind) {
   switch (kind) {
@@ -98,7 +85,7 @@ void Print(ControlCommand command, const ControlReply& reply) {
   }
   for (const EntityReport& entity : reply.entities) Print(entity);
   if (command == ControlCommand::kEntities) return;
-  fmt::print("{} tick {} hash {:016x}", Word(reply.state), reply.tick, reply.state_hash);
+  fmt::print("{} tick {} hash {:016x}", ToString(reply.state), reply.tick, reply.state_hash);
   if (reply.edition > 0) fmt::print(" edition {}", reply.edition);
   fmt::print("\n");
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/protocol/run_state_text.h"
+
 namespace troupe {
 namespace {
 
@@ -120,20 +122,6 @@ Result<PageRequest> ParseSelect(const Json& object) {
   return PageRequest(std::move(select));
 }
 
-const char* Word(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return "starting";
-    case RunState::kPlaying:
-      return "playing";
-    case RunState::kPaused:
-      return "paused";
-    case RunState::kOver:
-      return "over";
-  }
-  return "";
-}
-
 }  // namespace
 
 Result<PageRequest> ParsePageRequest(std::string_view text) {
@@ -156,7 +144,7 @@ std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
   text["done"] = reply.ok() && reply.value().done;
   text["problem"] = reply.ok() ? reply.value().problem : reply.error().message;
   if (reply.ok()) {
-    text["state"] = Word(reply.value().state);
+    text["state"] = ToString(reply.value().state);
     text["tick"] = reply.value().tick;
     Json names = Json::array();
     for (const EntityReport& entity : reply.value().entities)

@@ -1,9 +1,6 @@
 #include "viewer/gateway/viewer_gateway.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <map>
@@ -12,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/host_name.h"
 #include "viewer/gateway/control_queue.h"
 #include "viewer/gateway/follower.h"
 #include "viewer/gateway/robot_readings.h"
@@ -36,11 +34,6 @@ constexpr std::uint8_t kStatusFlag = 4;
 constexpr std::uint8_t kReadingsFlag = 8;
 
 constexpr std::size_t kMostAwaited = 50;  // names in an update
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
 
 void Write(ByteWriter& writer, const Event& event) {
   writer.Write(event.tick);
