@@ -349,8 +349,12 @@ void FaultSimulation::AddAgent(ProcessId id, const AgentOptions& options, std::s
 }
 
 void FaultSimulation::OnAgentEnd(std::size_t group, int exit_status) {
-  if (!service_runs() || !restarts_.OnEnd(group, exit_status, events_.now())) return;
-  events_.At(std::max(events_.now(), *restarts_.NextDue()), [this] { RestartAgents(); });
+  if (service_runs() && restarts_.OnEnd(group, exit_status, events_.now())) AwaitRestarts();
+}
+
+void FaultSimulation::AwaitRestarts() {
+  const std::optional<double> due = restarts_.NextDue();
+  if (due) events_.At(std::max(events_.now(), *due), [this] { RestartAgents(); });
 }
 
 void FaultSimulation::RestartAgents() {
@@ -359,9 +363,7 @@ void FaultSimulation::RestartAgents() {
     // The process needs some time to start.
     events_.After(random_.Uniform(0.02, 0.2), [this, group] { StartAgent(group); });
   }
-  if (const std::optional<double> due = restarts_.NextDue()) {
-    events_.At(std::max(events_.now(), *due), [this] { RestartAgents(); });
-  }
+  AwaitRestarts();
 }
 
 // Observers.

@@ -69,6 +69,7 @@ class FaultSimulation final : private ServiceEndpoint {
   ProcessId NewProcess() const { return agents_.size() + observers_.size() + 1; }
   void StartAgent(std::size_t group);
   void OnAgentEnd(std::size_t group, int exit_status);
+  void AwaitRestarts();
   void RestartAgents();
   // The owner starts agents for robots that have none.
   void StartMissingAgents();

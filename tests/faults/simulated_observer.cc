@@ -3,11 +3,6 @@
 #include <utility>
 
 namespace troupe::faults {
-namespace {
-
-constexpr double kIdlePeriod = 0.05;  // s, as DdsObserverEndpoint
-
-}  // namespace
 
 SimulatedObserver::SimulatedObserver(EventQueue& events, Network& network, ProcessId id, Outputs outputs)
     : events_(events), network_(network), id_(id), outputs_(std::move(outputs)) {
@@ -43,7 +38,7 @@ void SimulatedObserver::Act() {
 }
 
 void SimulatedObserver::WakeLater() {
-  events_.After(kIdlePeriod, [this] {
+  events_.After(dds::ObserverProtocol::kRequestPeriod, [this] {
     if (network_.HasEnded(id_)) return;
     network_.RunInside(id_, [this] {
       if (protocol_.IsBehind() && protocol_.MayRequest(events_.now())) outputs_.send_request();

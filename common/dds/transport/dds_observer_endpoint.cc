@@ -9,8 +9,6 @@
 namespace troupe::dds {
 namespace {
 
-constexpr double kIdlePeriod = 0.05;  // s, between two checks whether the observer is behind
-
 // Waking for each frame is most of the cost of an observer: ten of them would use a fifth of the processor time of 100
 // agents that only answer. So an observer wakes at most once in kGatherTime. Frames that follow each other within
 // kSameBurst were read without waiting. Long frames are read at once, because a socket's buffer has room for few of
@@ -52,7 +50,7 @@ void DdsObserverEndpoint::Start(ObserverHandler& handler) {
     const std::lock_guard lock(mutex_);
     if (protocol_.IsBehind()) RequestWholeFrame();
   };
-  queue_.emplace(handler, request_if_behind, kIdlePeriod);
+  queue_.emplace(handler, request_if_behind, ObserverProtocol::kRequestPeriod);
   sessions_.Listen([this] { DrainSessions(); });
   statuses_.Listen([this] { DrainStatuses(); });
   frames_.Listen([this] { GatherFrames(); });

@@ -3,13 +3,6 @@
 #include <utility>
 
 namespace troupe::dds {
-namespace {
-
-// s. After this time without an answer a request is resent: it, or the frame, was lost, or the service did not know
-// this observer yet. Longer than the time for which a service ignores further requests.
-constexpr double kRequestPeriod = 0.05;
-
-}  // namespace
 
 bool ObserverProtocol::OnEnd(RunId run) {
   if (world_editions_.erase(run) == 0) return false;

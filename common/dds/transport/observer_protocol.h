@@ -15,6 +15,10 @@ namespace troupe::dds {
 
 class ObserverProtocol {
  public:
+  // s. After this time without an answer a request is resent: it, or the frame, was lost, or the service did not know
+  // this observer yet. Longer than the time for which a service ignores further requests.
+  static constexpr double kRequestPeriod = 0.05;
+
   void OnSession(RunId run, Edition world_edition) { world_editions_[run] = world_edition; }
   void OnStatus(const StatusMessage& status) { status_ = status; }
   // The service of the run has ended. True if it was the last one.
