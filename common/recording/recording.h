@@ -33,7 +33,7 @@ class Recording {
   const RecordedRun& run() const { return run_; }
   const TickPlaces& places() const { return places_; }
   // Why the file is not read to its end; nothing if it is. A damage within a chunk is found when the chunk is read.
-  const std::optional<mcap::Damage>& damage() const { return damage_; }
+  const std::optional<mcap::Damage>& damage() const { return file_.damage(); }
   // Compares the whole file with its CRC.
   Status CheckData() const { return file_.CheckData(); }
 
@@ -65,7 +65,6 @@ class Recording {
   TickPlaces places_;
   std::vector<std::size_t> keyframe_chunks_;  // ascending
   std::vector<std::size_t> edit_chunks_;      // that have edits, ascending
-  std::optional<mcap::Damage> damage_;
 };
 
 }  // namespace troupe

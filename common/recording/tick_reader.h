@@ -17,7 +17,7 @@ class TickReader {
         next_chunk_(chunk),
         expected_(chunk == 0 ? std::optional<std::uint64_t>(0) : std::nullopt) {}
 
-  // Reads the next tick; false at the end of what is readable. The error is damage: of a chunk, or a missing tick.
+  // Reads the next tick; false at the end of the readable ticks. The error is damage: of a chunk, or a missing tick.
   // `tick`: valid after true; its memory is reused.
   Result<bool> Next(RecordedTick& tick);
 

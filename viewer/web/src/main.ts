@@ -22,6 +22,7 @@ class Viewer {
   private online = false;
   private info: SessionInfo | null = null;
   private readonly scene = new WorldScene(byId('scene'));
+  private readonly systemTheme = matchMedia('(prefers-color-scheme: dark)');
   private readonly connection: Connection;
   private readonly timeBar: TimeBar;
   private readonly editing: Editing;
@@ -58,7 +59,7 @@ class Viewer {
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
     this.bindButtons();
     this.bindKeys();
-    this.setTheme(localStorage.getItem('theme'));
+    this.applyTheme();
     this.showToggles();
     this.showConnection();
     installTestInterface({
@@ -150,17 +151,17 @@ class Viewer {
     byId('view-top').classList.toggle('on', view === 'top');
   }
 
-  private setTheme(theme: string | null): void {
-    if (theme === 'light' || theme === 'dark') document.documentElement.dataset.theme = theme;
+  // The user's choice, or else the system's.
+  private applyTheme(): void {
+    const chosen = localStorage.getItem('theme');
+    const system = this.systemTheme.matches ? 'dark' : 'light';
+    document.documentElement.dataset.theme = chosen === 'light' || chosen === 'dark' ? chosen : system;
     this.scene.applyTheme();
   }
 
   private toggleTheme(): void {
-    const dark = document.documentElement.dataset.theme === 'dark' ||
-      (!document.documentElement.dataset.theme && matchMedia('(prefers-color-scheme: dark)').matches);
-    const theme = dark ? 'light' : 'dark';
-    localStorage.setItem('theme', theme);
-    this.setTheme(theme);
+    localStorage.setItem('theme', document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
+    this.applyTheme();
   }
 
   private remember(): void {
@@ -221,7 +222,7 @@ class Viewer {
     });
     bind('panel-close', () => this.select(null));
     byId('robot-search').oninput = () => this.refresh();
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.scene.applyTheme());
+    this.systemTheme.addEventListener('change', () => this.applyTheme());
   }
 
   private bindKeys(): void {
