@@ -38,10 +38,7 @@ bool IsRecordingPath(const std::string& path) {
 }
 
 Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids)
-    : file_(std::move(file)),
-      run_(std::move(run)),
-      ids_(ids),
-      places_(run_.world.interval_ns, EndTime(file_)) {}
+    : file_(std::move(file)), run_(std::move(run)), ids_(ids), places_(run_.world.interval_ns, EndTime(file_)) {}
 
 Result<Recording> Recording::Open(const std::string& path) {
   Result<std::unique_ptr<const mcap::ByteSource>> source = mcap::OpenFileSource(path);
