@@ -69,8 +69,8 @@ set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial common/protocol common/dds/binding common/ros
   common/ros_dds world-service/service)
 set(may_include_world-service/program
-  common/base common/command_line common/protocol common/ros common/run common/worldfile common/worldfile/build
-  world-service/observers/recorder world-service/service)
+  common/base common/command_line common/model common/protocol common/recording common/ros common/run common/spatial
+  common/worldfile common/worldfile/build world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_world-service
   common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/security common/spatial world-service/program
   world-service/observers/recorder world-service/observers/ros world-service/observers/status world-service/service)

@@ -11,11 +11,10 @@
 #include "common/ros/ros_security.h"
 #include "common/security/run_keys_folder.h"
 #include "common/security/session_keys.h"
-#include "common/spatial/scene.h"
-#include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/program/command_line.h"
+#include "world-service/program/prepared_run.h"
 #include "world-service/program/session_lock.h"
 
 namespace troupe {
@@ -41,21 +40,15 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   };
   const Result<SessionLock> lock = SessionLock::Acquire(line.network.domain, line.network.session);
   if (!lock.ok()) return fail(lock.error());
-  Result<LoadedWorld> loaded = LoadWorld(line.file, line.overrides);
-  if (!loaded.ok()) return fail(loaded.error());
-  for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
-  line.run.ApplyTo(loaded.value().settings);
-  ServiceOptions options = line.service;
-  options.settings = loaded.value().settings;
-  options.world_file = line.file;
-  options.overrides = line.overrides;
-  RestrictRequests(line.permissions, loaded.value(), options);
+  Result<PreparedRun> prepared = PrepareRun(line);
+  if (!prepared.ok()) return fail(prepared.error());
+  PreparedRun& run = prepared.value();
+  const ServiceOptions& options = run.options;
   if (options.settings.ros) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
     if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
   }
-  const auto scene = std::make_shared<const Scene>(loaded.value().world);
 
   const StopSignals stop;
   RunKeysFolder own_keys;
@@ -70,24 +63,24 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   DdsOptions dds;
   static_cast<NetworkSettings&>(dds) = line.network;
   dds.keys = std::move(keys).value();
+  dds.discovery_port = line.port;
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
   auto [transport, port, participant] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  reporter.Ready(loaded.value(), {port, participant});
+  reporter.Ready(run.loaded, {port, participant});
   RunObservers observers;
   std::unique_ptr<RunObserver> ros;
   if (options.settings.ros) {
-    ros = MakeRosWorldGateway(line.ros, scene);
+    ros = MakeRosWorldGateway(line.ros, run.scene);
     observers.push_back(ros.get());
   }
-  const auto recorders = MakeRecorders(scene->world(), line.outputs, line.file);
-  if (!recorders.ok()) return fail(recorders.error());
-  for (const auto& recorder : recorders.value()) observers.push_back(recorder.get());
+  if (const Status failure = MakeRecordersOf(run, line); !failure.ok()) return fail(failure.error());
+  for (const auto& recorder : run.recorders) observers.push_back(recorder.get());
   observers.push_back(&reporter);
-  const Result<RunSummary> summary = RunService(scene, options, std::move(endpoint), observers, stop.requested());
+  const Result<RunSummary> summary = RunService(run.scene, options, std::move(endpoint), observers, stop.requested());
   if (!summary.ok()) return fail(summary.error());
   reporter.Ended(summary.value());
   return summary.value().interrupted ? kExitInterrupted : kExitDone;

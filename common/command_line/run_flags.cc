@@ -23,8 +23,8 @@ CLI::Option* AddOutput(CLI::App& app, const char* name, std::string& file, const
 
 }  // namespace
 
-void AddWorldFile(CLI::App& app, std::string& file) {
-  app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
+CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
+  return app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
       ->required()
       ->type_name("");
 }

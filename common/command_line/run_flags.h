@@ -10,12 +10,13 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace troupe {
 
 // FILE, required: a world.
-void AddWorldFile(CLI::App& app, std::string& file);
+CLI::Option* AddWorldFile(CLI::App& app, std::string& file);
 
 // --seed S
 void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group = "Options");

@@ -23,6 +23,10 @@ using AgentId = std::uint64_t;
 // Frames are ordered by edition, then tick.
 using Edition = std::uint32_t;
 
+// Counts the services of a run, one after the other: each that continues the run after the death of the one before is
+// the next. A message of an older one has no effect.
+using Incarnation = std::uint32_t;
+
 // Service to agents and tools, kept for latecomers: the run of a session, its service and its world.
 struct SessionMessage {
   RunId run = 0;
@@ -33,6 +37,7 @@ struct SessionMessage {
   bool begun = false;          // the run ticks already
   WorldDescription world;
   Edition world_edition = 0;  // that made this world
+  Incarnation incarnation = 0;
   bool operator==(const SessionMessage&) const = default;
 };
 
@@ -45,7 +50,8 @@ struct JoinMessage {
   std::string host;
   std::uint32_t pid = 0;
   std::vector<std::string> robots;
-  Edition world_edition = 0;  // of the agent's description
+  Edition world_edition = 0;    // of the agent's description
+  Incarnation incarnation = 0;  // of the newest service that the agent knows
   bool operator==(const JoinMessage&) const = default;
 };
 
@@ -56,7 +62,8 @@ struct AdmissionMessage {
   bool admitted = false;
   // Of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its proposal
   // has arrived, but it is unknown (any more).
-  std::string reason;
+  std::string reason = {};
+  Incarnation incarnation = 0;
   bool operator==(const AdmissionMessage&) const = default;
 };
 
@@ -77,6 +84,7 @@ struct FrameMessage {
   Edition edition = 0;
   Edition world_edition = 0;  // the session of this edition has the world that the state belongs to
   Edition fresh_edition = 0;  // the newest at which all robots were made anew, as at the start
+  Incarnation incarnation = 0;
   bool operator==(const FrameMessage&) const = default;
 };
 
@@ -95,6 +103,7 @@ struct ProposalMessage {
   std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
   bool paused = false;               // answers a paused frame: no proposals
   Edition edition = 0;               // of the frame that it answers
+  Incarnation incarnation = 0;       // of the newest service that the agent knows
   bool operator==(const ProposalMessage&) const = default;
 };
 
@@ -181,6 +190,7 @@ struct StatusMessage {
   std::vector<std::string> waiting_for;  // robots whose proposals have been missing for a while, by name
   double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
   Edition edition = 0;
+  Incarnation incarnation = 0;
   bool operator==(const StatusMessage&) const = default;
 };
 

@@ -40,13 +40,13 @@ bool IsRecordingPath(const std::string& path) {
 Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids)
     : file_(std::move(file)), run_(std::move(run)), ids_(ids), places_(run_.world.interval_ns, EndTime(file_)) {}
 
-Result<Recording> Recording::Open(const std::string& path) {
+Result<Recording> Recording::Open(const std::string& path, Ticks ticks) {
   Result<std::unique_ptr<const mcap::ByteSource>> source = mcap::OpenFileSource(path);
   if (!source.ok()) return source.error();
-  return Open(std::move(source).value());
+  return Open(std::move(source).value(), ticks);
 }
 
-Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source) {
+Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source, Ticks ticks) {
   Result<mcap::Reader> opened = mcap::Reader::Open(std::move(source));
   if (!opened.ok()) return opened.error();
   mcap::Reader& file = opened.value();
@@ -55,7 +55,7 @@ Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source
                  fmt::format("found an MCAP file of profile {:?}, expected a recording of Troupe",
                              file.profile().substr(0, 40))};
   }
-  if (file.chunks().size() < 2) {
+  if (file.chunks().size() < (ticks == Ticks::kAtLeastOne ? 2 : 1)) {
     return Error{
         {file.name()},
         "the recording ends before its first tick" + (file.damage() ? ": " + file.damage()->problem : std::string()),

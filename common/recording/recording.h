@@ -24,9 +24,10 @@ bool IsRecordingPath(const std::string& path);
 
 class Recording {
  public:
+  enum class Ticks : bool { kAtLeastOne, kPerhapsNone };
   // The error is a file that is no recording, or one that is damaged before its first tick.
-  static Result<Recording> Open(const std::string& path);
-  static Result<Recording> Open(std::unique_ptr<const mcap::ByteSource> source);
+  static Result<Recording> Open(const std::string& path, Ticks ticks = Ticks::kAtLeastOne);
+  static Result<Recording> Open(std::unique_ptr<const mcap::ByteSource> source, Ticks ticks = Ticks::kAtLeastOne);
 
   const std::string& name() const { return file_.name(); }
   std::uint64_t size() const { return file_.size(); }  // bytes

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "common/base/result.h"
 #include "common/recording/recording.h"
+#include "common/recording/tick_messages.h"
 
 namespace troupe {
 
@@ -15,7 +17,7 @@ class TickReader {
   explicit TickReader(const Recording& recording, std::size_t chunk = 0)
       : recording_(&recording),
         next_chunk_(chunk),
-        expected_(chunk == 0 ? std::optional<std::uint64_t>(0) : std::nullopt) {}
+        assembler_(chunk == 0 ? std::optional<std::uint64_t>(0) : std::nullopt) {}
 
   // Reads the next tick; false at the end of the readable ticks. The error is damage: of a chunk, or a missing tick.
   // `tick`: valid after true; its memory is reused.
@@ -23,20 +25,14 @@ class TickReader {
 
  private:
   Result<bool> NextChunk();
-  // Reads a message into `tick`; true if it is the last of the tick.
-  Result<bool> Read(const mcap::Message& message, RecordedTick& tick);
-  Status ReadProposals(const mcap::Message& message, RecordedTick& tick);
-  Status Check(const RecordedTick& tick) const;
   Error Broken(const std::string& problem) const;
 
   const Recording* recording_;
   std::size_t next_chunk_;
   std::optional<mcap::Chunk> chunk_;
   std::size_t next_message_ = 0;
-  bool has_proposals_ = false;
-  ProposalMessage proposals_;
-  std::optional<std::uint64_t> expected_;  // number of the next tick; nothing: any
-  std::uint64_t log_time_ = 0;             // of the last tick
+  TickAssembler assembler_;
+  std::uint64_t log_time_ = 0;  // of the last tick
 };
 
 }  // namespace troupe

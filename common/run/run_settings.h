@@ -14,6 +14,10 @@ namespace troupe {
 enum class Mode : std::uint8_t { kLockstep, kRealtime };
 enum class OnAgentLoss : std::uint8_t { kFreeze, kPause, kAbort };
 
+// When the world service dies: another one continues the run, or the run ends.
+enum class OnServiceLoss : std::uint8_t { kRestart, kEnd };
+inline constexpr std::array<std::string_view, 2> kOnServiceLossWords = {"restart", "end"};
+
 // A multiple of real time; nothing: as fast as possible.
 using Speed = std::optional<double>;
 

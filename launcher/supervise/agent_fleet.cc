@@ -47,6 +47,10 @@ std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std:
   return groups;
 }
 
+std::string RestartCommand(const Host& host, const std::vector<std::string>& arguments) {
+  return ShellQuoted(host.ProgramPath("robot-agent")) + " " + ShellQuoted(arguments);
+}
+
 }  // namespace
 
 AgentFleet::AgentFleet(const RunOptions& options, const RunKeys& keys)
@@ -109,8 +113,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   std::vector<std::string> restart_arguments = arguments;
   restart_arguments.emplace_back("--skip-deleted");
   if (!scans_.empty()) restart_arguments.emplace_back("--keep-scans");
-  std::string restart_command =
-      ShellQuoted(site.host->ProgramPath("robot-agent")) + " " + ShellQuoted(restart_arguments);
+  std::string restart_command = RestartCommand(*site.host, restart_arguments);
   // Not for a restart: the file has the trace of the lost agent.
   if (!traces_.empty()) {
     for (std::string& argument : TraceArguments(options_.trace, traces_.PathOn(*site.host, agent.group))) {
@@ -135,6 +138,24 @@ Status AgentFleet::Restart(std::size_t number) {
   agent.process = std::move(process).value();
   ++running_;
   return Status();
+}
+
+void AgentFleet::SetService(const std::string& participant) {
+  const std::string before = "--service-participant=" + ready_.participant;
+  for (AgentProcess& agent : agents_) {
+    for (std::string& argument : agent.restart_arguments) {
+      if (argument == before) argument = "--service-participant=" + participant;
+    }
+    agent.restart_command = RestartCommand(*agent.host, agent.restart_arguments);
+  }
+  ready_.participant = participant;
+}
+
+bool AgentFleet::HasAgentOf(const std::string& robot) const {
+  const auto has = [&robot](const auto& agent) {
+    return std::find(agent.robots.begin(), agent.robots.end(), robot) != agent.robots.end();
+  };
+  return std::any_of(agents_.begin(), agents_.end(), has) || std::any_of(waiting_.begin(), waiting_.end(), has);
 }
 
 std::vector<std::size_t> AgentFleet::PollEnded() {

@@ -17,6 +17,7 @@
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/service_process.h"
 #include "launcher/supervise/service_report.h"
+#include "launcher/supervise/service_restarts.h"
 #include "launcher/supervise/viewer_process.h"
 
 namespace troupe {
@@ -49,6 +50,8 @@ class DistributedRun {
   void WaitForEvents();
   void ProcessReports();
   void React(const ReadyReport& ready);
+  // Of a service that continues the run.
+  void ReactToReturn(const ReadyReport& ready);
   void React(const NewRobotsReport& report);
   void React(const StartedReport&);
   void React(const StatusMessage& status);
@@ -60,6 +63,11 @@ class DistributedRun {
   void ReactToEnd(const AgentProcess& agent);
   void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
   void RestartAgents();
+  // The service has ended: whether it is to be started again.
+  bool PlanRestartOfService();
+  void RestartService();
+  // The service runs, or will be started again.
+  bool goes_on() const { return service_.process().running() || service_restarts_.due(); }
   Status CollectOutputs();
   void Stop();
   // Ends the run. Only the first failure counts.
@@ -77,6 +85,9 @@ class DistributedRun {
   ViewerProcess viewer_;
   AgentRestarts restarts_;  // none before the world service is ready
   std::uint32_t restarted_ = 0;
+  ServiceRestarts service_restarts_;
+  std::optional<std::uint16_t> service_port_;  // once it is ready
+  Tick tick_ = 0;                              // of the newest status
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -90,6 +101,7 @@ class DistributedRun {
 
 void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
+  if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
@@ -107,12 +119,15 @@ void DistributedRun::ProcessEvents() {
   // The ends of processes are polled before their last lines are read, so that none are missed.
   for (const auto& host : hosts_.all()) host->Receive();
   service_.process().Poll();
+  const bool dies = !service_.process().running() && !service_restarts_.due();
   const std::vector<std::size_t> ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
   PrintOutput();
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
+  if (dies) PlanRestartOfService();
   for (const std::size_t agent : ended) ReactToEnd(agents_.agent(agent));
+  RestartService();
   RestartAgents();
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
@@ -154,6 +169,8 @@ void DistributedRun::ProcessReports() {
 
 void DistributedRun::React(const ReadyReport& ready) {
   if (kill_at_) return;
+  if (service_port_) return ReactToReturn(ready);
+  service_port_ = ready.port;
   robots_ = ready.robots.size();
   // A run that ends when an agent is lost has no time for a restart.
   if (!ready.aborts_on_loss) restarts_ = AgentRestarts(options_.restart_agents.value_or(ready.restart_agents));
@@ -162,6 +179,16 @@ void DistributedRun::React(const ReadyReport& ready) {
   const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
   if (!started.ok()) return Fail(FailedRun(started.error()));
   StartViewer(ready);
+}
+
+// The agents that live find the service by themselves.
+void DistributedRun::ReactToReturn(const ReadyReport& ready) {
+  agents_.SetService(ready.participant);
+  NewRobotsReport without_agent;  // of an edit that the launcher was not told of
+  for (const std::string& robot : ready.robots) {
+    if (!agents_.HasAgentOf(robot)) without_agent.robots.push_back(robot);
+  }
+  if (!without_agent.robots.empty()) React(without_agent);
 }
 
 // Without a viewer the run is the same.
@@ -183,11 +210,13 @@ void DistributedRun::React(const NewRobotsReport& report) {
 
 void DistributedRun::React(const StatusMessage& status) {
   progress_.Update(status);
+  tick_ = status.tick;
   if (started_ || kill_at_) return;
   if (Status started = agents_.StartAfterJoins(status.agents); !started.ok()) Fail(FailedRun(started.error()));
 }
 
 void DistributedRun::React(const StartedReport&) {
+  if (started_) return progress_.Tell("the world service has been started again, and the run continues");
   started_ = true;
   startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
   const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
@@ -200,7 +229,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   if (end.exit_code == kExitOutputFailed) {
     return Fail(FailedRun(output_failure_.value_or(Failure("an agent cannot write its output files"))));
   }
-  if (end.ok() || kill_at_ || summary_ || !service_.process().running()) return;
+  if (end.ok() || kill_at_ || summary_ || !goes_on()) return;
   const std::string& host = agent.host->name();
   const std::string text =
       fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
@@ -225,7 +254,7 @@ void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::st
 }
 
 void DistributedRun::RestartAgents() {
-  if (kill_at_ || summary_ || !service_.process().running()) return restarts_.Cancel();
+  if (kill_at_ || summary_ || !goes_on()) return restarts_.Cancel();
   for (const std::size_t number : restarts_.TakeDue(Seconds(Clock::now()))) {
     if (Status status = agents_.Restart(number); status.ok()) {
       ++restarted_;
@@ -235,6 +264,32 @@ void DistributedRun::RestartAgents() {
   }
 }
 
+// A service that ended in order, or refused its input or its files, would end likewise.
+bool DistributedRun::PlanRestartOfService() {
+  const ProcessEnd& end = *service_.process().end();
+  const bool died = end.exit_code != kExitDone && end.exit_code != kExitBadInput && end.exit_code != kExitFailed &&
+                    end.exit_code != kExitOutputFailed && end.exit_code != kExitInterrupted;
+  if (!died || failed() || kill_at_ || summary_ || !service_.can_restart()) return false;
+  const std::string& host = hosts_.service_host().name();
+  const std::string text =
+      fmt::format("the world service {}(process {}) {}", host.empty() ? "" : "on host " + host + " ",
+                  service_.process().pid(), end.ToString());
+  if (service_restarts_.OnDeath(tick_, Seconds(Clock::now()))) {
+    progress_.Tell(text + "; it is started again");
+    return true;
+  }
+  progress_.Tell(text + ", time and again at the same tick");
+  return false;
+}
+
+void DistributedRun::RestartService() {
+  if (!service_restarts_.due() || Seconds(Clock::now()) < *service_restarts_.due()) return;
+  if (kill_at_) return service_restarts_.Cancel();
+  const Status started = service_.Restart(keys_, service_port_.value_or(0), started_);
+  service_restarts_.OnStart();
+  if (!started.ok()) Fail(FailedRun(started.error()));
+}
+
 void DistributedRun::Fail(RunEnd end) {
   if (failed()) return;
   end_ = std::move(end);
@@ -242,13 +297,14 @@ void DistributedRun::Fail(RunEnd end) {
 }
 
 void DistributedRun::Stop() {
+  service_restarts_.Cancel();
   service_.process().Signal(SIGTERM);
   if (!started_) agents_.Signal(SIGTERM);
   if (!kill_at_) kill_at_ = Clock::now() + kStopTimeout;
 }
 
 void DistributedRun::SuperviseUntilServiceEnds() {
-  while (service_.process().running()) ProcessEvents();
+  while (goes_on()) ProcessEvents();
   ProcessReports();
   if (failed()) return;
   const ProcessEnd& end = *service_.process().end();
@@ -302,6 +358,7 @@ RunEnd DistributedRun::End() {
   outcome.run.startup_seconds = startup_seconds_;
   outcome.processes = static_cast<std::uint32_t>(agents_.size() + 1);
   outcome.agents_restarted = restarted_;
+  outcome.service_restarted = service_restarts_.count();
   outcome.service_peak_memory_mib = service_.process().end()->peak_memory_mib;
   outcome.hosts = agents_.hosts();
   outcome.agent_peak_memory_mib = agents_.peak_memory_mib();

@@ -93,6 +93,27 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(WholeNumber(0, kMaxRestartAgents))
       ->type_name("N")
       ->group(processes);
+  command
+      .add_option_function<std::string>(
+          "--on-service-loss",
+          [&options](const std::string& word) {
+            options.on_service_loss = word == kOnServiceLossWords[0] ? OnServiceLoss::kRestart : OnServiceLoss::kEnd;
+          },
+          "When the world service dies: restart it, so that the run continues (default), or end the run")
+      ->check(OneOf({kOnServiceLossWords.begin(), kOnServiceLossWords.end()}))
+      ->type_name("POLICY")
+      ->group(processes);
+  command
+      .add_option("--journal", options.journal,
+                  "Keep the journal from which a world service that has died is restarted: a recording (default: the "
+                  "file of --record FILE.mcap, or a file without a name that ends with the run)")
+      ->check(NotEmpty())
+      ->type_name("FILE")
+      ->group(processes);
+  command
+      .add_flag("--journal-sync", options.journal_sync,
+                "Wait in each tick until the journal is on the disk, so that it survives a loss of power")
+      ->group(processes);
   AddSessionFlag(command, options.network,
                  "Name of the run on the network (default: the world's name and the process id)", processes);
   options.network.network_interface.clear();  // CompleteRunOptions chooses
@@ -135,7 +156,8 @@ std::string InterfaceOf(const HostSettings& host) {
 }
 
 std::vector<std::string> ServiceArguments(const RunOptions& options) {
-  std::vector<std::string> arguments = {options.file};
+  std::vector<std::string> arguments;
+  if (!options.file.empty()) arguments.push_back(options.file);
   Append(arguments, RunArguments(options.run));
   if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
   if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
@@ -146,9 +168,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--hash-log", options.hash_log);
   Append(arguments, "--poses", options.poses);
   Append(arguments, "--record", options.record);
-  if (!options.record.empty()) {
-    Append(arguments, "--keyframe-interval", std::to_string(options.keyframe_interval));
-  }
+  Append(arguments, "--keyframe-interval", std::to_string(options.keyframe_interval));
   if (!options.trace.file.empty()) Append(arguments, TraceArguments(options.trace, options.trace.file));
   if (options.paused) arguments.emplace_back("--paused");
   Append(arguments, RosArguments(options.ros));

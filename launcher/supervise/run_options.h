@@ -30,8 +30,11 @@ struct RunOptions {
   bool in_process = false;
   std::optional<std::uint32_t> robots_per_process;  // nothing: the scenario's
   std::optional<std::uint32_t> restart_agents;      // likewise
-  NetworkSettings network;                          // session or interface empty: CompleteRunOptions chooses one
-  std::vector<HostSettings> hosts;                  // of the scenario; none: this host only
+  OnServiceLoss on_service_loss = OnServiceLoss::kRestart;
+  std::string journal;              // file; empty: without a name, for this run alone
+  bool journal_sync = false;        // it survives a loss of power
+  NetworkSettings network;          // session or interface empty: CompleteRunOptions chooses one
+  std::vector<HostSettings> hosts;  // of the scenario; none: this host only
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;
   bool paused = false;    // at the start
   bool headless = false;  // no viewer
@@ -57,7 +60,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options);
 // Reads the hosts of a scenario; chooses a session name and a network interface unless the options have them.
 Status CompleteRunOptions(RunOptions& options);
 
-// The arguments of the program world-service for this run, without the report's descriptor.
+// The arguments of the program world-service for this run, without the report's descriptor and its journal.
 std::vector<std::string> ServiceArguments(const RunOptions& options);
 
 // The arguments of the program robot-agent for these robots, without its output files. `service_address` is

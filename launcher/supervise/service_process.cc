@@ -8,7 +8,7 @@
 namespace troupe {
 
 ServiceProcess::ServiceProcess(const RunOptions& options, const RunHosts& hosts)
-    : options_(options), hosts_(hosts), trace_parts_(options.trace.file, "--trace") {}
+    : options_(options), hosts_(hosts), journal_parts_("", "--journal"), trace_parts_(options.trace.file, "--trace") {}
 
 RunOptions ServiceProcess::OptionsThere() const {
   RunOptions options = options_;
@@ -24,8 +24,32 @@ RunOptions ServiceProcess::OptionsThere() const {
   if (!options.record.empty()) {
     options.record = folder + "record" + std::filesystem::path(options.record).extension().string();
   }
+  if (!options.journal.empty()) options.journal = folder + "journal.mcap";
   if (!options.trace.file.empty()) options.trace.file = folder + "trace";
   return options;
+}
+
+// The recording of the user, if there is one, is the journal.
+Status ServiceProcess::MakeJournal() {
+  const RunOptions there = OptionsThere();
+  const bool records = there.record.ends_with(".mcap");
+  if (options_.on_service_loss == OnServiceLoss::kEnd && options_.journal.empty()) return {};
+  std::string file = !there.journal.empty() ? there.journal : records ? there.record : std::string();
+  if (!file.empty()) {
+    journal_ = {"--journal=" + file};
+  } else if (hosts_.service_settings() != nullptr) {
+    journal_ = {"--journal=" + hosts_.service_host().folder() + "/service-journal.mcap", "--journal-optional"};
+  } else {
+    std::vector<std::string> parts;
+    for (int i = 0; i < 3; ++i) {
+      Result<std::string> part = journal_parts_.Add();
+      if (!part.ok()) return part.error();
+      parts.push_back(std::move(part).value());
+    }
+    journal_ = {"--journal=" + parts[0], "--journal-tail", parts[1], parts[2], "--journal-optional"};
+  }
+  if (options_.journal_sync) journal_.emplace_back("--journal-sync");
+  return {};
 }
 
 Status ServiceProcess::Start(const RunKeys& keys) {
@@ -34,12 +58,29 @@ Status ServiceProcess::Start(const RunKeys& keys) {
     if (!part.ok()) return part.error();
     trace_file_ = std::move(part).value();
   }
+  if (Status failure = MakeJournal(); !failure.ok()) return failure;
+  return StartProcess(keys, {});
+}
+
+Status ServiceProcess::Restart(const RunKeys& keys, std::uint16_t port, bool begun) {
+  std::vector<std::string> more = {"--resume"};
+  if (port != 0) more.push_back("--port=" + std::to_string(port));
+  has_begun_ = begun;
+  return StartProcess(keys, more);
+}
+
+Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::string>& more) {
   Result<std::string> security = keys.ForService(hosts_.service_host());
   if (!security.ok()) return security.error();
   RunOptions options = OptionsThere();
   options.network.security = std::move(security).value();
-  Result<std::unique_ptr<Child>> process =
-      hosts_.service_host().Start("world-service", ServiceArguments(options), true);
+  // A run that has begun is in the journal alone.
+  if (has_begun_) options.file.clear();
+  if (can_restart() && options.record.ends_with(".mcap")) options.record.clear();
+  std::vector<std::string> arguments = ServiceArguments(options);
+  arguments.insert(arguments.end(), journal_.begin(), journal_.end());
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  Result<std::unique_ptr<Child>> process = hosts_.service_host().Start("world-service", arguments, true);
   if (!process.ok()) return process.error();
   process_ = std::move(process).value();
   return Status();

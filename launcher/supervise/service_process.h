@@ -22,6 +22,11 @@ class ServiceProcess {
   ServiceProcess(const RunOptions& options, const RunHosts& hosts);
 
   Status Start(const RunKeys& keys);
+  // Starts the process again, which has ended, to continue the run at the same port. `begun`: the run, not only its
+  // process. REQUIRES: can_restart()
+  Status Restart(const RunKeys& keys, std::uint16_t port, bool begun);
+  // The run has a journal.
+  bool can_restart() const { return !journal_.empty(); }
 
   // REQUIRES, for all below: Start has succeeded.
   Child& process() const { return *process_; }
@@ -40,8 +45,14 @@ class ServiceProcess {
 
   const RunOptions& options_;
   const RunHosts& hosts_;
+  Status MakeJournal();
+  Status StartProcess(const RunKeys& keys, const std::vector<std::string>& more);
+
+  OutputParts journal_parts_;
+  std::vector<std::string> journal_;  // arguments; empty: none
   OutputParts trace_parts_;
   std::string trace_file_;
+  bool has_begun_ = false;
   std::unique_ptr<Child> process_;
 };
 

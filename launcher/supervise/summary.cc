@@ -49,6 +49,10 @@ std::string SummaryText(const RunOutcome& outcome) {
   if (run.record_waited_seconds > 0.0) {
     text += fmt::format("ticks waited {:.2f} s for the recording to be written\n", run.record_waited_seconds);
   }
+  if (outcome.service_restarted > 0) {
+    text += fmt::format("{} {} of the world service, which died\n", outcome.service_restarted,
+                        outcome.service_restarted == 1 ? "restart" : "restarts");
+  }
   if (outcome.agents_restarted > 0) {
     text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
                         outcome.agents_restarted == 1 ? "restart" : "restarts");
@@ -73,6 +77,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"robots", run.robots},
       {"processes", outcome.processes},
       {"agents_restarted", outcome.agents_restarted},
+      {"service_restarted", outcome.service_restarted},
       {"startup_seconds", run.startup_seconds},
       {"stalls", run.stalls},
       {"rejected", run.rejected},

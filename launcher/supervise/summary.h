@@ -13,6 +13,7 @@ struct RunOutcome {
   RunSummary run;
   std::uint32_t processes = 1;               // service and agents
   std::uint32_t agents_restarted = 0;        // restarts of all agents
+  std::uint32_t service_restarted = 0;       // restarts of the world service
   std::map<std::string, std::string> hosts;  // by robot; empty: all on this host
   double service_peak_memory_mib = 0.0;      // largest resident size; of the only process, if there is but one
   double agent_peak_memory_mib = 0.0;        // of the largest agent; 0: no agent had its own process

@@ -48,9 +48,22 @@ void AgentProtocol::Choose(const SessionMessage& session) {
   if (session.run != run_) kept_frame_.reset();
   session_ = std::make_unique<SessionMessage>(session);
   run_ = session.run;
+  incarnation_ = session.incarnation;
   world_edition_ = session.world_edition;
   run_has_begun_ = session.begun;
   stage_ = Stage::kPreparing;
+}
+
+bool AgentProtocol::IsCurrent(Incarnation incarnation) {
+  if (incarnation <= incarnation_) return incarnation == incarnation_;
+  incarnation_ = incarnation;
+  if (was_admitted()) {
+    service_lost_at_.reset();
+    notices_.emplace_back("another world service continues the run");
+    Rejoin();
+  }
+  if (stage_ == Stage::kJoining) StartJoining();
+  return true;
 }
 
 void AgentProtocol::StartJoining() {
@@ -114,7 +127,8 @@ JoinMessage AgentProtocol::MakeJoin() {
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = replica_->RobotNames(),
-                   .world_edition = world_edition_};
+                   .world_edition = world_edition_,
+                   .incarnation = incarnation_};
   if (session_) {
     // The world was edited since the agent was lost. The next frame says how the replica is to follow.
     if (session_hash_ == 0) session_hash_ = Hash(session_->world);
@@ -171,7 +185,7 @@ void AgentProtocol::FinishChange(ReplicaTask& task) {
 }
 
 void AgentProtocol::OnSession(const SessionMessage& session) {
-  if (over()) return;
+  if (over() || (session.run == run_ && !IsCurrent(session.incarnation))) return;
   if (was_admitted()) {
     if (session.run != run_) return;
     if (std::exchange(service_lost_at_, std::nullopt) && stage_ == Stage::kJoining) StartJoining();
@@ -188,7 +202,7 @@ void AgentProtocol::OnSession(const SessionMessage& session) {
 }
 
 void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
-  if (admission.run != run_ || admission.agent != options_.agent) return;
+  if (admission.run != run_ || admission.agent != options_.agent || !IsCurrent(admission.incarnation)) return;
   if (stage_ == Stage::kRunning && !admission.admitted && admission.reason.empty()) return Rejoin();
   if (stage_ != Stage::kJoining) return;
   if (!admission.admitted) {
@@ -201,7 +215,7 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
 }
 
 void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
-  if (over() || stage_ == Stage::kWaiting || frame.run != run_) return;
+  if (over() || stage_ == Stage::kWaiting || frame.run != run_ || !IsCurrent(frame.incarnation)) return;
   run_has_begun_ = true;
   if (service_lost_at_ && now > *service_lost_at_ + kLongestDelay) service_lost_at_.reset();
   if (frame.last) {
@@ -273,6 +287,7 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
     replica_->Publish(frame.state);
     if (replica_->has_gateway()) paused_state_ = frame.state;
   }
+  answer_.incarnation = incarnation_;
   Enter(replica_->lane(), TickPhase::kSend, next);
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it

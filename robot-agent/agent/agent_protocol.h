@@ -76,6 +76,9 @@ class AgentProtocol {
   bool is_admitted() const { return stage_ == Stage::kRunning || stage_ == Stage::kChanging; }
   // The service has admitted this agent to run_ at some time.
   bool was_admitted() const { return is_admitted() || was_lost_; }
+  // Of a message of the run: false if it is of an earlier service than the newest. The first message of a later one
+  // makes the agent join again.
+  bool IsCurrent(Incarnation incarnation);
   void WaitForSession(double now);
   // Prepares for a session before the admission.
   void Choose(const SessionMessage& session);
@@ -106,6 +109,7 @@ class AgentProtocol {
   std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used
   std::uint64_t session_hash_ = 0;           // of its world; 0: not computed yet
   RunId run_ = 0;                            // from preparing on
+  Incarnation incarnation_ = 0;              // the highest of the run
   std::unique_ptr<Replica> replica_;         // from joining on, but for a task
   std::uint64_t world_hash_ = 0;             // of the replica's world
   Edition world_edition_ = 0;                // of the replica, or of change_

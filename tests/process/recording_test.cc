@@ -371,7 +371,7 @@ TEST_F(ChangedRecordingTest, ACutOffFileIsReplayedToItsLastWholeChunk) {
 
 TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
   Program run = RunPen({"--speed", "200", "--session", TestSession("killed"), "--keyframe-interval", "10", "--record",
-                        Path("run.mcap"), "--hash-log", Path("hashes")});
+                        Path("run.mcap"), "--hash-log", Path("hashes"), "--on-service-loss", "end"});
   run.WaitForLine("ready");
   while (!std::filesystem::exists(Path("run.mcap")) || std::filesystem::file_size(Path("run.mcap")) < 80'000) {
     ASSERT_TRUE(std::filesystem::exists(Path("hashes"))) << run.output();
@@ -390,8 +390,8 @@ TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
 TEST_F(RecordingTest, EndsTheRunOnAFullDisk) {
   for (const std::string mode : {"--headless", "--in-process"}) {
     const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
-                                " --speed max --keyframe-interval 10 --domain " + std::to_string(TestDomain()) + " " +
-                                mode + " --record " + Path("run.mcap");
+                                " --speed max --keyframe-interval 10 --on-service-loss end --domain " +
+                                std::to_string(TestDomain()) + " " + mode + " --record " + Path("run.mcap");
     const Finished run = Finish(Program({"/bin/sh", "-c", command}));
     EXPECT_EQ(run.exit_status, 3) << run.output;
     EXPECT_THAT(run.output, HasSubstr("\n" + Path("run.mcap") + ": error: cannot write: File too large")) << run.output;

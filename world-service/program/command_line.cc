@@ -14,8 +14,38 @@
 namespace troupe {
 namespace {
 
+// A journal, as `troupe run` makes one by default.
+void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
+  OutputFiles& outputs = line.outputs;
+  app.add_option_function<std::string>(
+         "--journal", [&outputs](const std::string& file) { outputs.journal = JournalFiles::Of(file); },
+         "Write a recording from which another world service can continue the run with --resume; FILE.journal-a and "
+         "FILE.journal-b have its newest ticks")
+      ->check(NotEmpty())
+      ->type_name("FILE");
+  app.add_flag_function(
+      "--journal-sync", [&outputs](std::int64_t) { outputs.journal_sync = JournalSync::kYes; },
+      "Wait in each tick until the journal is on the disk, so that it survives a loss of power");
+  app.add_flag("--resume", line.resume, "Continue the run of the journal, whose world service has died")
+      ->needs("--journal");
+  // Of a launcher, whose journals have no names.
+  app.add_option_function<std::vector<std::string>>(
+         "--journal-tail",
+         [&outputs](const std::vector<std::string>& files) {
+           outputs.journal->tail = {files[0], files[1]};
+         },
+         "")
+      ->expected(2)
+      ->needs("--journal")
+      ->group("");
+  app.add_flag("--journal-optional", outputs.journal_is_optional, "")->group("");
+}
+
 void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
-  AddWorldFile(app, line.file);
+  AddWorldFile(app, line.file)->required(false);
+  app.final_callback([&line] {
+    if (line.file.empty() && !line.resume) throw CLI::RequiredError("FILE");
+  });
   AddRunFlags(app, line.run);
   AddSeedFlag(app, line.overrides.seed);
   AddControllerFlag(app, line.overrides.controller);
@@ -30,7 +60,13 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddHashLogFlag(app, line.outputs.hash_log);
   AddPosesFlag(app, line.outputs.poses);
   AddRecordFlags(app, line.outputs.record, line.outputs.keyframe_interval);
+  AddJournalFlags(app, line);
   AddTraceFlags(app, line.service.trace);
+  app.add_option("--port", line.port,
+                 "UDP port at which agents of other hosts find the service (default: the first "
+                 "free one)")
+      ->check(WholeNumber(1, 65535))
+      ->type_name("PORT");
   app.add_option("--report-fd", line.report_fd, "File descriptor for reports to a launcher, as JSON lines")
       ->check(WholeNumber(0, 1 << 20))
       ->type_name("N");

@@ -27,7 +27,9 @@ struct ServiceCommandLine {
   OutputFiles outputs;
   ros::RosOptions ros = ros::OptionsFromEnvironment();
   std::optional<int> report_fd;
-  Faults faults;  // for tests
+  bool resume = false;     // the run of the journal in `outputs`
+  std::uint16_t port = 0;  // UDP, for discovery; 0: the first free one
+  Faults faults;           // for tests
 };
 
 // An exit status: help, the version or an error has been printed.

@@ -40,6 +40,7 @@ void ReplayedWorld::SetState(WorldState state) {
 Status ReplayedWorld::Restore(const FrameMessage& keyframe) {
   if (Status problem = CheckStartState(world(), keyframe.state); !problem.ok()) return problem;
   SetState(keyframe.state);
+  world_edition_ = keyframe.world_edition;
   fresh_edition_ = keyframe.fresh_edition;
   events_.clear();
   return {};
@@ -72,6 +73,7 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
   if (!edited.ok()) return Error{{}, "the edit is refused: " + edited.error().message};
   if (edited.value().scene != scene_) {
     scene_ = edited.value().scene;
+    world_edition_ = edition;
     bodies_ = BodyIndex(*scene_);
   }
   if (edit.request.command == ControlCommand::kLoadWorld) original_ = scene_;

@@ -26,6 +26,8 @@ class ReplayedWorld {
   const WorldState& state() const { return state_; }
   const BodyIndex& bodies() const { return bodies_; }  // at state()
   std::uint64_t state_hash() const { return state_hash_; }
+  const std::shared_ptr<const Scene>& original() const { return original_; }  // that a reset restores
+  Edition world_edition() const { return world_edition_; }  // the newest that has changed the description
   Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
   // Of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
@@ -47,6 +49,7 @@ class ReplayedWorld {
   WorldState state_;
   std::uint64_t state_hash_ = 0;
   BodyIndex bodies_;
+  Edition world_edition_ = 0;
   Edition fresh_edition_ = 0;
   std::vector<Event> events_;
 };

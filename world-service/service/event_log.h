@@ -28,6 +28,11 @@ class EventLog {
   // An edit has changed the meaning of ids: no event from before enters a frame.
   void DiscardPending() { between_frames_.clear(); }
 
+  // Of a run that is continued: the counts so far.
+  void RestoreCounts(std::uint64_t stalls, std::uint64_t rejected) {
+    stalls_ = stalls;
+    rejected_ = rejected;
+  }
   std::uint64_t stalls() const { return stalls_; }
   std::uint64_t rejected() const { return rejected_; }
 

@@ -1,5 +1,7 @@
 #include "world-service/service/live_run.h"
 
+#include <utility>
+
 #include "common/base/version.h"
 
 namespace troupe {
@@ -16,10 +18,15 @@ void AnnounceSession(const LiveRun& run) {
   session.host = run.options.host;
   session.pid = run.options.pid;
   session.lease_seconds = run.options.lease_seconds;
-  session.begun = run.started_at.has_value();
+  session.begun = run.started_at.has_value() || run.continues();
+  session.incarnation = run.options.incarnation;
   session.world = run.world();
   session.world_edition = run.frame.world_edition;
   run.endpoint.SendSession(session);
+}
+
+AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason) {
+  return {run.options.run, agent, admitted, std::move(reason), run.options.incarnation};
 }
 
 std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots) {

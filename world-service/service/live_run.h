@@ -15,6 +15,7 @@
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
 #include "world-service/service/notice_list.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -22,12 +23,14 @@ namespace troupe {
 struct CoordinatorOptions {
   RunSettings settings;
   RunId run = 0;  // random; of two services that gather agents in one session, the one with the lower id remains
+  Incarnation incarnation = 0;  // of this service
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;
+  std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its
 };
 
 enum class RunPhase : std::uint8_t {
@@ -58,17 +61,24 @@ struct LiveRun {
   // Written by TickEngine (presence, answers) and TickCoordinator (joins).
   Membership members;
 
+  // Written by WorldEditor: robots of the newest edit that have no agent yet.
+  std::vector<RobotId> newcomers = {};
+
   // Written by all parts.
   EventLog events = {};
   NoticeList notices = {};
 
   const WorldDescription& world() const { return scene->world(); }
   bool realtime() const { return options.settings.mode == Mode::kRealtime; }
+  // A run is continued that had begun.
+  bool continues() const { return options.resumed && options.resumed->frame; }
   Tick next_tick() const { return frame.state.tick + 1; }
 };
 
 // Sends the session: the process of the service and its world.
 void AnnounceSession(const LiveRun& run);
+
+AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason = {});
 
 // "r0, r1 and 5 more": the names of at most ten robots.
 std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots);

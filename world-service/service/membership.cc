@@ -19,7 +19,8 @@ std::string Describe(const Member& member) {
   return member.host + ", pid " + std::to_string(member.pid);
 }
 
-Membership::Membership(const WorldDescription& world, double lease_seconds) : lease_seconds_(lease_seconds) {
+Membership::Membership(const WorldDescription& world, double lease_seconds, Edition world_edition)
+    : world_edition_(world_edition), lease_seconds_(lease_seconds) {
   ResetForWorld(world);
 }
 

@@ -47,7 +47,7 @@ struct JoinDecision {
 class Membership {
  public:
   // REQUIRES: the world outlives the membership, or the next ChangeWorld.
-  Membership(const WorldDescription& world, double lease_seconds);
+  Membership(const WorldDescription& world, double lease_seconds, Edition world_edition = 0);
 
   struct WorldChange {
     std::vector<AgentId> gone;       // members without robots now

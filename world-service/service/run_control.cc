@@ -34,7 +34,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
     case ControlCommand::kPlay:
       return Play(open, now);
     case ControlCommand::kPause:
-      return Pause(std::move(open));
+      return Pause(std::move(open), now);
     case ControlCommand::kStep:
       return EnqueueStep(std::move(open), now);
     case ControlCommand::kEntities:
@@ -44,8 +44,10 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   }
 }
 
-void RunControl::Pause(OpenRequest pause) {
-  play_after_edits_ = false;
+void RunControl::Pause(OpenRequest pause, double now) {
+  const bool remains = run_.frame.paused && engine_.play_after_edits();
+  engine_.SetPlayAfterEdits(false);
+  if (remains) engine_.ReportProgress(now);
   if (quiescent() && queue_.empty()) return Accept(pause);
   if (!run_.frame.paused) engine_.SetTicksToPause(run_.started_at ? 1 : 0);
   awaiting_pause_.push_back(std::move(pause));
@@ -59,8 +61,8 @@ void RunControl::Play(const OpenRequest& play, double now) {
     Reply(waiting, superseded);
     return true;
   });
-  play_after_edits_ = edit_ || !queue_.empty();
-  if (play_after_edits_) {
+  engine_.SetPlayAfterEdits(edit_ || !queue_.empty());
+  if (engine_.play_after_edits()) {
     if (!run_.frame.paused) engine_.SetTicksToPause(1);
   } else {
     engine_.SetTicksToPause(std::nullopt);
@@ -80,7 +82,7 @@ void RunControl::EnqueueEdit(OpenRequest edit, double now) {
     return Reply(edit, Refusal("the run has not begun; nothing can be changed before"));
   }
   if (!engine_.ticks_to_pause()) {
-    play_after_edits_ = true;
+    engine_.SetPlayAfterEdits(true);
     engine_.SetTicksToPause(1);
   }
   Enqueue(std::move(edit), now);
@@ -126,8 +128,8 @@ void RunControl::StartQueued(double now) {
     StartEdit(std::move(next), now);
     if (edit_ && quiescent()) return Advance(now);  // no agent has to answer
   }
-  if (!queue_.empty() || edit_ || !play_after_edits_) return;
-  play_after_edits_ = false;
+  if (!queue_.empty() || edit_ || !engine_.play_after_edits()) return;
+  engine_.SetPlayAfterEdits(false);
   engine_.SetTicksToPause(std::nullopt);
   if (run_.phase == RunPhase::kRunning) engine_.Resume(now);
 }
@@ -190,7 +192,7 @@ RunState RunControl::State() const {
     case RunPhase::kGathering:
       return RunState::kStarting;
     case RunPhase::kRunning:
-      return run_.frame.paused && !play_after_edits_ ? RunState::kPaused : RunState::kPlaying;
+      return run_.frame.paused && !engine_.play_after_edits() ? RunState::kPaused : RunState::kPlaying;
     case RunPhase::kEnding:
     case RunPhase::kOver:
       break;

@@ -47,8 +47,8 @@ class RunControl {
   };
 
   bool quiescent() const { return engine_.pause_answered() && editor_.robots_without_agent().empty(); }
-  bool playing() const { return !engine_.ticks_to_pause() || play_after_edits_; }
-  void Pause(OpenRequest pause);
+  bool playing() const { return !engine_.ticks_to_pause() || engine_.play_after_edits(); }
+  void Pause(OpenRequest pause, double now);
   void Play(const OpenRequest& play, double now);
   void Enqueue(OpenRequest open, double now);
   void EnqueueStep(OpenRequest step, double now);
@@ -71,7 +71,6 @@ class RunControl {
   std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
   Tick step_begun_ = 0;                      // the tick at which the step among them began
   std::optional<OpenRequest> edit_;          // applied; for a reply in the next quiescent pause
-  bool play_after_edits_ = false;            // the pause is only for edits
 };
 
 }  // namespace troupe

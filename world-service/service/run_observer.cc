@@ -10,6 +10,14 @@ Status RunObserver::OnEnd() {
   return Status();
 }
 
+Status RunObserver::OnCommit(const CommittedTick&, const RunProgress&) {
+  return {};
+}
+
+Status RunObserver::OnProgress(const RunProgress&) {
+  return {};
+}
+
 Status RunObserver::OnTick(const CommittedTick&) {
   return Status();
 }

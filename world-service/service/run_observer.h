@@ -12,6 +12,7 @@
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
+#include "common/protocol/run_progress.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
 #include "world-service/service/world_control.h"
@@ -22,7 +23,7 @@ namespace troupe {
 struct RunStart {
   RunId run = 0;
   const RunSettings& settings;
-  const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which has the seed
+  const std::shared_ptr<const Scene>& scene;  // of the description as loaded, which has the seed; of a resumed run: now
   WorldControl& control;                      // valid until OnEnd returns
 };
 
@@ -50,6 +51,11 @@ class RunObserver {
   // After the last tick, once for each OnBegin that succeeded. An error makes the run fail.
   virtual Status OnEnd();
 
+  // Before the agents are sent the frame, which wait for it: what is written here survives this process, whatever the
+  // agents see. `progress`: after the tick. An error ends the run, and makes it fail.
+  virtual Status OnCommit(const CommittedTick& tick, const RunProgress& progress);
+  // Before the run continues after a pause, or when a pause that was to end remains. As OnCommit.
+  virtual Status OnProgress(const RunProgress& progress);
   // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
   // error ends the run, and makes it fail.
   virtual Status OnTick(const CommittedTick& tick);

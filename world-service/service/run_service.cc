@@ -258,7 +258,9 @@ class Driver final : public WorldControl, private ServiceHandler {
 CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTrace* trace) {
   CoordinatorOptions coordinator;
   coordinator.settings = options.settings;
-  coordinator.run = MakeRunId();
+  coordinator.run = options.resumed ? options.resumed->run : MakeRunId();
+  coordinator.incarnation = options.resumed ? options.resumed->incarnation : 0;
+  coordinator.resumed = options.resumed;
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.start_paused = options.start_paused;

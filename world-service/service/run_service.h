@@ -15,6 +15,7 @@
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
 
@@ -29,6 +30,7 @@ struct ServiceOptions {
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere
   LoadOverrides overrides;                                     // for worlds and models that are loaded during the run
+  std::optional<ResumedRun> resumed;                           // a run to be continued, instead of a new one
   AllowedPaths libraries;                                      // controllers that those may name
 };
 

@@ -1,9 +1,21 @@
 #include "world-service/service/tick_coordinator.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 namespace troupe {
+
+namespace {
+
+Edition WorldEditionOf(const CoordinatorOptions& options) {
+  return options.resumed && options.resumed->frame ? options.resumed->frame->world_edition : 0;
+}
+
+// Wall times, s.
+constexpr double kAnnouncePeriod = 0.5;  // of a session whose agents have another service
+
+}  // namespace
 
 TickCoordinator::TickCoordinator(const std::shared_ptr<const Scene>& scene, const CoordinatorOptions& options,
                                  ServiceEndpoint& endpoint, RunObservers observers, double now)
@@ -12,7 +24,7 @@ TickCoordinator::TickCoordinator(const std::shared_ptr<const Scene>& scene, cons
            .observers = std::move(observers),
            .created_at = now,
            .scene = scene,
-           .members = Membership(scene->world(), options.lease_seconds)},
+           .members = Membership(scene->world(), options.lease_seconds, WorldEditionOf(options))},
       engine_(run_, now),
       editor_(run_, engine_),
       control_(run_, engine_, editor_),
@@ -28,7 +40,8 @@ std::optional<double> TickCoordinator::startup_seconds() const {
 }
 
 void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
-  if (join.run != run_.options.run || run_.phase == Phase::kOver) return;
+  if (join.run != run_.options.run || join.incarnation != run_.options.incarnation) return;
+  if (run_.phase == Phase::kOver) return;
   if (run_.phase == Phase::kEnding) return AnswerJoin(join, false, "the run is over");
   const JoinDecision decision = run_.members.Join(join, run_.next_tick(), now);
   switch (decision.outcome) {
@@ -42,7 +55,7 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
       AnswerJoin(join, true, {});
       engine_.AddMember(*decision.member, now);
       editor_.OnJoined(decision.member->robots);
-      if (run_.phase == Phase::kGathering && run_.members.all_robots_present()) return Begin(now);
+      if (run_.phase == Phase::kGathering && all_have_joined()) return Begin(now);
       if (run_.phase == Phase::kRunning) run_.endpoint.SendFrame(run_.frame);  // sent before this agent was there
       return;
   }
@@ -51,7 +64,7 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
 // Agents that join before the run begins are admitted together when it does.
 void TickCoordinator::AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason) {
   if (admitted && run_.phase == Phase::kGathering) return;
-  run_.endpoint.SendAdmissions({{run_.options.run, join.agent, admitted, reason}});
+  run_.endpoint.SendAdmissions({MakeAdmission(run_, join.agent, admitted, reason)});
 }
 
 void TickCoordinator::Begin(double now) {
@@ -71,7 +84,7 @@ void TickCoordinator::OnAgentGone(AgentId agent, double now) {
 }
 
 void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
-  if (rival.run == run_.options.run) return;
+  if (rival.run == run_.options.run) return OnOtherService(rival, now);
   if (run_.started_at && !rival.begun) Announce();  // for the rival, which cannot know that this run has begun
   const std::string process = rival.host + ", pid " + std::to_string(rival.pid);
   if (run_.phase == Phase::kGathering && (rival.begun || rival.run < run_.options.run)) {
@@ -80,6 +93,14 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   if (rival.run == known_rival_) return;
   known_rival_ = rival.run;
   run_.notices.Add("another world service has entered this session (" + process + "); this one continues");
+}
+
+// Of two services of one run, the later one continues it.
+void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
+  if (other.incarnation < run_.options.incarnation) return Announce();
+  if (other.incarnation == run_.options.incarnation) return;
+  Fail(Failure("another world service (" + other.host + ", pid " + std::to_string(other.pid) + ") continues this run"),
+       now);
 }
 
 void TickCoordinator::Poll(double now) {
@@ -92,12 +113,48 @@ void TickCoordinator::Poll(double now) {
 }
 
 void TickCoordinator::PollGathering(double now) {
-  if (run_.members.all_robots_present()) return Begin(now);
+  if (all_have_joined()) return Begin(now);
+  if (run_.continues()) return PollRejoining(now);
   const double timeout = run_.options.start_timeout_seconds;
   if (timeout <= 0.0 || now - run_.created_at < timeout) return;
   Fail(Failure("no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
                std::to_string(static_cast<int>(timeout)) + " s"),
        now);
+}
+
+bool TickCoordinator::all_have_joined() const {
+  if (run_.members.all_robots_present()) return true;
+  if (!run_.continues()) return false;
+  const std::vector<RobotId>& absent_before = run_.options.resumed->progress.absent;
+  const std::vector<RobotId> absent = run_.members.AbsentRobots();
+  return run_.members.present_members() > 0 &&
+         std::includes(absent_before.begin(), absent_before.end(), absent.begin(), absent.end());
+}
+
+// Agents that do not rejoin in time are lost, as those of a service that was not restarted.
+void TickCoordinator::PollRejoining(double now) {
+  if (now - announced_at_ >= kAnnouncePeriod) {
+    announced_at_ = now;
+    Announce();
+  }
+  if (now < RejoinDeadline()) return;
+  for (const RobotId robot : run_.members.AbsentRobots()) {
+    run_.events.Add(EventType::kLeft, run_.frame.state.tick, robot, "its agent has not rejoined the run");
+  }
+  Begin(now);
+  if (run_.options.settings.on_agent_loss != OnAgentLoss::kAbort) return;
+  Fail(Failure("the agents of " + ListNames(run_.world(), run_.members.AbsentRobots()) + " have not rejoined the run"),
+       now);
+}
+
+double TickCoordinator::RejoinDeadline() const {
+  const RunSettings& settings = run_.options.settings;
+  // The agents may all have left, because they have seen the last frame.
+  const bool at_end = settings.ticks && run_.frame.state.tick >= *settings.ticks;
+  if (at_end) return run_.created_at + 2.0 * run_.options.lease_seconds;
+  const double longest =
+      settings.agent_deadline_seconds > 0.0 ? settings.agent_deadline_seconds : run_.options.start_timeout_seconds;
+  return longest > 0.0 ? run_.created_at + longest : std::numeric_limits<double>::infinity();
 }
 
 void TickCoordinator::GiveUpNewRobots(double now) {
@@ -109,7 +166,9 @@ void TickCoordinator::GiveUpNewRobots(double now) {
 
 double TickCoordinator::NextPoll() const {
   if (run_.phase != Phase::kGathering) return engine_.NextPoll();
-  return run_.members.all_robots_present() ? run_.created_at : std::numeric_limits<double>::infinity();
+  if (all_have_joined()) return run_.created_at;
+  if (run_.continues()) return std::min(announced_at_ + kAnnouncePeriod, RejoinDeadline());
+  return std::numeric_limits<double>::infinity();
 }
 
 void TickCoordinator::Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world) {

@@ -71,8 +71,13 @@ class TickCoordinator {
 
  private:
   void Begin(double now);
+  // Every robot has an agent, or had none when the service before ended.
+  bool all_have_joined() const;
   void PollGathering(double now);
+  void PollRejoining(double now);
+  double RejoinDeadline() const;
   void GiveUpNewRobots(double now);
+  void OnOtherService(const SessionMessage& other, double now);
   void AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason);
 
   LiveRun run_;
@@ -81,6 +86,7 @@ class TickCoordinator {
   RunControl control_;
   RunStatistics statistics_;
   std::optional<RunId> known_rival_;
+  double announced_at_ = 0.0;  // wall time of the newest session of a run that is continued, s
 };
 
 }  // namespace troupe

@@ -34,9 +34,17 @@ TickEngine::TickEngine(LiveRun& run, double now)
       committed_at_(now),
       arrived_at_(now) {
   if (run_.options.start_paused) ticks_to_pause_ = 0;
+  if (run_.continues()) {
+    const ResumedRun& resumed = *run_.options.resumed;
+    run_.frame = *resumed.frame;
+    ticks_to_pause_ = resumed.progress.ticks_to_pause;
+    run_.events.RestoreCounts(resumed.progress.stalls, resumed.progress.rejected);
+  } else {
+    run_.frame.state = InitialState(*run_.scene);
+    run_.frame.state_hash = StateHash(run_.frame.state);
+  }
   run_.frame.run = run_.options.run;
-  run_.frame.state = InitialState(*run_.scene);
-  run_.frame.state_hash = StateHash(run_.frame.state);
+  run_.frame.incarnation = run_.options.incarnation;
 }
 
 void TickEngine::AddMember(Member& member, double now) {
@@ -51,6 +59,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   if (run_.phase != RunPhase::kRunning) return;
   const FrameMessage& frame = run_.frame;
   if (proposal.run != run_.options.run) return Reject("a proposal for another run", now);
+  if (proposal.incarnation != run_.options.incarnation) return;  // the agent has not seen this service yet
   Member* const member = run_.members.Find(proposal.agent);
   if (member == nullptr) return RejectUnknown(proposal.agent, now);
   if (proposal.edition < frame.edition) return;  // of the world before an edit
@@ -111,13 +120,13 @@ void TickEngine::RejectUnknown(AgentId agent, double now) {
   const bool reported =
       run_.events.Reject(run_.frame.state.tick, std::nullopt, "a proposal of an agent that has not joined", now);
   if (!reported) return;  // of many, not all are answered
-  run_.endpoint.SendAdmissions({{run_.options.run, agent, false, {}}});
+  run_.endpoint.SendAdmissions({MakeAdmission(run_, agent, false)});
 }
 
 void TickEngine::AskToJoin(Member& member, double now) {
   if (now - member.asked_at < kAskPeriod) return;
   member.asked_at = now;
-  run_.endpoint.SendAdmissions({{run_.options.run, member.id, false, {}}});
+  run_.endpoint.SendAdmissions({MakeAdmission(run_, member.id, false)});
 }
 
 void TickEngine::OnAgentGone(AgentId agent, double now) {
@@ -187,14 +196,58 @@ void TickEngine::Begin(double now) {
   std::vector<AdmissionMessage> admissions;
   for (const AgentId agent : run_.members.PresentMembers()) {
     run_.members.Find(agent)->silent_since.reset();  // its silence counts from the first frame on, not from its join
-    admissions.push_back({run_.options.run, agent, true, {}});
+    admissions.push_back(MakeAdmission(run_, agent, true));
   }
   run_.endpoint.SendAdmissions(admissions);
   run_.started_at = now;
+  if (run_.continues()) return Continue(now);
   pacer_.Start(now);
   run_.frame.events = run_.events.CompleteFrame(0, {});
   run_.frame.paused = ticks_to_pause_ == 0U;
   Publish({}, now);
+}
+
+void TickEngine::Continue(double now) {
+  FrameMessage& frame = run_.frame;
+  pacer_.Resume(frame.state.tick, now);
+  frame.paused = ticks_to_pause_ == 0U;
+  frame.last = IsLast(frame.state.tick);
+  if (frame.last) frame.paused = false;
+  if (run_.members.present_members() == 0) halted_since_ = now;
+  run_.endpoint.SendFrame(frame);
+  Opened(now);
+  if (frame.last) End(now);
+}
+
+bool TickEngine::IsLast(Tick tick) const {
+  return run_.options.settings.ticks && tick >= *run_.options.settings.ticks;
+}
+
+RunProgress TickEngine::Progress() const {
+  RunProgress progress;
+  progress.incarnation = run_.options.incarnation;
+  if (!play_after_edits_) progress.ticks_to_pause = ticks_to_pause_;
+  if (!run_.members.all_robots_present()) {
+    progress.absent = run_.members.AbsentRobots();
+    for (const RobotId robot : run_.newcomers) std::erase(progress.absent, robot);
+  }
+  progress.stalls = run_.events.stalls();
+  progress.rejected = run_.events.rejected();
+  return progress;
+}
+
+void TickEngine::ReportProgress(double now) {
+  const RunProgress progress = Progress();
+  for (RunObserver* observer : run_.observers) {
+    if (const Status failure = observer->OnProgress(progress); !failure.ok()) return Fail(failure.error(), now);
+  }
+}
+
+// The barrier for the next tick.
+void TickEngine::Opened(double now) {
+  committed_at_ = arrived_at_ = now;
+  barrier_.Open(run_.next_tick());
+  resend_timer_.Start(now);
 }
 
 void TickEngine::Commit(double now) {
@@ -221,11 +274,11 @@ void TickEngine::Commit(double now) {
 
 void TickEngine::Resume(double now) {
   run_.frame.paused = false;
+  ReportProgress(now);
+  if (run_.phase != RunPhase::kRunning) return;
   run_.endpoint.SendFrame(run_.frame);
-  committed_at_ = arrived_at_ = now;
   pacer_.Resume(run_.frame.state.tick, now);
-  barrier_.Open(run_.next_tick());
-  resend_timer_.Start(now);
+  Opened(now);
 }
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
@@ -250,19 +303,22 @@ void TickEngine::Publish(std::span<const Proposal> proposals, double now, const 
                          const WorldState* before) {
   FrameMessage& frame = run_.frame;
   frame.awaited.clear();
-  frame.last = run_.options.settings.ticks && frame.state.tick >= *run_.options.settings.ticks;
+  frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = false;
-  Enter(run_.options.trace, TickPhase::kPublish, frame.state.tick);
-  run_.endpoint.SendFrame(frame);  // first, so that the agents work meanwhile
-  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
-  committed_at_ = arrived_at_ = now;
-  barrier_.Open(run_.next_tick());
-  resend_timer_.Start(now);
+  const CommittedTick tick{frame, proposals, edit, before};
   Status failure;
-  for (RunObserver* observer : run_.observers) {
-    const Status outcome = observer->OnTick({frame, proposals, edit, before});
+  const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;
-  }
+  };
+  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
+  const RunProgress progress = Progress();
+  for (RunObserver* observer : run_.observers) note(observer->OnCommit(tick, progress));
+  if (!failure.ok()) return Fail(failure.error(), now);
+  Enter(run_.options.trace, TickPhase::kPublish, frame.state.tick);
+  run_.endpoint.SendFrame(frame);  // before the observers' other work, so that the agents work meanwhile
+  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
+  Opened(now);
+  for (RunObserver* observer : run_.observers) note(observer->OnTick(tick));
   if (!failure.ok()) return Fail(failure.error(), now);
   if (frame.last) return End(now);
   Enter(run_.options.trace, TickPhase::kWait, run_.next_tick());

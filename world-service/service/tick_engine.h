@@ -33,7 +33,7 @@ class TickEngine {
   void OnProposal(const ProposalMessage& proposal, double now);
   void OnAgentGone(AgentId agent, double now);
 
-  // Publishes the first frame. REQUIRES: the phase is kGathering.
+  // Publishes the first frame, or the newest of a run that is continued. REQUIRES: the phase is kGathering.
   void Begin(double now);
   // Both end the run in order; after the run has ended by itself they change nothing.
   void Stop(double now);
@@ -51,6 +51,11 @@ class TickEngine {
     ticks_to_pause_ = ticks;
     pace_ = ticks ? pace : Pace::kRun;
   }
+  // The pause is only for edits: the run is to play after them.
+  void SetPlayAfterEdits(bool plays) { play_after_edits_ = plays; }
+  bool play_after_edits() const { return play_after_edits_; }
+  // Tells the observers the progress of a run that is paused.
+  void ReportProgress(double now);
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
   // Resends the frame without `paused`, so that the agents propose. REQUIRES: the frame is paused.
@@ -82,6 +87,11 @@ class TickEngine {
   double NextDue() const;
   void Commit(double now);
   // The proposals or the edit led to the frame.
+  // Publishes the newest frame of a run that is continued.
+  void Continue(double now);
+  RunProgress Progress() const;
+  bool IsLast(Tick tick) const;
+  void Opened(double now);
   void Publish(std::span<const Proposal> proposals, double now, const AppliedEdit* edit = nullptr,
                const WorldState* before = nullptr);
   void End(double now);
@@ -95,6 +105,7 @@ class TickEngine {
   ProposalCollector proposals_;
   Pacer pacer_;
   ResendTimer resend_timer_;
+  bool play_after_edits_ = false;
   std::optional<std::uint64_t> ticks_to_pause_;
   Pace pace_ = Pace::kRun;
   std::uint64_t steps_ = 0;

@@ -91,19 +91,19 @@ void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh) {
   Membership::WorldChange change = run_.members.ChangeWorld(world, run_.frame.edition, fresh);
   engine_.ChangeWorld(change.gone);
   for (const RobotId robot : change.newcomers) new_robots_.push_back(world.robot(robot).name);
-  newcomers_ = std::move(change.newcomers);
+  run_.newcomers = std::move(change.newcomers);
   for (RunObserver* observer : run_.observers) observer->OnWorldChange(run_.scene, run_.frame.edition);
   AnnounceSession(run_);
 }
 
 void WorldEditor::OnJoined(const std::vector<RobotId>& robots) {
-  for (const RobotId robot : robots) std::erase(newcomers_, robot);
+  for (const RobotId robot : robots) std::erase(run_.newcomers, robot);
 }
 
 Status WorldEditor::CheckTimeout(double now) {
   const double timeout = run_.options.start_timeout_seconds;
-  if (newcomers_.empty() || timeout <= 0.0 || now - newcomers_since_ < timeout) return Status();
-  const std::string problem = "no agent joined for " + ListNames(run_.world(), std::exchange(newcomers_, {})) +
+  if (run_.newcomers.empty() || timeout <= 0.0 || now - newcomers_since_ < timeout) return Status();
+  const std::string problem = "no agent joined for " + ListNames(run_.world(), std::exchange(run_.newcomers, {})) +
                               " within " + std::to_string(static_cast<int>(timeout)) + " s";
   run_.notices.Add(problem);
   return Failure(problem);

@@ -18,7 +18,8 @@ namespace troupe {
 class WorldEditor {
  public:
   // Both outlive the editor.
-  WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(engine), original_(run.scene) {}
+  WorldEditor(LiveRun& run, TickEngine& engine)
+      : run_(run), engine_(engine), original_(run.options.resumed ? run.options.resumed->original : run.scene) {}
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
   // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
@@ -29,7 +30,7 @@ class WorldEditor {
   // An agent has joined for robots.
   void OnJoined(const std::vector<RobotId>& robots);
   // Robots of an edit that have no agent yet; the pause is not quiescent before they have.
-  const std::vector<RobotId>& robots_without_agent() const { return newcomers_; }
+  const std::vector<RobotId>& robots_without_agent() const { return run_.newcomers; }
   // Does not wait for these any longer once the start timeout has passed since the edit; the error names them.
   Status CheckTimeout(double now);
   // Names of new robots, not returned before, for which agents have to be started.
@@ -44,8 +45,7 @@ class WorldEditor {
   LiveRun& run_;
   TickEngine& engine_;
   std::shared_ptr<const Scene> original_;  // of the world as loaded
-  std::vector<RobotId> newcomers_;
-  double newcomers_since_ = 0.0;  // wall time of the newest edit, s
+  double newcomers_since_ = 0.0;           // wall time of the newest edit, s
   std::vector<std::string> new_robots_;
 };
 

@@ -10,6 +10,7 @@ troupe_wire_Admissions ToWire(const std::vector<AdmissionMessage>& messages, Wir
     out->run = message.run;
     out->admitted = message.admitted;
     out->reason = arena.Copy(message.reason);
+    out->incarnation = message.incarnation;
     ++out;
   }
   return wire;
@@ -19,7 +20,7 @@ Result<std::vector<AdmissionMessage>> FromWire(const troupe_wire_Admissions& wir
   std::vector<AdmissionMessage> messages;
   for (std::uint32_t i = 0; i < wire.answers._length; ++i) {
     const troupe_wire_Admission& answer = wire.answers._buffer[i];
-    messages.push_back({answer.run, answer.agent, answer.admitted, Text(answer.reason)});
+    messages.push_back({answer.run, answer.agent, answer.admitted, Text(answer.reason), answer.incarnation});
   }
   return messages;
 }

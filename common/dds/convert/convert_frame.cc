@@ -357,6 +357,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
   wire.edition = message.edition;
   wire.world_edition = message.world_edition;
   wire.fresh_edition = message.fresh_edition;
+  wire.incarnation = message.incarnation;
   std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
   wire.whole = before == nullptr;
   const WorldState& now = message.state;
@@ -391,6 +392,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.edition = wire.edition;
   message.world_edition = wire.world_edition;
   message.fresh_edition = wire.fresh_edition;
+  message.incarnation = wire.incarnation;
   const auto awaited = Elements(wire.awaited);
   message.awaited.assign(awaited.begin(), awaited.end());
   Status problem = StateFromWire(wire, message.state);

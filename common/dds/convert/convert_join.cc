@@ -12,6 +12,7 @@ troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
   wire.pid = message.pid;
   arena.FillStrings(wire.robots, message.robots);
   wire.world_edition = message.world_edition;
+  wire.incarnation = message.incarnation;
   return wire;
 }
 
@@ -25,6 +26,7 @@ Result<JoinMessage> FromWire(const troupe_wire_Join& wire) {
   message.pid = wire.pid;
   message.robots = Strings(wire.robots);
   message.world_edition = wire.world_edition;
+  message.incarnation = wire.incarnation;
   return message;
 }
 

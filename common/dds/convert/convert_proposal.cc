@@ -37,6 +37,7 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
   arena.FillStrings(wire.reports, message.reports);
   wire.paused = message.paused;
   wire.edition = message.edition;
+  wire.incarnation = message.incarnation;
   return wire;
 }
 
@@ -56,6 +57,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   message.run = wire.run;
   message.paused = wire.paused;
   message.edition = wire.edition;
+  message.incarnation = wire.incarnation;
   message.tick = wire.tick;
   message.proposals.clear();
   message.proposals.reserve(robot.size());

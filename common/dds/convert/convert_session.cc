@@ -16,6 +16,7 @@ troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
   wire.begun = message.begun;
   wire.world = ToWire(message.world, arena);
   wire.world_edition = message.world_edition;
+  wire.incarnation = message.incarnation;
   return wire;
 }
 
@@ -28,6 +29,7 @@ Result<SessionMessage> FromWire(const troupe_wire_Session& wire) {
   message.lease_seconds = wire.lease;
   message.begun = wire.begun;
   message.world_edition = wire.world_edition;
+  message.incarnation = wire.incarnation;
   if (!(wire.lease >= 0.0)) return Error{{}, "session with a lease that is negative or not a number"};
   Result<WorldDescription> world = FromWire(wire.world);
   if (!world.ok()) return world.error();

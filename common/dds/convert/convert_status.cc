@@ -15,6 +15,7 @@ troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
   arena.FillStrings(wire.waiting_for, message.waiting_for);
   wire.waiting_time = message.waiting_seconds;
   wire.edition = message.edition;
+  wire.incarnation = message.incarnation;
   return wire;
 }
 
@@ -31,6 +32,7 @@ Result<StatusMessage> FromWire(const troupe_wire_Status& wire) {
   message.waiting_for = Strings(wire.waiting_for);
   message.waiting_seconds = wire.waiting_time;
   message.edition = wire.edition;
+  message.incarnation = wire.incarnation;
   return message;
 }
 

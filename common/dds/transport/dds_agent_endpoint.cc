@@ -12,7 +12,7 @@ DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::o
       sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::ReceivedFrame()),
-      services_(service) {}
+      services_(connection.proves(), service) {}
 
 DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
@@ -55,7 +55,7 @@ void DdsAgentEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
-        if (!services_.Admits(sessions_, session.run, sender)) return false;
+        if (!services_.Admits(sessions_, session.run, session.incarnation, sender)) return false;
         if (session.ended) EndRuns(sender, true);
         return !session.ended;
       },
@@ -81,16 +81,18 @@ void DdsAgentEndpoint::DrainAdmissions() {
   const std::lock_guard lock(mutex_);
   admissions_.Drain(AdmitAll(), [this](const std::vector<AdmissionMessage>& admissions, const Sender& sender) {
     for (const AdmissionMessage& admission : admissions) {
-      if (services_.Admits(admissions_, admission.run, sender)) handler_->OnAdmission(admission);
+      if (services_.Admits(admissions_, admission.run, admission.incarnation, sender)) handler_->OnAdmission(admission);
     }
   });
 }
 
 void DdsAgentEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
-  frames_.Drain([this](const troupe_wire_Frame& frame,
-                       const Sender& sender) { return services_.Admits(frames_, frame.run, sender); },
-                [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
+  frames_.Drain(
+      [this](const troupe_wire_Frame& frame, const Sender& sender) {
+        return services_.Admits(frames_, frame.run, frame.incarnation, sender);
+      },
+      [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
 }
 
 void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {

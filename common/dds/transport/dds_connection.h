@@ -33,6 +33,8 @@ struct DdsConnection {
         lease_seconds(config.lease_seconds),
         problems(on_problem) {}
 
+  // All senders whose samples pass are of the run.
+  bool proves() const { return secured || proof.asks(); }
   void Report(const std::string& problem) const { problems.Add(problem); }
 
   const std::string session;

@@ -29,7 +29,8 @@ DdsObserverEndpoint::DdsObserverEndpoint(const DdsConnection& connection)
       statuses_(connection, topics::kStatus, qos_profiles::FromMany(qos_profiles::Status())),
       frames_(connection, topics::kFrame, qos_profiles::ObservedFrame()),
       whole_frames_(connection, topics::kWholeFrame, qos_profiles::ReceivedFrame()),
-      id_(MakeRandomId()) {}
+      id_(MakeRandomId()),
+      services_(connection.proves()) {}
 
 DdsObserverEndpoint::~DdsObserverEndpoint() {
   {
@@ -70,7 +71,7 @@ void DdsObserverEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
   sessions_.Drain(
       [this](const troupe_wire_Session& session, const Sender& sender) {
-        if (!services_.Admits(sessions_, session.run, sender)) return false;
+        if (!services_.Admits(sessions_, session.run, session.incarnation, sender)) return false;
         if (session.ended) EndRunsOf(sender);
         return !session.ended;
       },
@@ -93,12 +94,14 @@ void DdsObserverEndpoint::EndRunsOf(const Sender& service) {
 
 void DdsObserverEndpoint::DrainStatuses() {
   const std::lock_guard lock(mutex_);
-  statuses_.Drain([this](const troupe_wire_Status& status,
-                         const Sender& sender) { return services_.Admits(statuses_, status.run, sender); },
-                  [this](const StatusMessage& status, const Sender&) {
-                    protocol_.OnStatus(status);
-                    queue_->PostStatus(std::make_shared<const StatusMessage>(status));
-                  });
+  statuses_.Drain(
+      [this](const troupe_wire_Status& status, const Sender& sender) {
+        return services_.Admits(statuses_, status.run, status.incarnation, sender);
+      },
+      [this](const StatusMessage& status, const Sender&) {
+        protocol_.OnStatus(status);
+        queue_->PostStatus(std::make_shared<const StatusMessage>(status));
+      });
 }
 
 void DdsObserverEndpoint::GatherFrames() {
@@ -115,7 +118,7 @@ void DdsObserverEndpoint::GatherFrames() {
 
 void DdsObserverEndpoint::ReadFrame(WireInbox<troupe_wire_Frame>& inbox, Read read, const troupe_wire_Frame& frame,
                                     const Sender& sender) {
-  if (!services_.Admits(inbox, frame.run, sender)) return;
+  if (!services_.Admits(inbox, frame.run, frame.incarnation, sender)) return;
   if (Status malformed = (protocol_.*read)(frame); !malformed.ok()) inbox.ReportMalformed(malformed.error());
   PostFrame();
 }

@@ -35,7 +35,8 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       frame_requests_(connection, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
       rivals_(connection, topics::kSession,
               qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()),
-      secured_(connection.secured) {}
+      secured_(connection.secured),
+      proven_(connection.proves()) {}
 
 DdsServiceEndpoint::~DdsServiceEndpoint() {
   joins_.Close();
@@ -162,7 +163,10 @@ void DdsServiceEndpoint::DrainControls() {
 
 void DdsServiceEndpoint::DrainSessions() {
   const std::lock_guard lock(mutex_);
-  rivals_.Drain([](const troupe_wire_Session& session, const Sender&) { return !session.ended; },
+  // A stranger cannot end this run by claiming to continue it.
+  const RunId own = proven_ ? RunId(0) : RunId(run_);
+  rivals_.Drain([own](const troupe_wire_Session& session,
+                      const Sender&) { return !session.ended && (own == 0 || session.run != own); },
                 [this](const SessionMessage& session, const Sender&) { handler_->OnRivalService(session); });
   rivals_.Clear();
 }

@@ -64,6 +64,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
   const bool secured_;
+  const bool proven_;                                              // all senders whose samples pass are of the run
   std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
   std::map<AgentId, Sender> agents_;           // that have sent a join and are alive: the writer of their joins
   std::map<AgentId, GuidPrefix> lost_agents_;  // some of those that were

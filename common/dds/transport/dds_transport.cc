@@ -105,15 +105,23 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   config.max_sample_bytes = kLargestSampleForService;
   // The first free index, found by trying: Cyclone could find one itself, but does not tell which.
   for (std::uint32_t index = 0; index < kServicesOfMachine; ++index) {
+    const std::uint16_t port = dds::DiscoveryPort(options.domain, index);
+    if (options.discovery_port != 0 && options.discovery_port != port) continue;
     if (!dds::PortsAreFree(options.domain, index)) continue;
     config.participant_index = index;
     try {
       auto transport = std::make_unique<DdsTransport>(DdsTransport::Role::kService, options, config);
       std::string participant = transport->participant();
-      return {std::move(transport), dds::DiscoveryPort(options.domain, index), std::move(participant)};
+      return {std::move(transport), port, std::move(participant)};
     } catch (const dds::Exception&) {
       if (dds::PortsAreFree(options.domain, index)) throw;  // otherwise another service was faster
     }
+  }
+  if (options.discovery_port != 0) {
+    throw dds::Exception(DDS_RETCODE_OUT_OF_RESOURCES, "opening discovery port " +
+                                                           std::to_string(options.discovery_port) +
+                                                           " (expected a free port of a participant in domain " +
+                                                           std::to_string(options.domain) + ")");
   }
   throw dds::Exception(DDS_RETCODE_OUT_OF_RESOURCES,
                        "looking for a free participant index in domain " + std::to_string(options.domain));

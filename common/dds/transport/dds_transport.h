@@ -16,7 +16,8 @@ namespace troupe {
 
 struct DdsOptions : NetworkSettings {
   ParticipantKeys keys;
-  std::vector<std::string> robots;  // of an agent: it may join for these only
+  std::uint16_t discovery_port = 0;  // of a service, one that DDS has for this domain; 0: the first free one
+  std::vector<std::string> robots;   // of an agent: it may join for these only
   // Called, on any thread, when a run of this session has a token that `keys` lacks.
   std::function<void()> on_foreign_run;
   // Called, on any thread, with one line for each message that was ignored because it was malformed, or could not be

@@ -26,6 +26,8 @@ class RunProof {
   // `qos` of a writer, with the proof.
   Qos Announced(Qos qos) const;
 
+  // Senders without a proof are not accepted.
+  bool asks() const { return token_.has_value(); }
   ProofCheck Check(const GuidPrefix& participant, const std::string& user_data) const;
 
  private:

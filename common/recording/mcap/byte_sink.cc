@@ -1,6 +1,8 @@
 #include "common/recording/mcap/byte_sink.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,6 +27,10 @@ class FileSink final : public ByteSink {
         bytes = bytes.subspan(static_cast<std::size_t>(written));
       }
     }
+    return status_;
+  }
+  Status Sync() override {
+    if (status_.ok() && fdatasync(descriptor_) != 0) status_ = SystemError("cannot write: ");
     return status_;
   }
   Status Close() override {
@@ -60,11 +66,25 @@ class MemorySink final : public ByteSink {
 }  // namespace
 
 Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  return AppendFileSink(path, 0);
+}
+
+Result<std::unique_ptr<ByteSink>> AppendFileSink(const std::string& path, std::uint64_t size) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return Error{{path}, std::string("cannot open for writing: ") + std::strerror(errno), ErrorCode::kFailure};
   }
-  return std::unique_ptr<ByteSink>(std::make_unique<FileSink>(path, descriptor));
+  auto sink = std::make_unique<FileSink>(path, descriptor);
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return Error{{path}, "cannot open for writing: another process writes this file", ErrorCode::kFailure};
+  }
+  struct stat info = {};
+  if (fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode)) return std::unique_ptr<ByteSink>(std::move(sink));
+  const auto end = static_cast<off_t>(size);
+  if (ftruncate(descriptor, end) != 0 || lseek(descriptor, end, SEEK_SET) != end) {
+    return Error{{path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
+  }
+  return std::unique_ptr<ByteSink>(std::move(sink));
 }
 
 std::unique_ptr<ByteSink> MakeMemorySink(std::vector<std::byte>& bytes) {

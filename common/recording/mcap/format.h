@@ -80,12 +80,29 @@ struct ChunkInfo {
   bool operator==(const ChunkInfo&) const = default;
 };
 
+// A chunk and the indices of its messages, one for each of its channels.
+struct IndexedChunk {
+  ChunkInfo info;
+  std::map<std::uint16_t, std::uint64_t> index_offsets;  // of the MessageIndex records in the file, by channel
+  std::uint64_t index_length = 0;                        // bytes of all of them
+};
+
 struct Statistics {
   std::uint64_t messages = 0;
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   std::map<std::uint16_t, std::uint64_t> channel_messages;
   bool operator==(const Statistics&) const = default;
+};
+
+// The begin of a file up to a chunk with its indices, after which writing can continue.
+struct WrittenPart {
+  std::uint64_t size = 0;  // bytes
+  std::uint32_t crc = 0;   // of these
+  std::map<std::uint16_t, Schema> schemas;
+  std::map<std::uint16_t, Channel> channels;
+  std::vector<IndexedChunk> chunks;
+  Statistics statistics;
 };
 
 }  // namespace troupe::mcap

@@ -350,17 +350,67 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
   return chunk;
 }
 
-Status Reader::CheckData() const {
-  if (!data_end_ || data_crc_ == 0) return {};
+Result<std::uint32_t> Reader::CrcUntil(std::uint64_t end) const {
   std::vector<std::byte> bytes;
   std::uint32_t crc = 0;
-  for (std::uint64_t offset = 0; offset < *data_end_; offset += bytes.size()) {
-    bytes.resize(std::min(kReadSize, *data_end_ - offset));
-    if (Status failure = source_->Read(offset, bytes); !failure.ok()) return failure;
+  for (std::uint64_t offset = 0; offset < end; offset += bytes.size()) {
+    bytes.resize(std::min(kReadSize, end - offset));
+    if (Status failure = source_->Read(offset, bytes); !failure.ok()) return failure.error();
     crc = Crc32(bytes, crc);
   }
-  if (crc == data_crc_) return {};
-  return ErrorAt(*data_end_, fmt::format("found the CRC {:08x} of the data, expected {:08x}", crc, data_crc_));
+  return crc;
+}
+
+Status Reader::CheckData() const {
+  if (!data_end_ || data_crc_ == 0) return {};
+  const Result<std::uint32_t> crc = CrcUntil(*data_end_);
+  if (!crc.ok()) return crc.error();
+  if (crc.value() == data_crc_) return {};
+  return ErrorAt(*data_end_, fmt::format("found the CRC {:08x} of the data, expected {:08x}", crc.value(), data_crc_));
+}
+
+std::optional<IndexedChunk> Reader::ReadIndices(const ChunkInfo& info, Statistics& statistics) const {
+  IndexedChunk chunk{info, {}, 0};
+  Statistics with_chunk = statistics;
+  const std::uint64_t begin = info.offset + info.length;
+  std::uint64_t offset = begin;
+  while (chunk.index_offsets.size() < info.channels.size()) {
+    const Result<Record> record = ReadRecord(offset, size());
+    if (!record.ok() || !Is(record.value().opcode, Opcode::kMessageIndex)) return std::nullopt;
+    const Result<std::vector<std::byte>> content = ReadBytes(record.value().content(), record.value().length);
+    if (!content.ok()) return std::nullopt;
+    ByteReader in(content.value());
+    const auto channel = in.Read<std::uint16_t>();
+    const std::uint64_t messages = in.ReadWithLength<std::uint32_t>().size() / (2 * sizeof(std::uint64_t));
+    const bool is_next = in.ok() && in.at_end() && chunk.index_offsets.emplace(channel, offset).second;
+    if (!is_next) return std::nullopt;
+    with_chunk.messages += messages;
+    with_chunk.channel_messages[channel] += messages;
+    offset = record.value().end();
+  }
+  chunk.index_length = offset - begin;
+  with_chunk.start_time = std::min(with_chunk.start_time, info.start_time);
+  with_chunk.end_time = std::max(with_chunk.end_time, info.end_time);
+  statistics = std::move(with_chunk);
+  return chunk;
+}
+
+Result<WrittenPart> Reader::ReadWrittenPart() const {
+  WrittenPart part;
+  part.size = data_start_;
+  part.schemas = schemas_;
+  part.channels = channels_;
+  if (!chunks_.empty()) part.statistics.start_time = chunks_.front().start_time;
+  for (const ChunkInfo& info : chunks_) {
+    std::optional<IndexedChunk> chunk = ReadIndices(info, part.statistics);
+    if (!chunk) break;
+    part.size = info.offset + info.length + chunk->index_length;
+    part.chunks.push_back(std::move(*chunk));
+  }
+  const Result<std::uint32_t> crc = CrcUntil(part.size);
+  if (!crc.ok()) return crc.error();
+  part.crc = crc.value();
+  return part;
 }
 
 }  // namespace troupe::mcap

@@ -53,6 +53,8 @@ class Reader {
 
   // Reads chunk `index` of chunks(). The error is a damaged chunk. REQUIRES: index < chunks().size()
   Result<Chunk> ReadChunk(std::size_t index) const;
+  // The part up to the last chunk of which all indices are whole, too. The error is one of the system.
+  Result<WrittenPart> ReadWrittenPart() const;
   // Compares the bytes before the summary with their CRC. The error is a difference. Success without a CRC.
   Status CheckData() const;
 
@@ -71,6 +73,9 @@ class Reader {
   Result<std::vector<std::byte>> ReadBytes(std::uint64_t offset, std::uint64_t count) const;
   // The record at `offset`, which ends before `end`.
   Result<Record> ReadRecord(std::uint64_t offset, std::uint64_t end) const;
+  // The indices behind the chunk; nothing if they are not whole. Adds their messages to the statistics.
+  std::optional<IndexedChunk> ReadIndices(const ChunkInfo& info, Statistics& statistics) const;
+  Result<std::uint32_t> CrcUntil(std::uint64_t end) const;
   Status ReadHeader();
   Status ReadSummary();
   Status ParseSummary(std::span<const std::byte> bytes, std::uint64_t offset);

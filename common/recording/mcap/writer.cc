@@ -58,9 +58,15 @@ Result<Writer> Writer::Create(std::unique_ptr<ByteSink> sink, const std::string&
   return writer;
 }
 
+Writer Writer::Continue(std::unique_ptr<ByteSink> sink, WrittenPart part) {
+  Writer writer(std::move(sink));
+  writer.written_ = std::move(part);
+  return writer;
+}
+
 std::uint16_t Writer::AddSchema(const Schema& schema) {
-  const auto id = static_cast<std::uint16_t>(schemas_.size() + 1);  // 0 means none
-  schemas_.emplace(id, schema);
+  const auto id = static_cast<std::uint16_t>(written_.schemas.size() + 1);  // 0 means none
+  written_.schemas.emplace(id, schema);
   ByteWriter out(buffer_);
   AddSchemaRecord(out, id, schema);
   WriteBuffer();
@@ -68,8 +74,8 @@ std::uint16_t Writer::AddSchema(const Schema& schema) {
 }
 
 std::uint16_t Writer::AddChannel(const Channel& channel) {
-  const auto id = static_cast<std::uint16_t>(channels_.size());
-  channels_.emplace(id, channel);
+  const auto id = static_cast<std::uint16_t>(written_.channels.size());
+  written_.channels.emplace(id, channel);
   ByteWriter out(buffer_);
   AddChannelRecord(out, id, channel);
   WriteBuffer();
@@ -77,7 +83,7 @@ std::uint16_t Writer::AddChannel(const Channel& channel) {
 }
 
 void Writer::Add(const Message& message) {
-  TROUPE_CHECK(channels_.contains(message.channel));
+  TROUPE_CHECK(written_.channels.contains(message.channel));
   if (records_.empty()) start_time_ = end_time_ = message.log_time;
   start_time_ = std::min(start_time_, message.log_time);
   end_time_ = std::max(end_time_, message.log_time);
@@ -97,7 +103,7 @@ Status Writer::EndChunk() {
   compressor_.Compress(records_, compressed_);
   IndexedChunk chunk;
   ChunkInfo& info = chunk.info;
-  info = {offset_, 0, start_time_, end_time_, kZstd, compressed_.size(), records_.size(), {}};
+  info = {written_.size, 0, start_time_, end_time_, kZstd, compressed_.size(), records_.size(), {}};
   ByteWriter out(buffer_);
   out.AddRecord(Opcode::kChunk, [&] {
     out.Add(start_time_);
@@ -109,9 +115,9 @@ Status Writer::EndChunk() {
   });
   info.length = out.size();
   for (const auto& [channel, entries] : indices_) {
-    chunk.index_offsets[channel] = offset_ + out.size();
-    statistics_.channel_messages[channel] += entries.size();
-    statistics_.messages += entries.size();
+    chunk.index_offsets[channel] = written_.size + out.size();
+    written_.statistics.channel_messages[channel] += entries.size();
+    written_.statistics.messages += entries.size();
     out.AddRecord(Opcode::kMessageIndex, [&, id = channel] {
       out.Add(id);
       out.AddWithLength<std::uint32_t>([&] {
@@ -123,9 +129,10 @@ Status Writer::EndChunk() {
     });
   }
   chunk.index_length = out.size() - info.length;
-  statistics_.start_time = chunks_.empty() ? start_time_ : std::min(statistics_.start_time, start_time_);
-  statistics_.end_time = std::max(statistics_.end_time, end_time_);
-  chunks_.push_back(std::move(chunk));
+  written_.statistics.start_time =
+      written_.chunks.empty() ? start_time_ : std::min(written_.statistics.start_time, start_time_);
+  written_.statistics.end_time = std::max(written_.statistics.end_time, end_time_);
+  written_.chunks.push_back(std::move(chunk));
   records_.clear();
   indices_.clear();
   WriteBuffer();
@@ -133,8 +140,8 @@ Status Writer::EndChunk() {
 }
 
 void Writer::Write(std::span<const std::byte> bytes) {
-  crc_ = Crc32(bytes, crc_);
-  offset_ += bytes.size();
+  written_.crc = Crc32(bytes, written_.crc);
+  written_.size += bytes.size();
   if (status_.ok()) status_ = sink_->Write(bytes);
 }
 
@@ -145,10 +152,10 @@ void Writer::WriteBuffer() {
 
 void Writer::WriteSummary() {
   ByteWriter out(buffer_);
-  out.AddRecord(Opcode::kDataEnd, [&] { out.Add(crc_); });
+  out.AddRecord(Opcode::kDataEnd, [&] { out.Add(written_.crc); });
   WriteBuffer();
 
-  const std::uint64_t summary_start = offset_;
+  const std::uint64_t summary_start = written_.size;
   std::vector<std::pair<Opcode, std::pair<std::uint64_t, std::uint64_t>>> groups;  // with their offsets and lengths
   const auto add_group = [&](Opcode opcode, const auto& add_records) {
     const std::size_t begin = out.size();
@@ -156,26 +163,26 @@ void Writer::WriteSummary() {
     if (out.size() > begin) groups.push_back({opcode, {summary_start + begin, out.size() - begin}});
   };
   add_group(Opcode::kSchema, [&] {
-    for (const auto& [id, schema] : schemas_) AddSchemaRecord(out, id, schema);
+    for (const auto& [id, schema] : written_.schemas) AddSchemaRecord(out, id, schema);
   });
   add_group(Opcode::kChannel, [&] {
-    for (const auto& [id, channel] : channels_) AddChannelRecord(out, id, channel);
+    for (const auto& [id, channel] : written_.channels) AddChannelRecord(out, id, channel);
   });
   add_group(Opcode::kStatistics, [&] {
     out.AddRecord(Opcode::kStatistics, [&] {
-      out.Add(statistics_.messages);
-      out.Add(static_cast<std::uint16_t>(schemas_.size()));
-      out.Add(static_cast<std::uint32_t>(channels_.size()));
+      out.Add(written_.statistics.messages);
+      out.Add(static_cast<std::uint16_t>(written_.schemas.size()));
+      out.Add(static_cast<std::uint32_t>(written_.channels.size()));
       out.Add(std::uint32_t{0});  // attachments
       out.Add(std::uint32_t{0});  // metadata
-      out.Add(static_cast<std::uint32_t>(chunks_.size()));
-      out.Add(statistics_.start_time);
-      out.Add(statistics_.end_time);
-      AddMap(out, statistics_.channel_messages);
+      out.Add(static_cast<std::uint32_t>(written_.chunks.size()));
+      out.Add(written_.statistics.start_time);
+      out.Add(written_.statistics.end_time);
+      AddMap(out, written_.statistics.channel_messages);
     });
   });
   add_group(Opcode::kChunkIndex, [&] {
-    for (const IndexedChunk& chunk : chunks_) {
+    for (const IndexedChunk& chunk : written_.chunks) {
       out.AddRecord(Opcode::kChunkIndex, [&] {
         out.Add(chunk.info.start_time);
         out.Add(chunk.info.end_time);

@@ -21,6 +21,9 @@ class Writer {
   // Begins the file. `profile` and `library` are for its header.
   static Result<Writer> Create(std::unique_ptr<ByteSink> sink, const std::string& profile, const std::string& library);
 
+  // Continues a file; the sink appends to its part.
+  static Writer Continue(std::unique_ptr<ByteSink> sink, WrittenPart part);
+
   // Return the new id. Errors of the sink are returned by the next EndChunk.
   std::uint16_t AddSchema(const Schema& schema);
   std::uint16_t AddChannel(const Channel& channel);
@@ -32,15 +35,12 @@ class Writer {
 
   // Writes the open chunk, unless it is empty. The error is that of the sink, now or before.
   Status EndChunk();
+  // The chunks survive a loss of power.
+  Status Sync() { return status_.ok() ? sink_->Sync() : status_; }
   // Writes the open chunk and the summary, and closes the sink.
   Status Close();
 
  private:
-  struct IndexedChunk {
-    ChunkInfo info;
-    std::map<std::uint16_t, std::uint64_t> index_offsets;  // of the MessageIndex records in the file, by channel
-    std::uint64_t index_length = 0;                        // of all of them
-  };
   // Log time and offset in the chunk of a message.
   struct IndexEntry {
     std::uint64_t log_time;
@@ -56,12 +56,7 @@ class Writer {
 
   std::unique_ptr<ByteSink> sink_;
   Status status_;
-  std::uint64_t offset_ = 0;  // bytes written
-  std::uint32_t crc_ = 0;     // of these
-  std::map<std::uint16_t, Schema> schemas_;
-  std::map<std::uint16_t, Channel> channels_;
-  std::vector<IndexedChunk> chunks_;
-  Statistics statistics_;
+  WrittenPart written_;
 
   Compressor compressor_;
   std::vector<std::byte> records_;                            // of the open chunk

@@ -304,5 +304,65 @@ TEST_F(AgentProtocolTest, AReplicaForASessionThatWasReplacedIsOfNoUse) {
   EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
 }
 
+// Another service continues the run.
+class IncarnationTest : public AgentProtocolTest {
+ protected:
+  static FrameMessage FrameOf(Incarnation incarnation, Tick tick) {
+    FrameMessage frame = Frame(tick);
+    frame.incarnation = incarnation;
+    return frame;
+  }
+  void AnswerAs(Incarnation incarnation) {
+    AdmissionMessage admission{kRun, kAgent, true, {}};
+    admission.incarnation = incarnation;
+    protocol_.OnAdmission(admission);
+  }
+};
+
+TEST_F(IncarnationTest, ALaterServiceIsJoinedAtOnceAndGetsTheSameAnswer) {
+  JoinAndRun();
+  protocol_.OnFrame(FrameOf(2, 0), now_);
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join);
+  EXPECT_EQ(join->incarnation, 2u);
+  EXPECT_EQ(join->run, kRun);
+  AnswerAs(2);
+  protocol_.OnFrame(FrameOf(2, 0), now_);
+  ASSERT_GE(endpoint_.sent.size(), 2u);
+  ProposalMessage expected = endpoint_.sent.front();
+  expected.incarnation = 2;
+  EXPECT_EQ(endpoint_.sent.back(), expected);
+}
+
+TEST_F(IncarnationTest, AnEarlierServiceHasNoEffectAnyMore) {
+  JoinAndRun();
+  SessionMessage session;
+  session.run = kRun;
+  session.world = World();
+  session.incarnation = 1;
+  protocol_.OnSession(session);
+  ASSERT_TRUE(PollAfter(0.0));
+  AnswerAs(0);
+  EXPECT_FALSE(protocol_.is_running());
+  AnswerAs(1);
+  ASSERT_TRUE(protocol_.is_running());
+  const std::size_t sent = endpoint_.sent.size();
+  SendFrame(1);
+  FrameMessage last = Frame(1);
+  last.last = true;
+  protocol_.OnFrame(last, now_);
+  EXPECT_EQ(endpoint_.sent.size(), sent);
+  EXPECT_FALSE(protocol_.over());
+}
+
+TEST_F(IncarnationTest, ALaterServiceEndsTheWaitForALostOne) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  protocol_.OnFrame(FrameOf(1, 0), now_);
+  AnswerAs(1);
+  PollAfter(1000.0);
+  EXPECT_FALSE(protocol_.over());
+}
+
 }  // namespace
 }  // namespace troupe

@@ -176,7 +176,8 @@ JoinMessage RandomMessages::Join() {
           Text(),
           static_cast<std::uint32_t>(Bits()),
           Texts(),
-          static_cast<Edition>(Bits())};
+          static_cast<Edition>(Bits()),
+          static_cast<Incarnation>(Bits())};
 }
 
 std::vector<AdmissionMessage> RandomMessages::Admissions() {
@@ -215,6 +216,7 @@ FrameMessage RandomMessages::Frame() {
   frame.edition = static_cast<Edition>(Bits());
   frame.world_edition = static_cast<Edition>(Bits());
   frame.fresh_edition = static_cast<Edition>(Bits());
+  frame.incarnation = static_cast<Incarnation>(Bits());
   frame.awaited.resize(Below(4));
   for (AgentId& agent : frame.awaited) agent = Bits();
   frame.events.resize(Below(5));
@@ -244,6 +246,7 @@ ProposalMessage RandomMessages::Proposal() {
   message.reports = Texts();
   message.paused = Coin();
   message.edition = static_cast<Edition>(Bits());
+  message.incarnation = static_cast<Incarnation>(Bits());
   return message;
 }
 
@@ -258,7 +261,8 @@ StatusMessage RandomMessages::Status() {
           static_cast<std::uint32_t>(Bits()),
           Texts(),
           Number(),
-          static_cast<Edition>(Bits())};
+          static_cast<Edition>(Bits()),
+          static_cast<Incarnation>(Bits())};
 }
 
 }  // namespace troupe::test

@@ -7,22 +7,43 @@
 
 namespace troupe {
 
+Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files) {
+  OutputFiles texts = files;
+  if (IsRecordingPath(files.record)) texts.record.clear();
+  if (texts.hash_log.empty() && texts.poses.empty() && texts.record.empty()) return std::unique_ptr<Recorder>();
+  return Recorder::Create(world, texts);
+}
+
+RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string& world_file) {
+  RecordingOptions options;
+  options.world_file = world_file;
+  options.keyframe_interval = files.keyframe_interval;
+  options.journal = files.journal;
+  options.sync = files.journal_sync;
+  options.journal_is_optional = files.journal_is_optional;
+  return options;
+}
+
 Result<std::vector<std::unique_ptr<RunObserver>>> MakeRecorders(const WorldDescription& world, const OutputFiles& files,
                                                                 const std::string& world_file) {
   std::vector<std::unique_ptr<RunObserver>> recorders;
-  OutputFiles texts = files;
-  if (IsRecordingPath(files.record)) {
-    texts.record.clear();
-    RecordingOptions options;
-    options.world_file = world_file;
-    options.keyframe_interval = files.keyframe_interval;
-    Result<std::unique_ptr<RunRecorder>> recorder = RunRecorder::Create(files.record, options);
+  RecordingOptions options = RecordingOptionsOf(files, world_file);
+  const auto add = [&recorders](const std::string& path, const RecordingOptions& with) -> Status {
+    Result<std::unique_ptr<RunRecorder>> recorder = RunRecorder::Create(path, with);
     if (!recorder.ok()) return recorder.error();
     recorders.push_back(std::move(recorder).value());
+    return {};
+  };
+  if (files.journal) {
+    if (Status failure = add(files.journal->recording, options); !failure.ok()) return failure.error();
   }
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(world, texts);
-  if (!recorder.ok()) return recorder.error();
-  recorders.push_back(std::move(recorder).value());
+  if (IsRecordingPath(files.record)) {
+    options.journal.reset();
+    if (Status failure = add(files.record, options); !failure.ok()) return failure.error();
+  }
+  Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(world, files);
+  if (!texts.ok()) return texts.error();
+  if (texts.value() != nullptr) recorders.push_back(std::move(texts).value());
   return recorders;
 }
 

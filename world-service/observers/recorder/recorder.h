@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/output_file.h"
+#include "common/recording/journal_tail.h"
 #include "common/run/run_settings.h"
 #include "world-service/service/run_observer.h"
 
@@ -19,6 +20,10 @@ struct OutputFiles {
   std::string poses;     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
   std::string record;    // a recording if it ends in .mcap; else JSON lines: header, then a line for each tick
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
+  // A journal, from which another service can continue the run; nothing: none.
+  std::optional<JournalFiles> journal = {};
+  JournalSync journal_sync = JournalSync::kNo;
+  bool journal_is_optional = false;  // the run continues without one that cannot be written
 };
 
 class Recorder final : public RunObserver {

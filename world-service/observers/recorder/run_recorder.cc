@@ -1,6 +1,9 @@
 #include "world-service/observers/recorder/run_recorder.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <cstdio>
 #include <exception>
 #include <utility>
 
@@ -35,6 +38,28 @@ Result<std::unique_ptr<RunRecorder>> RunRecorder::Create(const std::string& path
   return std::make_unique<RunRecorder>(std::move(sink).value(), options);
 }
 
+Result<std::unique_ptr<RunRecorder>> RunRecorder::Continue(Journal journal, const ResumedRun& resumed,
+                                                           const RecordingOptions& options) {
+  RecordingOptions continued = options;
+  continued.keyframe_interval = journal.recording.run().keyframe_interval;
+  auto recorder = std::make_unique<RunRecorder>(nullptr, continued);
+  Result<std::unique_ptr<JournalTail>> tail = JournalTail::Continue(*options.journal, resumed.run, options.sync);
+  if (!tail.ok()) return tail.error();
+  recorder->tail_ = std::move(tail).value();
+  RunProgress progress = resumed.progress;
+  progress.incarnation = resumed.incarnation;
+  if (Status failure = recorder->tail_->Append(nullptr, progress); !failure.ok()) return failure.error();
+  recorder->writer_.emplace(RecordingWriter::Continue(std::move(journal.sink), std::move(journal.written), resumed.run,
+                                                      journal.recording.places().interval_ns(),
+                                                      journal.recording.places().end()));
+  if (resumed.frame) {
+    recorder->last_ = HeadOf(*resumed.frame);
+    recorder->next_number_ = resumed.next_number;
+  }
+  for (RecordedTick& tick : journal.tail) recorder->queue_.Push(std::move(tick));
+  return recorder;
+}
+
 RunRecorder::RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options)
     : options_(options), sink_(std::move(sink)), queue_(options.queue_bytes) {}
 
@@ -44,6 +69,10 @@ RunRecorder::~RunRecorder() {
 }
 
 Status RunRecorder::OnBegin(const RunStart& start) {
+  if (writer_) {
+    StartWriting();
+    return {};
+  }
   RecordedRun run;
   run.run = start.run;
   run.program_version = VersionText();
@@ -55,6 +84,16 @@ Status RunRecorder::OnBegin(const RunStart& start) {
   Result<RecordingWriter> writer = RecordingWriter::Create(std::move(sink_), run);
   if (!writer.ok()) return writer.error();
   writer_.emplace(std::move(writer).value());
+  if (options_.journal) {
+    Result<std::unique_ptr<JournalTail>> tail = JournalTail::Create(*options_.journal, run.run, options_.sync);
+    if (!tail.ok()) return tail.error();
+    tail_ = std::move(tail).value();
+  }
+  StartWriting();
+  return {};
+}
+
+void RunRecorder::StartWriting() {
   thread_ = std::thread([this] {
     try {
       Write();
@@ -62,12 +101,40 @@ Status RunRecorder::OnBegin(const RunStart& start) {
       Fail(FailureOf(exception));
     }
   });
+}
+
+Status RunRecorder::OnCommit(const CommittedTick& tick, const RunProgress& progress) {
+  if (tail_ == nullptr) return {};
+  if (failed_) return Reported(status());
+  RecordedTick recorded = Convert(tick);
+  if (Status failure = tail_->Append(&recorded, progress); !failure.ok()) return Reported(failure);
+  queue_.Push(std::move(recorded));
+  return {};
+}
+
+Status RunRecorder::OnProgress(const RunProgress& progress) {
+  if (tail_ == nullptr) return {};
+  const Status written = tail_->Append(nullptr, progress);
+  return written.ok() ? written : Reported(written);
+}
+
+Status RunRecorder::Reported(const Status& failure) {
+  if (!options_.journal_is_optional) return failure;
+  if (!failed_) Fail(failure.error());
+  if (!std::exchange(dropped_, true)) {
+    fmt::print(stderr,
+               "the journal of the run cannot be written ({}): the run cannot be continued if its world service "
+               "dies\n",
+               failure.error().message);
+    tail_->Discard();
+  }
   return {};
 }
 
 Status RunRecorder::OnTick(const CommittedTick& tick) {
-  if (failed_) return status();
-  queue_.Push(Convert(tick));
+  if (dropped_) return {};
+  if (failed_) return Reported(status());
+  if (tail_ == nullptr) queue_.Push(Convert(tick));
   return {};
 }
 
@@ -108,9 +175,21 @@ void RunRecorder::Write() {
       ended = now;
     }
     if (!written.ok()) return Fail(written.error());
+    if (Status released = ReleaseTail(); !released.ok()) return Fail(released.error());
     if (tick) queue_.Recycle(std::move(*tick));
   }
-  if (Status closed = writer_->Close(); !closed.ok()) Fail(closed.error());
+  if (Status closed = writer_->Close(); !closed.ok()) return Fail(closed.error());
+  if (tail_ != nullptr) tail_->Remove();
+}
+
+Status RunRecorder::ReleaseTail() {
+  if (tail_ == nullptr || writer_->first_unwritten() == released_) return {};
+  released_ = writer_->first_unwritten();
+  if (options_.sync == JournalSync::kYes) {
+    if (Status failure = writer_->Sync(); !failure.ok()) return failure;
+  }
+  tail_->Release(released_);
+  return {};
 }
 
 void RunRecorder::Fail(Error error) {
@@ -127,7 +206,8 @@ Status RunRecorder::status() const {
 Status RunRecorder::OnEnd() {
   queue_.Close();
   if (thread_.joinable()) thread_.join();
-  return status();
+  const Status outcome = status();
+  return outcome.ok() ? outcome : Reported(outcome);
 }
 
 }  // namespace troupe

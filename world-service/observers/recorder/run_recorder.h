@@ -12,9 +12,12 @@
 #include <thread>
 
 #include "common/base/result.h"
+#include "common/recording/journal.h"
+#include "common/recording/journal_tail.h"
 #include "common/recording/mcap/byte_sink.h"
 #include "common/recording/recording_writer.h"
 #include "world-service/observers/recorder/tick_queue.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -23,6 +26,10 @@ struct RecordingOptions {
   std::string world_file;  // as the recording names it
   Tick keyframe_interval = kDefaultKeyframeInterval;
   std::size_t queue_bytes = std::size_t{16} << 20;
+  // The recording is a journal (common/recording/journal.h): each tick is in its tail before the agents see it.
+  std::optional<JournalFiles> journal = {};
+  JournalSync sync = JournalSync::kNo;
+  bool journal_is_optional = false;  // a run whose journal cannot be written continues without it
 };
 
 class RunRecorder final : public RunObserver {
@@ -30,27 +37,40 @@ class RunRecorder final : public RunObserver {
   // Creates the file. The error names it.
   static Result<std::unique_ptr<RunRecorder>> Create(const std::string& path, const RecordingOptions& options);
   RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options);
+  // Continues the journal of the options. The ticks of its tail are written to the recording.
+  static Result<std::unique_ptr<RunRecorder>> Continue(Journal journal, const ResumedRun& resumed,
+                                                       const RecordingOptions& options);
   ~RunRecorder() override;
 
   Status OnBegin(const RunStart& start) override;
   // The error is the first one of the file (a full disk).
+  Status OnCommit(const CommittedTick& tick, const RunProgress& progress) override;
+  Status OnProgress(const RunProgress& progress) override;
   Status OnTick(const CommittedTick& tick) override;
   bool IsReady() override;
   // Writes all ticks, and closes the file.
   Status OnEnd() override;
 
  private:
+  void StartWriting();
   void Write();
+  // The tail need not have the ticks that the recording has.
+  Status ReleaseTail();
   void Fail(Error error);
+  // The error, unless the run continues without the journal: that is said once.
+  Status Reported(const Status& failure);
   Status status() const;
   RecordedTick Convert(const CommittedTick& tick);
 
   const RecordingOptions options_;
   std::unique_ptr<mcap::ByteSink> sink_;  // until OnBegin
+  std::unique_ptr<JournalTail> tail_;     // null: no journal
+  std::uint64_t released_ = 0;
   std::optional<RecordingWriter> writer_;
   std::uint64_t next_number_ = 0;
   FrameMessage last_;  // the newest frame, without its state and events
   TickQueue queue_;
+  bool dropped_ = false;  // the journal: it is of no use any more
   std::atomic<bool> failed_ = false;
   mutable std::mutex mutex_;
   Status status_;

@@ -16,11 +16,14 @@ using Json = nlohmann::json;
 
 class LauncherReporter final : public Reporter {
  public:
-  explicit LauncherReporter(int descriptor) : descriptor_(descriptor) {}
+  // A service that was killed may have left the begin of a line on the descriptor: an empty line ends it.
+  explicit LauncherReporter(int descriptor) : descriptor_(descriptor) { Write("\n"); }
 
   void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     Json robots = Json::array();
-    for (const RobotDescription& robot : loaded.world.robots) robots.push_back(robot.name);
+    for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
+      if (IsThere(loaded.world, RobotId(i))) robots.push_back(loaded.world.robots[i].name);
+    }
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
           {"libraries", LibrariesOf(loaded.world)},
@@ -78,8 +81,8 @@ class LauncherReporter final : public Reporter {
 
  private:
   // Reports are dropped once the launcher has died: the run continues until it is stopped.
-  void Send(const Json& report) {
-    const std::string line = JsonText(report) + "\n";
+  void Send(const Json& report) { Write(JsonText(report) + "\n"); }
+  void Write(const std::string& line) {
     for (std::size_t sent = 0; sent < line.size();) {
       const ssize_t written = write(descriptor_, line.data() + sent, line.size() - sent);
       if (written < 0 && errno == EINTR) continue;

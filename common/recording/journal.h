@@ -1,0 +1,49 @@
+// Journal: a recording that a service writes such that another one can continue the run: the recording, and its tail
+// (journal_tail.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/protocol/run_progress.h"
+#include "common/recording/journal_tail.h"
+#include "common/recording/mcap/byte_sink.h"
+#include "common/recording/recording.h"
+#include "common/recording/tick_reader.h"
+
+namespace troupe {
+
+// A journal that this process continues. Nobody else can write it meanwhile.
+struct Journal {
+  Recording recording;                   // its whole chunks; it may have none
+  std::vector<RecordedTick> tail;        // the ticks after these
+  RunProgress progress;                  // the newest
+  mcap::WrittenPart written;             // of the recording
+  std::unique_ptr<mcap::ByteSink> sink;  // appends to it
+
+  // Cuts the recording behind its last whole chunk. Nothing if it ends before the description of its run: the run had
+  // not begun. The error is a file that another process writes, or one that is not readable.
+  static Result<std::optional<Journal>> OpenToContinue(const JournalFiles& files);
+};
+
+// The ticks of a journal, one after another.
+class JournalReader {
+ public:
+  // Begins at a chunk of the recording. The journal outlives the reader.
+  explicit JournalReader(const Journal& journal, std::size_t chunk = 0)
+      : journal_(journal), reader_(journal.recording, chunk) {}
+
+  // As TickReader::Next; ticks of the tail have the log time 0.
+  Result<bool> Next(RecordedTick& tick);
+
+ private:
+  const Journal& journal_;
+  TickReader reader_;
+  std::size_t next_in_tail_ = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,224 @@
+// The world service is killed, and another one continues the run from its journal: the files of the run are those of
+// one without a kill.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <thread>
+
+#include "common/dds/tools/control_client.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
+
+pid_t ServiceOf(const Program& run) {
+  for (const pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find("world-service") != std::string::npos) return child;
+  }
+  throw std::runtime_error("no world service");  // 0 would be a signal to all processes of the test
+}
+
+class ServiceRestartTest : public testing::Test {
+ protected:
+  std::string Path(const std::string& name) const { return folder_.Path(name); }
+
+  // The arguments for a run of 80 ticks with all files of the service, by a prefix of their names.
+  std::vector<std::string> Arguments(const std::string& prefix) const {
+    return {"--ticks",    "80",
+            "--hash-log", Path(prefix + "hashes"),
+            "--poses",    Path(prefix + "poses"),
+            "--record",   Path(prefix + "states.jsonl")};
+  }
+  void RunUndisturbed() const {
+    std::vector<std::string> arguments = Arguments("whole-");
+    arguments.emplace_back("--in-process");
+    const Finished run = Finish(RunPen(arguments));
+    ASSERT_EQ(run.exit_status, 0) << run.output;
+  }
+  void ExpectFilesOfAnUndisturbedRun() const {
+    RunUndisturbed();
+    EXPECT_EQ(folder_.Read("run-hashes"), folder_.Read("whole-hashes"));
+    EXPECT_EQ(folder_.Read("run-poses"), folder_.Read("whole-poses"));
+  }
+
+  // A run under the control of a tool.
+  Program Start(std::vector<std::string> more) {
+    std::vector<std::string> arguments = Arguments("run-");
+    for (std::string& argument : more) arguments.push_back(std::move(argument));
+    for (const std::string& argument : {std::string("--session"), session_, std::string("--lease"), std::string("1")}) {
+      arguments.push_back(argument);
+    }
+    Program run = RunPen(arguments);
+    run.WaitForLine("4 robots in 4 agent processes, ready");
+    return run;
+  }
+  // Kills the service, and waits until the run has another.
+  static void Kill(Program& run, int times = 1) {
+    ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+    for (int i = 0; i < times; ++i) run.WaitForLineAfter("the world service has been started again");
+  }
+  // Of a client of its own: the service may be another than before.
+  ControlReply Call(const ControlRequest& request) const {
+    ControlClient client(NetworkOf(session_));
+    EXPECT_TRUE(client.WaitForService(kSeconds).ok());
+    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok());
+    return reply.ok() ? reply.value() : ControlReply();
+  }
+  ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
+    ControlRequest request;
+    request.command = command;
+    request.ticks = ticks;
+    return Call(request);
+  }
+
+  OutputFolder folder_;
+  const std::string session_ = TestSession("restart");
+};
+
+TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
+  Program run = Start({"--speed", "10", "--summary", Path("summary")});
+  Kill(run);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  ExpectFilesOfAnUndisturbedRun();
+  const nlohmann::json summary = nlohmann::json::parse(folder_.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["service_restarted"], 1);
+  EXPECT_EQ(summary["agents_restarted"], 0);
+}
+
+TEST_F(ServiceRestartTest, APausedRunRemainsPausedAndAStepIsFinished) {
+  Program run = Start({"--paused", "--speed", "max"});
+  EXPECT_EQ(Call(ControlCommand::kStep, 5).tick, 5u);
+  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+  const ControlReply paused = Call(ControlCommand::kPause);
+  EXPECT_EQ(paused.state, RunState::kPaused);
+  EXPECT_EQ(paused.tick, 5u);
+  EXPECT_EQ(Call(ControlCommand::kStep, 7).tick, 12u);
+  EXPECT_EQ(Call(ControlCommand::kPlay).state, RunState::kPlaying);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  ExpectFilesOfAnUndisturbedRun();
+}
+
+TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
+  Program run = Start({"--paused", "--speed", "max"});
+  Call(ControlCommand::kStep, 5);
+  ControlRequest removal;
+  removal.command = ControlCommand::kDelete;
+  removal.name = "r3";
+  EXPECT_TRUE(Call(removal).done);
+  Call(ControlCommand::kStep, 3);
+  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+  const ControlReply entities = Call(ControlCommand::kEntities);
+  EXPECT_EQ(entities.tick, 8u);
+  for (const EntityReport& entity : entities.entities) EXPECT_NE(entity.name, "r3");
+  // The world as loaded is in the journal, too.
+  EXPECT_TRUE(Call(ControlCommand::kReset).done);
+  Call(ControlCommand::kStep, 10);
+  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+  EXPECT_EQ(Call(ControlCommand::kStatus).edition, 2u);
+  Call(ControlCommand::kPlay);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  RunUndisturbed();
+  const std::string whole = folder_.Read("whole-hashes");
+  EXPECT_THAT(folder_.Read("run-hashes"), testing::EndsWith(whole.substr(whole.find("\n") + 1)));
+}
+
+TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {
+  std::vector<std::string> arguments = {
+      "--ticks", "80",         "--speed",          "40",      "--record",        Path("run.mcap"),      "--session",
+      session_,  "--hash-log", Path("run-hashes"), "--poses", Path("run-poses"), "--keyframe-interval", "7"};
+  Program run = RunPen(arguments);
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  Kill(run);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  ExpectFilesOfAnUndisturbedRun();
+  const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify", "--hash-log", Path("replayed")}));
+  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  EXPECT_EQ(folder_.Read("replayed"), folder_.Read("whole-hashes"));
+  EXPECT_EQ(folder_.size(), 7u) << "the tail of the journal is left";
+}
+
+// Without a launcher: the service is continued by hand, at another port, as on another host.
+TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
+  const std::string domain = std::to_string(TestDomain());
+  std::vector<std::string> service = {ProgramPath("world-service"),
+                                      "--session",
+                                      session_,
+                                      "--domain",
+                                      domain,
+                                      "--lease",
+                                      "1",
+                                      "--journal",
+                                      Path("run.mcap"),
+                                      "--speed",
+                                      "10",
+                                      "--hash-log",
+                                      Path("run-hashes"),
+                                      "--poses",
+                                      Path("run-poses"),
+                                      "--ticks",
+                                      "80",
+                                      "--security",
+                                      "off"};
+  std::vector<std::string> begin = service;
+  begin.insert(begin.begin() + 1, WorldPath("pen.world"));
+  Program first(begin);
+  Program agent({ProgramPath("robot-agent"), "--session", session_, "--domain", domain, "--lease", "1", "--robot", "r0",
+                 "--robot", "r1", "--robot", "r2", "--robot", "r3", "--security", "off"});
+  first.WaitForLine("all robots have agents");
+  service.emplace_back("--resume");
+
+  // Of a journal whose service lives, nothing can be continued.
+  std::vector<std::string> rival = service;
+  rival[2] = session_ + "-rival";
+  const Finished refused = Finish(Program(rival));
+  EXPECT_EQ(refused.exit_status, 3);
+  EXPECT_THAT(refused.output, HasSubstr("another process writes this file"));
+
+  first.Signal(SIGKILL);
+  first.Wait();
+  Program second(service);
+  EXPECT_EQ(second.Wait(), 0) << second.output();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  ExpectFilesOfAnUndisturbedRun();
+}
+
+// No user has asked for the journal.
+TEST_F(ServiceRestartTest, ARunWhoseOwnJournalCannotBeWrittenContinuesWithoutIt) {
+  const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
+                              " --headless --ticks 2000 --domain " + std::to_string(TestDomain());
+  const Finished run = Finish(Program({"/bin/sh", "-c", command}));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("the journal of the run cannot be written"));
+}
+
+TEST_F(ServiceRestartTest, ARunEndsWhoseRecordingCannotBeContinuedForLackOfSpace) {
+  const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
+                              " --headless --ticks 2000 --domain " + std::to_string(TestDomain()) + " --record " +
+                              Path("run.mcap");
+  const Finished run = Finish(Program({"/bin/sh", "-c", command}));
+  EXPECT_EQ(run.exit_status, 3) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("run.mcap.journal-a: error: cannot write: File too large"));
+  const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify"}));
+  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+}
+
+TEST_F(ServiceRestartTest, AJournalWithoutARunIsNotContinued) {
+  const Finished service =
+      Finish(Program({ProgramPath("world-service"), "--resume", "--journal", Path("nothing.mcap")}));
+  EXPECT_EQ(service.exit_status, 2);
+  EXPECT_THAT(service.output, HasSubstr("nothing.mcap: error: found a journal without a run, expected one to resume"));
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,85 @@
+#include "world-service/program/prepared_run.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <utility>
+
+#include "common/recording/journal.h"
+#include "world-service/observers/recorder/make_recorders.h"
+#include "world-service/replay/restore_run.h"
+
+namespace troupe {
+namespace {
+
+Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
+  if (line.file.empty()) {
+    return Error{{line.outputs.journal->recording}, "found a journal without a run, expected one to resume"};
+  }
+  Result<LoadedWorld> loaded = LoadWorld(line.file, line.overrides);
+  if (!loaded.ok()) return loaded.error();
+  for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
+  PreparedRun run;
+  run.loaded = std::move(loaded).value();
+  line.run.ApplyTo(run.loaded.settings);
+  run.options = line.service;
+  run.options.world_file = line.file;
+  run.scene = std::make_shared<const Scene>(run.loaded.world);
+  run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
+  return run;
+}
+
+Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
+  const RecordedRun begin = journal.recording.run();
+  PreparedRun run;
+  run.first_world = std::make_shared<const WorldDescription>(begin.world);
+  Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, line.outputs);
+  if (!texts.ok()) return texts.error();
+  RunObservers told;
+  if (texts.value() != nullptr) told.push_back(texts.value().get());
+  Result<ResumedRun> resumed = RestoreRun(journal, told);
+  if (!resumed.ok()) return resumed.error();
+  Result<std::unique_ptr<RunRecorder>> recorder =
+      RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(line.outputs, begin.file));
+  if (!recorder.ok()) return recorder.error();
+  run.recorders.push_back(std::move(recorder).value());
+  if (texts.value() != nullptr) run.recorders.push_back(std::move(texts).value());
+
+  run.scene = resumed.value().scene;
+  run.loaded.world = run.scene->world();
+  run.loaded.settings = begin.settings;
+  line.run.ApplyTo(run.loaded.settings);
+  run.options = line.service;
+  run.options.world_file = resumed.value().world_file.empty() ? begin.file : resumed.value().world_file;
+  run.options.resumed = std::move(resumed).value();
+  return run;
+}
+
+}  // namespace
+
+Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
+  std::optional<Journal> journal;
+  if (line.resume) {
+    Result<std::optional<Journal>> opened = Journal::OpenToContinue(*line.outputs.journal);
+    if (!opened.ok()) return opened.error();
+    journal = std::move(opened).value();
+  }
+  Result<PreparedRun> run = journal ? Resume(std::move(*journal), line) : LoadFile(line);
+  if (!run.ok()) return run;
+  ServiceOptions& options = run.value().options;
+  options.settings = run.value().loaded.settings;
+  options.overrides = line.overrides;
+  RestrictRequests(line.permissions, run.value().loaded, options);
+  return run;
+}
+
+Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line) {
+  if (run.options.resumed) return {};
+  Result<std::vector<std::unique_ptr<RunObserver>>> recorders =
+      MakeRecorders(*run.first_world, line.outputs, line.file);
+  if (!recorders.ok()) return recorders.error();
+  run.recorders = std::move(recorders).value();
+  return {};
+}
+
+}  // namespace troupe

@@ -1,0 +1,17 @@
+// RestoreRun: the newest state of a run, from its journal.
+#pragma once
+
+#include "common/base/result.h"
+#include "common/recording/journal.h"
+#include "world-service/service/resumed_run.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+// Steps from the last keyframe to the newest tick, and compares every state hash. With observers it steps from the
+// begin of the run, and tells them each tick: they then have written the same as if the run had not been interrupted.
+// Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage, or the error
+// of an observer.
+Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);
+
+}  // namespace troupe

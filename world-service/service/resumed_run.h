@@ -1,0 +1,25 @@
+// ResumedRun: a run that another service has begun, at its newest committed state, for the service that continues it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/protocol/messages.h"
+#include "common/protocol/run_progress.h"
+#include "common/spatial/scene.h"
+
+namespace troupe {
+
+struct ResumedRun {
+  RunId run = 0;
+  Incarnation incarnation = 0;            // of the service that continues
+  std::shared_ptr<const Scene> original;  // that a reset restores
+  std::shared_ptr<const Scene> scene;     // of the newest state
+  std::optional<FrameMessage> frame;      // with the newest state; nothing: the run had not begun
+  std::uint64_t next_number = 0;          // of the state after it, counted from the begin of the run
+  RunProgress progress;
+  std::string world_file;  // that was loaded during the run; empty: none
+};
+
+}  // namespace troupe
