@@ -10,6 +10,7 @@ function(append_idl name)
   endif()
   list(APPEND included ${name})
   file(READ ${FOLDER}/${name} content)
+  string(REGEX REPLACE "#(ifndef|define|endif)[^\n]*\n" "" content "${content}")  # each file is included once
   while(content MATCHES "#include \"([^\"]*)\"\n")
     set(include ${CMAKE_MATCH_1})
     string(REPLACE "#include \"${include}\"\n" "" content "${content}")

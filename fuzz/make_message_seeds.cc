@@ -211,6 +211,9 @@ int Main(const char* folder) {
   request.command = ControlCommand::kSpawn;
   request.name = "late";
   request.source = "rover";
+  request.robot_command.twist = troupe::Twist{0.5, 0.0, 0.1};
+  request.robot_command.grippers = {{.gripper = 0, .opening = 100.0}};
+  request.robot_command.goal = troupe::Goal{1, {{1.0, 2.0}}, 0.5};
   seeds.WriteMessage("control", request);
   troupe::ControlReply reply;
   reply.problem = "no";

@@ -10,8 +10,8 @@
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
+#include "robot-agent/drive/twist_command.h"
 #include "robot-agent/ros/gripper_goals.h"
-#include "robot-agent/ros/twist_command.h"
 #include "world-service/observers/ros/entity_filter.h"
 #include "world-service/observers/ros/entity_pose.h"
 #include "world-service/observers/ros/resource_path.h"
@@ -38,8 +38,10 @@ void Read(Bytes bytes) {
 
 void UseTwist(const ros::TwistMessage& twist) {
   for (const DriveType type : {DriveType::kDifferential, DriveType::kOmni, DriveType::kCar}) {
-    const std::optional<Command> command = CommandFromTwist(twist, {.type = type, .wheelbase = 0.5});
-    if (command) Check(IsFinite(command->twist) && !std::isnan(command->speed) && std::isfinite(command->steering));
+    const Twist wanted{twist.linear.x, twist.linear.y, twist.angular.z};
+    if (!IsFinite(wanted)) return;
+    const Command command = CommandFromTwist(wanted, {.type = type, .wheelbase = 0.5});
+    Check(IsFinite(command.twist) && !std::isnan(command.speed) && std::isfinite(command.steering));
   }
 }
 

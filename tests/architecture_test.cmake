@@ -87,7 +87,7 @@ set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial common/protocol common/trace robot-agent/robot)
 set(may_include_robot-agent/ros
   common/base common/geometry common/model common/spatial common/dds/binding common/ros common/ros_dds
-  include/troupe/controller.h robot-agent/agent robot-agent/robot)
+  include/troupe/controller.h robot-agent/agent robot-agent/drive robot-agent/robot)
 set(may_include_robot-agent/program
   common/base common/command_line common/protocol common/ros common/run robot-agent/agent)
 set(may_include_robot-agent

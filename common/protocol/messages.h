@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/model/event.h"
 #include "common/model/proposal.h"
+#include "common/model/robot_command.h"
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 
@@ -52,6 +54,8 @@ struct JoinMessage {
   std::vector<std::string> robots;
   Edition world_edition = 0;    // of the agent's description
   Incarnation incarnation = 0;  // of the newest service that the agent knows
+  // Of those robots, the ones whose controllers accept goals, by name.
+  std::vector<std::string> accept_goals = {};
   bool operator==(const JoinMessage&) const = default;
 };
 
@@ -85,6 +89,7 @@ struct FrameMessage {
   Edition world_edition = 0;  // the session of this edition has the world that the state belongs to
   Edition fresh_edition = 0;  // the newest at which all robots were made anew, as at the start
   Incarnation incarnation = 0;
+  std::vector<RobotCommand> commands = {};  // in force for the next tick, in robot-id order; not in a paused frame
   bool operator==(const FrameMessage&) const = default;
 };
 
@@ -121,8 +126,13 @@ enum class ControlCommand : std::uint8_t {
   // Questions.
   kEntities = 9,     // the one called `name`; all if that is empty
   kSpawnables = 10,  // models of the run's world file
+  // While the run plays or is paused.
+  kSpeed = 11,         // `speed`
+  kCommandRobot = 12,  // `robot_command` for robot `name`, in force for `ticks` ticks
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kSpawnables;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kCommandRobot;
+
+inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 
 // The scopes of a reset; a sum of these.
 inline constexpr std::uint8_t kResetTime = 1;     // back to tick 0
@@ -130,17 +140,21 @@ inline constexpr std::uint8_t kResetState = 2;    // robots and objects back to 
 inline constexpr std::uint8_t kResetSpawned = 4;  // deletes the spawned entities
 inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded, with the entities deleted since
 
-// Tool to service: pause, play and step, edits of the world, and queries.
+// Tool to service: pause, play and step, edits of the world, queries, and commands to robots.
 struct ControlRequest {
   std::uint64_t client = 0;  // random; tells tools apart
   std::uint64_t number = 0;  // of the request; repeated in the reply
   ControlCommand command = ControlCommand::kStatus;
-  std::uint64_t ticks = 1;  // kStep
+  std::uint64_t ticks = 1;  // kStep, kCommandRobot
   std::string name = {};    // of an entity; a spawn without one is named after the source
   std::string source = {};
   Pose pose = {};  // in W
   std::uint8_t scopes = kResetAll;
-  bool rename = false;  // kSpawn: choose another name if this one is in use
+  bool rename = false;               // kSpawn: choose another name if this one is in use
+  std::optional<double> speed = {};  // kSpeed: multiple of real time; none: as fast as possible
+  // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
+  // and the number of its goal do not count.
+  RobotCommand robot_command = {};
   bool operator==(const ControlRequest&) const = default;
 };
 
@@ -191,6 +205,7 @@ struct StatusMessage {
   double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
   Edition edition = 0;
   Incarnation incarnation = 0;
+  std::optional<double> speed = {};  // that the run is paced to, multiple of real time; none: it is not paced
   bool operator==(const StatusMessage&) const = default;
 };
 

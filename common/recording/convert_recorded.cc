@@ -129,6 +129,8 @@ std::vector<std::byte> TickToBytes(const RecordedTick& tick) {
     *out++ = {static_cast<std::uint8_t>(event.type), IdToWire(event.robot), IdToWire(event.other),
               IdToWire(event.object), arena.Copy(event.detail)};
   }
+  troupe_wire_RobotCommand* const commands = arena.Fill(wire.commands, tick.commands.size());
+  for (std::size_t i = 0; i < tick.commands.size(); ++i) commands[i] = dds::ToWire(tick.commands[i], arena);
   return wire::ToCdr(wire);
 }
 
@@ -146,6 +148,12 @@ Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick) {
     tick.events.push_back({wire.tick, static_cast<EventType>(event.type), IdFromWire<RobotId>(event.robot),
                            IdFromWire<ModelId>(event.other), dds::Text(event.detail),
                            IdFromWire<ModelId>(event.object)});
+  }
+  tick.commands.clear();
+  for (const troupe_wire_RobotCommand& element : dds::Elements(wire.commands)) {
+    Result<RobotCommand> command = dds::FromWire(element);
+    if (!command.ok()) return command.error();
+    tick.commands.push_back(std::move(command).value());
   }
   return {};
 }

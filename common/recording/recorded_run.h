@@ -36,8 +36,9 @@ struct RecordedTick {
   Tick tick = 0;
   Edition edition = 0;
   std::uint64_t state_hash = 0;
-  std::uint64_t log_time = 0;            // ns of simulated time since the first; never decreases
-  std::vector<Proposal> proposals = {};  // that entered the step, in robot-id order
+  std::uint64_t log_time = 0;               // ns of simulated time since the first; never decreases
+  std::vector<Proposal> proposals = {};     // that entered the step, in robot-id order
+  std::vector<RobotCommand> commands = {};  // from outside, that the agents had for the step
   std::vector<Event> events = {};
   std::optional<RecordedEdit> edit = {};
   std::optional<FrameMessage> keyframe = {};  // the state, whole; at some ticks

@@ -23,6 +23,7 @@
 #include "common/base/ids.h"
 #include "common/base/random.h"
 #include "common/geometry/pose.h"
+#include "common/model/robot_command.h"
 #include "common/model/world_description.h"
 #include "troupe/parameters.h"
 #include "troupe/sensor.h"
@@ -108,6 +109,9 @@ struct Observation {
   std::span<const JointReading> joints;
   std::span<const GripperReading> grippers;
   std::uint64_t random_key = 0;  // of this robot and tick
+  // That a user has sent the robot to, in the frame of `pose_estimate`; null: none, or it was cancelled or has expired.
+  // Another number is another goal. Only for a controller that accepts goals.
+  const Goal* goal = nullptr;
 
   // The i-th of this tick's uniform random numbers in [0, 1), the same in every run with the same seed.
   double Random(std::uint64_t i) const { return RandomUniform({random_key, i}); }
@@ -151,6 +155,9 @@ class Controller {
   // the agent. An exception stops the robot and is reported; the run continues.
   virtual Command Update(const Observation& observation) = 0;
 
+  // True if Update reads the goal of its observation. A goal for a robot whose controller accepts none is refused.
+  virtual bool AcceptsGoals() const { return false; }
+
   // A controller that continues as this one would, for a snapshot of a simulation: one that decides by its
   // observations and members returns std::make_unique<Type>(*this). Null: this controller cannot be copied, and a
   // simulation with it has no snapshots.
@@ -162,7 +169,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 4
+#define TROUPE_CONTROLLER_ABI 5
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

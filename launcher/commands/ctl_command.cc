@@ -160,6 +160,13 @@ void AddTimeActions(CLI::App* command, const SharedOptions& options) {
   AddAction(command, options, "step", "Run a paused run for some ticks, and pause it again", ControlCommand::kStep)
       ->add_option("TICKS", options->request.ticks, "Number of ticks (default: 1)")
       ->check(WholeNumber(1));
+  AddAction(command, options, "speed", "Set the speed of the run", ControlCommand::kSpeed)
+      ->add_option_function<std::string>(
+          "SPEED", [options](const std::string& text) { options->request.speed = ParseSpeed(text).value(); },
+          "Multiple of real time; max: as fast as possible")
+      ->required()
+      ->check(SpeedValue())
+      ->type_name("X|max");
 }
 
 void AddEditActions(CLI::App* command, const SharedOptions& options) {

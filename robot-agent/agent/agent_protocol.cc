@@ -128,7 +128,8 @@ JoinMessage AgentProtocol::MakeJoin() {
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = replica_->RobotNames(),
                    .world_edition = world_edition_,
-                   .incarnation = incarnation_};
+                   .incarnation = incarnation_,
+                   .accept_goals = replica_->NamesThatAcceptGoals()};
   if (session_) {
     // The world was edited since the agent was lost. The next frame says how the replica is to follow.
     if (session_hash_ == 0) session_hash_ = Hash(session_->world);
@@ -304,7 +305,7 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   }
   const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
   if (was_edited) replica_->Relocate(frame.state);
-  answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state);
+  answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state, frame.commands);
   answer_.run = run_;
   answer_.agent = options_.agent;
   answer_.edition = frame.edition;

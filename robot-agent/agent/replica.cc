@@ -195,7 +195,32 @@ void Replica::Relocate(const WorldState& state) {
   for (const auto& robot : robots_) robot->Relocate(state);
 }
 
-ProposalMessage Replica::Decide(const WorldState& state) {
+std::vector<std::string> Replica::NamesThatAcceptGoals() const {
+  std::vector<std::string> names;
+  for (const auto& robot : robots_) {
+    if (robot->accepts_goals()) names.push_back(scene_->world().robot(robot->id()).name);
+  }
+  return names;
+}
+
+// Both are in robot-id order.
+void Replica::AddCommands(std::span<const RobotCommand> commands, std::span<ExternalCommand> external,
+                          std::vector<std::string>& reports) const {
+  const WorldDescription& world = scene_->world();
+  auto command = commands.begin();
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const RobotId id = robots_[i]->id();
+    while (command != commands.end() && command->robot < id) ++command;
+    if (command == commands.end() || command->robot != id) continue;
+    if (Status failure = CheckRobotCommand(world, *command); !failure.ok()) {
+      reports.push_back(failure.error().message);
+    } else {
+      AddCommand(*command, world.robot(id).drive, external[i]);
+    }
+  }
+}
+
+ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCommand> commands) {
   const std::size_t count = robots_.size();
   ProposalMessage answer;
   answer.tick = state.tick + 1;
@@ -203,6 +228,7 @@ ProposalMessage Replica::Decide(const WorldState& state) {
   // Before the threads: a gateway need not be safe for several.
   std::vector<ExternalCommand> external(count);
   for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
+  if (!commands.empty()) AddCommands(commands, external, answer.reports);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
   std::atomic<std::size_t> next = 0;

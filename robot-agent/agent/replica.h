@@ -42,6 +42,8 @@ class Replica {
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
+  // Of those robots, the ones whose controllers accept goals.
+  std::vector<std::string> NamesThatAcceptGoals() const;
 
   // The error is that of troupe::CheckState: the state does not belong to the world.
   Status CheckState(const WorldState& state) const;
@@ -50,8 +52,9 @@ class Replica {
   void Relocate(const WorldState& state);
 
   // Measures and decides for tick `state.tick` + 1: the proposals in robot-id order, and a report for each controller
-  // that failed in this call. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
-  ProposalMessage Decide(const WorldState& state);
+  // that failed in this call. `commands`: from outside, for any robots of the world, in robot-id order; one that the
+  // world refuses is reported. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
+  ProposalMessage Decide(const WorldState& state, std::span<const RobotCommand> commands = {});
 
   // The answer to a paused `state`: no decisions. Decide may follow for the same state.
   // REQUIRES: CheckState(state).ok()
@@ -75,6 +78,8 @@ class Replica {
   bool GatewayFits(bool fresh) const;
   void ResetIndices(std::size_t threads);
   void NameRobotsInTrace();
+  void AddCommands(std::span<const RobotCommand> commands, std::span<ExternalCommand> external,
+                   std::vector<std::string>& reports) const;
   void Show(const WorldState& state, void (Gateway::*show)(Tick, std::span<const RobotView* const>));
   void DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
                    std::atomic<std::size_t>& next, std::span<Proposal> proposals);

@@ -1,6 +1,9 @@
 // A command from outside of the simulation for one robot and tick.
 #pragma once
 
+#include <optional>
+
+#include "common/model/robot_command.h"
 #include "troupe/controller.h"
 
 namespace troupe {
@@ -8,7 +11,11 @@ namespace troupe {
 struct ExternalCommand {
   // Commands to grippers and joints are applied after the controller's. REQUIRES: they are valid for the robot.
   Command command = {};
-  bool drives = false;  // the motion in `command` overrides the controller's
+  bool drives = false;            // the motion in `command` overrides the controller's
+  std::optional<Goal> goal = {};  // for a controller that accepts goals
 };
+
+// Adds a command of a frame, whose motion overrides one that is there. REQUIRES: CheckRobotCommand succeeded.
+void AddCommand(const RobotCommand& added, const DriveDescription& drive, ExternalCommand& external);
 
 }  // namespace troupe

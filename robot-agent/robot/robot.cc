@@ -52,6 +52,8 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
   copy->manipulator_ = manipulator_;
   copy->sensors_.CopyReadings(sensors_);
   copy->failure_ = failure_;
+  copy->accepts_goals_ = accepts_goals_;
+  copy->goal_ = goal_;
   if (!failure_.empty()) return copy;  // its controller is never called again
   std::string problem = "cannot be copied";
   try {
@@ -109,6 +111,7 @@ Status Robot::Subscribe() {
       }
       sensors_.Subscribe(sensor);
     }
+    accepts_goals_ = controller_->AcceptsGoals();
   } catch (const std::exception& exception) {
     return Error{{}, fmt::format("controller {}: {}", name, exception.what())};
   } catch (...) {
@@ -127,7 +130,7 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const E
   Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
   manipulator_.Update(state, sensors_.readings());
   // Called also while an external command overrides it: a controller sees every tick.
-  Command command = failure_.empty() ? AskController(state) : Command{};
+  Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
@@ -147,7 +150,24 @@ void Robot::LogReadings(Tick tick, const BodyIndex& bodies) {
   }
 }
 
-Command Robot::AskController(const WorldState& state) {
+const Goal* Robot::EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_WR) {
+  if (!goal || !accepts_goals_) {
+    goal_.reset();
+    return nullptr;
+  }
+  if (goal_ && goal_->number == goal->number) return &*goal_;
+  goal_ = goal;
+  const Pose& estimate = odometry_.estimate();
+  if (estimate == X_WR) return &*goal_;
+  // X_EW, of the world in the frame of the estimate.
+  const Pose X_EW = estimate * Inverse(X_WR);
+  const Transform2 transform(X_EW);
+  for (Vec2& point : goal_->waypoints) point = transform * point;
+  if (goal_->heading) goal_->heading = WrapAngle(*goal_->heading + X_EW.heading);
+  return &*goal_;
+}
+
+Command Robot::AskController(const WorldState& state, const std::optional<Goal>& goal) {
   const WorldDescription& world = scene_->world();
   const RobotState& own = state.robots[id_.index()];
   Observation observation;
@@ -161,6 +181,7 @@ Command Robot::AskController(const WorldState& state) {
   observation.joints = manipulator_.joint_readings();
   observation.grippers = manipulator_.gripper_readings();
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
+  observation.goal = EstimatedGoal(goal, own.X_WR);
   Result<Command> command = RunController(observation);
   if (command.ok()) return std::move(command).value();
   failure_ = fmt::format("robot {}: controller {} failed at tick {}: {}", description().name,

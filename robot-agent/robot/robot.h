@@ -65,6 +65,9 @@ class Robot {
   const SensorReading& Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies);
   std::size_t sensor_count() const { return sensors_.size(); }
 
+  // Its controller does.
+  bool accepts_goals() const { return accepts_goals_; }
+
   // The failure of the controller; empty while it works. After a failure the robot stands still.
   const std::string& failure() const { return failure_; }
 
@@ -77,7 +80,10 @@ class Robot {
   Status Subscribe();
   void LogReadings(Tick tick, const BodyIndex& bodies);
   // Stores the controller's failure, if it fails.
-  Command AskController(const WorldState& state);
+  Command AskController(const WorldState& state, const std::optional<Goal>& goal);
+  // The goal in the frame of the pose estimate: fixed there when it arrives, so that a drift of odometry does not move
+  // it for the controller.
+  const Goal* EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_WR);
   Result<Command> RunController(const Observation& observation);
 
   const Scene* scene_;
@@ -87,6 +93,8 @@ class Robot {
   Odometry odometry_;
   Manipulator manipulator_;
   SensorSuite sensors_;
+  bool accepts_goals_ = false;
+  std::optional<Goal> goal_;  // in the frame of the pose estimate
   std::string failure_;
 };
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/ros_dds/ros_qos.h"
-#include "robot-agent/ros/twist_command.h"
+#include "robot-agent/drive/twist_command.h"
 
 namespace troupe {
 namespace {
@@ -51,12 +51,12 @@ void CommandInput::Restart() {
 }
 
 void CommandInput::Apply(const ros::TwistMessage& twist, Tick tick) {
-  const std::optional<Command> command = CommandFromTwist(twist, robot_->drive);
-  if (!command) {
+  const Twist wanted{twist.linear.x, twist.linear.y, twist.angular.z};
+  if (!IsFinite(wanted)) {
     refusals_.Count();
     return;
   }
-  command_ = command;
+  command_ = CommandFromTwist(wanted, robot_->drive);
   received_ = tick;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/protocol/run_state_text.h"
+#include "viewer/gateway/page_robot_command.h"
 
 namespace troupe {
 namespace {
@@ -18,15 +19,17 @@ struct CommandName {
   ControlCommand command;
 };
 
-constexpr std::array<CommandName, 9> kCommands = {{{"status", ControlCommand::kStatus},
-                                                   {"pause", ControlCommand::kPause},
-                                                   {"play", ControlCommand::kPlay},
-                                                   {"step", ControlCommand::kStep},
-                                                   {"reset", ControlCommand::kReset},
-                                                   {"spawn", ControlCommand::kSpawn},
-                                                   {"delete", ControlCommand::kDelete},
-                                                   {"set_pose", ControlCommand::kSetPose},
-                                                   {"spawnables", ControlCommand::kSpawnables}}};
+constexpr std::array<CommandName, 11> kCommands = {{{"status", ControlCommand::kStatus},
+                                                    {"pause", ControlCommand::kPause},
+                                                    {"play", ControlCommand::kPlay},
+                                                    {"step", ControlCommand::kStep},
+                                                    {"reset", ControlCommand::kReset},
+                                                    {"spawn", ControlCommand::kSpawn},
+                                                    {"delete", ControlCommand::kDelete},
+                                                    {"set_pose", ControlCommand::kSetPose},
+                                                    {"spawnables", ControlCommand::kSpawnables},
+                                                    {"speed", ControlCommand::kSpeed},
+                                                    {"command_robot", ControlCommand::kCommandRobot}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
 
@@ -84,12 +87,25 @@ Result<PageRequest> ParseControl(const Json& object) {
   if (!command) return Malformed("command '" + name + "'", "a command of the page");
   ControlRequest& request = control.request;
   request.command = *command;
-  if (*command == ControlCommand::kStep) {
+  if (*command == ControlCommand::kSpeed) {
+    const auto speed = object.find("speed");
+    const bool is_number = speed != object.end() && speed->is_number() && std::isfinite(speed->get<double>());
+    if (!is_number && TextIn(object, "speed") != "max") return Malformed("no speed", "a number or \"max\"");
+    if (is_number && speed->get<double>() <= 0.0) return Malformed("a speed", "a positive one");
+    if (is_number) request.speed = speed->get<double>();
+  }
+  if (*command == ControlCommand::kCommandRobot) {
+    Result<RobotCommand> robot = ParsePageRobotCommand(object);
+    if (!robot.ok()) return robot.error();
+    request.robot_command = std::move(robot).value();
+  }
+  if (*command == ControlCommand::kStep || *command == ControlCommand::kCommandRobot) {
     const auto ticks = WholeNumberIn(object, "ticks");
     if (!ticks || *ticks == 0 || *ticks > kMostTicks) return Malformed("no ticks", "1 to 1000000");
     request.ticks = *ticks;
   }
-  if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose) {
+  if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose ||
+      *command == ControlCommand::kCommandRobot) {
     request.name = TextIn(object, "name");
     if (request.name.empty()) return Malformed("no name", "that of a robot, an object or a model");
   }

@@ -1,6 +1,8 @@
 // PageRequest: a request of the page, as JSON text.
 //   {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
+//   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
+//   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, ...}: page_robot_command.h
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
 

@@ -46,6 +46,8 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kStep:
     case ControlCommand::kEntities:
     case ControlCommand::kSpawnables:
+    case ControlCommand::kSpeed:
+    case ControlCommand::kCommandRobot:
       return false;
   }
   return false;

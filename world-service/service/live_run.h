@@ -2,6 +2,7 @@
 // class that writes it (all of them may read). Used by one thread at a time.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,6 +64,8 @@ struct LiveRun {
 
   // Written by WorldEditor: robots of the newest edit that have no agent yet.
   std::vector<RobotId> newcomers = {};
+  // Written by TickCoordinator: by the name of a controller, whether it accepts goals, as its agents have said.
+  std::map<std::string, bool> accepts_goals = {};
 
   // Written by all parts.
   EventLog events = {};

@@ -14,6 +14,13 @@ class Pacer {
   Pacer(std::optional<double> speed, double interval) : speed_(speed) { SetInterval(interval); }
 
   void SetInterval(double interval) { period_ = speed_ ? interval / *speed_ : 0.0; }
+  // The next tick is due after its period at the new speed.
+  void SetSpeed(std::optional<double> speed, double interval, Tick tick, double now) {
+    speed_ = speed;
+    SetInterval(interval);
+    Resume(tick, now);
+  }
+  const std::optional<double>& speed() const { return speed_; }
   void Start(double now) { start_ = now; }
   // Time continues after a pause, which is not caught up.
   void Resume(Tick tick, double now) { start_ = now - static_cast<double>(tick) * period_; }

@@ -1,5 +1,6 @@
 #include "world-service/service/run_control.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -39,9 +40,43 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
       return EnqueueStep(std::move(open), now);
     case ControlCommand::kEntities:
       return Reply(open, Entities(request.name));
+    case ControlCommand::kSpeed:
+      return ReplyWith(open, SetSpeed(request.speed, now));
+    case ControlCommand::kCommandRobot:
+      return ReplyWith(open, CommandRobot(request));
     default:
       return Reply(open, Refusal("the service cannot read files here"));
   }
+}
+
+Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
+  if (speed && !(*speed > 0.0 && std::isfinite(*speed))) return Refusal("found a speed that is not a positive number");
+  if (!speed && run_.realtime()) return Refusal("mode realtime needs a speed");
+  engine_.SetSpeed(speed, now);
+  return {};
+}
+
+Status RunControl::CommandRobot(const ControlRequest& request) {
+  if (run_.phase == RunPhase::kGathering) return Refusal("the run has not begun; no robot can be commanded before");
+  const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
+  if (!robot) return Refusal("the world has no robot '" + request.name + "'");
+  if (request.ticks == 0 || request.ticks > kMostCommandTicks) {
+    return Refusal("found a command for " + std::to_string(request.ticks) + " ticks, expected 1 to " +
+                   std::to_string(kMostCommandTicks));
+  }
+  RobotCommand command = request.robot_command;
+  command.robot = *robot;
+  const bool cancels_goal = command.goal && command.goal->waypoints.empty();
+  if (cancels_goal) command.goal.reset();
+  if (Status failure = CheckRobotCommand(run_.world(), command); !failure.ok()) return failure;
+  const std::string& controller = run_.world().robot(*robot).controller.name;
+  const auto known = run_.accepts_goals.find(controller);
+  if (command.goal && known != run_.accepts_goals.end() && !known->second) {
+    return Refusal("the controller of '" + request.name + "' (" + controller + ") accepts no goals");
+  }
+  if (cancels_goal) command.goal.emplace();
+  engine_.AddCommand(command, request.ticks);
+  return {};
 }
 
 void RunControl::Pause(OpenRequest pause, double now) {
@@ -185,6 +220,11 @@ void RunControl::Reply(const ControlRequest& request, const ControlReplyTo& repl
 
 void RunControl::Reply(const OpenRequest& open, const Result<std::vector<EntityReport>>& outcome) const {
   Reply(open.request, open.reply, outcome);
+}
+
+void RunControl::ReplyWith(const OpenRequest& open, const Status& outcome) const {
+  if (!outcome.ok()) return Reply(open, outcome.error());
+  Accept(open);
 }
 
 RunState RunControl::State() const {

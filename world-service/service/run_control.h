@@ -60,7 +60,10 @@ class RunControl {
   void ReplyToEdit();
   void RefuseAll(const Error& error);
   void Reply(const OpenRequest& open, const Result<std::vector<EntityReport>>& outcome) const;
+  void ReplyWith(const OpenRequest& open, const Status& outcome) const;
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
+  Status SetSpeed(const std::optional<double>& speed, double now);
+  Status CommandRobot(const ControlRequest& request);
   Result<std::vector<EntityReport>> Entities(const std::string& name) const;
   RunState State() const;
 

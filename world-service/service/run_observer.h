@@ -40,6 +40,7 @@ struct CommittedTick {
   std::span<const Proposal> proposals;  // that entered the step, in robot-id order; empty for tick 0 and after an edit
   const AppliedEdit* edit = nullptr;    // null: the frame is tick 0 of the loaded world, or the result of a step
   const WorldState* before = nullptr;   // the state to which the edit was applied; null without one
+  std::span<const RobotCommand> commands = {};  // from outside, that the agents had for the proposals
 };
 
 class RunObserver {

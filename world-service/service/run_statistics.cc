@@ -37,6 +37,7 @@ StatusMessage RunStatistics::MakeStatus(double now) {
   status.agents = static_cast<std::uint32_t>(run_.members.present_members());
   status.edition = run_.frame.edition;
   status.incarnation = run_.options.incarnation;
+  status.speed = engine_.speed();
   status.waiting_for = MissingRobots(now);
   if (!status.waiting_for.empty()) {
     status.waiting_seconds = now - (run_.phase == RunPhase::kGathering ? run_.created_at : engine_.committed_at());

@@ -55,9 +55,20 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
       AnswerJoin(join, true, {});
       engine_.AddMember(*decision.member, now);
       editor_.OnJoined(decision.member->robots);
+      NoteGoals(join);
       if (run_.phase == Phase::kGathering && all_have_joined()) return Begin(now);
       if (run_.phase == Phase::kRunning) run_.endpoint.SendFrame(run_.frame);  // sent before this agent was there
       return;
+  }
+}
+
+void TickCoordinator::NoteGoals(const JoinMessage& join) {
+  for (const std::string& name : join.robots) {
+    const std::optional<RobotId> robot = FindRobot(run_.world(), name);
+    if (!robot) continue;
+    const auto& accepting = join.accept_goals;
+    run_.accepts_goals[run_.world().robot(*robot).controller.name] =
+        std::find(accepting.begin(), accepting.end(), name) != accepting.end();
   }
 }
 

@@ -78,6 +78,7 @@ class TickCoordinator {
   double RejoinDeadline() const;
   void GiveUpNewRobots(double now);
   void OnOtherService(const SessionMessage& other, double now);
+  void NoteGoals(const JoinMessage& join);
   void AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason);
 
   LiveRun run_;

@@ -260,6 +260,8 @@ void TickEngine::Commit(double now) {
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
   FrameMessage& frame = run_.frame;
   Enter(run_.options.trace, TickPhase::kStep, run_.next_tick());
+  const std::vector<RobotCommand> commands = std::exchange(frame.commands, {});
+  commands_.Elapse();
   ++steps_;
   const std::span<const Proposal> proposals = proposals_.ForStep(frame.state);
   StepResult next = Step(*run_.scene, frame.state, proposals, bodies_);
@@ -268,17 +270,23 @@ void TickEngine::Commit(double now) {
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(next.events));
   if (ticks_to_pause_) --*ticks_to_pause_;
   frame.paused = ticks_to_pause_ == 0U;
+  if (!frame.paused) frame.commands = commands_.ForNextTick(run_.world());
   pacer_.Committed(frame.state.tick, now);
-  Publish(proposals, now);
+  Publish({proposals, commands}, now);
 }
 
 void TickEngine::Resume(double now) {
   run_.frame.paused = false;
+  run_.frame.commands = commands_.ForNextTick(run_.world());
   ReportProgress(now);
   if (run_.phase != RunPhase::kRunning) return;
   run_.endpoint.SendFrame(run_.frame);
   pacer_.Resume(run_.frame.state.tick, now);
   Opened(now);
+}
+
+void TickEngine::SetSpeed(std::optional<double> speed, double now) {
+  pacer_.SetSpeed(speed, run_.world().interval_seconds(), run_.frame.state.tick, now);
 }
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
@@ -295,17 +303,18 @@ void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const 
   frame.state_hash = StateHash(frame.state);
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
   frame.paused = true;
+  frame.commands.clear();
+  if (frame.fresh_edition == frame.edition) commands_.Clear();
   ticks_to_pause_ = 0;
   Publish({}, now, &edit, &before);
 }
 
-void TickEngine::Publish(std::span<const Proposal> proposals, double now, const AppliedEdit* edit,
-                         const WorldState* before) {
+void TickEngine::Publish(const StepInputs& inputs, double now, const AppliedEdit* edit, const WorldState* before) {
   FrameMessage& frame = run_.frame;
   frame.awaited.clear();
   frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = false;
-  const CommittedTick tick{frame, proposals, edit, before};
+  const CommittedTick tick{frame, inputs.proposals, edit, before, inputs.commands};
   Status failure;
   const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;

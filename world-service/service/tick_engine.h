@@ -17,6 +17,7 @@
 #include "world-service/service/pacer.h"
 #include "world-service/service/proposal_collector.h"
 #include "world-service/service/resend_timer.h"
+#include "world-service/service/robot_commands.h"
 
 namespace troupe {
 
@@ -61,6 +62,12 @@ class TickEngine {
   // Resends the frame without `paused`, so that the agents propose. REQUIRES: the frame is paused.
   void Resume(double now);
 
+  // A multiple of real time; nothing: no pacing. REQUIRES: it is finite and positive; in realtime mode there is one.
+  void SetSpeed(std::optional<double> speed, double now);
+  const std::optional<double>& speed() const { return pacer_.speed(); }
+  // The command is in force for `ticks` ticks from the next frame on. REQUIRES: as RobotCommands::Add.
+  void AddCommand(const RobotCommand& command, std::uint64_t ticks) { commands_.Add(command, ticks); }
+
   // The scene of the run is another one; `removed` members have no robots in it.
   void ChangeWorld(std::span<const AgentId> removed);
   // Publishes the state after an edit, in a pause.
@@ -86,13 +93,18 @@ class TickEngine {
   // When the next tick may be committed.
   double NextDue() const;
   void Commit(double now);
-  // The proposals or the edit led to the frame.
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
   RunProgress Progress() const;
   bool IsLast(Tick tick) const;
+  // The barrier for the next tick.
   void Opened(double now);
-  void Publish(std::span<const Proposal> proposals, double now, const AppliedEdit* edit = nullptr,
+  // The inputs or the edit led to the frame.
+  struct StepInputs {
+    std::span<const Proposal> proposals = {};
+    std::span<const RobotCommand> commands = {};  // that the agents had for the proposals
+  };
+  void Publish(const StepInputs& inputs, double now, const AppliedEdit* edit = nullptr,
                const WorldState* before = nullptr);
   void End(double now);
   void ResendFrame();
@@ -103,6 +115,7 @@ class TickEngine {
   BodyIndex bodies_;  // of the run's scene: the steps' own
   TickBarrier barrier_;
   ProposalCollector proposals_;
+  RobotCommands commands_;
   Pacer pacer_;
   ResendTimer resend_timer_;
   bool play_after_edits_ = false;

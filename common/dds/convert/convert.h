@@ -7,5 +7,6 @@
 #include "common/dds/convert/convert_frame_request.h"
 #include "common/dds/convert/convert_join.h"
 #include "common/dds/convert/convert_proposal.h"
+#include "common/dds/convert/convert_robot_command.h"
 #include "common/dds/convert/convert_session.h"
 #include "common/dds/convert/convert_status.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/dds/convert/convert_pose.h"
+#include "common/dds/convert/convert_robot_command.h"
 
 namespace troupe::dds {
 namespace {
@@ -22,6 +23,8 @@ troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
   wire.pose = PoseToWire(message.pose);
   wire.scopes = message.scopes;
   wire.rename = message.rename;
+  wire.speed = message.speed.value_or(0.0);
+  wire.robot_command = ToWire(message.robot_command, arena);
   return wire;
 }
 
@@ -61,6 +64,13 @@ Result<ControlRequest> FromWire(const troupe_wire_Control& wire) {
   message.pose = PoseFromWire(wire.pose);
   message.scopes = wire.scopes;
   message.rename = wire.rename;
+  if (!(std::isfinite(wire.speed) && wire.speed >= 0.0)) {
+    return Error{{}, "control request with a speed that is negative or not finite"};
+  }
+  if (wire.speed > 0.0) message.speed = wire.speed;
+  Result<RobotCommand> command = FromWire(wire.robot_command);
+  if (!command.ok()) return command.error();
+  message.robot_command = std::move(command).value();
   return message;
 }
 

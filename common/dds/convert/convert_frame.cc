@@ -7,6 +7,8 @@
 #include <optional>
 #include <type_traits>
 
+#include "common/dds/convert/convert_robot_command.h"
+
 namespace troupe::dds {
 namespace {
 
@@ -345,6 +347,24 @@ Status EventsFromWire(const troupe_wire_Frame& wire, std::size_t robots, std::ve
   return {};
 }
 
+void CommandsToWire(const std::vector<RobotCommand>& commands, troupe_wire_Frame& wire, WireArena& arena) {
+  troupe_wire_RobotCommand* out = arena.Fill(wire.commands, commands.size());
+  for (const RobotCommand& command : commands) *out++ = dds::ToWire(command, arena);
+}
+
+Status CommandsFromWire(const troupe_wire_Frame& wire, std::size_t robots, std::vector<RobotCommand>& commands) {
+  commands.clear();
+  for (const troupe_wire_RobotCommand& element : Elements(wire.commands)) {
+    if (element.robot >= robots || (!commands.empty() && element.robot <= commands.back().robot.index())) {
+      return Error{{}, "frame with a command of robot " + std::to_string(element.robot) + ", expected ascending ids"};
+    }
+    Result<RobotCommand> command = dds::FromWire(element);
+    if (!command.ok()) return command.error();
+    commands.push_back(std::move(command).value());
+  }
+  return {};
+}
+
 }  // namespace
 
 troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, WireArena& arena) {
@@ -371,6 +391,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
   RowsToWire(now.objects, of(&WorldState::objects), wire.object_row, arena,
              [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
   EventsToWire(message.events, wire, arena);
+  CommandsToWire(message.commands, wire, arena);
   return wire;
 }
 
@@ -397,6 +418,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.awaited.assign(awaited.begin(), awaited.end());
   Status problem = StateFromWire(wire, message.state);
   if (problem.ok()) problem = EventsFromWire(wire, message.state.robots.size(), message.events);
+  if (problem.ok()) problem = CommandsFromWire(wire, message.state.robots.size(), message.commands);
   if (!problem.ok()) message = {};  // changes since it would have no base
   return problem;
 }

@@ -11,6 +11,7 @@ troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
   wire.host = arena.Copy(message.host);
   wire.pid = message.pid;
   arena.FillStrings(wire.robots, message.robots);
+  arena.FillStrings(wire.accept_goals, message.accept_goals);
   wire.world_edition = message.world_edition;
   wire.incarnation = message.incarnation;
   return wire;
@@ -25,6 +26,7 @@ Result<JoinMessage> FromWire(const troupe_wire_Join& wire) {
   message.host = Text(wire.host);
   message.pid = wire.pid;
   message.robots = Strings(wire.robots);
+  message.accept_goals = Strings(wire.accept_goals);
   message.world_edition = wire.world_edition;
   message.incarnation = wire.incarnation;
   return message;

@@ -16,6 +16,7 @@ troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
   wire.waiting_time = message.waiting_seconds;
   wire.edition = message.edition;
   wire.incarnation = message.incarnation;
+  wire.speed = message.speed.value_or(0.0);
   return wire;
 }
 
@@ -33,6 +34,7 @@ Result<StatusMessage> FromWire(const troupe_wire_Status& wire) {
   message.waiting_seconds = wire.waiting_time;
   message.edition = wire.edition;
   message.incarnation = wire.incarnation;
+  if (wire.speed > 0.0) message.speed = wire.speed;
   return message;
 }
 

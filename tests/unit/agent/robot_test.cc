@@ -32,7 +32,7 @@ class RobotTest : public ::testing::Test {
     }
     scene_ = std::make_unique<Scene>(world_.world());
     index_ = std::make_unique<BodyIndex>(*scene_);
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, {log_.get(), {}});
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, {log_.get(), AllowedPaths::All()});
     ASSERT_TRUE(robot.ok()) << robot.error().message;
     robot_ = std::move(robot).value();
     state_ = PlacedState(world_.world());
@@ -134,6 +134,51 @@ TEST_F(RobotTest, DecidesTheSameWithAndWithoutAScanLog) {
     }
   }
   EXPECT_EQ(decisions[0], decisions[1]);
+}
+
+class ExternalCommandTest : public RobotTest {
+ protected:
+  Twist Decide(Tick tick, const RobotCommand& command) {
+    ExternalCommand external;
+    AddCommand(command, world_.robot(id_).drive, external);
+    state_.tick = tick;
+    index_->Assign(state_);
+    return robot_->Decide(state_, *index_, external).twist;
+  }
+};
+
+TEST_F(ExternalCommandTest, ItsTwistReplacesTheControllersMotion) {
+  world_.SetController(id_, "script", R"({"commands": [{"at": 0, "vx": 0.5}]})");
+  Make();
+  RobotCommand command;
+  EXPECT_EQ(Decide(0, command).vx, 0.5);
+  command.twist = Twist{-0.25, 0.0, 1.0};
+  EXPECT_EQ(Decide(1, command), *command.twist);
+  command.twist = Twist{-9.0, 0.0, 0.0};
+  EXPECT_EQ(Decide(2, command).vx, -1.0) << "the drive bounds it";
+}
+
+TEST_F(ExternalCommandTest, ItsGoalIsInTheFrameOfThePoseEstimate) {
+  const std::string library = std::string(TEST_LIBRARY_FOLDER) + "/libcontroller_goals.so";
+  world_.SetController(id_, library);
+  // Its odometry begins at (0, 0), where it is at (1, 2), turned by a quarter.
+  world_.robot(id_).localization.type = LocalizationType::kOdometry;
+  Make();
+  ASSERT_TRUE(robot_->accepts_goals());
+  state_.robots[0].X_WR = {1.0, 2.0, 0.0, 0.5 * kPi};
+  RobotCommand command;
+  EXPECT_EQ(Decide(0, command), Twist());
+  command.goal = Goal{1, {{0.5, 2.75}}};
+  const Twist shown = Decide(1, command);
+  EXPECT_NEAR(shown.vx, 0.75, 1e-12);
+  EXPECT_NEAR(shown.wz, 0.5, 1e-12);
+  command.goal.reset();
+  EXPECT_EQ(Decide(2, command), Twist());
+}
+
+TEST_F(ExternalCommandTest, OtherControllersHaveNoGoals) {
+  Make();
+  EXPECT_FALSE(robot_->accepts_goals());
 }
 
 TEST_F(RobotTest, AnErrorNamesTheRobot) {

@@ -19,12 +19,24 @@ class TestController final : public troupe::Controller {
     return {7};
   }
 #endif
+#ifdef VARIANT_goals
+  bool AcceptsGoals() const override {
+    return true;
+  }
+#endif
   troupe::Command Update(const troupe::Observation& observation) override {
 #ifdef VARIANT_throws_later
     if (observation.tick >= 3) throw std::runtime_error("out of ideas");
 #endif
     troupe::Command command;
     command.twist.vx = 0.25 + 0.0 * observation.Random(0);
+#ifdef VARIANT_goals  // the motion shows the first waypoint
+    command.twist = {};
+    if (observation.goal != nullptr) {
+      command.twist.vx = observation.goal->waypoints[0].x();
+      command.twist.wz = observation.goal->waypoints[0].y();
+    }
+#endif
 #ifdef VARIANT_bad_lift
     if (observation.tick == 0) command.grippers = {{.fingers = troupe::FingerCommand::kClose }};
     if (observation.tick == 5) command.grippers = {{.lift = 140.0 }};

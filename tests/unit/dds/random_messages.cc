@@ -177,7 +177,8 @@ JoinMessage RandomMessages::Join() {
           static_cast<std::uint32_t>(Bits()),
           Texts(),
           static_cast<Edition>(Bits()),
-          static_cast<Incarnation>(Bits())};
+          static_cast<Incarnation>(Bits()),
+          Texts()};
 }
 
 std::vector<AdmissionMessage> RandomMessages::Admissions() {
@@ -228,7 +229,27 @@ FrameMessage RandomMessages::Frame() {
     event.object = MaybeId<ModelId>(1000);
     event.detail = Text();
   }
+  for (std::size_t robot = Below(4); robot < frame.state.robots.size(); robot += 1 + Below(6)) {
+    frame.commands.push_back(Command(RobotId(robot)));
+  }
   return frame;
+}
+
+RobotCommand RandomMessages::Command(RobotId robot) {
+  RobotCommand command;
+  command.robot = robot;
+  if (Coin()) command.twist = {Number(), Number(), Number()};
+  command.grippers.resize(Below(3));
+  for (GripperOrder& order : command.grippers) {
+    order.gripper = Below(5);
+    if (Coin()) order.opening = Number(0.0, 100.0);
+    if (Coin()) order.lift = Number(0.0, 100.0);
+  }
+  if (Coin()) return command;
+  command.goal.emplace().number = static_cast<std::uint32_t>(Bits());
+  for (std::size_t count = Below(4); count > 0; --count) command.goal->waypoints.emplace_back(Number(), Number());
+  if (Coin()) command.goal->heading = Number(-3.0, 3.0);
+  return command;
 }
 
 ProposalMessage RandomMessages::Proposal() {
@@ -262,7 +283,8 @@ StatusMessage RandomMessages::Status() {
           Texts(),
           Number(),
           static_cast<Edition>(Bits()),
-          static_cast<Incarnation>(Bits())};
+          static_cast<Incarnation>(Bits()),
+          Coin() ? std::optional(Number(0.1, 9.0)) : std::nullopt};
 }
 
 }  // namespace troupe::test

@@ -18,6 +18,7 @@ class RandomMessages {
   FrameMessage Frame();
   ProposalMessage Proposal();
   StatusMessage Status();
+  RobotCommand Command(RobotId robot);
 
  private:
   std::uint64_t Bits() { return engine_(); }

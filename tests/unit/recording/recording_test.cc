@@ -62,6 +62,13 @@ std::vector<RecordedTick> MakeTicks(const WorldDescription& world) {
       ++tick;
       next.proposals = {{RobotId(0), {0.25, 0.0, -0.5}, {}}, {RobotId(1), {1.0 / 3.0, 0.0, 0.0}, {0.5, 1e-300}}};
     }
+    if (number % 4 == 1) {
+      RobotCommand& command = next.commands.emplace_back();
+      command.robot = RobotId(1);
+      command.twist = Twist{0.5, 0.0, 0.25};
+      command.grippers = {{.gripper = 2, .opening = 30.0, .lift = {}}};
+      command.goal = Goal{3, {{1.0, 2.0}, {-1.0, 0.5}}, 0.5};
+    }
     if (resets) tick = 0;
     next.number = number;
     next.tick = tick;
@@ -91,6 +98,7 @@ void ExpectSame(const RecordedTick& found, const RecordedTick& expected) {
   EXPECT_EQ(found.edition, expected.edition);
   EXPECT_EQ(found.state_hash, expected.state_hash);
   EXPECT_EQ(found.proposals, expected.proposals);
+  EXPECT_EQ(found.commands, expected.commands);
   EXPECT_EQ(found.events, expected.events);
   EXPECT_EQ(found.keyframe, expected.keyframe);
   ASSERT_EQ(found.edit.has_value(), expected.edit.has_value());

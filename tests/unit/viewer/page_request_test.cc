@@ -31,6 +31,25 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   EXPECT_TRUE(spawn.request.rename);
 }
 
+TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
+  const PageControl speed = Control(R"({"type": "control", "id": 1, "command": "speed", "speed": 2.5})");
+  EXPECT_EQ(speed.request.command, ControlCommand::kSpeed);
+  EXPECT_EQ(speed.request.speed, 2.5);
+  EXPECT_EQ(Control(R"({"type": "control", "id": 1, "command": "speed", "speed": "max"})").request.speed, std::nullopt);
+  const PageControl all = Control(
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [1, 0, -0.5],
+          "grippers": [{"gripper": 1, "opening": 0}, {"gripper": 0, "lift": 50}],
+          "goal": {"waypoints": [[1, 2], [3, -4]], "heading": 0.5}})");
+  EXPECT_EQ(all.request.command, ControlCommand::kCommandRobot);
+  EXPECT_EQ(all.request.name, "r0");
+  EXPECT_EQ(all.request.ticks, 5u);
+  RobotCommand expected;
+  expected.twist = Twist{1.0, 0.0, -0.5};
+  expected.grippers = {{.gripper = 1, .opening = 0.0}, {.gripper = 0, .lift = 50.0}};
+  expected.goal = Goal{0, {{1.0, 2.0}, {3.0, -4.0}}, 0.5};
+  EXPECT_EQ(all.request.robot_command, expected);
+}
+
 TEST(PageRequestTest, ReadsSelections) {
   const Result<PageRequest> names = ParsePageRequest(R"({"type": "select", "robots": ["a", "b"]})");
   ASSERT_TRUE(names.ok());
@@ -69,6 +88,17 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "control", "id": 1, "command": "step", "ticks": 1.5})",
       R"({"type": "control", "id": 1, "command": "step", "ticks": 99999999999})",
       R"({"type": "control", "id": 1, "command": "delete"})",
+      R"({"type": "control", "id": 1, "command": "speed"})",
+      R"({"type": "control", "id": 1, "command": "speed", "speed": 0})",
+      R"({"type": "control", "id": 1, "command": "speed", "speed": "fast"})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "twist": [1, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "ticks": 1, "twist": [1, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1, "twist": [1, 0]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1, "grippers": [3]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1, "grippers": [{"gripper": -1}]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1, "goal": [1, 2]})",
+      R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1, "goal": {"waypoints": [1]}})",
       R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3]})",
       R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3, 1e999]})",
       R"({"type": "control", "id": 1, "command": "set_pose", "name": "a", "pose": [1, 2, 3, null]})",

@@ -32,6 +32,8 @@ ControlRequest RandomMessage(test::RandomMessages& random, std::uint64_t seed, C
   request.source = random.Join().host;
   request.pose = {1.0, -2.0, 0.5, 3.0};
   request.rename = seed % 2 == 1;
+  if (seed % 3 == 0) request.speed = 0.5 + static_cast<double>(seed);
+  request.robot_command = random.Command(RobotId(seed));
   return request;
 }
 

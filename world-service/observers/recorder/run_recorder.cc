@@ -146,6 +146,7 @@ RecordedTick RunRecorder::Convert(const CommittedTick& tick) {
   recorded.edition = frame.edition;
   recorded.state_hash = frame.state_hash;
   recorded.proposals.assign(tick.proposals.begin(), tick.proposals.end());
+  recorded.commands.assign(tick.commands.begin(), tick.commands.end());
   recorded.events = frame.events;
   if (tick.edit != nullptr) {
     RecordedEdit& edit = recorded.edit.emplace();

@@ -23,6 +23,7 @@ std::size_t SizeOf(const WorldDescription& world) {
 std::size_t SizeOf(const RecordedTick& tick) {
   std::size_t size = sizeof tick + tick.proposals.size() * sizeof(Proposal) + tick.events.size() * sizeof(Event);
   for (const Proposal& proposal : tick.proposals) size += proposal.joint_velocities.size() * sizeof(double);
+  size += tick.commands.size() * sizeof(RobotCommand);
   if (tick.keyframe) size += SizeOf(tick.keyframe->state);
   if (!tick.edit) return size;
   size += sizeof(RecordedEdit) + SizeOf(tick.edit->before.state);

@@ -1,4 +1,4 @@
-#include "robot-agent/ros/twist_command.h"
+#include "robot-agent/drive/twist_command.h"
 
 #include <cmath>
 
@@ -6,9 +6,7 @@
 
 namespace troupe {
 
-std::optional<Command> CommandFromTwist(const ros::TwistMessage& twist, const DriveDescription& drive) {
-  const Twist wanted{twist.linear.x, twist.linear.y, twist.angular.z};
-  if (!IsFinite(wanted)) return std::nullopt;
+Command CommandFromTwist(const Twist& wanted, const DriveDescription& drive) {
   Command command;
   if (drive.type != DriveType::kCar) {
     command.twist = wanted;

@@ -1,0 +1,13 @@
+// From a twist to the command of a drive.
+#pragma once
+
+#include "common/model/world_description.h"
+#include "troupe/controller.h"
+
+namespace troupe {
+
+// The drive applies its own bounds. A car steers onto the arc of the twist; it cannot turn on the spot.
+// REQUIRES: IsFinite(wanted).
+Command CommandFromTwist(const Twist& wanted, const DriveDescription& drive);
+
+}  // namespace troupe

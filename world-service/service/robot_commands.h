@@ -1,0 +1,45 @@
+// RobotCommands: the commands to robots from outside of the simulation (tools, viewers), each in force for a number of
+// ticks. A command replaces the one before of the same kind: motion, each gripper, goal.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/model/robot_command.h"
+#include "common/model/world_description.h"
+
+namespace troupe {
+
+class RobotCommands {
+ public:
+  // For the next `ticks` ticks. A goal without waypoints cancels the goal.
+  // REQUIRES: CheckRobotCommand succeeded, but for that.
+  void Add(const RobotCommand& command, std::uint64_t ticks);
+
+  // Those for the next tick, in robot-id order, of robots that the world has.
+  std::vector<RobotCommand> ForNextTick(const WorldDescription& world);
+  // The tick for which ForNextTick was called last was stepped.
+  void Elapse();
+
+  void Clear() { robots_.clear(); }
+
+ private:
+  template <typename Value>
+  struct Timed {
+    Value value;
+    std::uint64_t ticks = 0;  // left
+    bool sent = false;        // by ForNextTick
+  };
+  struct OfRobot {
+    std::optional<Timed<Twist>> twist;
+    std::map<std::size_t, Timed<GripperOrder>> grippers;
+    std::optional<Timed<Goal>> goal;
+    bool empty() const { return !twist && grippers.empty() && !goal; }
+  };
+  std::map<RobotId, OfRobot> robots_;
+  std::uint32_t goals_ = 0;  // numbers them
+};
+
+}  // namespace troupe
