@@ -129,8 +129,11 @@ enum class ControlCommand : std::uint8_t {
   // While the run plays or is paused.
   kSpeed = 11,         // `speed`
   kCommandRobot = 12,  // `robot_command` for robot `name`, in force for `ticks` ticks
+  // An edit: adds the deleted entity `source` again as `name`, at `pose`. A robot has a new id, and its controller
+  // starts.
+  kRestore = 13,
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kCommandRobot;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kRestore;
 
 inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 

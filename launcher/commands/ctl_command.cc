@@ -187,6 +187,11 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
   AddPose(spawn, options, "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
   AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
           options);
+  CLI::App* const restore =
+      AddAction(command, options, "restore", "Add a deleted robot, object or model again", ControlCommand::kRestore);
+  restore->add_option("NAME", options->request.source, "Its name when it was deleted")->required();
+  restore->add_option("--name", options->request.name, "Its name from now on (default: the same)")->type_name("NAME");
+  AddPose(restore, options, "Pose in the world frame, in metres and degrees; without Z on the ground")->required();
   CLI::App* const set_pose =
       AddAction(command, options, "set-pose", "Move a robot, an object or a model to a pose", ControlCommand::kSetPose);
   AddName(set_pose, options);

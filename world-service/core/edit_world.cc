@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -239,6 +240,50 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
   WorldDescription world = scene->world();
   Remove(world, root.value());
   return Finish(workspace, std::make_shared<const Scene>(std::move(world)));
+}
+
+WorldDescription ExtractEntity(const WorldDescription& world, ModelId root) {
+  WorldDescription entity;
+  entity.name = world.name;
+  entity.seed = world.seed;
+  entity.interval_ns = world.interval_ns;
+  entity.gravity = world.gravity;
+  std::map<ModelId, ModelId> models;  // from the world to the entity
+  for (std::size_t i = root.index(); i < world.models.size(); ++i) {
+    if (!IsInTree(world, ModelId(i), root)) continue;
+    models[ModelId(i)] = ModelId(entity.models.size());
+    ModelDescription model = world.models[i];
+    if (model.parent) model.parent = models.at(*model.parent);
+    model.shape = AddShape(entity, world.shape(model.shape));
+    entity.models.push_back(std::move(model));
+  }
+  std::map<JointId, JointId> joints;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (world.robots[i].root != root) continue;
+    RobotDescription robot = world.robots[i];
+    robot.root = models.at(robot.root);
+    for (SensorDescription& sensor : robot.sensors) sensor.model = models.at(sensor.model);
+    entity.robots.push_back(std::move(robot));
+    for (std::size_t j = 0; j < world.joints.size(); ++j) {
+      if (world.joints[j].robot != RobotId(i)) continue;
+      joints[JointId(j)] = JointId(entity.joints.size());
+      entity.joints.push_back(world.joints[j]);
+      entity.joints.back().robot = RobotId(0);
+      entity.joints.back().model = models.at(world.joints[j].model);
+    }
+    for (GripperDescription gripper : world.grippers) {
+      if (gripper.robot != RobotId(i)) continue;
+      gripper.robot = RobotId(0);
+      for (ModelId* model : {&gripper.model, &gripper.left_pad, &gripper.right_pad}) *model = models.at(*model);
+      for (JointId* joint : {&gripper.left, &gripper.right}) *joint = joints.at(*joint);
+      if (gripper.lift) gripper.lift = joints.at(*gripper.lift);
+      entity.grippers.push_back(std::move(gripper));
+    }
+  }
+  for (const ModelId object : world.objects) {
+    if (object == root) entity.objects.push_back(models.at(object));
+  }
+  return entity;
 }
 
 Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,

@@ -39,6 +39,10 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
 Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                 const WorldDescription& spawned, const std::string& name, const Pose& X_WE);
 
+// A world with only the entity, as SpawnEntity adds it: the tree of `root` with its robot, joints, grippers and object,
+// as the description has them. REQUIRES: `root` is an entity that was not removed.
+WorldDescription ExtractEntity(const WorldDescription& world, ModelId root);
+
 // The parts of a world that a reset concerns.
 struct ResetScopes {
   bool time = true;     // back to tick 0

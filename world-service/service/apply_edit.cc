@@ -48,6 +48,7 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kSpawnables:
     case ControlCommand::kSpeed:
     case ControlCommand::kCommandRobot:
+    case ControlCommand::kRestore:  // becomes a spawn
       return false;
   }
   return false;

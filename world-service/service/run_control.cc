@@ -30,7 +30,13 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   if (queue_.size() + awaiting_pause_.size() >= kMostOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
-  if (IsEdit(request.command)) return EnqueueEdit(std::move(open), now);
+  if (request.command == ControlCommand::kRestore) {
+    open.world = editor_.Deleted(request.source);
+    if (open.world == nullptr) return Reply(open, Refusal("no entity '" + request.source + "' was deleted"));
+    open.request.command = ControlCommand::kSpawn;
+    if (open.request.name.empty()) open.request.name = request.source;
+  }
+  if (IsEdit(open.request.command)) return EnqueueEdit(std::move(open), now);
   switch (request.command) {
     case ControlCommand::kPlay:
       return Play(open, now);

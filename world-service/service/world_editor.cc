@@ -1,5 +1,6 @@
 #include "world-service/service/world_editor.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <new>
 #include <utility>
@@ -10,6 +11,8 @@
 
 namespace troupe {
 namespace {
+
+constexpr std::size_t kMostDeleted = 100;  // entities that can be restored
 
 // "scout" of "scout", "robots/scout.inc" or "robots.inc#scout".
 std::string NameOfSource(const std::string& source) {
@@ -46,12 +49,28 @@ std::string NoticeOf(const ControlRequest& request) {
 Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
   if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
   const AppliedEdit edit{request, world};
+  std::optional<DeletedEntity> deleted;
+  if (request.command == ControlCommand::kDelete) {
+    const Result<ModelId> root = FindEntity(run_.world(), request.name);
+    if (!root.ok()) return root.error();
+    deleted = {request.name, std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()))};
+  }
   Result<EditedWorld> edited = ApplyIfRoom(edit);
   if (!edited.ok()) return edited.error();
+  if (deleted) {
+    deleted_.push_back(std::move(*deleted));
+    if (deleted_.size() > kMostDeleted) deleted_.pop_front();
+  }
   run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
+}
+
+std::shared_ptr<const WorldDescription> WorldEditor::Deleted(const std::string& name) const {
+  const auto found = std::find_if(deleted_.rbegin(), deleted_.rend(),
+                                  [&](const DeletedEntity& deleted) { return deleted.name == name; });
+  return found == deleted_.rend() ? nullptr : found->entity;
 }
 
 Result<EditedWorld> WorldEditor::ApplyIfRoom(const AppliedEdit& edit) const {

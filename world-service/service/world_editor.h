@@ -4,6 +4,7 @@
 // Passive, as TickEngine.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ class WorldEditor {
   // Both outlive the editor.
   WorldEditor(LiveRun& run, TickEngine& engine)
       : run_(run), engine_(engine), original_(run.options.resumed ? run.options.resumed->original : run.scene) {}
+
+  // The entity called `name` that was deleted last, for a spawn; null: none, or too many were deleted since.
+  std::shared_ptr<const WorldDescription> Deleted(const std::string& name) const;
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
   // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
@@ -47,6 +51,11 @@ class WorldEditor {
   std::shared_ptr<const Scene> original_;  // of the world as loaded
   double newcomers_since_ = 0.0;           // wall time of the newest edit, s
   std::vector<std::string> new_robots_;
+  struct DeletedEntity {
+    std::string name;
+    std::shared_ptr<const WorldDescription> entity;
+  };
+  std::deque<DeletedEntity> deleted_;  // the newest last
 };
 
 }  // namespace troupe

@@ -177,6 +177,22 @@ TEST_F(HoldingTest, ARobotThatIsDeletedReleases) {
   EXPECT_EQ(object().X_WO.z, 0.0);
 }
 
+TEST_F(HoldingTest, AnExtractedEntityCanBeSpawnedAgain) {
+  const WorldDescription robot = ExtractEntity(scene->world(), hand.root);
+  const WorldDescription can = ExtractEntity(scene->world(), test.world.objects[0]);
+  EXPECT_TRUE(Validate(robot).ok());
+  EXPECT_EQ(robot.models[0], scene->world().model(hand.root));
+  const std::size_t joints = scene->world().joints.size();
+  EXPECT_EQ(Delete(NameOf(hand.root)), "");
+  EXPECT_EQ(Spawn(robot, "again", {5.0, 5.0, 0.0, 0.0}), "");
+  EXPECT_EQ(Spawn(can, "can", {5.33, 5.0, 0.0, 0.0}), "");
+  ASSERT_EQ(scene->world().joints.size(), 2 * joints);
+  const std::size_t spawned = state.objects.size() - 1;
+  GripperDemand grip{.fingers = 0.5};
+  Step({{}, grip}, 5);
+  EXPECT_EQ(state.objects[spawned].holder, GripperId(1)) << "it grips as before";
+}
+
 TEST_F(HoldingTest, ABoxThatIsMovedIsReleased) {
   EXPECT_EQ(Set(NameOf(test.world.objects[0]), {3.0, 0.0, 0.0, 0.0}), "");
   EXPECT_EQ(state.grippers[0], GripperState{});

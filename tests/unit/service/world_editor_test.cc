@@ -50,6 +50,18 @@ TEST_F(WorldEditorTest, AnErrorChangesNothing) {
   EXPECT_THAT(run_->notices.Drain(), IsEmpty());
 }
 
+TEST_F(WorldEditorTest, KeepsDeletedEntitiesForARestoration) {
+  MakeEditor();
+  EXPECT_EQ(editor_->Deleted("r0"), nullptr);
+  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kDelete, "r0"), nullptr, now_).ok());
+  const auto deleted = editor_->Deleted("r0");
+  ASSERT_NE(deleted, nullptr);
+  ControlRequest spawn = Request(ControlCommand::kSpawn, "again", {0.0, 5.0, 0.0, 0.0});
+  ASSERT_TRUE(editor_->Apply(spawn, deleted.get(), now_).ok());
+  EXPECT_EQ(run_->world().robots.back().name, "again");
+  EXPECT_EQ(run_->world().robots.back().drive, run_->world().robots.front().drive);
+}
+
 TEST_F(WorldEditorTest, ASpawnedRobotNeedsAnAgentInTime) {
   options_.start_timeout_seconds = 5.0;
   MakeEditor();
