@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/find_session.h"
+#include "launcher/commands/recorded_states.h"
 #include "launcher/process/signal_watch.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"
@@ -35,6 +37,7 @@ constexpr int kNiceness = 10;  // where processors are short, the run goes first
 
 struct ViewOptions {
   NetworkSettings network;  // session empty: the only one
+  std::string file;         // of a recording; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
   bool view_only = false;
 };
@@ -102,18 +105,18 @@ std::string TokenOf(const NetworkSettings& network) {
   return keys.value().token->Proof("the page of its viewer").substr(0, MakeToken().size());
 }
 
-int Serve(const ViewOptions& options, SignalWatch& signals) {
-  DdsRunLink link(options.network);
+ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
   ViewerGatewayOptions gateway_options;
-  gateway_options.session = options.network.session;
   gateway_options.view_only = options.view_only;
-  gateway_options.token = TokenOf(options.network);
   if (const std::optional<ListenAddress> listen = ParseListen(options.listen)) {
     gateway_options.address = listen->address;
     gateway_options.port = listen->port;
     gateway_options.any_port = false;
   }
-  const Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(gateway_options, link);
+  return gateway_options;
+}
+
+int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals) {
   if (!gateway.ok()) return Fail(gateway.error());
   fmt::print("viewer: {}\n", gateway.value()->Address());
   std::fflush(stdout);
@@ -126,16 +129,38 @@ int Serve(const ViewOptions& options, SignalWatch& signals) {
   return kExitDone;
 }
 
+int ServeRun(const ViewOptions& options, SignalWatch& signals) {
+  DdsRunLink link(options.network);
+  ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
+  gateway_options.session = options.network.session;
+  gateway_options.token = TokenOf(options.network);
+  return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
+}
+
+int ServeRecording(const ViewOptions& options, SignalWatch& signals) {
+  const Result<Recording> recording = Recording::Open(options.file);
+  if (!recording.ok()) return Fail(recording.error());
+  std::optional<std::string> damage;
+  const Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(recording.value(), damage);
+  if (!states.ok()) return Fail(states.error());
+  if (damage) fmt::print(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
+  ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
+  gateway_options.session = std::filesystem::path(options.file).filename().string();
+  gateway_options.token = MakeToken();
+  return ServeUntilStopped(ViewerGateway::Start(gateway_options, *states.value()), signals);
+}
+
 int ViewCommand(ViewOptions options) {
   SignalWatch signals;
   setpriority(PRIO_PROCESS, 0, kNiceness);
   try {
+    if (!options.file.empty()) return ServeRecording(options, signals);
     if (options.network.session.empty()) {
       Result<std::string> found = FindSession(options.network);
       if (!found.ok()) return Fail(found.error());
       options.network.session = std::move(found).value();
     }
-    return Serve(options, signals);
+    return ServeRun(options, signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }
@@ -144,10 +169,17 @@ int ViewCommand(ViewOptions options) {
 }  // namespace
 
 void AddViewCommand(CLI::App& app, int& exit_status) {
-  CLI::App* command = app.add_subcommand("view", "Show a run in a browser");
+  CLI::App* command = app.add_subcommand("view", "Show a run, or a recording of one, in a browser");
   const auto options = std::make_shared<ViewOptions>();
-  command->add_option("SESSION", options->network.session, "Session of the run (default: the only one in the domain)")
-      ->check(SessionName());
+  command
+      ->add_option_function<std::string>(
+          "SESSION|FILE.mcap",
+          [options](const std::string& name) {
+            (IsRecordingPath(name) ? options->file : options->network.session) = name;
+          },
+          "Session of the run (default: the only one in the domain), or a recording")
+      ->check(CLI::Validator(
+          [](std::string& text) { return IsRecordingPath(text) ? std::string() : SessionName()(text); }, ""));
   command
       ->add_option("--listen", options->listen,
                    fmt::format("Where the web server listens (default: 127.0.0.1:{}, or another port if that one is in "

@@ -243,15 +243,136 @@ async function editsTheRun() {
   assert.equal(reply.done, false);
   assert.match(reply.problem, /view-only/);
   assert.ok(await watching.isDisabled('#play'));
-  assert.equal(await only.stop(), 0);
   gatewayIsDown = true;
+  await watching.close();
+  assert.equal(await only.stop(), 0);
+  await page.close();
   await edited.stop();
+}
+
+async function drivesARobot() {
+  const driven = run('driven', ['--ticks', '1000000', '--speed', '1']);
+  const page = await open(`${await driven.line('viewer: ')}#robot=anna`);
+  const anna = async () => (await look(page, 'anna')).robots.find(robot => robot.name === 'anna');
+  const twist = (what, wanted) => until(what, async () => wanted((await anna()).twist));
+  await until('anna is selected', async () => (await page.textContent('#panel-name')) === 'anna');
+
+  // The speed of the run.
+  await page.selectOption('#speed', '2');
+  await stateOf(page, 'the run has another speed', state => state.speed === 2);
+
+  // The robot stands still while it is not driven, whatever its controller commands.
+  await page.keyboard.press('c');
+  await twist('anna stands still', ([vx, , wz]) => vx === 0 && wz === 0);
+  await page.keyboard.down('a');
+  await twist('anna turns', ([vx, , wz]) => vx === 0 && wz > 0);
+  await page.keyboard.up('a');
+  await twist('anna stands still again', ([vx, , wz]) => vx === 0 && wz === 0);
+  await page.keyboard.press('Escape');
+  await twist('its controller continues', ([vx, , wz]) => vx !== 0 || wz !== 0);
+
+  // A robot whose controller accepts no goals is not sent anywhere.
+  const sent = await page.evaluate(() => window.troupe.request('command_robot', {name: 'anna', ticks: 5, goal: {waypoints: [[0, 0]]}}));
+  assert.equal(sent.done, false);
+  assert.match(sent.problem, /accepts no goals/);
+
+  // Undo and redo.
+  await page.click('#play');
+  await stateOf(page, 'the run is paused', state => state.paused);
+  const before = (await anna()).pose.x;
+  await page.click('#move');
+  const from = await page.evaluate(() => window.troupe.placeOf('anna'));
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x + 25, from.y, {steps: 4});
+  await page.mouse.up();
+  await until('anna is moved', async () => Math.abs((await anna()).pose.x - before) > 0.05);
+  const after = (await anna()).pose.x;
+  await page.keyboard.press('Control+z');
+  await until('anna is back', async () => (await anna()).pose.x === before);
+  await page.keyboard.press('Control+Shift+Z');
+  await until('anna is moved again', async () => (await anna()).pose.x === after);
+  await page.keyboard.press('Escape');
+  const bela = async () => (await look(page, 'bela')).robots.find(robot => robot.name === 'bela');
+  await page.evaluate(() => window.troupe.select('bela'));
+  await until('bela is selected', async () => (await page.textContent('#panel-name')) === 'bela');
+  await page.click('#delete');
+  await until('bela is deleted', async () => !(await bela()));
+  await page.click('#undo');
+  await until('bela is there again', bela);
+  gatewayIsDown = true;
+  await page.close();
+  await driven.stop();
+  gatewayIsDown = false;
+}
+
+async function showsThePast() {
+  const path = name => `${files}/${name}`;
+  const ticks = 400;
+  const recorded = run('recorded', [
+    '--ticks', String(ticks), '--speed', '2', '--poses', path('past.csv'), '--hash-log', path('past.hash'),
+    '--record', path('past.mcap'), '--keyframe-interval', '50',
+  ]);
+  const samples = [];
+  const sample = async (page, tick) => {
+    await stateOf(page, `tick ${tick} is shown`, state => state.past && state.tick === tick);
+    samples.push(await look(page, 'anna'));
+  };
+  // By the slider, as a user drags it.
+  const drag = (page, position) => page.$eval('#timeline', (slider, value) => {
+    slider.value = String(value);
+    slider.dispatchEvent(new Event('input'));
+  }, position);
+
+  const live = await open(await recorded.line('viewer: '));
+  const some = await stateOf(live, 'there is a past', state => state.last - state.first >= 20);
+  await drag(live, some.first + 5);
+  const past = await stateOf(live, 'the past is shown', state => state.past && state.tick < some.tick);
+  samples.push(await look(live, 'anna'));
+  assert.match(live.url(), /tick=/);
+  await live.click('#live');
+  await stateOf(live, 'the page returns to the live run', state => !state.past && state.tick > past.tick);
+  await stateOf(live, 'the run is over', state => state.over);
+  assert.equal(await recorded.end, 0, recorded.lines.join('\n'));
+  gatewayIsDown = true;
+  await live.close();
+  gatewayIsDown = false;
+
+  const replayed = new Program(troupe, ['view', path('past.mcap'), '--listen', '127.0.0.1:0']);
+  const page = await open(`${await replayed.line('viewer: ')}#tick=333`);
+  await sample(page, 333);
+  for (const tick of [0, 400, 51, 50, 49, 120]) {
+    await drag(page, tick);  // without edits positions are ticks
+    await sample(page, tick);
+  }
+  await page.click('#play');
+  await stateOf(page, 'the recording plays', state => state.tick > 125);
+  await page.click('#play');
+  await page.click('#back');
+  await stateOf(page, 'the recording plays backwards', state => state.tick < 120);
+  await page.click('#back');
+  assert.equal((await page.evaluate(() => window.troupe.request('pause'))).done, false);
+  gatewayIsDown = true;
+  await page.close();
+  assert.equal(await replayed.stop(), 0);
+  gatewayIsDown = false;
+
+  const poses = readPoses(path('past.csv'));
+  const hashes = readHashes(path('past.hash'));
+  assert.ok(samples.length >= 8);
+  for (const shown of samples) {
+    assert.equal(shown.state.hash, hashes.get(shown.state.tick));
+    checkRobots(shown, poses);
+  }
 }
 
 let failed = false;
 try {
   await showsTheRunAsItIs();
   await editsTheRun();
+  gatewayIsDown = false;
+  await drivesARobot();
+  await showsThePast();
   assert.deepEqual(problems, [], 'no errors on the page, and no request leaves this host');
   console.log('browser_test: passed');
 } catch (error) {

@@ -19,7 +19,7 @@ struct CommandName {
   ControlCommand command;
 };
 
-constexpr std::array<CommandName, 11> kCommands = {{{"status", ControlCommand::kStatus},
+constexpr std::array<CommandName, 12> kCommands = {{{"status", ControlCommand::kStatus},
                                                     {"pause", ControlCommand::kPause},
                                                     {"play", ControlCommand::kPlay},
                                                     {"step", ControlCommand::kStep},
@@ -29,7 +29,8 @@ constexpr std::array<CommandName, 11> kCommands = {{{"status", ControlCommand::k
                                                     {"set_pose", ControlCommand::kSetPose},
                                                     {"spawnables", ControlCommand::kSpawnables},
                                                     {"speed", ControlCommand::kSpeed},
-                                                    {"command_robot", ControlCommand::kCommandRobot}}};
+                                                    {"command_robot", ControlCommand::kCommandRobot},
+                                                    {"restore", ControlCommand::kRestore}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
 
@@ -114,7 +115,13 @@ Result<PageRequest> ParseControl(const Json& object) {
     if (!IsModelName(request.source)) return Malformed("source '" + request.source + "'", "a model of the world file");
     request.rename = true;
   }
-  if (*command == ControlCommand::kSpawn || *command == ControlCommand::kSetPose) {
+  if (*command == ControlCommand::kRestore) {
+    request.source = TextIn(object, "source");
+    request.name = TextIn(object, "name");
+    if (request.source.empty() || request.name.empty()) return Malformed("no names", "source and name");
+  }
+  if (*command == ControlCommand::kSpawn || *command == ControlCommand::kRestore ||
+      *command == ControlCommand::kSetPose) {
     const auto pose = PoseIn(object);
     if (!pose) return Malformed("no pose", "four finite numbers");
     request.pose = *pose;
@@ -147,7 +154,13 @@ Result<PageRequest> ParsePageRequest(std::string_view text) {
   const std::string type = TextIn(object, "type");
   if (type == "select") return ParseSelect(object);
   if (type == "control") return ParseControl(object);
-  return Malformed("type '" + type + "'", "select or control");
+  if (type == "live") return PageRequest(LiveRequest());
+  if (type == "seek") {
+    const SeekRequest seek{WholeNumberIn(object, "position"), WholeNumberIn(object, "tick")};
+    if (seek.position.has_value() == seek.tick.has_value()) return Malformed("a seek", "a position or a tick");
+    return PageRequest(seek);
+  }
+  return Malformed("type '" + type + "'", "select, control, seek or live");
 }
 
 bool IsQuestion(ControlCommand command) {

@@ -3,10 +3,13 @@
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, ...}: page_robot_command.h
+//   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
+//   {"type": "live"}
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -32,7 +35,17 @@ struct PageControl {
   bool operator==(const PageControl&) const = default;
 };
 
-using PageRequest = std::variant<SelectRequest, PageControl>;
+struct SeekRequest {
+  std::optional<std::uint64_t> position;
+  std::optional<Tick> tick;
+  bool operator==(const SeekRequest&) const = default;
+};
+
+struct LiveRequest {
+  bool operator==(const LiveRequest&) const = default;
+};
+
+using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest>;
 
 // The error is of the page, or of a stranger: it is not a request.
 Result<PageRequest> ParsePageRequest(std::string_view text);

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "viewer/gateway/world_message.h"
-
 namespace troupe {
 
 void RunFeed::Read(FeedContent& content) const {
@@ -19,13 +17,7 @@ bool RunFeed::ConsumeServiceGone() {
 // The work for a new world is done here, on the thread of the observer: it may take a while, and loses frames only.
 void RunFeed::OnSession(const SessionMessage& session) {
   if (announced_ && announced_->run == session.run && announced_->edition == session.world_edition) return;
-  auto world = std::make_shared<ViewedWorld>();
-  world->number = ++worlds_;
-  world->run = session.run;
-  world->edition = session.world_edition;
-  world->message = std::make_shared<const std::string>(EncodeWorld(session, world->number));
-  world->scene = std::make_shared<const Scene>(session.world);
-  announced_ = std::move(world);
+  announced_ = MakeViewedWorld(session, ++worlds_);
 }
 
 void RunFeed::OnFrame(const FrameMessage& frame) {
@@ -35,6 +27,8 @@ void RunFeed::OnFrame(const FrameMessage& frame) {
     content_.events.clear();
     content_.status.reset();
     newest_events_.reset();
+    history_.Clear();
+    remembered_.reset();
   } else if (std::pair(frame.edition, frame.state.tick) < std::pair(content_.edition, content_.state.tick)) {
     return;
   }
@@ -45,6 +39,11 @@ void RunFeed::OnFrame(const FrameMessage& frame) {
   content_.edition = frame.edition;
   content_.paused = frame.paused;
   content_.last = frame.last;
+  const std::pair at(frame.edition, frame.state.tick);
+  if (!remembered_ || at > *remembered_) {  // a frame may be delivered twice
+    remembered_ = at;
+    content_.position = history_.Add({0, announced_, frame.state, frame.state_hash, frame.edition});
+  }
   AddEvents(frame);
 }
 
@@ -53,7 +52,7 @@ void RunFeed::AddEvents(const FrameMessage& frame) {
   const std::pair at(frame.edition, frame.state.tick);
   if (newest_events_ && at <= *newest_events_) return;
   newest_events_ = at;
-  for (const Event& event : frame.events) content_.events.push_back({++events_, event});
+  for (const Event& event : frame.events) content_.events.push_back({++events_, content_.position, event});
   while (content_.events.size() > kEventsKept) content_.events.pop_front();
 }
 

@@ -12,23 +12,10 @@
 #include <vector>
 
 #include "common/protocol/transport.h"
-#include "common/spatial/scene.h"
+#include "viewer/gateway/past_state.h"
+#include "viewer/gateway/run_history.h"
 
 namespace troupe {
-
-// The world of an edition, prepared for viewers.
-struct ViewedWorld {
-  std::uint32_t number = 0;  // counts the worlds of a feed from 1
-  RunId run = 0;
-  Edition edition = 0;                         // world_edition of its frames
-  std::shared_ptr<const std::string> message;  // EncodeWorld
-  std::shared_ptr<const Scene> scene;
-};
-
-struct NumberedEvent {
-  std::uint64_t number = 0;  // counts the events of a feed from 1
-  Event event;
-};
 
 // A copy of the newest content of a feed.
 struct FeedContent {
@@ -36,16 +23,20 @@ struct FeedContent {
   std::shared_ptr<const ViewedWorld> world;  // null: no run was found yet, or it has ended
   WorldState state;                          // of that world
   std::uint64_t state_hash = 0;
+  std::uint64_t position = 0;  // in the history
   Edition edition = 0;
   bool paused = false;
   bool last = false;  // the run has ended in order
   std::optional<StatusMessage> status;
-  std::deque<NumberedEvent> events;  // the newest of the run, at most RunFeed::kEventsKept
+  std::deque<NumberedEvent> events;  // the newest of the run, at most kEventsKept
 };
 
 class RunFeed : public ObserverHandler {
  public:
-  static constexpr std::size_t kEventsKept = 500;
+  explicit RunFeed(std::size_t history_bytes = std::size_t{128} << 20) : history_(history_bytes) {}
+
+  // The states of the run since it has been followed.
+  RunHistory& history() { return history_; }
 
   // Copies the content to `content` unless it has the same version already.
   void Read(FeedContent& content) const;
@@ -62,6 +53,7 @@ class RunFeed : public ObserverHandler {
  private:
   void AddEvents(const FrameMessage& frame);
 
+  RunHistory history_;
   mutable std::mutex mutex_;  // guards content_ and service_gone_
   FeedContent content_;
   bool service_gone_ = false;
@@ -69,6 +61,7 @@ class RunFeed : public ObserverHandler {
   std::shared_ptr<const ViewedWorld> announced_;
   std::uint32_t worlds_ = 0;
   std::uint64_t events_ = 0;
+  std::optional<std::pair<Edition, Tick>> remembered_;     // the newest state of the history
   std::optional<std::pair<Edition, Tick>> newest_events_;  // of the frame with the newest events
 };
 

@@ -14,6 +14,7 @@
 #include "viewer/gateway/follower.h"
 #include "viewer/gateway/robot_readings.h"
 #include "viewer/gateway/run_feed.h"
+#include "viewer/gateway/seek_queue.h"
 #include "viewer/gateway/state_rows.h"
 #include "viewer/gateway/viewer_state.h"
 #include "viewer/gateway/web_server.h"
@@ -32,10 +33,13 @@ constexpr std::uint8_t kPausedFlag = 1;
 constexpr std::uint8_t kLastFlag = 2;
 constexpr std::uint8_t kStatusFlag = 4;
 constexpr std::uint8_t kReadingsFlag = 8;
+constexpr std::uint8_t kPastFlag = 16;
 
 constexpr std::size_t kMostAwaited = 50;  // names in an update
 
-void Write(ByteWriter& writer, const Event& event) {
+void Write(ByteWriter& writer, const NumberedEvent& numbered) {
+  const Event& event = numbered.event;
+  writer.Write(numbered.position);
   writer.Write(event.tick);
   writer.Write(static_cast<std::uint8_t>(event.type));
   writer.WriteId(event.robot);
@@ -55,15 +59,25 @@ void Write(ByteWriter& writer, const StatusMessage& status) {
   const std::size_t named = std::min(status.waiting_for.size(), kMostAwaited);
   writer.WriteCount(named);
   for (std::size_t i = 0; i < named; ++i) writer.WriteText(status.waiting_for[i]);
+  writer.Write(status.speed.value_or(0.0));
 }
 
 class RunGateway final : public ViewerGateway, private WebHandler {
  public:
-  RunGateway(ViewerGatewayOptions options, RunLink& link)
+  // One of the two is not null.
+  RunGateway(ViewerGatewayOptions options, RunLink* link, Recorded* recording)
       : options_(std::move(options)),
         token_(options_.token.empty() && !IsLoopback(options_.address) ? MakeToken() : options_.token),
-        follower_(link, feed_),
-        controls_(link, [this] { server_->Wake(); }) {}
+        recording_(recording),
+        past_(recording != nullptr ? static_cast<PastStates&>(*recording) : feed_.history()),
+        seeks_(past_, [this] { server_->Wake(); }) {
+    if (recording != nullptr) {
+      for (const NumberedEvent& event : recording->Events()) content_.events.push_back(event);
+    }
+    if (link == nullptr) return;
+    follower_.emplace(*link, feed_);
+    controls_.emplace(*link, [this] { server_->Wake(); });
+  }
 
   ~RunGateway() override {
     if (server_) server_->Stop();
@@ -99,14 +113,16 @@ class RunGateway final : public ViewerGateway, private WebHandler {
     if (viewers_.empty()) server_->SetPeriod(1.0 / kUpdatesPerSecond);
     viewers_.try_emplace(viewer);
     shown_end_ = false;
-    follower_.SetWanted(true);
+    if (follower_) follower_->SetWanted(true);
+    if (recording_ != nullptr) Seek(viewer, past_.range().value_or(PastStates::Range()).first);
   }
 
   void OnClosed(Viewer viewer) override {
     viewers_.erase(viewer);
+    seeks_.Remove(viewer);
     if (!viewers_.empty()) return;
     shown_end_ = true;
-    follower_.SetWanted(false);
+    if (follower_) follower_->SetWanted(false);
     server_->SetPeriod(0.0);
   }
 
@@ -116,16 +132,25 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   void OnWake() override;
 
   void Answer(Viewer viewer, std::string text);
-  std::vector<RobotId> SelectedRobots(const ViewerState& viewer) const;
+  void Seek(Viewer viewer, std::uint64_t position);
+  void ReturnToLive(ViewerState& viewer);
+  void Control(Viewer viewer, PageControl control);
+  static std::vector<RobotId> SelectedRobots(const ViewerState& viewer, const WorldDescription& world);
   std::string SessionText() const;
   bool NeedsUpdate(const ViewerState& viewer) const;
+  std::optional<WebMessage> NextOfPast(ViewerState& viewer);
   std::shared_ptr<const std::string> MakeUpdate(ViewerState& viewer);
+  std::shared_ptr<const std::string> MakePastUpdate(ViewerState& viewer);
+  void WriteTimeline(ByteWriter& writer, std::uint64_t position) const;
   void WriteEvents(ByteWriter& writer, ViewerState& viewer) const;
-  void WriteReadings(ByteWriter& writer, const ViewerState& viewer);
+  void WriteReadings(ByteWriter& writer, const ViewerState& viewer, const WorldDescription& world,
+                     RobotReadings& readings);
 
   const ViewerGatewayOptions options_;
   const std::string token_;
   RunFeed feed_;
+  Recorded* const recording_;  // null: a live run
+  PastStates& past_;
   // Of the server's thread, with everything below but the threads themselves.
   std::map<Viewer, ViewerState> viewers_;
   FeedContent content_;
@@ -133,13 +158,15 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   std::uint64_t update_ = 0;  // counts the versions of the content that viewers may see
   std::uint32_t world_ = 0;   // of rows_
   RobotReadings readings_;
+  RobotReadings past_readings_;
   Clock::time_point next_readings_;
   bool measure_all_ = true;  // now; all robots are measured less often if that takes long
   std::string problem_;
   std::atomic<bool> shown_end_ = true;  // for any thread
   std::unique_ptr<WebServer> server_;   // stopped first, but the queue may wake it still
-  Follower follower_;
-  ControlQueue controls_;
+  SeekQueue seeks_;
+  std::optional<Follower> follower_;  // of a live run, as the next
+  std::optional<ControlQueue> controls_;
 };
 
 void RunGateway::Answer(Viewer viewer, std::string text) {
@@ -158,24 +185,61 @@ bool RunGateway::OnText(Viewer viewer, std::string_view text) {
     state.selection_new = true;
     return true;
   }
-  PageControl& control = std::get<PageControl>(request.value());
-  const std::uint64_t id = control.id;
-  if (options_.view_only && !IsQuestion(control.request.command)) {
-    Answer(viewer, PageReplyText(id, Failure("this viewer only shows the run (--view-only)")));
-  } else if (!controls_.Add(viewer, std::move(control))) {
-    Answer(viewer, PageReplyText(id, Failure("too many requests wait for the run")));
+  if (auto* const seek = std::get_if<SeekRequest>(&request.value())) {
+    const std::optional<std::uint64_t> position = seek->position ? seek->position : past_.PositionOf(*seek->tick);
+    if (position) Seek(viewer, *position);
+  } else if (std::holds_alternative<LiveRequest>(request.value())) {
+    ReturnToLive(viewers_[viewer]);
+  } else {
+    Control(viewer, std::move(std::get<PageControl>(request.value())));
   }
   return true;
 }
 
+void RunGateway::Control(Viewer viewer, PageControl control) {
+  const std::uint64_t id = control.id;
+  if (!controls_) {
+    Answer(viewer, PageReplyText(id, Failure("a recording cannot be changed")));
+  } else if (options_.view_only && !IsQuestion(control.request.command)) {
+    Answer(viewer, PageReplyText(id, Failure("this viewer only shows the run (--view-only)")));
+  } else if (!controls_->Add(viewer, std::move(control))) {
+    Answer(viewer, PageReplyText(id, Failure("too many requests wait for the run")));
+  }
+}
+
+void RunGateway::Seek(Viewer viewer, std::uint64_t position) {
+  viewers_[viewer].in_past = true;
+  seeks_.Add(viewer, position);
+}
+
+void RunGateway::ReturnToLive(ViewerState& viewer) {
+  if (recording_ != nullptr) return;
+  viewer.in_past = viewer.past_new = false;
+  viewer.past.reset();
+  viewer.update = 0;  // its rows are those of the past
+}
+
 void RunGateway::OnWake() {
-  for (ControlQueue::Answer& answer : controls_.TakeAnswers()) Answer(answer.viewer, std::move(answer.text));
+  if (controls_) {
+    for (ControlQueue::Answer& answer : controls_->TakeAnswers()) Answer(answer.viewer, std::move(answer.text));
+  }
+  for (SeekQueue::Found& found : seeks_.TakeFound()) {
+    const auto known = viewers_.find(found.viewer);
+    if (known == viewers_.end() || !known->second.in_past) continue;
+    if (found.state.ok()) {
+      known->second.past = std::move(found.state).value();
+      known->second.past_new = true;
+      server_->RequestMessage(found.viewer);
+    } else {
+      Answer(found.viewer, PageReplyText(0, found.state.error()));
+    }
+  }
 }
 
 void RunGateway::OnPeriod() {
   const std::uint64_t before = content_.version;
   feed_.Read(content_);
-  std::string problem = follower_.problem();
+  std::string problem = follower_ ? follower_->problem() : std::string();
   const bool has_world = content_.world != nullptr;
   const bool session_changed = problem != problem_ || has_world != (world_ != 0);
   problem_ = std::move(problem);
@@ -196,10 +260,11 @@ void RunGateway::OnPeriod() {
     if (is_behind) server_->RequestMessage(viewer);
     all_know = all_know && !is_behind;
   }
-  shown_end_ = all_know && (world_ == 0 || content_.last);
+  shown_end_ = all_know && (world_ == 0 || content_.last);  // of a recording: there is none
 }
 
 bool RunGateway::NeedsUpdate(const ViewerState& viewer) const {
+  if (viewer.in_past) return viewer.past && (viewer.past_new || viewer.selection_new);
   return world_ != 0 && (viewer.world != world_ || viewer.update != update_ || viewer.selection_new);
 }
 
@@ -207,7 +272,8 @@ std::string RunGateway::SessionText() const {
   const nlohmann::json text = {{"type", "session"},
                                {"session", options_.session},
                                {"view_only", options_.view_only},
-                               {"connected", world_ != 0},
+                               {"connected", world_ != 0 || recording_ != nullptr},
+                               {"recording", recording_ != nullptr},
                                {"problem", problem_}};
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -224,12 +290,52 @@ std::optional<WebMessage> RunGateway::NextMessage(Viewer id) {
     return WebMessage{std::move(text), true};
   }
   if (!NeedsUpdate(viewer)) return std::nullopt;
+  if (viewer.in_past) return NextOfPast(viewer);
   if (viewer.world != world_) {
     viewer.world = world_;
     viewer.update = 0;
     return WebMessage{content_.world->message, false};
   }
   return WebMessage{MakeUpdate(viewer), false};
+}
+
+std::optional<WebMessage> RunGateway::NextOfPast(ViewerState& viewer) {
+  const ViewedWorld& world = *viewer.past->world;
+  if (viewer.world != world.number) {
+    viewer.world = world.number;
+    viewer.update = 0;
+    return WebMessage{world.message, false};
+  }
+  return WebMessage{MakePastUpdate(viewer), false};
+}
+
+// Positions: of this state, of the oldest and of the newest that the viewer can go to.
+void RunGateway::WriteTimeline(ByteWriter& writer, std::uint64_t position) const {
+  const PastStates::Range range = past_.range().value_or(PastStates::Range());
+  writer.Write(position);
+  writer.Write(range.first);
+  writer.Write(range.last);
+}
+
+// All rows: the state before may be any.
+std::shared_ptr<const std::string> RunGateway::MakePastUpdate(ViewerState& viewer) {
+  const PastState& past = *viewer.past;
+  ByteWriter writer;
+  writer.Write(static_cast<std::uint8_t>(PageMessage::kUpdate));
+  writer.Write(past.world->number);
+  writer.Write(static_cast<std::uint8_t>(kPausedFlag | kReadingsFlag | kPastFlag));
+  writer.Write(past.state.tick);
+  writer.Write(past.state_hash);
+  writer.Write(past.edition);
+  WriteTimeline(writer, past.position);
+  StateRows rows;
+  rows.Assign(past.state, 1, true);
+  rows.Write(writer, 0);
+  WriteEvents(writer, viewer);
+  past_readings_.SetState(past.world->scene, past.state);
+  WriteReadings(writer, viewer, past.world->scene->world(), past_readings_);
+  viewer.past_new = viewer.selection_new = false;
+  return std::make_shared<const std::string>(writer.TakeBytes());
 }
 
 std::shared_ptr<const std::string> RunGateway::MakeUpdate(ViewerState& viewer) {
@@ -242,10 +348,11 @@ std::shared_ptr<const std::string> RunGateway::MakeUpdate(ViewerState& viewer) {
   writer.Write(content_.state.tick);
   writer.Write(content_.state_hash);
   writer.Write(content_.edition);
+  WriteTimeline(writer, content_.position);
   rows_.Write(writer, viewer.update);
   WriteEvents(writer, viewer);
   if (content_.status) Write(writer, *content_.status);
-  if (has_readings) WriteReadings(writer, viewer);
+  if (has_readings) WriteReadings(writer, viewer, content_.world->scene->world(), readings_);
   viewer.update = update_;
   viewer.selection_new = false;
   return std::make_shared<const std::string>(writer.TakeBytes());
@@ -256,15 +363,14 @@ void RunGateway::WriteEvents(ByteWriter& writer, ViewerState& viewer) const {
   std::size_t count = 0;
   for (const NumberedEvent& numbered : content_.events) {
     if (numbered.number <= viewer.event) continue;
-    Write(writer, numbered.event);
+    Write(writer, numbered);
     viewer.event = numbered.number;
     ++count;
   }
   writer.FillCount(place, count);
 }
 
-std::vector<RobotId> RunGateway::SelectedRobots(const ViewerState& viewer) const {
-  const WorldDescription& world = content_.world->scene->world();
+std::vector<RobotId> RunGateway::SelectedRobots(const ViewerState& viewer, const WorldDescription& world) {
   std::vector<RobotId> robots;
   if (viewer.selected.all) {
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
@@ -278,21 +384,35 @@ std::vector<RobotId> RunGateway::SelectedRobots(const ViewerState& viewer) const
   return robots;
 }
 
-void RunGateway::WriteReadings(ByteWriter& writer, const ViewerState& viewer) {
+void RunGateway::WriteReadings(ByteWriter& writer, const ViewerState& viewer, const WorldDescription& world,
+                               RobotReadings& readings) {
   const auto start = Clock::now();
-  const std::vector<RobotId> robots = SelectedRobots(viewer);
+  const std::vector<RobotId> robots = SelectedRobots(viewer, world);
   writer.WriteCount(robots.size());
-  for (const RobotId robot : robots) writer.Append(readings_.Of(robot));
+  for (const RobotId robot : robots) writer.Append(readings.Of(robot));
   const auto end = Clock::now();
   if (viewer.selected.all) next_readings_ = end + kMeasuringShare * (end - start);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options, RunLink& link) {
-  auto gateway = std::make_unique<RunGateway>(options, link);
+namespace {
+
+Result<std::unique_ptr<ViewerGateway>> StartGateway(const ViewerGatewayOptions& options, RunLink* link,
+                                                    Recorded* recording) {
+  auto gateway = std::make_unique<RunGateway>(options, link, recording);
   if (Status failure = gateway->Listen(); !failure.ok()) return failure.error();
   return std::unique_ptr<ViewerGateway>(std::move(gateway));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options, RunLink& link) {
+  return StartGateway(options, &link, nullptr);
+}
+
+Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options, Recorded& recording) {
+  return StartGateway(options, nullptr, &recording);
 }
 
 }  // namespace troupe

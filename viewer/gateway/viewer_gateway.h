@@ -1,6 +1,6 @@
-// ViewerGateway: shows a run to browsers. It follows the run as an observer (run_feed.h), serves the page, and sends
-// each viewer the world, then updates: at most kUpdatesPerSecond, each the difference from the viewer's last one. A
-// viewer that is slow skips updates, and delays nothing.
+// ViewerGateway: shows a run, or a recording of one, to browsers. It follows the run as an observer (run_feed.h),
+// serves the page, and sends each viewer the world, then updates: at most kUpdatesPerSecond, each the difference from
+// the viewer's last one. A viewer that is slow skips updates, and delays nothing.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "viewer/gateway/page_files.h"
+#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/run_link.h"
 
 namespace troupe {
@@ -28,8 +29,9 @@ struct ViewerGatewayOptions {
 
 class ViewerGateway {
  public:
-  // Serves until the gateway is destroyed. The link must outlive it.
+  // Serves until the gateway is destroyed. The link or the recording must outlive it.
   static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, RunLink& link);
+  static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, Recorded& recording);
   virtual ~ViewerGateway() = default;
 
   // The URL of the page, with the token.

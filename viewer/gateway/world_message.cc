@@ -97,6 +97,11 @@ void Write(ByteWriter& writer, const WorldDescription& world, RobotId id) {
   writer.WriteText(robot.controller.name);
   writer.WriteCount(robot.sensors.size());
   for (const SensorDescription& sensor : robot.sensors) Write(writer, sensor);
+  // How fast a user can drive it; bounds without meaning are those of a world that states none.
+  const TwistBounds& bounds = robot.drive.velocity;
+  writer.WriteByte(robot.drive.type == DriveType::kOmni);
+  writer.WriteFloat(bounds.x.max);
+  writer.WriteFloat(robot.drive.type == DriveType::kCar ? bounds.x.max / robot.drive.wheelbase : bounds.heading.max);
 }
 
 void Write(ByteWriter& writer, const JointDescription& joint) {
@@ -114,6 +119,7 @@ void Write(ByteWriter& writer, const JointDescription& joint) {
 void Write(ByteWriter& writer, const GripperDescription& gripper) {
   writer.WriteText(gripper.name);
   writer.WriteCount(gripper.robot.index());
+  writer.WriteId(gripper.lift);
 }
 
 }  // namespace

@@ -29,6 +29,11 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
       Control(R"({"type": "control", "id": 1, "command": "spawn", "source": "can", "pose": [0, 0, 0, 0]})");
   EXPECT_EQ(spawn.request.source, "can");
   EXPECT_TRUE(spawn.request.rename);
+  const PageControl restore = Control(
+      R"({"type": "control", "id": 1, "command": "restore", "source": "can", "name": "tin", "pose": [0, 0, 0, 0]})");
+  EXPECT_EQ(restore.request.command, ControlCommand::kRestore);
+  EXPECT_EQ(restore.request.source, "can");
+  EXPECT_EQ(restore.request.name, "tin");
 }
 
 TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
@@ -48,6 +53,20 @@ TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
   expected.grippers = {{.gripper = 1, .opening = 0.0}, {.gripper = 0, .lift = 50.0}};
   expected.goal = Goal{0, {{1.0, 2.0}, {3.0, -4.0}}, 0.5};
   EXPECT_EQ(all.request.robot_command, expected);
+}
+
+TEST(PageRequestTest, GoesBackAndReturns) {
+  const Result<PageRequest> position = ParsePageRequest(R"({"type": "seek", "position": 12})");
+  ASSERT_TRUE(position.ok());
+  EXPECT_EQ(std::get<SeekRequest>(position.value()), (SeekRequest{12, std::nullopt}));
+  const Result<PageRequest> tick = ParsePageRequest(R"({"type": "seek", "tick": 3})");
+  ASSERT_TRUE(tick.ok());
+  EXPECT_EQ(std::get<SeekRequest>(tick.value()), (SeekRequest{std::nullopt, 3}));
+  EXPECT_TRUE(ParsePageRequest(R"({"type": "live"})").ok());
+  for (const char* bad : {R"({"type": "seek"})", R"({"type": "seek", "position": 1, "tick": 1})",
+                          R"({"type": "seek", "position": -1})", R"({"type": "seek", "tick": 1.5})"}) {
+    EXPECT_FALSE(ParsePageRequest(bad).ok()) << bad;
+  }
 }
 
 TEST(PageRequestTest, ReadsSelections) {

@@ -84,7 +84,7 @@ TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
     feed.OnFrame(Frame(session, tick, 3));  // resent
   }
   feed.Read(content);
-  ASSERT_EQ(content.events.size(), RunFeed::kEventsKept);
+  ASSERT_EQ(content.events.size(), kEventsKept);
   EXPECT_EQ(content.events.back().number, 600u);
   EXPECT_EQ(content.events.front().number, 101u);
 }

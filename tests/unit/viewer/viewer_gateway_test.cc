@@ -107,6 +107,9 @@ struct ParsedUpdate {
     tick = reader.Read<std::uint64_t>();
     hash = reader.Read<std::uint64_t>();
     reader.ReadCount();  // edition
+    position = reader.Read<std::uint64_t>();
+    first = reader.Read<std::uint64_t>();
+    last = reader.Read<std::uint64_t>();
     const std::uint32_t robots = reader.ReadCount();
     for (std::uint32_t i = 0; i < robots; ++i) {
       rows.push_back(reader.ReadCount());
@@ -133,10 +136,15 @@ struct ParsedUpdate {
     EXPECT_TRUE(reader.at_end());
   }
 
+  bool is_past() const { return (flags & 16) != 0; }
+
   std::uint32_t world = 0;
   std::uint8_t flags = 0;
   Tick tick = 0;
   std::uint64_t hash = 0;
+  std::uint64_t position = 0;
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
   std::vector<std::uint32_t> rows;
   std::vector<Pose> poses;
   std::vector<std::uint32_t> readings;  // robots
@@ -287,6 +295,82 @@ TEST_F(ViewerGatewayTest, RequestsReachTheRunAndTheirRepliesTheViewer) {
   EXPECT_EQ(replies[0]["done"], true);
   EXPECT_EQ(replies[1]["id"], 6);
   EXPECT_EQ(replies[1]["problem"], "in a wall");
+}
+
+TEST_F(ViewerGatewayTest, AViewerGoesBackToAPastStateAndReturns) {
+  Start();
+  auto client = Connect();
+  auto other = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  for (Tick tick = 1; tick <= 20; ++tick) run.OnFrame(FrameAt(world, tick));
+  run.OnFrame(FrameAt(world, 20));  // resent
+  const ParsedUpdate newest = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.tick == 20; });
+  EXPECT_EQ(newest.position, 19u);
+  EXPECT_EQ(newest.last, 19u);
+  EXPECT_FALSE(newest.is_past());
+  client->SendText(R"({"type": "select", "robots": ["r0"]})");
+  client->SendText(R"({"type": "seek", "position": 4})");
+  const ParsedUpdate past = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.is_past(); });
+  EXPECT_EQ(past.tick, 5u);
+  EXPECT_EQ(past.hash, 1005u);
+  EXPECT_EQ(past.position, 4u);
+  EXPECT_THAT(past.rows, testing::ElementsAre(0, 1));
+  EXPECT_EQ(past.poses[0].x, 0.005);
+  EXPECT_EQ(past.reading_tick, 5u);
+  run.OnFrame(FrameAt(world, 21));
+  AwaitUpdate(*other, [](const ParsedUpdate& update) { return update.tick == 21; });
+  client->SendText(R"({"type": "seek", "tick": 7})");
+  const ParsedUpdate next = AwaitUpdate(*client, [](const ParsedUpdate&) { return true; });
+  EXPECT_EQ(next.tick, 7u) << "a viewer in the past receives no live state";
+  EXPECT_EQ(next.last, 20u);
+  client->SendText(R"({"type": "live"})");
+  const ParsedUpdate live = AwaitUpdate(*client, [](const ParsedUpdate& update) { return !update.is_past(); });
+  EXPECT_EQ(live.tick, 21u);
+  EXPECT_THAT(live.rows, testing::ElementsAre(0, 1));
+}
+
+// A recording of ten states of one world.
+class ScriptedRecording : public Recorded {
+ public:
+  std::optional<Range> range() const override { return Range{0, 9}; }
+  std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
+  Result<std::shared_ptr<const PastState>> At(std::uint64_t position) override {
+    if (position == 8) return Failure("the chunk is damaged");
+    const FrameMessage frame = FrameAt(session, position);
+    return std::make_shared<const PastState>(PastState{position, world, frame.state, frame.state_hash, 0});
+  }
+  std::vector<NumberedEvent> Events() const override { return {}; }
+
+  SessionMessage session = LaserWorld();
+  std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
+};
+
+TEST_F(ViewerGatewayTest, ShowsARecordingFromItsBeginAndRefusesToChangeIt) {
+  ScriptedRecording recording;
+  ViewerGatewayOptions options;
+  options.port = 0;
+  Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, recording);
+  ASSERT_TRUE(gateway.ok());
+  gateway_ = std::move(gateway).value();
+  auto client = Connect();
+  const nlohmann::json session = ReadText(*client);
+  EXPECT_EQ(session["recording"], true);
+  EXPECT_EQ(session["connected"], true);
+  EXPECT_EQ(ReadBinary(*client)[0], 1);
+  const ParsedUpdate begin(ReadBinary(*client));
+  EXPECT_EQ(begin.position, 0u);
+  EXPECT_EQ(begin.last, 9u);
+  client->SendText(R"({"type": "seek", "tick": 5})");
+  EXPECT_EQ(ParsedUpdate(ReadBinary(*client)).hash, 1005u);
+  client->SendText(R"({"type": "live"})");
+  client->SendText(R"({"type": "control", "id": 3, "command": "pause"})");
+  EXPECT_THAT(std::string(ReadText(*client)["problem"]), testing::HasSubstr("recording"));
+  client->SendText(R"({"type": "seek", "position": 8})");
+  EXPECT_THAT(std::string(ReadText(*client)["problem"]), testing::HasSubstr("damaged"));
+  client->SendText(R"({"type": "seek", "position": 9})");
+  EXPECT_EQ(ParsedUpdate(ReadBinary(*client)).hash, 1009u);
 }
 
 TEST_F(ViewerGatewayTest, AViewOnlyGatewayAsksTheRunForNothingButAnswers) {

@@ -2,13 +2,13 @@
 // its root with everything that no joint moves. Links of equal geometry are instances of one mesh, so that a thousand
 // robots are drawn by a few calls.
 import {
-  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, MeshLambertMaterial, Raycaster, Sphere,
+  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Raycaster, Sphere,
   Vector3,
 } from 'three';
 import {GeometryBuilder, softened, type Rgb} from './geometry';
 import {compose, IDENTITY, jointMotion, toMatrix} from './pose';
 import type {Pose, World} from './protocol';
-import {poseOf, sameEntity, type Entity, type Run} from './run';
+import {poseOf, rootOf, sameEntity, type Entity, type Run} from './run';
 
 interface Part {
   model: number;
@@ -49,6 +49,8 @@ export class Bodies {
   private readonly batches = new Map<string, Batch>();
   private readonly linkOfModel = new Map<number, {body: Body; link: number; pose: Pose}>();
   private readonly matrix = new Matrix4();
+  private readonly previews = new Map<string, Group>();
+  private readonly ghost = new MeshLambertMaterial({vertexColors: true, transparent: true, opacity: 0.5});
 
   constructor(private readonly world: World, material: MeshLambertMaterial) {
     world.robots.forEach((robot, index) => {
@@ -117,6 +119,30 @@ export class Bodies {
     link.batch.mesh.getMatrixAt(link.instance, this.matrix);
     const e = this.matrix.elements;
     return {x: e[12], y: e[13], z: e[14], heading: Math.atan2(e[1], e[0])};
+  }
+
+  // A transparent body like the first entity of that type, at its matrix; null: the world has none.
+  previewOf(type: string): Group | null {
+    const known = this.previews.get(type);
+    if (known) return known;
+    const body = this.bodies.find(({entity}) => {
+      const model = this.world.models[rootOf(this.world, entity)];
+      return model.type === type || model.name.replace(/[_:]?\d+$/, '') === type;
+    });
+    if (!body) return null;
+    const group = new Group();
+    group.matrixAutoUpdate = false;
+    const poses: Pose[] = [IDENTITY];
+    body.links.forEach((link, i) => {
+      if (i > 0) poses.push(compose(poses[link.parent], link.pose));
+      if (!link.batch) return;
+      const mesh = new Mesh(link.batch.geometry, this.ghost);
+      mesh.matrixAutoUpdate = false;
+      toMatrix(poses[i], mesh.matrix);
+      group.add(mesh);
+    });
+    this.previews.set(type, group);
+    return group;
   }
 
   // The entity under a ray, and how far away it is.

@@ -5,6 +5,7 @@ export interface SessionInfo {
   session: string;
   view_only: boolean;
   connected: boolean;  // the gateway knows the run's state
+  recording: boolean;
   problem: string;
 }
 
@@ -53,7 +54,7 @@ export class Connection {
     });
   }
 
-  private send(value: object): boolean {
+  send(value: object): boolean {
     if (!this.socket || this.socket.readyState !== WebSocket.OPEN) return false;
     this.socket.send(JSON.stringify(value));
     return true;

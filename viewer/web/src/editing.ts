@@ -1,10 +1,14 @@
-// Editing by mouse: drags entities to other poses, adds models of the world file, deletes the selected entity. The run
-// decides; it refuses a pose in a wall, and says why.
+// Editing by mouse: drags entities to other poses, adds models of the world file, deletes and renames the selected
+// entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
 import type {Connection} from './connection';
 import {byId, make, toast} from './dom';
+import {EditHistory} from './edit_history';
+import {Measuring} from './measuring';
 import type {Pose} from './protocol';
 import {nameOf, poseOf, type Entity, type Run} from './run';
 import type {WorldScene} from './scene';
+
+type Tool = 'none' | 'move' | 'add' | 'send' | 'measure';
 
 interface Drag {
   entity: Entity;
@@ -16,6 +20,16 @@ interface Drag {
 }
 
 const CLICK_DISTANCE = 5;  // px: a pointer that moves less has clicked
+const GOAL_TICKS = 1_000_000;  // for which a goal is in force
+const TURN = Math.PI / 12;  // of a model before it is added, by a key
+
+const HINTS: Record<Tool, string> = {
+  none: '',
+  move: 'Drag a robot or an object; with Shift: turn it. Escape ends this.',
+  add: 'Click where it is to be put; [ and ] turn it. Escape ends this.',
+  send: 'Click where the robot is to go. Escape ends this.',
+  measure: 'Click two points to measure their distance. Escape ends this.',
+};
 
 export interface EditingHost {
   run(): Run | null;
@@ -24,71 +38,158 @@ export interface EditingHost {
 }
 
 export class Editing {
-  private moving = false;  // the tool for dragging is on
-  private adding = '';  // the model that the next click adds
+  private tool: Tool = 'none';
+  private adding = {name: '', type: '', heading: 0};
   private drag: Drag | null = null;
   private pressed: {x: number; y: number} | null = null;
+  private pointer: {x: number; y: number} | null = null;
   private readonly menu = byId('add-menu');
   private readonly hint = byId('hint');
+  private readonly history: EditHistory;
+  private readonly measuring: Measuring;
 
   constructor(
       private readonly scene: WorldScene, private readonly connection: Connection, private readonly host: EditingHost) {
+    this.measuring = new Measuring(scene);
+    this.history = new EditHistory((canUndo, canRedo) => {
+      byId<HTMLButtonElement>('undo').disabled = !canUndo;
+      byId<HTMLButtonElement>('redo').disabled = !canRedo;
+    });
     const canvas = scene.canvas;
     // Before the controls of the camera, which would turn it.
     canvas.addEventListener('pointerdown', event => this.onDown(event), {capture: true});
     window.addEventListener('pointermove', event => this.onMove(event));
     window.addEventListener('pointerup', event => this.onUp(event));
-    byId('move').onclick = () => this.setMoving(!this.moving);
+    byId('move').onclick = () => this.toggle('move');
+    byId('measure').onclick = () => this.toggle('measure');
+    byId('send').onclick = () => this.toggle('send');
     byId('add').onclick = () => void this.toggleMenu();
     byId('delete').onclick = () => void this.deleteSelected();
+    byId('undo').onclick = () => void this.history.undo();
+    byId('redo').onclick = () => void this.history.redo();
+    byId('panel-name').ondblclick = () => void this.renameSelected();
   }
 
   setViewOnly(viewOnly: boolean): void {
-    for (const id of ['move', 'add', 'delete']) byId(id).hidden = viewOnly;
-    if (viewOnly) this.cancel();
+    for (const id of ['move', 'add', 'delete', 'send', 'undo', 'redo']) byId(id).hidden = viewOnly;
+    if (viewOnly && this.tool !== 'measure') this.cancel();
   }
 
-  setMoving(moving: boolean): void {
-    this.moving = moving;
-    byId('move').classList.toggle('on', moving);
-    this.showHint(moving ? 'Drag a robot or an object; with Shift: turn it. Escape ends this.' : '');
+  toggle(tool: Tool): void {
+    const next = this.tool === tool ? 'none' : tool;
+    this.cancel();
+    if (next === 'send' && this.host.selected()?.kind !== 'robot') {
+      toast('Select a robot to send');
+      return;
+    }
+    this.tool = next;
+    for (const id of ['move', 'measure', 'send'] as const) byId(id).classList.toggle('on', next === id);
+    this.hint.hidden = next === 'none';
+    this.hint.textContent = HINTS[next];
+    this.scene.canvas.classList.toggle('aiming', next !== 'none' && next !== 'move');
   }
 
   cancel(): void {
+    this.tool = 'none';
     this.drag = null;
-    this.adding = '';
     this.menu.hidden = true;
+    this.hint.hidden = true;
+    this.measuring.clear();
     this.scene.showGhost(null, 0);
     this.scene.setControlsEnabled(true);
-    this.setMoving(false);
+    this.scene.canvas.classList.remove('aiming');
+    for (const id of ['move', 'measure', 'send']) byId(id).classList.remove('on');
+  }
+
+  // True if the key belongs to the editing.
+  press(event: KeyboardEvent): boolean {
+    if (this.tool === 'add' && (event.key === '[' || event.key === ']')) {
+      this.adding.heading += event.key === '[' ? TURN : -TURN;
+      this.preview();
+      return true;
+    }
+    const key = event.key.toLowerCase();
+    if (!(event.ctrlKey || event.metaKey) || (key !== 'z' && key !== 'y')) return false;
+    void (key === 'y' || event.shiftKey ? this.history.redo() : this.history.undo());
+    return true;
+  }
+
+  forget(): void {
+    this.history.clear();
   }
 
   async deleteSelected(): Promise<void> {
     const run = this.host.run();
     const entity = this.host.selected();
-    if (!run || !entity) return;
+    const pose = run && entity ? poseOf(run, entity) : null;
+    if (!run || !entity || !pose) return;
     const name = nameOf(run.world, entity);
-    const reply = await this.connection.request('delete', {name});
-    toast(reply.done ? `${name} is deleted` : reply.problem, !reply.done);
-    if (reply.done) this.host.select(null);
+    if (!await this.remove(name)) return;
+    toast(`${name} is deleted`);
+    this.host.select(null);
+    this.history.add({
+      text: `the deletion of ${name}`, undo: () => this.restore(name, name, pose), redo: () => this.remove(name),
+    });
+  }
+
+  // A robot's controller starts anew under the new name.
+  async renameSelected(): Promise<void> {
+    const run = this.host.run();
+    const entity = this.host.selected();
+    if (!run || !entity || byId('delete').hidden) return;
+    const before = nameOf(run.world, entity);
+    const after = window.prompt(`New name of ${before}. A robot's controller starts anew.`, before)?.trim();
+    if (!after || after === before || !await this.rename(before, after)) return;
+    this.history.add({
+      text: `the new name of ${before}`, undo: () => this.rename(after, before), redo: () => this.rename(before, after),
+    });
   }
 
   async setPose(name: string, pose: Pose): Promise<boolean> {
-    const reply = await this.connection.request('set_pose', {name, pose: [pose.x, pose.y, pose.z, pose.heading]});
-    if (!reply.done) toast(reply.problem, true);
-    return reply.done;
+    return this.edit('set_pose', {name, pose: numbers(pose)});
   }
 
-  private showHint(text: string): void {
-    this.hint.hidden = text === '';
-    this.hint.textContent = text;
+  private remove(name: string): Promise<boolean> {
+    return this.edit('delete', {name});
+  }
+  private restore(source: string, name: string, pose: Pose): Promise<boolean> {
+    return this.edit('restore', {source, name, pose: numbers(pose)});
+  }
+
+  private async rename(before: string, after: string): Promise<boolean> {
+    const run = this.host.run();
+    const entity = run ? this.entityCalled(run, before) : null;
+    const pose = run && entity ? poseOf(run, entity) : null;
+    if (!pose) {
+      toast(`the world has no ${before} any more`, true);
+      return false;
+    }
+    if (!await this.remove(before)) return false;
+    if (await this.restore(before, after, pose)) return true;
+    await this.restore(before, before, pose);
+    return false;
+  }
+
+  private entityCalled(run: Run, name: string): Entity | null {
+    const selected = this.host.selected();
+    if (selected && nameOf(run.world, selected) === name) return selected;
+    const robot = run.world.robots.findIndex(r => r.present && r.name === name);
+    if (robot >= 0) return {kind: 'robot', index: robot};
+    const object = run.world.objects.findIndex(o => !run.world.models[o].removed && run.world.models[o].name === name);
+    return object >= 0 ? {kind: 'object', index: object} : null;
+  }
+
+  private async edit(command: string, more: object): Promise<boolean> {
+    const reply = await this.connection.request(command, more);
+    if (!reply.done) toast(reply.problem, true);
+    return reply.done;
   }
 
   private onDown(event: PointerEvent): void {
     if (event.button !== 0) return;
     this.pressed = {x: event.clientX, y: event.clientY};
     const run = this.host.run();
-    if (!this.moving || !run) return;
+    if (this.tool !== 'move' || !run) return;
     const entity = this.scene.pick(event.clientX, event.clientY);
     const start = entity ? poseOf(run, entity) : null;
     if (!entity || !start) return;
@@ -104,6 +205,9 @@ export class Editing {
   }
 
   private onMove(event: PointerEvent): void {
+    this.pointer = {x: event.clientX, y: event.clientY};
+    if (this.tool === 'add') this.preview();
+    if (this.tool === 'measure') this.measuring.move(event.clientX, event.clientY);
     if (!this.drag) return;
     const {start, offset} = this.drag;
     const at = this.scene.pointAt(event.clientX, event.clientY, start.z);
@@ -117,21 +221,30 @@ export class Editing {
   private onUp(event: PointerEvent): void {
     const pressed = this.pressed;
     this.pressed = null;
-    const drag = this.drag;
-    if (drag) {
-      this.drag = null;
-      this.scene.setControlsEnabled(true);
-      if (drag.pose === drag.start) {
-        this.scene.showGhost(null, 0);
-        return;
-      }
-      void this.setPose(drag.name, drag.pose).then(() => this.scene.showGhost(null, 0));
-      return;
-    }
+    if (this.drag) return this.drop(this.drag);
     if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_DISTANCE) return;
     if (event.target !== this.scene.canvas) return;
-    if (this.adding) void this.spawnAt(event.clientX, event.clientY);
+    if (this.tool === 'add') void this.spawnAt(event.clientX, event.clientY);
+    else if (this.tool === 'send') void this.sendTo(event.clientX, event.clientY);
+    else if (this.tool === 'measure') this.measuring.click(event.clientX, event.clientY);
     else this.host.select(this.scene.pick(event.clientX, event.clientY));
+  }
+
+  private drop(drag: Drag): void {
+    this.drag = null;
+    this.scene.setControlsEnabled(true);
+    const {name, start, pose} = drag;
+    if (pose === start) {
+      this.scene.showGhost(null, 0);
+      return;
+    }
+    void this.setPose(name, pose).then(done => {
+      this.scene.showGhost(null, 0);
+      if (!done) return;
+      this.history.add({
+        text: `the move of ${name}`, undo: () => this.setPose(name, start), redo: () => this.setPose(name, pose),
+      });
+    });
   }
 
   private async toggleMenu(): Promise<void> {
@@ -149,9 +262,8 @@ export class Editing {
       const row = make('button', 'menu-row', name);
       row.append(make('span', 'menu-type', type));
       row.onclick = () => {
-        this.menu.hidden = true;
-        this.adding = name;
-        this.showHint(`Click where ${name} is to be put. Escape ends this.`);
+        this.toggle('add');
+        this.adding = {name, type, heading: 0};
       };
       return row;
     }));
@@ -159,12 +271,41 @@ export class Editing {
     this.menu.hidden = false;
   }
 
+  // The place of the model that the next click adds: its body, if one of its type is in the world.
+  private preview(): void {
+    const at = this.pointer ? this.scene.pointAt(this.pointer.x, this.pointer.y, 0) : null;
+    if (!at) return;
+    const pose = {x: at.x, y: at.y, z: 0, heading: this.adding.heading};
+    this.scene.showGhost(pose, 0.3, this.adding.name);
+  }
+
   private async spawnAt(clientX: number, clientY: number): Promise<void> {
     const at = this.scene.pointAt(clientX, clientY, 0);
-    const source = this.adding;
+    const {name: source, heading} = this.adding;
     this.cancel();
     if (!at) return;
-    const reply = await this.connection.request('spawn', {source, pose: [at.x, at.y, 0, 0]});
-    toast(reply.done ? `${reply.entities?.[0]?.name ?? source} is added` : reply.problem, !reply.done);
+    const pose = {x: at.x, y: at.y, z: 0, heading};
+    const reply = await this.connection.request('spawn', {source, pose: numbers(pose)});
+    const name = reply.entities?.[0]?.name ?? source;
+    toast(reply.done ? `${name} is added` : reply.problem, !reply.done);
+    if (!reply.done) return;
+    this.history.add({
+      text: `the addition of ${name}`, undo: () => this.remove(name), redo: () => this.restore(name, name, pose),
+    });
   }
+
+  private async sendTo(clientX: number, clientY: number): Promise<void> {
+    const run = this.host.run();
+    const entity = this.host.selected();
+    const at = this.scene.pointAt(clientX, clientY, 0);
+    this.cancel();
+    if (!run || entity?.kind !== 'robot' || !at) return;
+    const name = nameOf(run.world, entity);
+    const goal = {waypoints: [[at.x, at.y]]};
+    if (await this.edit('command_robot', {name, ticks: GOAL_TICKS, goal})) toast(`${name} is sent to the point`);
+  }
+}
+
+function numbers(pose: Pose): number[] {
+  return [pose.x, pose.y, pose.z, pose.heading];
 }

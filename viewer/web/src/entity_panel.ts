@@ -4,6 +4,7 @@ import {drawPolarPlot} from './polar_plot';
 import {degrees} from './pose';
 import {OBJECT_MODES, type Pose} from './protocol';
 import {robotState} from './robot_list';
+import {SpeedPlot} from './speed_plot';
 import {nameOf, poseOf, type Entity, type Run} from './run';
 
 function normalizedDegrees(heading: number): number {
@@ -15,6 +16,8 @@ export class EntityPanel {
   private readonly facts = byId('panel-facts');
   private readonly joints = byId('panel-joints');
   private readonly plot = byId<HTMLCanvasElement>('panel-plot');
+  private readonly speedCanvas = byId<HTMLCanvasElement>('panel-speed');
+  private readonly speeds = new SpeedPlot(this.speedCanvas);
   private readonly cells = new Map<string, HTMLElement>();
 
   show(run: Run, entity: Entity | null): void {
@@ -24,6 +27,11 @@ export class EntityPanel {
     setText(byId('panel-name'), nameOf(run.world, entity));
     if (entity.kind === 'robot') this.showRobot(run, entity.index, pose);
     else this.showObject(run, entity.index, pose);
+  }
+
+  // At each update, also between two texts.
+  note(run: Run, entity: Entity | null): void {
+    if (entity?.kind === 'robot') this.speeds.add(run, entity.index);
   }
 
   private showRobot(run: Run, robot: number, pose: Pose): void {
@@ -46,6 +54,8 @@ export class EntityPanel {
     }
     this.showFacts(facts);
     this.showJoints(run, robot);
+    this.speedCanvas.hidden = false;
+    this.speeds.draw();
     const readings = run.readings.get(robot)?.readings ?? [];
     const hasScans = readings.some(reading => reading.scans.length > 0);
     byId('panel-sensors').hidden = !hasScans;
@@ -69,6 +79,7 @@ export class EntityPanel {
     }
     this.showFacts(facts);
     this.joints.replaceChildren();
+    this.speedCanvas.hidden = true;
     byId('panel-sensors').hidden = true;
   }
 

@@ -24,11 +24,17 @@ export function eventText(world: World, event: RunEvent): string {
 
 const WARNINGS = [EventType.Left, EventType.ProposalRejected, EventType.Blocked, EventType.StallBegan, EventType.Unstable];
 
+export function eventColor(event: RunEvent): string {
+  const name = event.type === EventType.Left || event.type === EventType.ProposalRejected ? '--red'
+    : WARNINGS.includes(event.type) ? '--amber' : '--green';
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
 export class EventList {
   private readonly list = byId('event-list');
   private newest: RunEvent | null = null;
 
-  constructor(private readonly onRobot: (robot: number) => void) {}
+  constructor(private readonly onEvent: (event: RunEvent) => void) {}
 
   show(run: Run): void {
     const last = run.events[run.events.length - 1] ?? null;
@@ -46,7 +52,7 @@ export class EventList {
     row.append(
       make('span', 'event-time', `${fixed(event.tick * run.world.interval, 1)} s`),
       make('span', 'event-text', eventText(run.world, event)));
-    if (event.robot >= 0) row.onclick = () => this.onRobot(event.robot);
+    row.onclick = () => this.onEvent(event);
     return row;
   }
 }

@@ -1,10 +1,11 @@
-// The fragment of the address, for links to a view: #robot=r0&view=top&follow=1&rays=all
+// The fragment of the address, for links to a view: #robot=r0&view=top&follow=1&rays=all&tick=120
 // quality=full draws everything, however slow that is.
 export interface Fragment {
   robot?: string;
   view?: string;
   follow?: boolean;
   rays?: string;
+  tick?: number;  // a past one
   fullQuality?: boolean;
 }
 
@@ -14,6 +15,7 @@ export function readFragment(): Fragment {
   if (values.get('robot')) fragment.robot = values.get('robot')!;
   if (values.get('view')) fragment.view = values.get('view')!;
   if (values.get('rays')) fragment.rays = values.get('rays')!;
+  if (/^\d+$/.test(values.get('tick') ?? '')) fragment.tick = Number(values.get('tick'));
   fragment.fullQuality = values.get('quality') === 'full';
   fragment.follow = values.get('follow') === '1';
   return fragment;
@@ -24,6 +26,7 @@ export function writeFragment(fragment: Fragment): void {
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
   if (fragment.rays) values.set('rays', fragment.rays);
+  if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
   if (fragment.follow) values.set('follow', '1');
   if (fragment.fullQuality) values.set('quality', 'full');
   const text = values.toString();

@@ -1,16 +1,18 @@
 // The page of `troupe view`.
 import {Connection, type SessionInfo} from './connection';
 import {byId, setText, throttled, toast} from './dom';
+import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
 import {EntityPanel} from './entity_panel';
 import {EventList} from './events';
 import {readFragment, writeFragment} from './fragment';
-import type {Message} from './protocol';
+import type {Message, RunEvent} from './protocol';
 import {RobotList} from './robot_list';
 import {findEntity, nameOf, sameEntity, type Entity, Run} from './run';
 import {WorldScene, type ViewName} from './scene';
 import {installTestInterface} from './test_interface';
 import {TimeBar} from './time_bar';
+import {save, Video} from './video';
 
 const PANEL_PERIOD = 100;  // ms between two texts of the panels
 
@@ -18,6 +20,7 @@ class Viewer {
   private run: Run | null = null;
   private selected: Entity | null = null;
   private wantedName: string;  // selected as soon as the world has it
+  private wantedTick: number | undefined;  // shown as soon as there is a state
   private allRays = false;
   private online = false;
   private info: SessionInfo | null = null;
@@ -26,9 +29,12 @@ class Viewer {
   private readonly connection: Connection;
   private readonly timeBar: TimeBar;
   private readonly editing: Editing;
+  private readonly driving: Driving;
+  private readonly grippers: GripperButtons;
+  private readonly video: Video;
   private readonly panel = new EntityPanel();
   private readonly robots = new RobotList(robot => this.selectAndCenter({kind: 'robot', index: robot}));
-  private readonly events = new EventList(robot => this.selectAndCenter({kind: 'robot', index: robot}));
+  private readonly events = new EventList(event => this.showEvent(event));
   private readonly refresh = throttled(PANEL_PERIOD, () => this.refreshPanels());
 
   constructor() {
@@ -40,20 +46,25 @@ class Viewer {
       },
       onClosed: () => {
         this.online = false;
+        this.timeBar.timeline.reset();
         this.showConnection();
       },
       onSession: info => this.onSession(info),
       onMessage: message => this.onMessage(message),
     });
-    this.timeBar = new TimeBar(this.connection);
+    this.timeBar = new TimeBar(this.connection, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {
       run: () => this.run,
       selected: () => this.selected,
       select: entity => this.select(entity),
     });
+    this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
+    this.grippers = new GripperButtons(this.connection);
+    this.video = new Video(this.scene.canvas, () => this.fileName());
     const fragment = readFragment();
     this.wantedName = fragment.robot ?? '';
     this.allRays = fragment.rays === 'all';
+    this.wantedTick = fragment.tick;
     this.scene.following = fragment.follow ?? false;
     this.scene.quality.fixed = fragment.fullQuality ?? false;
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
@@ -77,7 +88,11 @@ class Viewer {
     document.title = `${info.session} · Troupe`;
     setText(byId('session'), info.session);
     this.timeBar.setViewOnly(info.view_only);
+    this.timeBar.timeline.setRecording(info.recording);
+    for (const id of ['move', 'add', 'undo', 'redo']) byId(id).hidden = info.view_only || info.recording;
     this.editing.setViewOnly(info.view_only);
+    this.driving.setViewOnly(info.view_only);
+    this.grippers.setViewOnly(info.view_only);
     byId('view-only').hidden = !info.view_only;
     this.showConnection();
     this.refresh();
@@ -96,9 +111,22 @@ class Viewer {
     if (!this.run || message.update.world !== this.run.world.number) return;
     const first = !this.run.hasState;
     this.run.apply(message.update);
-    if (first) this.selectWanted();
+    if (first) {
+      this.selectWanted();
+      if (this.wantedTick !== undefined) this.timeBar.timeline.seekTick(this.wantedTick);
+      this.wantedTick = undefined;
+    }
     this.scene.show(this.run, this.selected);
+    this.panel.note(this.run, this.selected);
     this.refresh();
+  }
+
+  private get selectedRobot(): number {
+    return this.selected?.kind === 'robot' ? this.selected.index : -1;
+  }
+
+  private fileName(): string {
+    return `${this.info?.session ?? 'troupe'}-${this.run?.tick ?? 0}`;
   }
 
   private selectWanted(): void {
@@ -109,6 +137,7 @@ class Viewer {
   private select(entity: Entity | null): void {
     this.wantedName = '';
     if (sameEntity(entity, this.selected)) return;
+    this.driving.set(false);
     this.selected = entity;
     this.sendSelection();
     if (this.run) this.scene.show(this.run, entity);
@@ -121,6 +150,11 @@ class Viewer {
     this.scene.centerOn(entity);
   }
 
+  private showEvent(event: RunEvent): void {
+    if (event.robot >= 0) this.selectAndCenter({kind: 'robot', index: event.robot});
+    if (this.timeBar.timeline.inPast) this.timeBar.timeline.seek(event.position);
+  }
+
   private sendSelection(): void {
     const name = this.run && this.selected?.kind === 'robot' ? this.run.world.robots[this.selected.index].name : '';
     this.connection.select(this.allRays ? 'all' : name ? [name] : []);
@@ -131,6 +165,8 @@ class Viewer {
     if (!this.run?.hasState) return;
     this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
     this.panel.show(this.run, this.selected);
+    this.grippers.show(this.run, this.selectedRobot);
+    byId('drive').hidden = byId('send').hidden = this.selectedRobot < 0 || (this.info?.view_only ?? false);
     this.events.show(this.run);
     setText(byId('world-name'), this.run.world.name);
   }
@@ -169,6 +205,7 @@ class Viewer {
     writeFragment({
       robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
       fullQuality: this.scene.quality.fixed,
+      tick: this.timeBar.timeline.inPast ? this.run?.tick ?? this.wantedTick : this.wantedTick,
     });
   }
 
@@ -176,6 +213,7 @@ class Viewer {
     byId('rays').classList.toggle('on', this.allRays);
     byId('names').classList.toggle('on', this.scene.labels.visible);
     byId('follow').classList.toggle('on', this.scene.following);
+    byId('trails').classList.toggle('on', this.scene.trails.visible);
   }
 
   private changed(): void {
@@ -185,10 +223,7 @@ class Viewer {
   }
 
   private takePicture(): void {
-    const link = document.createElement('a');
-    link.href = this.scene.picture();
-    link.download = `${this.info?.session ?? 'troupe'}-${this.run?.tick ?? 0}.png`;
-    link.click();
+    save(this.scene.picture(), `${this.fileName()}.png`);
     toast('The picture is saved');
   }
 
@@ -211,6 +246,13 @@ class Viewer {
       this.scene.labels.visible = !this.scene.labels.visible;
       this.changed();
     });
+    bind('trails', () => {
+      this.scene.trails.visible = !this.scene.trails.visible;
+      this.changed();
+    });
+    bind('help-open', () => this.toggleHelp());
+    bind('help', () => this.toggleHelp());
+    bind('list-open', () => document.body.classList.toggle('lists'));
     bind('rays', () => {
       this.allRays = !this.allRays;
       this.sendSelection();
@@ -225,9 +267,16 @@ class Viewer {
     this.systemTheme.addEventListener('change', () => this.applyTheme());
   }
 
+  private toggleHelp(): void {
+    byId('help').hidden = !byId('help').hidden;
+  }
+
   private bindKeys(): void {
     window.addEventListener('keydown', event => {
-      if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+      if (this.editing.press(event)) return event.preventDefault();
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (this.driving.press(event)) return event.preventDefault();
       const actions: Record<string, () => void> = {
         ' ': () => this.timeBar.toggle(),
         '.': () => this.timeBar.step(1),
@@ -238,8 +287,20 @@ class Viewer {
         'r': () => byId('rays').click(),
         'f': () => byId('follow').click(),
         'm': () => byId('move').click(),
+        'd': () => byId('measure').click(),
+        'c': () => byId('drive').click(),
+        'g': () => byId('send').click(),
+        'l': () => byId('trails').click(),
+        'p': () => this.takePicture(),
+        'v': () => this.video.toggle(),
+        '?': () => this.toggleHelp(),
+        'F2': () => void this.editing.renameSelected(),
         'Delete': () => void this.editing.deleteSelected(),
-        'Escape': () => this.editing.cancel(),
+        'Escape': () => {
+          byId('help').hidden = true;
+          this.driving.set(false);
+          this.editing.cancel();
+        },
       };
       const action = actions[event.key];
       if (!action) return;

@@ -1,7 +1,7 @@
 // The messages of the gateway: viewer/gateway/world_message.cc and viewer_gateway.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise.
 
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 
 export interface Pose {
   x: number;
@@ -55,6 +55,9 @@ export interface Robot {
   present: boolean;
   controller: string;
   sensors: Sensor[];
+  omni: boolean;  // can move sideways
+  maxSpeed: number;  // m/s
+  maxTurn: number;  // rad/s
 }
 
 export interface Joint {
@@ -70,6 +73,7 @@ export interface Joint {
 export interface Gripper {
   name: string;
   robot: number;
+  lift: number;  // joint; -1: none
 }
 
 export interface World {
@@ -112,6 +116,7 @@ export const enum EventType {
 }
 
 export interface RunEvent {
+  position: number;  // of its state on the timeline
   tick: number;
   type: EventType;
   robot: number;
@@ -129,6 +134,7 @@ export interface RunStatus {
   waitingSeconds: number;
   waitingCount: number;
   waitingFor: string[];  // the first ones
+  speed: number;  // that the run is paced to, multiple of real time; 0: none
 }
 
 export interface Scan {
@@ -161,11 +167,15 @@ export interface RobotReadings {
 
 export interface Update {
   world: number;
+  past: boolean;  // of a past state, or a recording
   paused: boolean;
   last: boolean;
   tick: number;
   hash: string;
   edition: number;
+  position: number;  // on the timeline; the next are its ends
+  first: number;
+  lastPosition: number;
   robots: Array<[number, RobotRow]>;
   joints: Array<[number, JointRow]>;
   grippers: Array<[number, number]>;
@@ -270,12 +280,13 @@ function readWorld(r: Reader): World {
     robots: r.list((): Robot => ({
       name: r.text(), root: r.u32(), present: r.flag(), controller: r.text(),
       sensors: r.list((): Sensor => ({name: r.text(), type: r.text()})),
+      omni: r.flag(), maxSpeed: r.f32(), maxTurn: r.f32(),
     })),
     joints: r.list((): Joint => ({
       name: r.text(), robot: r.u32(), model: r.u32(), revolute: r.flag(),
       axis: [r.f32(), r.f32(), r.f32()], min: r.f64(), max: r.f64(),
     })),
-    grippers: r.list((): Gripper => ({name: r.text(), robot: r.u32()})),
+    grippers: r.list((): Gripper => ({name: r.text(), robot: r.u32(), lift: r.i32()})),
     objects: r.list(() => r.u32()),
   };
 }
@@ -300,6 +311,7 @@ function readStatus(r: Reader): RunStatus {
   return {
     targetTicks: Number(r.u64()), wallSeconds: r.f64(), realTimeFactor: r.f64(), robots: r.u32(), agents: r.u32(),
     waitingSeconds: r.f64(), waitingCount: r.u32(), waitingFor: r.list(() => r.text()),
+    speed: r.f64(),
   };
 }
 
@@ -310,9 +322,13 @@ function readUpdate(r: Reader): Update {
     world,
     paused: (flags & 1) !== 0,
     last: (flags & 2) !== 0,
+    past: (flags & 16) !== 0,
     tick: Number(r.u64()),
     hash: r.u64().toString(16).padStart(16, '0'),
     edition: r.u32(),
+    position: Number(r.u64()),
+    first: Number(r.u64()),
+    lastPosition: Number(r.u64()),
     robots: r.list((): [number, RobotRow] => [
       r.u32(), {pose: r.pose(), vx: r.f32(), vy: r.f32(), wz: r.f32(), stalled: r.flag()},
     ]),
@@ -320,7 +336,7 @@ function readUpdate(r: Reader): Update {
     grippers: r.list((): [number, number] => [r.u32(), r.i32()]),
     objects: r.list((): [number, ObjectRow] => [r.u32(), {pose: r.pose(), mode: r.u8(), holder: r.i32()}]),
     events: r.list((): RunEvent => ({
-      tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
+      position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
     })),
     status: (flags & 4) !== 0 ? readStatus(r) : null,
     readings: (flags & 8) !== 0

@@ -17,6 +17,10 @@ export class Run {
   tick = 0;
   hash = '';
   edition = 0;
+  position = 0;  // on the timeline, from first to last
+  first = 0;
+  last = 0;
+  past = false;
   paused = false;
   over = false;
   hasState = false;
@@ -46,6 +50,10 @@ export class Run {
     this.tick = update.tick;
     this.hash = update.hash;
     this.edition = update.edition;
+    this.position = update.position;
+    this.first = update.first;
+    this.last = update.lastPosition;
+    this.past = update.past;
     this.paused = update.paused;
     this.over = update.last;
     this.hasState = true;

@@ -1,6 +1,6 @@
 // WorldScene: the picture of a run. It is drawn anew only when something has changed.
 import {
-  AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
   OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane, Raycaster, RingGeometry, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from 'three';
@@ -12,6 +12,8 @@ import {Quality} from './quality';
 import {Rays} from './rays';
 import {poseOf, type Entity, type Run} from './run';
 import {StaticMap} from './static_map';
+import {Trails} from './trails';
+import {toMatrix} from './pose';
 import type {Pose, World} from './protocol';
 
 export type ViewName = 'orbit' | 'top';
@@ -33,6 +35,7 @@ function colorOf(name: string): Color {
 
 export class WorldScene {
   readonly labels: Labels;
+  readonly trails = new Trails();
   view: ViewName = 'orbit';
   following = false;
   private readonly renderer: WebGLRenderer;
@@ -55,6 +58,7 @@ export class WorldScene {
   private selected: Entity | null = null;
   private followed: Vector3 | null = null;  // where the followed robot was
   private dirty = true;
+  private preview: Object3D | null = null;
   readonly quality = new Quality();
 
   constructor(private readonly parent: HTMLElement) {
@@ -64,7 +68,7 @@ export class WorldScene {
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     parent.append(this.renderer.domElement);
     this.labels = new Labels(parent);
-    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.ring, this.ghost);
+    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.trails.lines, this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
@@ -120,7 +124,10 @@ export class WorldScene {
     this.aimSun(box);
     this.applyQuality();
     this.applyTheme();
-    if (!keepCamera) this.frame(box);
+    if (!keepCamera) {
+      this.trails.clear();
+      this.frame(box);
+    }
   }
 
   clear(): void {
@@ -140,6 +147,7 @@ export class WorldScene {
     this.selected = selected;
     this.setting.bodies.place(run, selected);
     this.rays.show(run, this.setting.bodies);
+    this.trails.show(run);
     const pose = selected ? poseOf(run, selected) : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {
@@ -193,6 +201,7 @@ export class WorldScene {
     this.ring.material.color = colorOf('--accent');
     this.ghost.material.color = colorOf('--accent');
     this.rays.setColor(colorOf('--rays'));
+    this.trails.setColor(colorOf('--accent'));
     this.setting?.ground.setColors(colorOf('--ground'), colorOf('--grid'));
     this.setting?.map.setEdgeColor(colorOf('--edges'));
     this.invalidate();
@@ -226,9 +235,18 @@ export class WorldScene {
     return {x: box.left + ((p.x + 1) / 2) * box.width, y: box.top + ((1 - p.y) / 2) * box.height};
   }
 
-  // The place where a dragged entity would be put.
-  showGhost(pose: Pose | null, radius: number): void {
+  add(object: Object3D): void {
+    this.scene.add(object);
+  }
+
+  // The place where an entity would be put. `type`: of the model, whose body is shown if the world has one.
+  showGhost(pose: Pose | null, radius: number, type = ''): void {
     this.ghost.visible = pose !== null;
+    const body = pose && type ? this.bodies?.previewOf(type) ?? null : null;
+    if (this.preview && this.preview !== body) this.scene.remove(this.preview);
+    if (body && this.preview !== body) this.scene.add(body);
+    this.preview = body;
+    if (pose && body) toMatrix(pose, body.matrix);
     if (pose) {
       this.ghost.position.set(pose.x, pose.y, pose.z + 0.015);
       this.ghost.rotation.z = pose.heading;

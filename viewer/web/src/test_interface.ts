@@ -9,11 +9,12 @@ export interface ShownRobot {
   pose: Pose;  // as received
   drawn: Pose | null;  // of the instance in the scene; null: it has no body
   stalled: boolean;
+  twist: [number, number, number];
 }
 
 export interface TestInterface {
   connected(): boolean;
-  state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number} | null;
+  state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number; past: boolean; first: number; last: number; speed: number} | null;
   robots(): ShownRobot[];
   // Of the robot: by sensor, the ranges of each scan, at the tick of the measurement.
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
@@ -35,7 +36,10 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     state: () => {
       const run = host.run();
       if (!run?.hasState) return null;
-      return {tick: run.tick, hash: run.hash, paused: run.paused, over: run.over, edition: run.edition};
+      return {
+        tick: run.tick, hash: run.hash, paused: run.paused, over: run.over, edition: run.edition, past: run.past,
+        first: run.first, last: run.last, speed: run.status?.speed ?? 0,
+      };
     },
     robots: () => {
       const run = host.run();
@@ -45,6 +49,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
         pose: run.robots[i].pose,
         drawn: scene.bodies?.drawnPose({kind: 'robot', index: i}) ?? null,
         stalled: run.robots[i].stalled,
+        twist: [run.robots[i].vx, run.robots[i].vy, run.robots[i].wz] as [number, number, number],
       }] : []);
     },
     readings: name => {

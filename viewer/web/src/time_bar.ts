@@ -2,6 +2,7 @@
 import type {Connection} from './connection';
 import {byId, fixed, setText, toast} from './dom';
 import type {Run} from './run';
+import {Timeline} from './timeline';
 
 function clock(seconds: number): string {
   const whole = Math.floor(seconds / 60);
@@ -14,13 +15,21 @@ export class TimeBar {
   private readonly stepOne = byId<HTMLButtonElement>('step');
   private readonly stepTen = byId<HTMLButtonElement>('step-ten');
   private readonly reset = byId<HTMLButtonElement>('reset');
+  private readonly speed = byId<HTMLSelectElement>('speed');
   private viewOnly = false;
+  readonly timeline: Timeline;
 
-  constructor(private readonly connection: Connection) {
+  constructor(private readonly connection: Connection, changed: () => void) {
+    this.timeline = new Timeline(
+      connection, () => (this.speed.value === 'max' ? 0 : Number(this.speed.value)), () => {
+        this.show(this.run);
+        changed();
+      });
     this.play.onclick = () => this.toggle();
     this.stepOne.onclick = () => this.step(1);
     this.stepTen.onclick = () => this.step(10);
     this.reset.onclick = () => void this.send('reset');
+    this.speed.onchange = () => void this.setSpeed(this.speed.value);
   }
 
   setViewOnly(viewOnly: boolean): void {
@@ -28,38 +37,57 @@ export class TimeBar {
   }
 
   toggle(): void {
-    if (!this.play.disabled) void this.send(this.run?.paused ? 'play' : 'pause');
+    if (this.timeline.inPast) this.timeline.toggle();
+    else if (!this.play.disabled) void this.send(this.run?.paused ? 'play' : 'pause');
   }
 
   step(ticks: number): void {
-    if (!this.stepOne.disabled) void this.send('step', {ticks});
+    if (this.timeline.inPast) this.timeline.step(ticks);
+    else if (!this.stepOne.disabled) void this.send('step', {ticks});
   }
 
   show(run: Run | null): void {
     this.run = run;
-    const usable = run !== null && run.hasState && !run.over && !this.viewOnly;
-    this.play.disabled = this.reset.disabled = !usable;
-    this.stepOne.disabled = this.stepTen.disabled = !usable || !run.paused;
-    this.play.classList.toggle('paused', run?.paused ?? false);
-    this.play.title = run?.paused ? 'Play (space)' : 'Pause (space)';
+    const past = this.timeline.inPast;
+    const usable = run !== null && run.hasState && (past || (!run.over && !this.viewOnly));
+    const stands = past ? !this.timeline.isPlaying : run?.paused ?? false;
+    this.play.disabled = this.speed.disabled = !usable;
+    this.reset.hidden = past;
+    this.reset.disabled = !usable;
+    this.stepOne.disabled = this.stepTen.disabled = !usable || !stands;
+    this.play.classList.toggle('paused', stands);
+    this.play.title = stands ? 'Play (space)' : 'Pause (space)';
     if (!run?.hasState) return;
+    this.timeline.show(run);
     const status = run.status;
+    if (status && !past && document.activeElement !== this.speed) this.showSpeed(status.speed);
     setText(byId('time'), clock(run.seconds));
     setText(byId('tick'), status && status.targetTicks > 0 ? `tick ${run.tick} of ${status.targetTicks}` : `tick ${run.tick}`);
-    const progress = byId('progress');
-    progress.hidden = !status || status.targetTicks === 0;
-    if (status && status.targetTicks > 0) {
-      byId('progress-bar').style.width = `${fixed(100 * Math.min(1, run.tick / status.targetTicks), 2)}%`;
-    }
-    setText(byId('factor'), run.over ? 'the run is over' : run.paused ? 'paused'
+    setText(byId('factor'), past ? (run.past ? 'the past' : 'going back') : run.over ? 'the run is over' : run.paused ? 'paused'
       : status ? `${fixed(status.realTimeFactor, status.realTimeFactor < 10 ? 1 : 0)} × real time` : '');
     const waiting = byId('waiting');
     const names = status?.waitingFor ?? [];
-    waiting.hidden = names.length === 0 || run.over;
+    waiting.hidden = names.length === 0 || run.over || past;
     if (names.length > 0 && status) {
       const more = status.waitingCount - Math.min(4, names.length);
       setText(waiting, `waiting for ${names.slice(0, 4).join(', ')}${more > 0 ? ` and ${more} more` : ''} (${fixed(status.waitingSeconds, 1)} s)`);
     }
+  }
+
+  // Other values than those of the list are those of the command line.
+  private showSpeed(speed: number): void {
+    const value = speed === 0 ? 'max' : String(speed);
+    if (this.speed.value === value) return;
+    if (![...this.speed.options].some(option => option.value === value)) {
+      this.speed.prepend(new Option(`${fixed(speed, 2)} ×`, value));
+    }
+    this.speed.value = value;
+  }
+
+  private async setSpeed(value: string): Promise<void> {
+    this.speed.blur();
+    if (this.timeline.inPast) return;
+    await this.send('speed', {speed: value === 'max' ? value : Number(value)});
   }
 
   private async send(command: string, more: object = {}): Promise<void> {

@@ -1,0 +1,144 @@
+#include "launcher/commands/recorded_states.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "world-service/replay/run_replay.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;
+// Stepping on is quicker than starting at a keyframe for at most this many states.
+constexpr std::uint64_t kStepOn = 100;
+
+}  // namespace
+
+Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(const Recording& recording,
+                                                               std::optional<std::string>& damage) {
+  if (Status other = CheckStepVersion(recording); !other.ok()) return other.error();
+  std::unique_ptr<RecordedStates> states(new RecordedStates(recording));
+  damage = states->ReadPlaces();
+  if (!damage && recording.damage()) damage = recording.damage()->problem;
+  if (states->places_.empty()) {
+    return Error{{recording.name()}, fmt::format("found no tick: {}", damage.value_or("the recording is empty"))};
+  }
+  return states;
+}
+
+std::optional<std::string> RecordedStates::ReadPlaces() {
+  TickReader reader(recording_);
+  RecordedTick tick;
+  for (;;) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) return more.error().message;
+    if (!more.value()) return std::nullopt;
+    for (const Event& event : tick.events) {
+      if (events_.size() < kEventsKept) events_.push_back({events_.size() + 1, places_.size(), event});
+    }
+    has_edits_ = has_edits_ || tick.edit.has_value();
+    places_.push_back({tick.tick, tick.log_time, tick.edition});
+  }
+}
+
+std::optional<std::uint64_t> RecordedStates::PositionOf(Tick tick) const {
+  const auto found =
+      std::find_if(places_.rbegin(), places_.rend(), [&](const Place& place) { return place.tick == tick; });
+  if (found == places_.rend()) return std::nullopt;
+  return static_cast<std::uint64_t>(places_.rend() - found) - 1;
+}
+
+Result<std::shared_ptr<const PastState>> RecordedStates::At(std::uint64_t position) {
+  position = std::min<std::uint64_t>(position, places_.size() - 1);
+  if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
+  if (!position_ || *position_ > position || position - *position_ > kStepOn) {
+    if (Status failure = Restart(position); !failure.ok()) return failure.error();
+  }
+  while (!position_ || *position_ < position) {
+    if (Status failure = Advance(); !failure.ok()) {
+      position_.reset();
+      return Error{{recording_.name()}, failure.error().message};
+    }
+  }
+  return kept_.at(position);
+}
+
+Status RecordedStates::Restart(std::uint64_t position) {
+  position_.reset();
+  std::uint64_t log_time = places_[position].log_time;
+  for (;;) {
+    const std::optional<std::size_t> chunk = recording_.KeyframeBefore(log_time);
+    if (!chunk || *chunk == 0) break;
+    if (!world_ || has_edits_) {
+      Result<ReplayedWorld> world = ReplayedWorld::At(recording_, *chunk);
+      if (!world.ok()) return world.error();
+      world_.emplace(std::move(world).value());
+    }
+    reader_.emplace(recording_, *chunk);
+    const Result<bool> more = reader_->Next(tick_);
+    if (!more.ok()) return more.error();
+    if (more.value() && tick_.keyframe && tick_.number <= position) {
+      if (Status failure = world_->Restore(*tick_.keyframe); !failure.ok()) return failure;
+      position_ = tick_.number;
+      Keep();
+      return {};
+    }
+    // Edits take no time: the keyframe may follow the position.
+    if (log_time == 0) break;
+    --log_time;
+  }
+  world_.emplace(recording_);
+  reader_.emplace(recording_);
+  return {};
+}
+
+Status RecordedStates::Advance() {
+  const Result<bool> more = reader_->Next(tick_);
+  if (!more.ok()) return more.error();
+  if (!more.value()) return Error{{}, "found the end of the recording, expected another tick"};
+  if (Status failure = world_->Apply(tick_); !failure.ok()) return failure;
+  if (world_->state_hash() != tick_.state_hash) {
+    return Error{{},
+                 fmt::format("tick {}: found the state hash {:016x}, expected {:016x} (troupe replay tells more)",
+                             tick_.tick, world_->state_hash(), tick_.state_hash)};
+  }
+  position_ = tick_.number;
+  Keep();
+  return {};
+}
+
+void RecordedStates::Keep() {
+  if (kept_.contains(*position_)) return;
+  auto state = std::make_shared<const PastState>(PastState{*position_, WorldOf(world_->scene()), world_->state(),
+                                                           world_->state_hash(), places_[*position_].edition});
+  kept_bytes_ += SizeOf(*state);
+  kept_.emplace(*position_, std::move(state));
+  // The farthest ones are dropped.
+  while (kept_bytes_ > kMostKeptBytes && kept_.size() > 1) {
+    const bool first = *position_ - kept_.begin()->first > kept_.rbegin()->first - *position_;
+    const auto dropped = first ? kept_.begin() : std::prev(kept_.end());
+    kept_bytes_ -= SizeOf(*dropped->second);
+    kept_.erase(dropped);
+  }
+}
+
+std::shared_ptr<const ViewedWorld> RecordedStates::WorldOf(const std::shared_ptr<const Scene>& scene) {
+  if (newest_world_ != nullptr && newest_scene_.lock() == scene) return newest_world_;
+  newest_scene_ = scene;
+  const auto same = std::find_if(worlds_.begin(), worlds_.end(),
+                                 [&](const auto& world) { return world->scene->world() == scene->world(); });
+  if (same == worlds_.end()) {
+    SessionMessage session;
+    session.run = recording_.run().run;
+    session.world = scene->world();
+    worlds_.push_back(MakeViewedWorld(session, static_cast<std::uint32_t>(worlds_.size() + 1)));
+    newest_world_ = worlds_.back();
+  } else {
+    newest_world_ = *same;
+  }
+  return newest_world_;
+}
+
+}  // namespace troupe
