@@ -28,14 +28,26 @@ constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
 constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
 constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
 
+void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
+  out.AddWithLength<std::uint32_t>([&] {
+    for (const RobotId robot : robots) out.Add(static_cast<std::uint32_t>(robot.index()));
+  });
+}
+
+std::vector<RobotId> ReadRobots(ByteReader& in) {
+  std::vector<RobotId> robots;
+  ByteReader ids(in.ReadWithLength<std::uint32_t>());
+  while (ids.ok() && !ids.at_end()) robots.emplace_back(ids.Read<std::uint32_t>());
+  return robots;
+}
+
 void AddProgress(ByteWriter& out, const RunProgress& progress) {
   out.Add(progress.incarnation);
   out.Add(progress.ticks_to_pause.value_or(kNoPause));
   out.Add(progress.stalls);
   out.Add(progress.rejected);
-  out.AddWithLength<std::uint32_t>([&] {
-    for (const RobotId robot : progress.absent) out.Add(static_cast<std::uint32_t>(robot.index()));
-  });
+  AddRobots(out, progress.absent);
+  AddRobots(out, progress.newcomers);
 }
 
 RunProgress ReadProgress(ByteReader& in) {
@@ -45,8 +57,8 @@ RunProgress ReadProgress(ByteReader& in) {
   if (ticks != kNoPause) progress.ticks_to_pause = ticks;
   progress.stalls = in.Read<std::uint64_t>();
   progress.rejected = in.Read<std::uint64_t>();
-  ByteReader absent(in.ReadWithLength<std::uint32_t>());
-  while (absent.ok() && !absent.at_end()) progress.absent.emplace_back(absent.Read<std::uint32_t>());
+  progress.absent = ReadRobots(in);
+  progress.newcomers = ReadRobots(in);
   return progress;
 }
 

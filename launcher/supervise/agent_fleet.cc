@@ -151,13 +151,6 @@ void AgentFleet::SetService(const std::string& participant) {
   ready_.participant = participant;
 }
 
-bool AgentFleet::HasAgentOf(const std::string& robot) const {
-  const auto has = [&robot](const auto& agent) {
-    return std::find(agent.robots.begin(), agent.robots.end(), robot) != agent.robots.end();
-  };
-  return std::any_of(agents_.begin(), agents_.end(), has) || std::any_of(waiting_.begin(), waiting_.end(), has);
-}
-
 std::vector<std::size_t> AgentFleet::PollEnded() {
   std::vector<std::size_t> ended;
   for (const AgentProcess& agent : agents_) {

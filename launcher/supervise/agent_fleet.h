@@ -56,8 +56,6 @@ class AgentFleet {
 
   // Another participant continues the run as its world service, for agents that are started from now on.
   void SetService(const std::string& participant);
-  // Those that were started, or are still to be.
-  bool HasAgentOf(const std::string& robot) const;
 
   // The numbers of the agents that ended since the last call.
   std::vector<std::size_t> PollEnded();

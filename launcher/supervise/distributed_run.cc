@@ -88,6 +88,7 @@ class DistributedRun {
   ServiceRestarts service_restarts_;
   std::optional<std::uint16_t> service_port_;  // once it is ready
   Tick tick_ = 0;                              // of the newest status
+  Edition new_robots_edition_ = 0;             // the newest that has added robots
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -184,11 +185,6 @@ void DistributedRun::React(const ReadyReport& ready) {
 // The agents that live find the service by themselves.
 void DistributedRun::ReactToReturn(const ReadyReport& ready) {
   agents_.SetService(ready.participant);
-  NewRobotsReport without_agent;  // of an edit that the launcher was not told of
-  for (const std::string& robot : ready.robots) {
-    if (!agents_.HasAgentOf(robot)) without_agent.robots.push_back(robot);
-  }
-  if (!without_agent.robots.empty()) React(without_agent);
 }
 
 // Without a viewer the run is the same.
@@ -200,7 +196,8 @@ void DistributedRun::StartViewer(const ReadyReport& ready) {
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
 void DistributedRun::React(const NewRobotsReport& report) {
-  if (kill_at_) return;
+  if (kill_at_ || report.edition <= new_robots_edition_) return;  // a service that died has reported it
+  new_robots_edition_ = report.edition;
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(report.robots);
   if (!sites.ok()) return progress_.Tell(sites.error().ToString());
   if (Status status = agents_.Add(report.robots, sites.value()); !status.ok()) {
@@ -312,7 +309,7 @@ void DistributedRun::SuperviseUntilServiceEnds() {
     end_ = {end.exit_code, std::nullopt, output_failure_};
   } else if (signals_.stop_requested()) {
     end_ = {kExitInterrupted, std::nullopt, std::nullopt};
-  } else if (!end.ok() || !summary_) {
+  } else if (!summary_ || (!end.ok() && end.signal == 0)) {  // after the summary no death changes anything
     const std::string& host = hosts_.service_host().name();
     end_ = FailedRun(Failure("the world service " + (host.empty() ? "" : "on host " + host + " ") + end.ToString()));
   }

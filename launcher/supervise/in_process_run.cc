@@ -126,7 +126,7 @@ class ProgressObserver : public RunObserver {
  public:
   ProgressObserver(std::size_t robots, NewAgents& new_agents) : robots_(robots), new_agents_(new_agents) {}
 
-  void OnNewRobots(const std::vector<std::string>& robots) override { new_agents_.Start(robots); }
+  void OnNewRobots(const std::vector<std::string>& robots, Edition) override { new_agents_.Start(robots); }
 
   void OnStarted(double startup_seconds) override {
     progress_.Tell(fmt::format("{} robots in this process, ready after {:.2f} s", robots_, startup_seconds));

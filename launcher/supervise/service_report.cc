@@ -96,6 +96,7 @@ std::optional<ServiceReport> Parse(const Json& json) {
   if (type == "robots") {
     NewRobotsReport report;
     Get(json, "robots", report.robots);
+    Get(json, "edition", report.edition);
     return report;
   }
   if (type == "started") return StartedReport{};

@@ -28,6 +28,7 @@ struct ReadyReport {
 // "robots": an edit has added robots that need agents.
 struct NewRobotsReport {
   std::vector<std::string> robots;
+  Edition edition = 0;  // that the edit made
 };
 
 // "started": all robots have joined.

@@ -98,6 +98,14 @@ FaultPlan MakePlan(std::uint64_t seed) {
     plan.service_dies = true;
     plan.faults.push_back({FaultKind::kKill, random.Uniform(0.0, plan.faults_end), 0.0, 0, false});
   }
+  if (!plan.service_dies && random.Chance(0.4)) {
+    plan.service_returns = true;
+    const std::size_t deaths = 1 + random.Index(3);
+    for (std::size_t i = 0; i < deaths; ++i) {
+      const FaultKind kind = random.Chance(0.5) ? FaultKind::kKill : FaultKind::kKillInCommit;
+      plan.faults.push_back({kind, random.Uniform(0.0, plan.faults_end), 0.0, 0, false});
+    }
+  }
   const std::size_t observers = random.Index(3);
   for (std::size_t i = 0; i < observers; ++i) plan.observers.push_back(RandomObserver(random, plan));
   return plan;

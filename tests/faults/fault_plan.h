@@ -25,6 +25,7 @@ struct MessageFaults {
 enum class FaultKind : std::uint8_t {
   kStop,          // the process is stopped (SIGSTOP), and continues after `seconds`
   kKill,          // the process is killed; `seconds` means nothing
+  kKillInCommit,  // of the service: it is killed in its next tick, when that is in the journal and nowhere else
   kPartition,     // no message passes between the service and the agent
   kPartitionTo,   // none from the service to the agent
   kPartitionFrom  // none from the agent to the service
@@ -70,7 +71,8 @@ struct FaultPlan {
   double faults_end = 0.0;
   // No fault is as long as a lease or the deadline: no agent may be lost.
   bool gentle = false;
-  bool service_dies = false;
+  bool service_dies = false;     // for good
+  bool service_returns = false;  // each time that it dies, another one continues the run from its journal
 };
 
 FaultPlan MakePlan(std::uint64_t seed);

@@ -45,6 +45,7 @@ FaultSimulation::FaultSimulation(const FaultPlan& plan, std::function<void(const
       random_(plan.seed, 3),
       scene_(std::make_shared<const Scene>(RunWorld(plan.robots, plan.memory))),
       reference_(scene_, plan_),
+      journal_(scene_),
       restarts_(plan_.restarts) {}
 
 template <typename... Parts>
@@ -53,8 +54,7 @@ void FaultSimulation::Log(fmt::format_string<Parts...> format, Parts&&... parts)
 }
 
 SimulationResult FaultSimulation::Run() {
-  coordinator_.emplace(scene_, MakeCoordinatorOptions(plan_), static_cast<ServiceEndpoint&>(*this),
-                       RunObservers{&reference_}, events_.now());
+  MakeCoordinator();
   CallService([this](double) { coordinator_->Announce(); });
   std::vector<std::string> robots;
   for (const RobotDescription& robot : scene_->world().robots) robots.push_back(robot.name);
@@ -90,6 +90,8 @@ bool FaultSimulation::Await(const Condition& condition, double seconds) {
 
 void FaultSimulation::CheckRecovery() {
   Await([] { return false; }, kLongestRequest);  // all requests have arrived
+  journal_.SetOnCommit(nullptr);
+  Await([this] { return !returning_; }, 10.0);
   if (!service_runs()) return;
   SendRequest({.command = ControlCommand::kPlay});
   const double owner_looks = 1.0;
@@ -123,7 +125,7 @@ void FaultSimulation::CheckEnd() {
 
 void FaultSimulation::CheckRequests() {
   for (const SentRequest& request : requests_) {
-    const bool must_be_answered = request.arrived && !plan_.service_dies;
+    const bool must_be_answered = request.arrived && !request.lost && !plan_.service_dies;
     if (request.replies > 1 || (must_be_answered && request.replies == 0)) {
       return Violate(
           fmt::format("a request (command {}) has {} replies", static_cast<int>(request.command), request.replies));
@@ -145,7 +147,7 @@ bool FaultSimulation::IsConsistent() const {
 std::string FaultSimulation::DescribeInconsistency() const {
   if (coordinator_->phase() != Phase::kRunning) return "the run has not begun";
   for (const SentRequest& request : requests_) {
-    if (request.arrived && request.replies == 0) return "a request waits for its reply";
+    if (request.arrived && !request.lost && request.replies == 0) return "a request waits for its reply";
   }
   if (coordinator_->frame().paused) return "the run is paused";
   const std::vector<SimulatedAgent*> living = LivingAgents();
@@ -173,14 +175,53 @@ void FaultSimulation::Violate(const std::string& text) {
 
 // The service's process.
 
+void FaultSimulation::MakeCoordinator() {
+  CoordinatorOptions options = MakeCoordinatorOptions(plan_);
+  std::shared_ptr<const Scene> scene = scene_;
+  if (returning_) {
+    options.resumed = journal_.Resume(kRun);
+    options.incarnation = options.resumed->incarnation;
+    scene = options.resumed->scene;
+    journal_.SetIncarnation(options.incarnation);
+  }
+  coordinator_.emplace(scene, options, static_cast<ServiceEndpoint&>(*this), RunObservers{&journal_, &reference_},
+                       events_.now());
+}
+
 void FaultSimulation::CallService(const std::function<void(double now)>& call) {
   if (!service_runs()) return;
   call(events_.now());
-  ActAsService();
+  if (!dies_in_commit_) ActAsService();
+  if (dies_in_commit_) KillService();
+}
+
+void FaultSimulation::KillService() {
+  if (!service_runs()) return;
+  Log("service: dies");
+  network_.Kill(kService);
+  dies_in_commit_ = false;
+  journal_.SetOnCommit(nullptr);
+  for (SentRequest& request : requests_) request.lost = request.arrived && request.replies == 0;
+  if (!plan_.service_returns) return;
+  returning_ = true;
+  events_.After(random_.Uniform(0.02, 1.5 * plan_.lease), [this] { ReturnService(); });
+}
+
+void FaultSimulation::ReturnService() {
+  Log("service: returns");
+  stream_ = {};
+  session_ = nullptr;
+  wake_at_ = -1.0;
+  ++wake_;
+  MakeCoordinator();
+  returning_ = false;
+  network_.ReplaceService();
+  CallService([this](double) { coordinator_->Announce(); });
 }
 
 void FaultSimulation::ActAsService() {
   coordinator_->Poll(events_.now());
+  if (dies_in_commit_) return;
   if (!reference_.difference().empty()) return Violate(reference_.difference());
   if (!coordinator_->error().ok()) return Violate("the run fails: " + coordinator_->error().error().message);
   const std::vector<Event> reports = coordinator_->DrainEvents();
@@ -193,7 +234,12 @@ void FaultSimulation::ActAsService() {
   const std::vector<std::string> notices = coordinator_->DrainNotices();
   for (const std::string& notice : notices) Log("service: {}", notice);
   if (reports.size() > kMostReports || notices.size() > kMostReports) return Violate("too many reports");
-  if (const std::vector<std::string> robots = coordinator_->DrainNewRobots(); !robots.empty()) Launch(robots, 0.3);
+  const std::vector<std::string> robots = coordinator_->DrainNewRobots();
+  const Edition edition = coordinator_->frame().edition;
+  if (!robots.empty() && edition > launched_edition_) {  // not told before, by a service that died
+    launched_edition_ = edition;
+    Launch(robots, 0.3);
+  }
   if (coordinator_->phase() == Phase::kOver) {
     Log("service: ends");
     return network_.End(kService);
@@ -214,6 +260,7 @@ void FaultSimulation::WakeService(double time) {
 }
 
 void FaultSimulation::SendSession(const SessionMessage& session) {
+  if (dies_in_commit_) return;
   session_ = std::make_shared<const SessionMessage>(session);
   for (const auto& [id, agent] : agents_) DeliverSession(id);
   for (const auto& [id, observer] : observers_) DeliverSession(id);
@@ -232,6 +279,7 @@ void FaultSimulation::DeliverSession(ProcessId agent) {
 }
 
 void FaultSimulation::SendAdmissions(const std::vector<AdmissionMessage>& admissions) {
+  if (dies_in_commit_) return;
   const auto shared = std::make_shared<const std::vector<AdmissionMessage>>(admissions);
   for (const auto& [id, agent] : agents_) {
     network_.Send(kService, id, [this, id = id, shared] {
@@ -243,6 +291,7 @@ void FaultSimulation::SendAdmissions(const std::vector<AdmissionMessage>& admiss
 }
 
 void FaultSimulation::SendFrame(const FrameMessage& frame) {
+  if (dies_in_commit_) return;
   Log("service: frame {} of edition {} ({}){}{}", frame.state.tick, frame.edition, frame.world_edition,
       frame.paused ? ", paused" : "", frame.last ? ", last" : "");
   const auto shared = std::make_shared<const FrameMessage>(frame);
@@ -282,12 +331,16 @@ void FaultSimulation::Launch(const std::vector<std::string>& robots, double long
     const auto count = static_cast<std::ptrdiff_t>(std::min(plan_.packing, robots.size() - i));
     groups_.push_back({.robots = {begin, begin + count}});
     const std::size_t group = groups_.size() - 1;
-    events_.After(random_.Uniform(0.0, longest_delay), [this, group] { StartAgent(group); });
+    ++launching_;
+    events_.After(random_.Uniform(0.0, longest_delay), [this, group] {
+      --launching_;
+      StartAgent(group);
+    });
   }
 }
 
 void FaultSimulation::StartAgent(std::size_t group) {
-  if (!service_runs()) return;
+  if (!run_goes_on()) return;
   const ProcessId id = NewProcess();
   AgentOptions options;
   options.agent = id;
@@ -349,7 +402,7 @@ void FaultSimulation::AddAgent(ProcessId id, const AgentOptions& options, std::s
 }
 
 void FaultSimulation::OnAgentEnd(std::size_t group, int exit_status) {
-  if (service_runs() && restarts_.OnEnd(group, exit_status, events_.now())) AwaitRestarts();
+  if (run_goes_on() && restarts_.OnEnd(group, exit_status, events_.now())) AwaitRestarts();
 }
 
 void FaultSimulation::AwaitRestarts() {
@@ -358,7 +411,7 @@ void FaultSimulation::AwaitRestarts() {
 }
 
 void FaultSimulation::RestartAgents() {
-  if (!service_runs()) return restarts_.Cancel();
+  if (!run_goes_on()) return restarts_.Cancel();
   for (const AgentRestarts::Agent group : restarts_.TakeDue(events_.now())) {
     // The process needs some time to start.
     events_.After(random_.Uniform(0.02, 0.2), [this, group] { StartAgent(group); });
@@ -429,6 +482,7 @@ bool FaultSimulation::ObserversHaveShown(Edition edition, Tick tick) const {
 }
 
 void FaultSimulation::StartMissingAgents() {
+  if (launching_ > 0) return;
   std::set<std::string> robots;
   for (const SimulatedAgent* agent : LivingAgents()) {
     const AgentProtocol& protocol = agent->protocol();
@@ -472,13 +526,15 @@ void FaultSimulation::InjectInto(ProcessId victim, const ProcessFault& fault) {
       network_.Stop(victim);
       return later([this, victim] { network_.Continue(victim); });
     case FaultKind::kKill:
+      if (victim == kService) return KillService();
       network_.Kill(victim);
-      if (victim == kService) return;
       for (std::size_t group = 0; group < groups_.size(); ++group) {
         if (groups_[group].robots != agents_.at(victim)->robots()) continue;
         return OnAgentEnd(group, 128 + 9);
       }
       return;
+    case FaultKind::kKillInCommit:
+      return journal_.SetOnCommit([this] { dies_in_commit_ = true; });
     case FaultKind::kPartition:
     case FaultKind::kPartitionTo:
     case FaultKind::kPartitionFrom:

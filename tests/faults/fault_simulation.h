@@ -15,6 +15,7 @@
 #include "common/dds/transport/frame_stream.h"
 #include "launcher/supervise/agent_restarts.h"
 #include "tests/faults/fault_plan.h"
+#include "tests/faults/kept_journal.h"
 #include "tests/faults/network.h"
 #include "tests/faults/reference_run.h"
 #include "tests/faults/simulated_agent.h"
@@ -46,6 +47,7 @@ class FaultSimulation final : private ServiceEndpoint {
   struct SentRequest {
     ControlCommand command = ControlCommand::kStatus;
     bool arrived = false;
+    bool lost = false;  // with a service that died
     int replies = 0;
   };
 
@@ -61,6 +63,9 @@ class FaultSimulation final : private ServiceEndpoint {
   void CallService(const std::function<void(double now)>& call);
   void ActAsService();
   void WakeService(double time);
+  void MakeCoordinator();
+  void KillService();
+  void ReturnService();
   void DeliverSession(ProcessId agent);
 
   // The launcher.
@@ -102,6 +107,8 @@ class FaultSimulation final : private ServiceEndpoint {
   template <typename... Parts>
   void Log(fmt::format_string<Parts...> format, Parts&&... parts);
   bool service_runs() const { return !network_.HasEnded(kService); }
+  // It runs, or another one will.
+  bool run_goes_on() const { return service_runs() || returning_; }
 
   const FaultPlan plan_;
   const std::function<void(const std::string&)> log_;
@@ -110,6 +117,9 @@ class FaultSimulation final : private ServiceEndpoint {
   RandomSource random_;
   std::shared_ptr<const Scene> scene_;
   ReferenceRun reference_;
+  KeptJournal journal_;
+  bool dies_in_commit_ = false;  // nothing that it sends leaves its process any more
+  bool returning_ = false;       // the service has died, and another one will continue
   std::optional<TickCoordinator> coordinator_;
   std::shared_ptr<const SessionMessage> session_;
   std::map<ProcessId, std::shared_ptr<const SessionMessage>> session_sent_;  // to each agent
@@ -119,6 +129,8 @@ class FaultSimulation final : private ServiceEndpoint {
   double wake_at_ = -1.0;
   std::map<ProcessId, std::unique_ptr<SimulatedAgent>> agents_;  // also those that have ended
   std::vector<Group> groups_;
+  int launching_ = 0;             // agents that the launcher is about to start
+  Edition launched_edition_ = 0;  // the newest with robots for which agents were started
   AgentRestarts restarts_;
   dds::FrameStream stream_;
   std::map<ProcessId, std::unique_ptr<SimulatedObserver>> observers_;  // also those that have ended

@@ -109,6 +109,25 @@ void Network::Kill(ProcessId process) {
   UpdateAll(process);
 }
 
+void Network::ReplaceService() {
+  states_.erase(kService);
+  for (auto& [agent, link] : links_) {
+    for (View* view : {&link.at_agent, &link.at_service}) ++view->epoch;
+    link.at_service.connected = link.at_service.open = link.at_agent.open = false;
+    if (!std::exchange(link.at_agent.connected, false)) continue;
+    if (random_.Chance(0.5)) {
+      RunInside(agent, link.at_agent.handlers.on_lost);
+    } else {
+      events_.After(lease_, [this, agent = agent] {
+        const View& view = links_.at(agent).at_agent;
+        if (!view.connected) RunInside(agent, view.handlers.on_lost);
+      });
+    }
+  }
+  UpdateAll(kService);
+  for (const auto& [agent, link] : links_) Update(agent, kService);
+}
+
 void Network::End(ProcessId process) {
   if (HasEnded(process)) return;
   for (auto& [agent, link] : links_) {

@@ -41,6 +41,9 @@ class Network {
   void Continue(ProcessId process);
   void Kill(ProcessId process);
   void End(ProcessId process);  // in order
+  // Another process takes the place of the service, which has ended: the agents discover it, some of them after the
+  // lease of the one before has expired.
+  void ReplaceService();
   // Of the messages to or from an agent. Partitions of one direction are counted.
   void BlockToAgent(ProcessId agent, bool blocked);
   void BlockFromAgent(ProcessId agent, bool blocked);

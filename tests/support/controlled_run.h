@@ -168,7 +168,7 @@ class ControlledRun final : private RunObserver {
     const std::lock_guard lock(mutex_);
     notices_.push_back(text);
   }
-  void OnNewRobots(const std::vector<std::string>& robots) override {
+  void OnNewRobots(const std::vector<std::string>& robots, Edition) override {
     if (setup_.start_new_agents) StartAgents(robots);
   }
 

@@ -24,6 +24,8 @@ Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
   line.run.ApplyTo(run.loaded.settings);
   run.options = line.service;
   run.options.world_file = line.file;
+  // Its agents know that it is not the service that they were started for.
+  if (line.resume) run.options.first_incarnation = 1;
   run.scene = std::make_shared<const Scene>(run.loaded.world);
   run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
   return run;
@@ -51,6 +53,9 @@ Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   line.run.ApplyTo(run.loaded.settings);
   run.options = line.service;
   run.options.world_file = resumed.value().world_file.empty() ? begin.file : resumed.value().world_file;
+  // Models may be spawned from all files that the run was loaded from, if they are here.
+  Result<LoadedWorld> file = LoadWorld(begin.file, line.overrides);
+  if (file.ok()) run.loaded.files = std::move(file.value().files);
   run.options.resumed = std::move(resumed).value();
   return run;
 }

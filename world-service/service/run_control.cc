@@ -90,7 +90,7 @@ void RunControl::Pause(OpenRequest pause, double now) {
   engine_.SetPlayAfterEdits(false);
   if (remains) engine_.ReportProgress(now);
   if (quiescent() && queue_.empty()) return Accept(pause);
-  if (!run_.frame.paused) engine_.SetTicksToPause(run_.started_at ? 1 : 0);
+  if (!run_.frame.paused) engine_.SetTicksToPause(has_begun() ? 1 : 0);
   awaiting_pause_.push_back(std::move(pause));
 }
 
@@ -107,7 +107,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
     if (!run_.frame.paused) engine_.SetTicksToPause(1);
   } else {
     engine_.SetTicksToPause(std::nullopt);
-    if (run_.frame.paused) engine_.Resume(now);
+    if (run_.frame.paused && run_.phase == RunPhase::kRunning) engine_.Resume(now);
   }
   Accept(play);
 }
@@ -119,7 +119,7 @@ void RunControl::EnqueueStep(OpenRequest step, double now) {
 }
 
 void RunControl::EnqueueEdit(OpenRequest edit, double now) {
-  if (run_.phase == RunPhase::kGathering) {
+  if (!has_begun()) {
     return Reply(edit, Refusal("the run has not begun; nothing can be changed before"));
   }
   if (!engine_.ticks_to_pause()) {

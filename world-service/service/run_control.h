@@ -47,6 +47,8 @@ class RunControl {
   };
 
   bool quiescent() const { return engine_.pause_answered() && editor_.robots_without_agent().empty(); }
+  // Also of a run that is continued, before its agents are back.
+  bool has_begun() const { return run_.started_at || run_.continues(); }
   bool playing() const { return !engine_.ticks_to_pause() || engine_.play_after_edits(); }
   void Pause(OpenRequest pause, double now);
   void Play(const OpenRequest& play, double now);

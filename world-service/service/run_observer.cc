@@ -34,7 +34,7 @@ void RunObserver::OnStatus(const StatusMessage&) {}
 
 void RunObserver::OnEvent(const Event&, const std::string&) {}
 
-void RunObserver::OnNewRobots(const std::vector<std::string>&) {}
+void RunObserver::OnNewRobots(const std::vector<std::string>&, Edition) {}
 
 void RunObserver::OnNotice(const std::string&) {}
 

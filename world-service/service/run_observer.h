@@ -71,7 +71,9 @@ class RunObserver {
   virtual void OnStarted(double startup_seconds);      // all robots have agents; the first tick follows
   virtual void OnStatus(const StatusMessage& status);  // twice a second; before the first tick, at each join, too
   virtual void OnEvent(const Event& event, const std::string& text);  // text: one line for people
-  virtual void OnNewRobots(const std::vector<std::string>& robots);   // of an edit; agents have to be started for them
+  // Of an edit, which made this edition; agents have to be started for them. A service that continues a run repeats the
+  // report of the newest edit.
+  virtual void OnNewRobots(const std::vector<std::string>& robots, Edition edition);
   virtual void OnNotice(const std::string& text);  // any other line for people, for instance of a controller
 };
 

@@ -220,6 +220,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     const std::vector<std::string> notices = coordinator_.DrainNotices();
     const std::vector<Event> events = coordinator_.DrainEvents();
     const std::vector<std::string> new_robots = coordinator_.DrainNewRobots();
+    const Edition edition = coordinator_.frame().edition;
     const std::shared_ptr<const Scene> scene = coordinator_.scene();  // that the events are of
     const std::optional<double> startup = started_ ? std::nullopt : coordinator_.startup_seconds();
     std::optional<StatusMessage> status;
@@ -233,7 +234,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     for (RunObserver* observer : observers_) {
       for (const std::string& notice : notices) observer->OnNotice(notice);
       if (startup) observer->OnStarted(*startup);
-      if (!new_robots.empty()) observer->OnNewRobots(new_robots);
+      if (!new_robots.empty()) observer->OnNewRobots(new_robots, edition);
       for (std::size_t i = 0; i < events.size(); ++i) observer->OnEvent(events[i], texts[i]);
       if (status) observer->OnStatus(*status);
     }
@@ -259,7 +260,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   CoordinatorOptions coordinator;
   coordinator.settings = options.settings;
   coordinator.run = options.resumed ? options.resumed->run : MakeRunId();
-  coordinator.incarnation = options.resumed ? options.resumed->incarnation : 0;
+  coordinator.incarnation = options.resumed ? options.resumed->incarnation : options.first_incarnation;
   coordinator.resumed = options.resumed;
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;

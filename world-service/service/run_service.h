@@ -30,6 +30,7 @@ struct ServiceOptions {
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere
   LoadOverrides overrides;                                     // for worlds and models that are loaded during the run
+  Incarnation first_incarnation = 0;                           // of a service that begins a run
   std::optional<ResumedRun> resumed;                           // a run to be continued, instead of a new one
   AllowedPaths libraries;                                      // controllers that those may name
 };

@@ -144,11 +144,12 @@ bool TickCoordinator::all_have_joined() const {
 
 // Agents that do not rejoin in time are lost, as those of a service that was not restarted.
 void TickCoordinator::PollRejoining(double now) {
-  if (now - announced_at_ >= kAnnouncePeriod) {
+  if (now >= announced_at_ + kAnnouncePeriod) {
     announced_at_ = now;
     Announce();
   }
   if (now < RejoinDeadline()) return;
+  if (at_end()) return Begin(now);
   for (const RobotId robot : run_.members.AbsentRobots()) {
     run_.events.Add(EventType::kLeft, run_.frame.state.tick, robot, "its agent has not rejoined the run");
   }
@@ -158,11 +159,15 @@ void TickCoordinator::PollRejoining(double now) {
        now);
 }
 
+// The agents may all have left, because they have seen the last frame.
+bool TickCoordinator::at_end() const {
+  const RunSettings& settings = run_.options.settings;
+  return settings.ticks && run_.frame.state.tick >= *settings.ticks;
+}
+
 double TickCoordinator::RejoinDeadline() const {
   const RunSettings& settings = run_.options.settings;
-  // The agents may all have left, because they have seen the last frame.
-  const bool at_end = settings.ticks && run_.frame.state.tick >= *settings.ticks;
-  if (at_end) return run_.created_at + 2.0 * run_.options.lease_seconds;
+  if (at_end()) return run_.created_at + 2.0 * run_.options.lease_seconds;
   const double longest =
       settings.agent_deadline_seconds > 0.0 ? settings.agent_deadline_seconds : run_.options.start_timeout_seconds;
   return longest > 0.0 ? run_.created_at + longest : std::numeric_limits<double>::infinity();

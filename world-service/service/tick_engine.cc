@@ -38,6 +38,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
     const ResumedRun& resumed = *run_.options.resumed;
     run_.frame = *resumed.frame;
     ticks_to_pause_ = resumed.progress.ticks_to_pause;
+    run_.frame.paused = ticks_to_pause_ == 0U;
     run_.events.RestoreCounts(resumed.progress.stalls, resumed.progress.rejected);
   } else {
     run_.frame.state = InitialState(*run_.scene);
@@ -231,6 +232,7 @@ RunProgress TickEngine::Progress() const {
     progress.absent = run_.members.AbsentRobots();
     for (const RobotId robot : run_.newcomers) std::erase(progress.absent, robot);
   }
+  progress.newcomers = run_.newcomers;
   progress.stalls = run_.events.stalls();
   progress.rejected = run_.events.rejected();
   return progress;

@@ -46,6 +46,15 @@ std::string NoticeOf(const ControlRequest& request) {
 
 }  // namespace
 
+WorldEditor::WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(engine), original_(run.scene) {
+  if (!run.continues()) return;
+  const ResumedRun& resumed = *run.options.resumed;
+  original_ = resumed.original;
+  run_.newcomers = resumed.progress.newcomers;
+  newcomers_since_ = run.created_at;
+  for (const RobotId robot : run_.newcomers) new_robots_.push_back(run_.world().robot(robot).name);
+}
+
 Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
   if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
   const AppliedEdit edit{request, world};

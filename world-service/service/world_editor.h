@@ -19,8 +19,7 @@ namespace troupe {
 class WorldEditor {
  public:
   // Both outlive the editor.
-  WorldEditor(LiveRun& run, TickEngine& engine)
-      : run_(run), engine_(engine), original_(run.options.resumed ? run.options.resumed->original : run.scene) {}
+  WorldEditor(LiveRun& run, TickEngine& engine);
 
   // The entity called `name` that was deleted last, for a spawn; null: none, or too many were deleted since.
   std::shared_ptr<const WorldDescription> Deleted(const std::string& name) const;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/small_world.h"
 #include "world-service/observers/status/reporter.h"
 
 namespace troupe {
@@ -24,8 +25,12 @@ class LauncherReporterTest : public testing::Test {
     close(ends_[1]);
   }
   json Next() {
-    char line[4096] = "";
-    EXPECT_NE(std::fgets(line, sizeof line, reading_), nullptr);
+    char line[4096] = "\n";
+    // Empty lines end those that another service has begun.
+    while (std::string(line) == "\n") {
+      line[0] = '\0';
+      EXPECT_NE(std::fgets(line, sizeof line, reading_), nullptr);
+    }
     return json::parse(line);
   }
 
@@ -38,8 +43,12 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   LoadedWorld loaded;
   loaded.settings.robots_per_process = 3;
   loaded.settings.restart_agents = 5;
-  loaded.world.robots.resize(2);
-  loaded.world.robots[0].name = "r0";
+  SmallWorld world;
+  world.AddRobot("r0", {});
+  world.AddRobot("r1", {0.0, 2.0, 0.0, 0.0});
+  world.AddRobot("gone", {0.0, 4.0, 0.0, 0.0});
+  loaded.world = world.world();
+  loaded.world.models[loaded.world.robots[2].root.index()].removed = true;
   loaded.world.robots[1].name = "bad \xff bytes";
   reporter_->Ready(loaded, {7410, "0102030405060708090a0b0c"});
   const json report = Next();
@@ -53,10 +62,11 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
 }
 
 TEST_F(LauncherReporterTest, ReportsTheNewRobotsOfAnEdit) {
-  reporter_->OnNewRobots({"late", "later"});
+  reporter_->OnNewRobots({"late", "later"}, 3);
   const json report = Next();
   EXPECT_EQ(report["type"], "robots");
   EXPECT_EQ(report["robots"], (std::vector<std::string>{"late", "later"}));
+  EXPECT_EQ(report["edition"], 3);
 }
 
 TEST_F(LauncherReporterTest, ReportsTheProgressAndTheEndOfTheRun) {

@@ -56,6 +56,7 @@ class JournalTest : public testing::Test {
     progress.incarnation = 3;
     progress.stalls = stalls;
     progress.absent = {RobotId(0)};
+    progress.newcomers = {RobotId(1), RobotId(2)};
     return progress;
   }
 

@@ -32,7 +32,7 @@ class ConsoleReporter final : public Reporter {
     if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
     fmt::print(stderr, "{}\n", text);
   }
-  void OnNewRobots(const std::vector<std::string>& robots) override {
+  void OnNewRobots(const std::vector<std::string>& robots, Edition) override {
     for (const std::string& robot : robots) fmt::print(stderr, "robot {} is new and needs an agent\n", robot);
   }
   void OnNotice(const std::string& text) override { fmt::print(stderr, "{}\n", text); }

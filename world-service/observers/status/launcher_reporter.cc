@@ -35,7 +35,9 @@ class LauncherReporter final : public Reporter {
           {"ros", loaded.settings.ros}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
-  void OnNewRobots(const std::vector<std::string>& robots) override { Send({{"type", "robots"}, {"robots", robots}}); }
+  void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {
+    Send({{"type", "robots"}, {"robots", robots}, {"edition", edition}});
+  }
   void OnStatus(const StatusMessage& status) override {
     Send({{"type", "status"},
           {"tick", status.tick},
