@@ -126,7 +126,7 @@ set(may_include_launcher/commands
   common/recording common/run common/security
   common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
   common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise library
-  robot-agent/controller viewer/gateway world-service/observers/recorder world-service/replay world-service/service)
+  robot-agent/agent robot-agent/controller viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.

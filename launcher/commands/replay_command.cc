@@ -16,6 +16,7 @@
 #include "common/command_line/option_checks.h"
 #include "common/command_line/run_flags.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/commands/controller_check.h"
 #include "world-service/replay/run_replay.h"
 
 namespace troupe {
@@ -26,6 +27,7 @@ using Clock = std::chrono::steady_clock;
 struct ReplayArguments {
   std::string file;
   bool verify = false;
+  bool controllers = false;
   bool force = false;
   std::optional<std::uint64_t> from;
   std::optional<std::uint64_t> to;
@@ -68,6 +70,14 @@ std::string StatesText(const ReplayReport& report) {
   return fmt::format("{} states, of ticks {} to {},", report.states, report.first, report.last);
 }
 
+std::string ControllersText(const ControllerCheck& check) {
+  std::string text = fmt::format("{} proposals of controllers are equal\n", check.compared());
+  if (!check.lost().empty()) {
+    text += fmt::format("not compared since their agents were lost: {}\n", fmt::join(check.lost(), ", "));
+  }
+  return text;
+}
+
 int ReplayCommand(const ReplayArguments& arguments) {
   if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
   const Result<Recording> recording = Recording::Open(arguments.file);
@@ -83,6 +93,15 @@ int ReplayCommand(const ReplayArguments& arguments) {
   options.compare_events = arguments.verify;
   options.outputs = arguments.outputs;
   options.scans = arguments.scans;
+  std::optional<ControllerCheck> controllers;
+  if (arguments.controllers) {
+    Result<ControllerCheck> check = ControllerCheck::Create(recording.value());
+    if (!check.ok()) return Fail(check.error());
+    controllers.emplace(std::move(check).value());
+    options.check = [&](const ReplayedWorld& world, const RecordedTick& next) {
+      return controllers->Check(world, next);
+    };
+  }
   auto progress = std::make_unique<ReplayProgress>();
   options.on_progress = [&progress](Tick tick, double share) { progress->Update(tick, share); };
   const Clock::time_point begin = Clock::now();
@@ -103,6 +122,7 @@ int ReplayCommand(const ReplayArguments& arguments) {
   if (!arguments.verify) return kExitDone;
   if (const Status damaged = recording.value().CheckData(); !damaged.ok()) return Fail(damaged.error());
   fmt::print("all recorded events are equal, and the file is whole\n");
+  if (controllers) fmt::print("{}", ControllersText(*controllers));
   return kExitDone;
 }
 
@@ -114,7 +134,13 @@ void AddReplayCommand(CLI::App& app, int& exit_status) {
   command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
       ->required()
       ->type_name("");
-  command->add_flag("--verify", arguments->verify, "Compare the events, too, and check the CRC of the whole file");
+  CLI::Option* const verify =
+      command->add_flag("--verify", arguments->verify, "Compare the events, too, and check the CRC of the whole file");
+  command
+      ->add_flag("--controllers", arguments->controllers,
+                 "Run the controllers again, too, from the begin of the run, and compare their proposals: names the "
+                 "first robot, tick and number that differs")
+      ->needs(verify);
   command->add_flag("--force", arguments->force, "Replay a recording of another version of the step, too");
   command->add_option("--from", arguments->from, "First tick; stepping starts at the keyframe before (default: 0)")
       ->check(WholeNumber(0))

@@ -231,13 +231,9 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   if (!commands.empty()) AddCommands(commands, external, answer.reports);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
-  std::atomic<std::size_t> next = 0;
-  const auto decide = [&](std::size_t thread) { DecideShare(state, external, thread, next, answer.proposals); };
-  if (threads_) {
-    threads_->Run(decide);
-  } else {
-    decide(0);
-  }
+  DecideAll(state, [&](Robot& robot, std::size_t i, const BodyIndex& bodies, TraceLane* lane) {
+    answer.proposals[i] = robot.Decide(state, bodies, external[i], lane);
+  });
   for (std::size_t i = 0; i < count; ++i) {
     if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
   }
@@ -246,19 +242,34 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   return answer;
 }
 
-// `next`: the first robot that no thread has claimed; threads claim robots as they become free, because one may wake up
-// late.
-void Replica::DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
-                          std::atomic<std::size_t>& next, std::span<Proposal> proposals) {
-  BodyIndex& bodies = indices_[thread];
-  Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
-  bodies.Assign(state);
-  for (std::size_t first = next.fetch_add(kShare); first < robots_.size(); first = next.fetch_add(kShare)) {
-    for (std::size_t i = first; i < std::min(first + kShare, robots_.size()); ++i) {
-      proposals[i] = robots_[i]->Decide(state, bodies, external[i], lanes_[thread]);
+std::vector<Proposal> Replica::Retrace(const WorldState& state) {
+  std::vector<Proposal> proposals(robots_.size());
+  DecideAll(state, [&](Robot& robot, std::size_t i, const BodyIndex& bodies, TraceLane*) {
+    proposals[i] = robot.Retrace(state, bodies);
+  });
+  return proposals;
+}
+
+// Threads claim robots as they become free, because one may wake up late.
+template <typename DecideOne>
+void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
+  std::atomic<std::size_t> next = 0;  // the first robot that no thread has claimed
+  const auto decide_share = [&](std::size_t thread) {
+    BodyIndex& bodies = indices_[thread];
+    Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
+    bodies.Assign(state);
+    for (std::size_t first = next.fetch_add(kShare); first < robots_.size(); first = next.fetch_add(kShare)) {
+      for (std::size_t i = first; i < std::min(first + kShare, robots_.size()); ++i) {
+        decide(*robots_[i], i, bodies, lanes_[thread]);
+      }
     }
+    if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
+  };
+  if (threads_) {
+    threads_->Run(decide_share);
+  } else {
+    decide_share(0);
   }
-  if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
 }
 
 ProposalMessage Replica::Pause(const WorldState& state) {

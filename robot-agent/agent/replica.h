@@ -56,6 +56,10 @@ class Replica {
   // world refuses is reported. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
   ProposalMessage Decide(const WorldState& state, std::span<const RobotCommand> commands = {});
 
+  // As Decide, for a state of the past, so that the robots remember it: without gateway and scan log.
+  // REQUIRES: CheckState(state).ok()
+  std::vector<Proposal> Retrace(const WorldState& state);
+
   // The answer to a paused `state`: no decisions. Decide may follow for the same state.
   // REQUIRES: CheckState(state).ok()
   ProposalMessage Pause(const WorldState& state);
@@ -81,8 +85,9 @@ class Replica {
   void AddCommands(std::span<const RobotCommand> commands, std::span<ExternalCommand> external,
                    std::vector<std::string>& reports) const;
   void Show(const WorldState& state, void (Gateway::*show)(Tick, std::span<const RobotView* const>));
-  void DecideShare(const WorldState& state, std::span<const ExternalCommand> external, std::size_t thread,
-                   std::atomic<std::size_t>& next, std::span<Proposal> proposals);
+  // Calls decide(robot, its index, bodies, lane) for each robot, divided among the threads.
+  template <typename DecideOne>
+  void DecideAll(const WorldState& state, const DecideOne& decide);
 
   // Robots and the gateway hold pointers into the scenes that they were made for.
   std::shared_ptr<const Scene> scene_;

@@ -122,12 +122,25 @@ Status Robot::Subscribe() {
 
 Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external,
                        TraceLane* trace) {
-  const RobotState& own = state.robots[id_.index()];
-  odometry_.Update(own.X_WR);
   Enter(trace, TickPhase::kSense, state.tick + 1, id_);
-  sensors_.Update({*scene_, bodies}, state.tick);
+  Sense(state, bodies);
   if (scan_log_ != nullptr) LogReadings(state.tick, bodies);
   Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
+  return Propose(state, external);
+}
+
+Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies) {
+  Sense(state, bodies);
+  return Propose(state, {});
+}
+
+void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {
+  odometry_.Update(state.robots[id_.index()].X_WR);
+  sensors_.Update({*scene_, bodies}, state.tick);
+}
+
+Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external) {
+  const RobotState& own = state.robots[id_.index()];
   manipulator_.Update(state, sensors_.readings());
   // Called also while an external command overrides it: a controller sees every tick.
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};

@@ -49,6 +49,9 @@ class Robot {
   Proposal Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {},
                   TraceLane* trace = nullptr);
 
+  // As Decide, for a state of the past, so that the robot remembers it: without external command and scan log.
+  Proposal Retrace(const WorldState& state, const BodyIndex& bodies);
+
   // The error is a gripper or joint command that the robot cannot execute; nothing is changed.
   Status CheckCommand(const Command& command) const;
 
@@ -78,7 +81,10 @@ class Robot {
   // Makes the controller and subscribes to its sensors.
   Status StartController(const AllowedPaths& libraries);
   Status Subscribe();
+  void Sense(const WorldState& state, const BodyIndex& bodies);
   void LogReadings(Tick tick, const BodyIndex& bodies);
+  // Decides with the readings of Sense.
+  Proposal Propose(const WorldState& state, const ExternalCommand& external);
   // Stores the controller's failure, if it fails.
   Command AskController(const WorldState& state, const std::optional<Goal>& goal);
   // The goal in the frame of the pose estimate: fixed there when it arrives, so that a drift of odometry does not move

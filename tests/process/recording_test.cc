@@ -18,6 +18,7 @@
 namespace troupe::test {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 
 constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
@@ -55,11 +56,12 @@ class RecordingTest : public testing::Test {
   enum class ScanOrder : bool { kSame, kOfAgents };
   void ExpectEqualReplay(ScanOrder order = ScanOrder::kSame) const {
     std::vector<std::string> arguments = Outputs("replay-");
-    arguments.emplace_back("--verify");
+    arguments.insert(arguments.end(), {"--verify", "--controllers"});
     const Finished replay = Replay(arguments);
     EXPECT_EQ(replay.exit_status, 0) << replay.output;
     EXPECT_THAT(replay.output, HasSubstr("all state hashes are equal"));
     EXPECT_THAT(replay.output, HasSubstr("all recorded events are equal, and the file is whole"));
+    EXPECT_THAT(replay.output, ContainsRegex("\n[0-9]+ proposals of controllers are equal"));
     EXPECT_FALSE(folder_.Read("run-hashes").empty());
     for (const char* name : {"hashes", "poses"}) {
       EXPECT_TRUE(folder_.Read(std::string("run-") + name) == folder_.Read(std::string("replay-") + name)) << name;
@@ -136,12 +138,50 @@ TEST_F(RecordingTest, IsEqualInRealtimeModeWithLateRobots) {
   EXPECT_EQ(replay.exit_status, 0) << replay.output;
   EXPECT_EQ(folder_.Read("hashes"), folder_.Read("run-hashes"));
   EXPECT_TRUE(folder_.Read("poses") == folder_.Read("run-poses"));
+  const Finished controllers = Replay({"--verify", "--controllers"});
+  EXPECT_EQ(controllers.exit_status, 2);
+  EXPECT_THAT(controllers.output, HasSubstr("found a recording of mode realtime"));
   const Recording recording = std::move(Recording::Open(Path("run.mcap"))).value();
   TickReader reader(recording);
   RecordedTick tick;
   std::size_t late = 0;
   while (reader.Next(tick).value()) late += tick.is_step() && tick.proposals.size() < 4 ? 1 : 0;
   EXPECT_GT(late, 0u) << "no robot was late";
+}
+
+// The divergence finder.
+class ControllersTest : public RecordingTest {
+ protected:
+  void RunWith(const std::string& drifts_of_second) {
+    std::ofstream(Path("drift.json")) << R"({"world": ")" << WorldPath("pen.world") << R"(", "robots": [)"
+                                      << Robot("r0", "false") << ", " << Robot("r1", drifts_of_second) << "]}";
+    Run({Path("drift.json"), "--ticks", "60", "--speed", "max"});
+  }
+
+ private:
+  static std::string Robot(const std::string& name, const std::string& drifts) {
+    return R"({"name": ")" + name +
+           R"(", "controller": {"name": ")" DRIFTING_LIBRARY R"(", "parameters": {"drifts": )" + drifts + "}}}";
+  }
+};
+
+TEST_F(ControllersTest, ARepeatableControllerDecidesTheSameAgain) {
+  RunWith("false");
+  const Finished replay = Replay({"--verify", "--controllers"});
+  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  EXPECT_THAT(replay.output, HasSubstr("\n240 proposals of controllers are equal\n"));
+}
+
+TEST_F(ControllersTest, NamesTheFirstNumberOfAControllerThatIsNotRepeatable) {
+  RunWith("true");
+  EXPECT_EQ(Replay({"--verify"}).exit_status, 0);
+  const Finished replay = Replay({"--verify", "--controllers"});
+  EXPECT_EQ(replay.exit_status, 3);
+  EXPECT_THAT(replay.output, HasSubstr("31 states, of ticks 0 to 30, replayed"));
+  EXPECT_THAT(replay.output, ContainsRegex("run.mcap: error: tick 31: robot r1: the vx is 0.1[0-9]*, expected 0.1"));
+  // From any tick: the memory of controllers begins with the run.
+  EXPECT_EQ(Replay({"--verify", "--controllers", "--from", "20", "--to", "30"}).exit_status, 0);
+  EXPECT_EQ(Replay({"--controllers"}).exit_status, 2) << "without --verify";
 }
 
 ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {},

@@ -66,7 +66,7 @@ Status RunReplay::FindRange() {
                                *options_.from, *options_.to)};
     }
   }
-  first_chunk_ = options_.from ? recording_.KeyframeBefore(from_time_).value_or(0) : 0;
+  first_chunk_ = options_.from && !options_.check ? recording_.KeyframeBefore(from_time_).value_or(0) : 0;
   return {};
 }
 
@@ -131,6 +131,9 @@ Status RunReplay::RunTicks() {
       if (Status failure = scans_->Write(*world_); !failure.ok()) return failure;
     }
     if (IsPastEnd(next)) return {};
+    const Result<bool> same = CheckNext(next);
+    if (!same.ok()) return same.error();
+    if (!same.value()) return {};
     if (!Apply(next)) {
       FindModel(reader);
       return {};
@@ -161,6 +164,14 @@ Status RunReplay::RunTicks() {
 
 void RunReplay::Differ(const RecordedTick& tick, const std::string& problem) {
   if (!report_.difference) report_.difference = fmt::format("tick {}: {}", tick.tick, problem);
+}
+
+Result<bool> RunReplay::CheckNext(const RecordedTick& next) {
+  if (!options_.check) return true;
+  const Result<std::optional<std::string>> difference = options_.check(*world_, next);
+  if (!difference.ok()) return difference.error();
+  if (difference.value() && !report_.difference) report_.difference = difference.value();
+  return !difference.value();
 }
 
 bool RunReplay::Apply(const RecordedTick& tick) {

@@ -24,6 +24,9 @@ struct ReplayOptions {
   bool compare_events = false;
   OutputFiles outputs;  // hash log and poses
   std::string scans;    // file; empty: none
+  // Called with each state from the begin of the run, and the tick that follows it; returns a difference. Its error
+  // ends the replay. May be null.
+  std::function<Result<std::optional<std::string>>(const ReplayedWorld& world, const RecordedTick& next)> check;
   // Called now and then with the tick and the share of the ticks, 0 to 1. May be null.
   std::function<void(Tick tick, double share)> on_progress;
 };
@@ -58,6 +61,8 @@ class RunReplay {
   Status Start();
   Status RunTicks();
   bool IsPastEnd(const RecordedTick& next) const;
+  // Calls options_.check. False at a difference.
+  Result<bool> CheckNext(const RecordedTick& next);
   // Applies a tick and compares the state. False at a difference.
   bool Apply(const RecordedTick& tick);
   bool Compare(const RecordedTick& tick);
