@@ -88,6 +88,22 @@ class Seeds {
   std::filesystem::path folder_;
 };
 
+// A world that changes, and a step.
+HistoryMessage SmallHistory(const WorldDescription& world) {
+  HistoryMessage history{1, {AgentId(7)}, MemoryPlace{0, 3, true}, {}};
+  HistoryEntry& first = history.entries.emplace_back();
+  first.frame.run = 1;
+  first.frame.state = PlacedState(world);
+  first.world = world;
+  first.step_follows = true;
+  HistoryEntry second = first;
+  second.world.reset();
+  ++second.frame.state.tick;
+  second.frame.state.robots[0].X_WR.x += 0.5;
+  history.entries.push_back(std::move(second));
+  return history;
+}
+
 void WriteFrames(const Seeds& seeds, const WorldDescription& world) {
   FrameMessage frame;
   frame.run = 1;
@@ -204,6 +220,7 @@ int Main(const char* folder) {
   seeds.WriteMessage("admissions", std::vector<AdmissionMessage>{{1, 7, true, ""}, {1, 8, false, "no such robot"}});
   WriteFrames(seeds, world);
   seeds.WriteMessage("frame_request", troupe::FrameRequest{5});
+  seeds.WriteMessage("history", SmallHistory(world));
   ProposalMessage proposal;
   proposal.proposals = {{RobotId(0), {0.5, 0.0, 0.1}, {0.1, 0.2}}};
   seeds.WriteMessage("proposal", proposal);

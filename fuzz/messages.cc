@@ -71,6 +71,9 @@ void Changes(Bytes bytes) {
 void FrameRequest(Bytes bytes) {
   Read<troupe::FrameRequest, troupe_wire_FrameRequest>(bytes);
 }
+void History(Bytes bytes) {
+  Read<HistoryMessage, troupe_wire_History>(bytes);
+}
 void Proposal(Bytes bytes) {
   Read<ProposalMessage, troupe_wire_Proposal>(bytes);
 }

@@ -23,6 +23,7 @@ void Admissions(Bytes bytes);
 void Frame(Bytes bytes);    // a whole one
 void Changes(Bytes bytes);  // a frame after another one
 void FrameRequest(Bytes bytes);
+void History(Bytes bytes);
 void Proposal(Bytes bytes);
 void Control(Bytes bytes);
 void ControlReply(Bytes bytes);

@@ -61,7 +61,7 @@ set(may_include_world-service/observers/recorder
   common/base common/geometry common/model common/protocol common/recording common/recording/mcap common/run common/spatial
   world-service/core world-service/service)
 set(may_include_world-service/replay
-  common/base common/geometry common/model common/protocol common/recording common/sensing common/spatial
+  common/base common/geometry common/model common/protocol common/recording common/run common/sensing common/spatial
   world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model common/protocol common/worldfile world-service/service)
@@ -73,7 +73,7 @@ set(may_include_world-service/program
   common/worldfile common/worldfile/build world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_world-service
   common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/security common/spatial world-service/program
-  world-service/observers/recorder world-service/observers/ros world-service/observers/status world-service/service)
+  world-service/observers/ros world-service/observers/status world-service/replay world-service/service)
 
 set(may_include_robot-agent/controller
   common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
@@ -120,7 +120,7 @@ set(may_include_launcher/supervise
   common/spatial
   common/trace
   common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
-  robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/service)
+  robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/replay world-service/service)
 set(may_include_launcher/commands
   common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol
   common/recording common/run common/security

@@ -78,7 +78,7 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
     observers.push_back(ros.get());
   }
   if (const Status failure = MakeRecordersOf(run, line); !failure.ok()) return fail(failure.error());
-  for (const auto& recorder : run.recorders) observers.push_back(recorder.get());
+  for (const auto& recorder : run.recorders.observers) observers.push_back(recorder.get());
   observers.push_back(&reporter);
   const Result<RunSummary> summary = RunService(run.scene, options, std::move(endpoint), observers, stop.requested());
   if (!summary.ok()) return fail(summary.error());

@@ -85,8 +85,8 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->group(group);
   AddOverride(
       app, "--on-agent-loss", overrides.on_agent_loss, [](const std::string& word) { return *ParseOnAgentLoss(word); },
-      "When a robot's process is lost: freeze the robot (default), pause the run until the robot rejoins, or abort "
-      "the run")
+      "When a robot's process is lost: freeze the robot (default), pause the run until the robot rejoins, abort the "
+      "run, or rebuild the memory of the robot's controller and continue as if nothing had happened")
       ->check(OneOf({kOnAgentLossWords.begin(), kOnAgentLossWords.end()}))
       ->type_name("POLICY")
       ->group(group);

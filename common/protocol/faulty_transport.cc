@@ -18,7 +18,7 @@ namespace {
 // The stream of random numbers of the first observer; the others follow. An agent's stream has its id.
 constexpr std::uint64_t kFirstObserverStream = std::uint64_t{1} << 63;
 
-enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kProposal, kStatus };
+enum class Kind : std::uint8_t { kSession, kJoin, kAdmission, kFrame, kHistory, kProposal, kStatus };
 
 // The faults of the messages to one endpoint. Called from one thread at a time.
 class FaultyLine {
@@ -84,6 +84,7 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   void SendSession(const SessionMessage& session) override { inner_->SendSession(session); }
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override { inner_->SendAdmissions(admissions); }
   void SendFrame(const FrameMessage& frame) override { inner_->SendFrame(frame); }
+  void SendHistory(const HistoryMessage& history) override { inner_->SendHistory(history); }
   void SendStatus(const StatusMessage& status) override { inner_->SendStatus(status); }
   void SendControlReply(const ControlReply& reply) override { inner_->SendControlReply(reply); }
   void Flush(double seconds) override { inner_->Flush(seconds); }
@@ -137,6 +138,9 @@ class FaultyAgentEndpoint final : public AgentEndpoint, private AgentHandler {
   }
   void OnFrame(const FrameMessage& frame) override {
     line_.Pass(Kind::kFrame, Delivery(handler_, &AgentHandler::OnFrame, frame));
+  }
+  void OnHistory(const HistoryMessage& history) override {
+    line_.Pass(Kind::kHistory, Delivery(handler_, &AgentHandler::OnHistory, history));
   }
   void OnServiceGone() override {
     line_.PassIntact([handler = handler_] { handler->OnServiceGone(); });

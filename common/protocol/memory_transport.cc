@@ -171,6 +171,7 @@ class MemoryServiceEndpoint final : public ServiceEndpoint {
     for (const AdmissionMessage& admission : admissions) exchange_.ToAgents(&AgentHandler::OnAdmission, admission);
   }
   void SendFrame(const FrameMessage& frame) override { exchange_.PublishFrame(frame); }
+  void SendHistory(const HistoryMessage& history) override { exchange_.ToAgents(&AgentHandler::OnHistory, history); }
   void SendStatus(const StatusMessage& status) override { exchange_.PublishStatus(status); }
   void Flush(double seconds) override { exchange_.Flush(seconds); }
 

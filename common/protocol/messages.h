@@ -2,6 +2,7 @@
 // in idl/ define their layout on the wire; common/dds/convert converts.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,6 +44,14 @@ struct SessionMessage {
   bool operator==(const SessionMessage&) const = default;
 };
 
+// How far the memory of robots reaches: the newest state that they have processed.
+struct MemoryPlace {
+  Edition edition = 0;
+  Tick tick = 0;
+  bool decided = false;  // on this state; false: it was paused
+  auto operator<=>(const MemoryPlace&) const = default;
+};
+
 // Agent to service: requests the control of robots, by name. Resent until answered.
 struct JoinMessage {
   RunId run = 0;
@@ -56,6 +65,7 @@ struct JoinMessage {
   Incarnation incarnation = 0;  // of the newest service that the agent knows
   // Of those robots, the ones whose controllers accept goals, by name.
   std::vector<std::string> accept_goals = {};
+  std::optional<MemoryPlace> memory = {};  // nothing: the robots are new
   bool operator==(const JoinMessage&) const = default;
 };
 
@@ -90,7 +100,30 @@ struct FrameMessage {
   Edition fresh_edition = 0;  // the newest at which all robots were made anew, as at the start
   Incarnation incarnation = 0;
   std::vector<RobotCommand> commands = {};  // in force for the next tick, in robot-id order; not in a paused frame
+  // Robots that were made anew at fresh_edition need the memory of the states since. An agent that has none of them
+  // joins again, for their history.
+  bool remembered = false;
   bool operator==(const FrameMessage&) const = default;
+};
+
+// A state of the past.
+struct HistoryEntry {
+  FrameMessage frame;         // without events
+  bool step_follows = false;  // false: an edit
+  // Of the frame, where it differs from that of the entry before, and of the first entry where the agents may lack it.
+  std::optional<WorldDescription> world = {};
+  bool operator==(const HistoryEntry&) const = default;
+};
+
+// Service to agents: states of the run so far, in order and without a gap, for agents whose join says that their memory
+// is behind. They process them, and join again.
+struct HistoryMessage {
+  RunId run = 0;
+  std::vector<AgentId> agents;            // that asked; others may use it if it follows their memory
+  std::optional<MemoryPlace> after = {};  // that it follows; nothing: the robots of these agents are new
+  std::vector<HistoryEntry> entries;
+  Incarnation incarnation = 0;
+  bool operator==(const HistoryMessage&) const = default;
 };
 
 // Observer to service: resend the newest frame, whole.

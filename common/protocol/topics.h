@@ -9,6 +9,7 @@ inline constexpr const char* kAdmission = "troupe/admission";         // service
 inline constexpr const char* kFrame = "troupe/frame";                 // service to agents and observers
 inline constexpr const char* kFrameRequest = "troupe/frame_request";  // observer to service
 inline constexpr const char* kWholeFrame = "troupe/whole_frame";      // service to observers
+inline constexpr const char* kHistory = "troupe/history";             // service to agents
 inline constexpr const char* kProposal = "troupe/proposal";           // agent to service
 inline constexpr const char* kStatus = "troupe/status";               // service to tools
 inline constexpr const char* kControl = "troupe/control";             // tool to service

@@ -38,6 +38,7 @@ class ServiceEndpoint {
   virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
   virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
+  virtual void SendHistory(const HistoryMessage& history) = 0;
   virtual void SendStatus(const StatusMessage& status) = 0;
   // No effect in transports without tools.
   virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
@@ -51,6 +52,7 @@ class AgentHandler {
   virtual void OnSession(const SessionMessage& session) = 0;
   virtual void OnAdmission(const AdmissionMessage& admission) = 0;  // of any agent
   virtual void OnFrame(const FrameMessage& frame) = 0;
+  virtual void OnHistory(const HistoryMessage& history) { (void)history; }  // for any agent
   // The service has ended.
   virtual void OnServiceGone() = 0;
   // The lease of the service has expired: it has died, or it or this process was stopped for a time. In the latter case

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/recording/convert_recorded.h"
+#include "common/recording/tick_reader.h"
 
 namespace troupe {
 namespace {
@@ -134,6 +136,16 @@ std::optional<std::size_t> Recording::KeyframeBefore(std::uint64_t log_time) con
     found = chunk;
   }
   return found;
+}
+
+std::size_t Recording::KeyframeUpTo(Edition edition, Tick tick) const {
+  const auto is_up_to = [&](std::size_t chunk) {
+    RecordedTick first;
+    const Result<bool> read = TickReader(*this, chunk).Next(first);
+    return read.ok() && read.value() && std::pair(first.edition, first.tick) <= std::pair(edition, tick);
+  };
+  const auto end = std::partition_point(keyframe_chunks_.begin(), keyframe_chunks_.end(), is_up_to);
+  return end == keyframe_chunks_.begin() ? 0 : *std::prev(end);
 }
 
 Status Recording::VisitEdits(std::size_t chunk, const std::function<Status(const RecordedEdit&)>& visit) const {

@@ -43,6 +43,8 @@ class Recording {
   std::size_t keyframes() const { return keyframe_chunks_.size(); }
   // The last chunk that begins with a keyframe at a log time of at most `log_time`; nothing if there is none.
   std::optional<std::size_t> KeyframeBefore(std::uint64_t log_time) const;
+  // The last chunk that begins with a keyframe of at most this edition and tick; chunk 0 if there is none.
+  std::size_t KeyframeUpTo(Edition edition, Tick tick) const;
   // Calls `visit` with each edit in the chunks before `chunk`, in their order. The error is a damaged chunk, or that of
   // `visit`.
   Status VisitEdits(std::size_t chunk, const std::function<Status(const RecordedEdit&)>& visit) const;

@@ -12,7 +12,7 @@
 namespace troupe {
 
 enum class Mode : std::uint8_t { kLockstep, kRealtime };
-enum class OnAgentLoss : std::uint8_t { kFreeze, kPause, kAbort };
+enum class OnAgentLoss : std::uint8_t { kFreeze, kPause, kAbort, kRebuild };
 
 // When the world service dies: another one continues the run, or the run ends.
 enum class OnServiceLoss : std::uint8_t { kRestart, kEnd };
@@ -23,7 +23,7 @@ using Speed = std::optional<double>;
 
 // Their words in scenarios and on command lines, in the order of the values.
 inline constexpr std::array<std::string_view, 2> kModeWords = {"lockstep", "realtime"};
-inline constexpr std::array<std::string_view, 3> kOnAgentLossWords = {"freeze", "pause", "abort"};
+inline constexpr std::array<std::string_view, 4> kOnAgentLossWords = {"freeze", "pause", "abort", "rebuild"};
 
 std::string ToString(Mode mode);
 std::string ToString(OnAgentLoss policy);

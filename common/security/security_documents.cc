@@ -35,11 +35,11 @@ Access AccessOf(const Role& role) {
   using namespace topics;  // NOLINT(google-build-using-namespace): a table of topics
   switch (role.kind) {
     case Role::Kind::kService:
-      return {{kSession, kFrame, kWholeFrame, kAdmission, kStatus, kControlReply},
+      return {{kSession, kFrame, kWholeFrame, kAdmission, kHistory, kStatus, kControlReply},
               {kJoin, kProposal, kControl, kFrameRequest, kSession}};
     case Role::Kind::kAgent:
       // Names have no wildcards, so the end of the partition is this agent's in any session.
-      return {{kJoin, kProposal}, {kSession, kAdmission, kFrame}, "*/" + role.agent_name};
+      return {{kJoin, kProposal}, {kSession, kAdmission, kFrame, kHistory}, "*/" + role.agent_name};
     case Role::Kind::kOperator:
       return {{kControl, kFrameRequest}, {kSession, kStatus, kControlReply, kFrame, kWholeFrame}};
     case Role::Kind::kObserver:
@@ -67,7 +67,7 @@ std::string Document(const char* schema, const std::string& content) {
 std::string GovernanceDocument() {
   using namespace topics;  // NOLINT(google-build-using-namespace): a table of topics
   std::string rules;
-  for (const char* topic : {kSession, kFrame, kWholeFrame, kJoin, kControl, kControlReply, kStatus}) {
+  for (const char* topic : {kSession, kFrame, kWholeFrame, kHistory, kJoin, kControl, kControlReply, kStatus}) {
     rules += TopicRule(topic, "ENCRYPT");
   }
   for (const char* topic : {kProposal, kAdmission, kFrameRequest}) rules += TopicRule(topic, "SIGN");

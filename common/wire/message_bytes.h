@@ -14,7 +14,7 @@
 namespace troupe::wire {
 
 // Message: SessionMessage, JoinMessage, std::vector<AdmissionMessage>, FrameMessage (whole), FrameRequest,
-// ProposalMessage, ControlRequest, ControlReply or StatusMessage.
+// HistoryMessage, ProposalMessage, ControlRequest, ControlReply or StatusMessage.
 template <typename Message>
 std::vector<std::byte> ToBytes(const Message& message);
 

@@ -23,6 +23,9 @@ class AgentRestarts {
   // used up.
   std::optional<double> OnEnd(Agent agent, int exit_status, double now);
 
+  // The run has advanced since the agent ended: its restarts are counted anew.
+  void Forgive(Agent agent) { counts_.erase(agent); }
+
   // The agents whose time has come, by number, each of them once.
   std::vector<Agent> TakeDue(double now);
   // The time of the next restart; nothing: none is pending.

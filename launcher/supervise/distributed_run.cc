@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <utility>
 
 #include "common/trace/trace_file.h"
@@ -29,6 +30,9 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kStopTimeout = std::chrono::seconds(10);
 // The same for agents after the end of the service: they leave at once unless they hang.
 constexpr auto kLeaveTimeout = std::chrono::seconds(5);
+
+// With on_agent_loss rebuild: restarts of an agent at one tick. An agent that dies again there will always do so.
+constexpr std::uint32_t kRestartsAtATick = 5;
 
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -89,6 +93,8 @@ class DistributedRun {
   std::optional<std::uint16_t> service_port_;  // once it is ready
   Tick tick_ = 0;                              // of the newest status
   Edition new_robots_edition_ = 0;             // the newest that has added robots
+  bool rebuilds_ = false;                 // agents are started again until the run ends
+  std::map<std::size_t, Tick> ended_at_;  // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -174,7 +180,12 @@ void DistributedRun::React(const ReadyReport& ready) {
   service_port_ = ready.port;
   robots_ = ready.robots.size();
   // A run that ends when an agent is lost has no time for a restart.
-  if (!ready.aborts_on_loss) restarts_ = AgentRestarts(options_.restart_agents.value_or(ready.restart_agents));
+  rebuilds_ = ready.rebuilds_on_loss;
+  if (rebuilds_) {
+    restarts_ = AgentRestarts(kRestartsAtATick);
+  } else if (!ready.aborts_on_loss) {
+    restarts_ = AgentRestarts(options_.restart_agents.value_or(ready.restart_agents));
+  }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
   const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
@@ -233,8 +244,12 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
                   end.ToString());
   if (started_) {
+    const auto [before, is_first] = ended_at_.try_emplace(agent.number, tick_);
+    if (rebuilds_ && !is_first && std::exchange(before->second, tick_) != tick_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
       progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
+    } else if (rebuilds_) {
+      Fail(FailedRun(Failure(fmt::format("{} after {} restarts at tick {}", text, restarts_.limit(), tick_))));
     } else {
       TellRestartCommand(agent, text);
     }

@@ -28,6 +28,7 @@
 #include "robot-agent/ros/ros_gateway.h"
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
+#include "world-service/replay/journal_history.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
@@ -284,15 +285,18 @@ RunEnd RunInProcess(const RunOptions& options) {
   const auto scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   SignalWatch signals;
   const OutputFiles outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
-  const auto recorders = MakeRecorders(scene->world(), outputs, options.file);
+  const bool needs_memory = service.settings.on_agent_loss == OnAgentLoss::kRebuild;
+  const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, options.file, needs_memory);
   if (!recorders.ok()) return FailedRun(recorders.error());
+  const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
+  service.history = history.get();
   std::unique_ptr<RunObserver> ros;
   RunObservers observers;
   if (service.settings.ros) {
     ros = MakeRosWorldGateway(options.ros, scene);
     observers.push_back(ros.get());
   }
-  for (const auto& recorder : recorders.value()) observers.push_back(recorder.get());
+  for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
   const Result<RunSummary> summary = run.Run(signals);

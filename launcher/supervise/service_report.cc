@@ -37,6 +37,7 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "robots_per_process", report.robots_per_process);
   Get(json, "restart_agents", report.restart_agents);
   Get(json, "aborts_on_loss", report.aborts_on_loss);
+  Get(json, "rebuilds_on_loss", report.rebuilds_on_loss);
   Get(json, "port", report.port);
   Get(json, "participant", report.participant);
   Get(json, "ros", report.ros);

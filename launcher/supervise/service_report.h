@@ -19,10 +19,11 @@ struct ReadyReport {
   std::vector<std::string> libraries;  // controllers of robots
   std::uint32_t robots_per_process = 1;
   std::uint32_t restart_agents = 0;
-  bool aborts_on_loss = false;  // the run ends when an agent is lost
-  std::uint16_t port = 0;       // UDP port at which agents find the service; 0: unknown
-  std::string participant;      // of the service, NetworkSettings::service_participant
-  bool ros = false;             // the run uses ROS 2
+  bool aborts_on_loss = false;    // the run ends when an agent is lost
+  bool rebuilds_on_loss = false;  // the run waits for an agent that is lost
+  std::uint16_t port = 0;         // UDP port at which agents find the service; 0: unknown
+  std::string participant;        // of the service, NetworkSettings::service_participant
+  bool ros = false;               // the run uses ROS 2
 };
 
 // "robots": an edit has added robots that need agents.

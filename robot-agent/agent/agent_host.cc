@@ -86,6 +86,9 @@ class AgentHost final : public AgentHandler {
   void OnFrame(const FrameMessage& frame) override {
     Deliver([&] { protocol_.OnFrame(frame, Now()); });
   }
+  void OnHistory(const HistoryMessage& history) override {
+    Deliver([&] { protocol_.OnHistory(history); });
+  }
   void OnServiceGone() override {
     Deliver([&] { protocol_.OnServiceGone(Now()); });
   }

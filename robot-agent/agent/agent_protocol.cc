@@ -74,6 +74,7 @@ void AgentProtocol::StartJoining() {
 
 void AgentProtocol::Rejoin() {
   was_lost_ = true;
+  tells_return_ = true;
   if (stage_ == Stage::kRunning) StartJoining();
 }
 
@@ -126,10 +127,11 @@ JoinMessage AgentProtocol::MakeJoin() {
                    .world_hash = world_hash_,
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
-                   .robots = replica_->RobotNames(),
+                   .robots = robots_,
                    .world_edition = world_edition_,
                    .incarnation = incarnation_,
-                   .accept_goals = replica_->NamesThatAcceptGoals()};
+                   .accept_goals = replica_->NamesThatAcceptGoals(),
+                   .memory = memory_};
   if (session_) {
     // The world was edited since the agent was lost. The next frame says how the replica is to follow.
     if (session_hash_ == 0) session_hash_ = Hash(session_->world);
@@ -141,7 +143,8 @@ JoinMessage AgentProtocol::MakeJoin() {
 }
 
 bool AgentProtocol::has_task() const {
-  return (stage_ == Stage::kPreparing && session_ != nullptr) || (stage_ == Stage::kChanging && replica_ != nullptr);
+  const bool works_on_replica = stage_ == Stage::kChanging || stage_ == Stage::kRetracing;
+  return (stage_ == Stage::kPreparing && session_ != nullptr) || (works_on_replica && replica_ != nullptr);
 }
 
 std::optional<ReplicaTask> AgentProtocol::BeginTask() {
@@ -149,6 +152,13 @@ std::optional<ReplicaTask> AgentProtocol::BeginTask() {
   ReplicaTask task;
   if (stage_ == Stage::kChanging) {
     task = std::exchange(change_, {});
+  } else if (stage_ == Stage::kRetracing) {
+    task.history = std::move(history_);
+    task.own_robots = robots_;
+    task.world_edition = world_edition_;
+    task.world_hash = world_hash_;
+    task.made_at = fresh_edition_;
+    task.memory = memory_;
   } else {
     task.is_new = true;
     task.session = std::move(session_);
@@ -160,15 +170,21 @@ std::optional<ReplicaTask> AgentProtocol::BeginTask() {
 void AgentProtocol::FinishTask(ReplicaTask& task) {
   // Else the run has ended meanwhile, or another session is to be prepared for.
   if (task.is_new && stage_ == Stage::kPreparing && session_ == nullptr) FinishMaking(task);
-  if (!task.is_new && stage_ == Stage::kChanging) FinishChange(task);
+  if (task.is_new) return;
+  if (task.history && stage_ == Stage::kRetracing) return FinishRetracing(task);
+  if (!task.history && stage_ == Stage::kChanging) FinishChange(task);
 }
 
 void AgentProtocol::FinishMaking(ReplicaTask& task) {
   if (!task.outcome.ok()) return Fail(task.outcome.error());
   replica_ = std::move(task.replica);
   world_hash_ = task.world_hash;
+  robots_ = replica_->RobotNames();
   answered_.reset();
   fresh_edition_.reset();
+  memory_.reset();
+  remembered_.reset();
+  log_is_marked_ = false;
   StartJoining();
 }
 
@@ -176,6 +192,7 @@ void AgentProtocol::FinishChange(ReplicaTask& task) {
   if (!task.outcome.ok()) return Fail(task.outcome.error());
   replica_ = std::move(task.replica);
   if (task.session) world_hash_ = task.world_hash;
+  robots_ = replica_->RobotNames();
   if (!replica_->has_robots()) {
     stage_ = Stage::kRunOver;
     return;
@@ -183,6 +200,21 @@ void AgentProtocol::FinishChange(ReplicaTask& task) {
   stage_ = Stage::kRunning;
   if (was_lost_) return StartJoining();
   ProcessKept();
+}
+
+void AgentProtocol::FinishRetracing(ReplicaTask& task) {
+  if (!task.outcome.ok()) return Fail(task.outcome.error());
+  replica_ = std::move(task.replica);
+  world_hash_ = task.world_hash;
+  world_edition_ = task.world_edition;
+  fresh_edition_ = task.made_at;
+  memory_ = task.memory;
+  if (task.put_aside && !session_) {
+    session_ = std::move(task.put_aside);
+    session_hash_ = 0;
+  }
+  if (session_ && session_->world_edition <= world_edition_) session_.reset();
+  StartJoining();  // at once, for the states that follow
 }
 
 void AgentProtocol::OnSession(const SessionMessage& session) {
@@ -198,7 +230,8 @@ void AgentProtocol::OnSession(const SessionMessage& session) {
   }
   // After the choice of a session, this may be its world after an edit, or the next run in place of one that ended
   // before it answered.
-  if (stage_ != Stage::kWaiting && session.run == run_ && session.world_edition <= world_edition_) return;
+  const Edition known = session_ ? session_->world_edition : world_edition_;
+  if (stage_ != Stage::kWaiting && session.run == run_ && session.world_edition <= known) return;
   Choose(session);
 }
 
@@ -210,7 +243,8 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
     if (!admission.reason.empty()) Fail({{}, "the world service refused: " + admission.reason});
     return;
   }
-  if (std::exchange(was_lost_, false)) notices_.emplace_back("joined the run again");
+  was_lost_ = false;
+  if (std::exchange(tells_return_, false)) notices_.emplace_back("joined the run again");
   stage_ = Stage::kRunning;
   ProcessKept();
 }
@@ -226,6 +260,16 @@ void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
   } else {
     Keep(frame);
   }
+}
+
+void AgentProtocol::OnHistory(const HistoryMessage& history) {
+  if (stage_ != Stage::kJoining || history.run != run_ || !IsCurrent(history.incarnation)) return;
+  if (history.after != memory_) return;
+  const bool asked = std::find(history.agents.begin(), history.agents.end(), options_.agent) != history.agents.end();
+  if (!asked && !memory_) return;  // it may begin behind the first state of these robots
+  run_has_begun_ = true;           // the service has work for joins: resend them often
+  history_ = std::make_unique<HistoryMessage>(history);
+  stage_ = Stage::kRetracing;
 }
 
 void AgentProtocol::OnServiceGone(double now) {
@@ -258,7 +302,11 @@ void AgentProtocol::BeginChange(const FrameMessage& frame, bool fresh) {
   change_.fresh_edition = frame.fresh_edition;
   if (frame.world_edition != world_edition_) change_.session = std::move(session_);
   world_edition_ = frame.world_edition;
-  if (fresh) fresh_edition_ = frame.fresh_edition;
+  if (fresh) {
+    fresh_edition_ = frame.fresh_edition;
+    memory_.reset();
+    log_is_marked_ = true;  // by the change
+  }
   stage_ = Stage::kChanging;
 }
 
@@ -281,6 +329,12 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
   // A tick that was published in a pause is not published again.
   const bool is_shown =
       answered_ && std::get<Edition>(*answered_) == frame.edition && std::get<Tick>(*answered_) == frame.state.tick;
+  if (is_new && LacksMemory(frame)) {
+    Keep(frame);
+    remembered_ = frame.fresh_edition;
+    was_lost_ = true;
+    return StartJoining();
+  }
   if (is_new && !ComputeAnswer(frame)) return;
   // A paused tick is published first: the answers of all agents mean that every gateway shows the tick.
   if (is_new) paused_state_.reset();
@@ -297,21 +351,29 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
   Enter(replica_->lane(), TickPhase::kWait, next + 1);
 }
 
+bool AgentProtocol::LacksMemory(const FrameMessage& frame) const {
+  const bool knows = memory_ && memory_->edition >= frame.fresh_edition;
+  return frame.remembered && !knows && remembered_ != frame.fresh_edition;
+}
+
 bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   Enter(replica_->lane(), TickPhase::kApply, frame.state.tick + 1);
   if (const Status status = replica_->CheckState(frame.state); !status.ok()) {
     Fail(Failure("the world service sent a bad frame: " + status.error().message));
     return false;
   }
-  const bool was_edited = answered_ && std::get<Edition>(*answered_) != frame.edition;
+  const bool was_edited = memory_ && memory_->edition != frame.edition;
   if (was_edited) replica_->Relocate(frame.state);
   answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state, frame.commands);
   answer_.run = run_;
   answer_.agent = options_.agent;
   answer_.edition = frame.edition;
   answered_ = PlaceOf(frame);
+  memory_ = {frame.edition, frame.state.tick, !frame.paused};
   ScanLog* const log = outputs_.scan_log;
-  if (!fresh_edition_ && frame.fresh_edition > 0 && log != nullptr) log->Restart(frame.fresh_edition);
+  if (!std::exchange(log_is_marked_, true) && frame.fresh_edition > 0 && log != nullptr) {
+    log->Restart(frame.fresh_edition);
+  }
   fresh_edition_ = frame.fresh_edition;
   if (log != nullptr && !log->status().ok()) {
     Fail(AsFailure(log->status().error()));

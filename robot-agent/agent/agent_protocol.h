@@ -32,6 +32,7 @@ class AgentProtocol {
   void OnSession(const SessionMessage& session);
   void OnAdmission(const AdmissionMessage& admission);
   void OnFrame(const FrameMessage& frame, double now);
+  void OnHistory(const HistoryMessage& history);
   void OnServiceGone(double now);
   void OnServiceLost(double now);
 
@@ -64,6 +65,7 @@ class AgentProtocol {
     kWaiting,    // for a session
     kPreparing,  // the replica for run_ is to be made
     kJoining,    // joins are sent: for the first time, or again
+    kRetracing,  // the robots are to process history_, then joins are sent again
     kRunning,    // admitted: frames are answered
     kChanging,   // admitted: the replica is to be changed as change_ says
     kRunOver,    // the service ended the run, or all robots were removed
@@ -100,6 +102,9 @@ class AgentProtocol {
   bool ComputeAnswer(const FrameMessage& frame);
   void FinishMaking(ReplicaTask& task);
   void FinishChange(ReplicaTask& task);
+  void FinishRetracing(ReplicaTask& task);
+  // The robots lack the memory that the frame demands, and their history was not asked for yet.
+  bool LacksMemory(const FrameMessage& frame) const;
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
@@ -114,10 +119,16 @@ class AgentProtocol {
   std::uint64_t world_hash_ = 0;             // of the replica's world
   Edition world_edition_ = 0;                // of the replica, or of change_
   ReplicaTask change_;                       // in the stage kChanging
+  std::unique_ptr<HistoryMessage> history_;  // in the stage kRetracing, until its task begins
+  std::vector<std::string> robots_;          // of the agent, from joining on
+  std::optional<MemoryPlace> memory_;        // of the robots
+  std::optional<Edition> remembered_;        // the fresh edition whose history the agent has asked for
+  bool log_is_marked_ = false;               // the scan log has the edition of the robots
   double joined_at_ = 0.0;                   // the newest join
   double join_period_ = 0.0;
   bool run_has_begun_ = false;              // a frame of it has arrived
   bool was_lost_ = false;                   // since it was admitted; it has to join again
+  bool tells_return_ = false;               // its next admission is a notice
   std::optional<double> service_lost_at_;   // when its lease expired; nothing: it has returned since
   std::optional<Edition> fresh_edition_;    // the edition that its robots started at; nothing: no frame was answered
   std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet

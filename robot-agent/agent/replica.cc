@@ -152,6 +152,20 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   return {};
 }
 
+Status Replica::AddRobots(const std::vector<std::string>& names) {
+  const std::vector<RobotId> before = Ids();
+  for (const std::string& name : names) {
+    const std::optional<RobotId> id = FindRobot(scene_->world(), name);
+    if (!id || std::find(before.begin(), before.end(), *id) != before.end()) continue;
+    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, *id, options_);
+    if (!robot.ok()) return robot.error();
+    robots_.push_back(std::move(robot).value());
+  }
+  if (robots_.size() == before.size()) return {};
+  std::sort(robots_.begin(), robots_.end(), [](const auto& a, const auto& b) { return a->id() < b->id(); });
+  return MakeNewGateway();
+}
+
 Status Replica::Renew(Edition edition) {
   if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
   if (Status status = MakeRobots(Ids()); !status.ok()) return status;

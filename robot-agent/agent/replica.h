@@ -39,6 +39,10 @@ class Replica {
   // Starts the robots anew in the present world. The error is as above.
   Status Renew(Edition edition);
 
+  // Makes those of the robots that the world has, and the replica lacks. The error is as above.
+  Status AddRobots(const std::vector<std::string>& names);
+
+  const WorldDescription& world() const { return scene_->world(); }
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;

@@ -8,12 +8,20 @@
 #include <vector>
 
 #include "common/base/version.h"
+#include "robot-agent/robot/scan_log.h"
 
 namespace troupe {
 
 void ReplicaTask::Perform(const AgentOptions& options, const AgentOutputs& outputs) {
   try {
     if (session) world_hash = Hash(session->world);
+    if (history) {
+      // The lines of the past are in the log, or in that of the agent before.
+      if (outputs.scan_log != nullptr) outputs.scan_log->Mute(true);
+      outcome = Retrace();
+      if (outputs.scan_log != nullptr) outputs.scan_log->Mute(false);
+      return;
+    }
     outcome = is_new ? Make(options, outputs) : Change();
   } catch (const std::bad_alloc& no_memory) {
     outcome = FailureOf(no_memory);
@@ -51,6 +59,49 @@ Status ReplicaTask::Change() {
   }
   if (status.ok()) return status;
   return Failure("the world was edited, and this agent cannot continue: " + status.error().message);
+}
+
+Status ReplicaTask::Retrace() {
+  for (HistoryEntry& entry : history->entries) {
+    if (Status problem = Retrace(entry); !problem.ok()) {
+      return Failure("the world service sent a bad history: " + problem.error().message);
+    }
+  }
+  return {};
+}
+
+// As AgentProtocol answers the frames of a run.
+Status ReplicaTask::Retrace(HistoryEntry& entry) {
+  const FrameMessage& frame = entry.frame;
+  const bool starts = !made_at || frame.fresh_edition > *made_at;
+  if (frame.world_edition != world_edition) {
+    if (!entry.world) return Error{{}, "a state without its world"};
+    if (Status problem = Validate(*entry.world); !problem.ok()) return problem;
+    if (frame.world_edition < world_edition) {
+      put_aside = std::make_unique<SessionMessage>();
+      put_aside->run = history->run;
+      put_aside->world = replica->world();
+      put_aside->world_edition = world_edition;
+    }
+    world_hash = Hash(*entry.world);
+    if (Status problem = replica->ChangeWorld(std::move(*entry.world), starts, frame.fresh_edition); !problem.ok()) {
+      return problem;
+    }
+    if (Status problem = replica->AddRobots(own_robots); !problem.ok()) return problem;
+    world_edition = frame.world_edition;
+  } else if (made_at && starts) {
+    if (Status problem = replica->Renew(frame.fresh_edition); !problem.ok()) return problem;
+  }
+  if (Status problem = replica->CheckState(frame.state); !problem.ok()) return problem;
+  if (memory && memory->edition != frame.edition) replica->Relocate(frame.state);
+  if (entry.step_follows) {
+    replica->Retrace(frame.state);
+  } else {
+    replica->Pause(frame.state);
+  }
+  made_at = frame.fresh_edition;
+  memory = {frame.edition, frame.state.tick, entry.step_follows};
+  return {};
 }
 
 }  // namespace troupe

@@ -1,10 +1,13 @@
-// ReplicaTask: makes or changes the replica of an agent. It may last long, and a gateway may have a DDS participant,
-// whose end waits for all threads of DDS: so a task must not run, nor end, on a thread that delivers messages or while
-// such a thread waits for the caller.
+// ReplicaTask: makes or changes the replica of an agent, or lets its robots remember states of the past. It may last
+// long, and a gateway may have a DDS participant, whose end waits for all threads of DDS: so a task must not run, nor
+// end, on a thread that delivers messages or while such a thread waits for the caller.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
@@ -25,6 +28,14 @@ struct ReplicaTask {
   // Of a change:
   bool fresh = false;         // all robots start anew
   Edition fresh_edition = 0;  // of the newest fresh start
+  // Of a history, which the robots process: the state of their memory before and, as results, after. Null: none.
+  std::unique_ptr<HistoryMessage> history;
+  std::vector<std::string> own_robots;        // of the agent: some may be missing in the world at that time
+  Edition world_edition = 0;                  // of the replica
+  std::optional<Edition> made_at;             // the fresh edition of the robots; nothing: they are new
+  std::optional<MemoryPlace> memory;          // of the robots
+  std::unique_ptr<SessionMessage> put_aside;  // result: the world of the replica, if an older one has replaced it
+
   // With the world; null: the world is as before.
   std::unique_ptr<SessionMessage> session;
   // The replica to change; after a success the result. A replica to be replaced ends first, because the names of its
@@ -39,6 +50,8 @@ struct ReplicaTask {
  private:
   Status Make(const AgentOptions& options, const AgentOutputs& outputs);
   Status Change();
+  Status Retrace();
+  Status Retrace(HistoryEntry& entry);
 };
 
 }  // namespace troupe

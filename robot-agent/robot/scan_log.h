@@ -25,6 +25,9 @@ class ScanLog {
   // Marks a restart of the robots, perhaps at an earlier tick: writes {"edition":N}.
   void Restart(std::uint32_t edition);
 
+  // While it is muted, nothing is written.
+  void Mute(bool muted) { muted_ = muted; }
+
   // The first error of a write (a full disk); nothing is written after it.
   const Status& status() const { return status_; }
   // Writes all buffered lines to the file.
@@ -37,6 +40,7 @@ class ScanLog {
   std::FILE* file_;
   std::string path_;
   Status status_;
+  bool muted_ = false;
 };
 
 }  // namespace troupe

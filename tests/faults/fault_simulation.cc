@@ -304,6 +304,15 @@ void FaultSimulation::SendFrame(const FrameMessage& frame) {
   stream_.Sent(frame);
 }
 
+void FaultSimulation::SendHistory(const HistoryMessage& history) {
+  const auto shared = std::make_shared<const HistoryMessage>(history);
+  for (const auto& [id, agent] : agents_) {
+    network_.Send(kService, id, [this, id = id, shared] {
+      ToAgent(id, [shared](AgentProtocol& protocol) { protocol.OnHistory(*shared); });
+    });
+  }
+}
+
 void FaultSimulation::SendRequest(const ControlRequest& request) {
   const std::size_t index = requests_.size();
   requests_.push_back({.command = request.command});

@@ -56,6 +56,7 @@ class FaultSimulation final : private ServiceEndpoint {
   void SendSession(const SessionMessage& session) override;
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
   void SendFrame(const FrameMessage& frame) override;
+  void SendHistory(const HistoryMessage& history) override;
   void SendStatus(const StatusMessage&) override {}
   void Flush(double) override {}
 

@@ -20,23 +20,15 @@ struct Target {
 };
 
 constexpr Target kTargets[] = {
-    {"admissions", Admissions},
-    {"changes", Changes},
-    {"control", Control},
-    {"control_reply", ControlReply},
-    {"frame", Frame},
-    {"frame_request", FrameRequest},
-    {"host_message", HostMessage},
-    {"image", Image},
-    {"join", Join},
-    {"map_yaml", MapYaml},
-    {"proposal", Proposal},
-    {"recording", Recording},
-    {"ros_sample", RosSample},
-    {"scenario", Scenario},
-    {"service_report", ServiceReport},
-    {"session", Session},
-    {"status", Status},
+    {"admissions", Admissions}, {"changes", Changes},
+    {"control", Control},       {"control_reply", ControlReply},
+    {"frame", Frame},           {"frame_request", FrameRequest},
+    {"history", History},       {"host_message", HostMessage},
+    {"image", Image},           {"join", Join},
+    {"map_yaml", MapYaml},      {"proposal", Proposal},
+    {"recording", Recording},   {"ros_sample", RosSample},
+    {"scenario", Scenario},     {"service_report", ServiceReport},
+    {"session", Session},       {"status", Status},
     {"world", World},
 };
 

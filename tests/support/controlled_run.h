@@ -9,6 +9,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <future>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,7 @@
 #include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
 #include "world-service/observers/recorder/make_recorders.h"
+#include "world-service/replay/journal_history.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe::test {
@@ -34,6 +36,8 @@ class ControlledRun final : private RunObserver {
     bool start_new_agents = true;
     OutputFiles outputs = {};
     std::string world_file = {};
+    OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
+    Speed speed = {};
   };
 
   ControlledRun(WorldDescription world, const Setup& setup)
@@ -48,12 +52,17 @@ class ControlledRun final : private RunObserver {
     options.start_timeout_seconds = setup.start_timeout_seconds;
     options.world_file = setup.world_file;
     options.settings.agent_deadline_seconds = 0.0;
-    recorders_ = MakeRecorders(scene_->world(), setup.outputs, setup.world_file).value();
+    options.settings.on_agent_loss = setup.on_agent_loss;
+    options.settings.speed = setup.speed;
+    const bool needs_memory = setup.on_agent_loss == OnAgentLoss::kRebuild;
+    recorders_ = MakeRecorders(scene_->world(), setup.outputs, setup.world_file, needs_memory).value();
     RunObservers observers = {this};
-    for (const auto& recorder : recorders_) observers.push_back(recorder.get());
+    for (const auto& recorder : recorders_.observers) observers.push_back(recorder.get());
+    history_ = MakeRunHistory(recorders_.recording, recorders_.recording_path);
+    options.history = history_.get();
     service_ = std::thread([this, options, observers] {
       summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), observers, stop_);
-      agents_stop_ = true;  // agents that have not ended
+      StopAgents();  // those that have not ended
     });
   }
   ~ControlledRun() override { static_cast<void>(Finish()); }
@@ -105,13 +114,31 @@ class ControlledRun final : private RunObserver {
   Result<RunSummary> Finish() {
     stop_ = true;
     if (service_.joinable()) service_.join();
-    std::vector<std::thread> agents;
+    std::list<Agent> agents;
     {
       const std::lock_guard lock(mutex_);
       agents.swap(agents_);
     }
-    for (std::thread& agent : agents) agent.join();
+    for (Agent& agent : agents) agent.thread.join();
     return summary_;
+  }
+  // Ends the newest agent of a robot, and starts another one for the same robots, which knows nothing.
+  void ReplaceAgentOf(const std::string& robot) {
+    std::vector<std::string> robots;
+    std::list<Agent> old;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto has_robot = [&](const Agent& agent) {
+        return std::find(agent.robots.begin(), agent.robots.end(), robot) != agent.robots.end();
+      };
+      const auto found = std::find_if(agents_.begin(), agents_.end(), has_robot);
+      ASSERT_NE(found, agents_.end()) << "no agent runs for " << robot;
+      robots = found->robots;
+      old.splice(old.end(), agents_, found);
+    }
+    old.front().stop = true;
+    old.front().thread.join();
+    StartAgent(robots);
   }
   // The end of the agent of a robot. REQUIRES: the agent ends.
   Result<AgentEnd> AwaitAgentOf(const std::string& robot) {
@@ -121,6 +148,12 @@ class ControlledRun final : private RunObserver {
   }
 
  private:
+  struct Agent {
+    std::vector<std::string> robots;
+    std::atomic<bool> stop = false;
+    std::thread thread;
+  };
+
   WorldControl* Control() {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [this] { return control_ != nullptr && started_; }));
@@ -128,19 +161,31 @@ class ControlledRun final : private RunObserver {
   }
 
   void StartAgents(const std::vector<std::string>& robots) {
-    const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < robots.size(); i += setup_.packing) {
-      AgentOptions options;
-      options.agent = ++last_agent_;
       const auto begin = robots.begin() + static_cast<std::ptrdiff_t>(i);
-      options.robots.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min(setup_.packing, robots.size() - i)));
-      agents_.emplace_back([this, options] {
-        Result<AgentEnd> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agents_stop_);
-        const std::lock_guard agent_lock(mutex_);
-        for (const std::string& robot : options.robots) ended_.insert_or_assign(robot, end);
-        changed_.notify_all();
-      });
+      StartAgent({begin, begin + static_cast<std::ptrdiff_t>(std::min(setup_.packing, robots.size() - i))});
     }
+  }
+  void StartAgent(const std::vector<std::string>& robots) {
+    const std::lock_guard lock(mutex_);
+    AgentOptions options;
+    options.agent = ++last_agent_;
+    options.robots = robots;
+    options.libraries = AllowedPaths::All();
+    Agent& agent = agents_.emplace_back();
+    agent.robots = robots;
+    agent.stop = agents_stop_;
+    agent.thread = std::thread([this, options, &agent] {
+      Result<AgentEnd> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agent.stop);
+      const std::lock_guard agent_lock(mutex_);
+      for (const std::string& robot : options.robots) ended_.insert_or_assign(robot, end);
+      changed_.notify_all();
+    });
+  }
+  void StopAgents() {
+    const std::lock_guard lock(mutex_);
+    agents_stop_ = true;
+    for (Agent& agent : agents_) agent.stop = true;
   }
 
   Status OnBegin(const RunStart& start) override {
@@ -175,9 +220,9 @@ class ControlledRun final : private RunObserver {
   const Setup setup_;
   const std::shared_ptr<const Scene> scene_;
   std::unique_ptr<Transport> transport_;
-  std::vector<std::unique_ptr<RunObserver>> recorders_;
+  Recorders recorders_;
+  std::unique_ptr<RunHistory> history_;
   std::atomic<bool> stop_ = false;
-  std::atomic<bool> agents_stop_ = false;
   Result<RunSummary> summary_ = Error{{}, "the run did not end"};
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -186,7 +231,8 @@ class ControlledRun final : private RunObserver {
   std::vector<FrameMessage> frames_;
   std::vector<std::string> notices_;
   AgentId last_agent_ = 0;
-  std::vector<std::thread> agents_;
+  bool agents_stop_ = false;  // also those to be started
+  std::list<Agent> agents_;
   std::map<std::string, Result<AgentEnd>> ended_;  // by robot
   std::thread service_;
 };

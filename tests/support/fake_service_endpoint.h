@@ -15,12 +15,14 @@ class FakeServiceEndpoint final : public ServiceEndpoint {
     admissions.insert(admissions.end(), sent.begin(), sent.end());
   }
   void SendFrame(const FrameMessage& frame) override { frames.push_back(frame); }
+  void SendHistory(const HistoryMessage& history) override { histories.push_back(history); }
   void SendStatus(const StatusMessage& status) override { statuses.push_back(status); }
   void Flush(double) override {}
 
   std::vector<SessionMessage> sessions;
   std::vector<AdmissionMessage> admissions;
   std::vector<FrameMessage> frames;
+  std::vector<HistoryMessage> histories;
   std::vector<StatusMessage> statuses;
 };
 

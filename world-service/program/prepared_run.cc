@@ -7,6 +7,7 @@
 
 #include "common/recording/journal.h"
 #include "world-service/observers/recorder/make_recorders.h"
+#include "world-service/replay/journal_history.h"
 #include "world-service/replay/restore_run.h"
 
 namespace troupe {
@@ -33,6 +34,7 @@ Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
 
 Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   const RecordedRun begin = journal.recording.run();
+  const std::string path = line.outputs.journal->recording;
   PreparedRun run;
   run.first_world = std::make_shared<const WorldDescription>(begin.world);
   Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, line.outputs);
@@ -44,8 +46,10 @@ Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   Result<std::unique_ptr<RunRecorder>> recorder =
       RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(line.outputs, begin.file));
   if (!recorder.ok()) return recorder.error();
-  run.recorders.push_back(std::move(recorder).value());
-  if (texts.value() != nullptr) run.recorders.push_back(std::move(texts).value());
+  run.recorders.recording = recorder.value().get();
+  run.recorders.recording_path = path;
+  run.recorders.observers.push_back(std::move(recorder).value());
+  if (texts.value() != nullptr) run.recorders.observers.push_back(std::move(texts).value());
 
   run.scene = resumed.value().scene;
   run.loaded.world = run.scene->world();
@@ -79,11 +83,14 @@ Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
 }
 
 Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line) {
-  if (run.options.resumed) return {};
-  Result<std::vector<std::unique_ptr<RunObserver>>> recorders =
-      MakeRecorders(*run.first_world, line.outputs, line.file);
-  if (!recorders.ok()) return recorders.error();
-  run.recorders = std::move(recorders).value();
+  if (!run.options.resumed) {
+    const bool needs_memory = run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
+    Result<Recorders> recorders = MakeRecorders(*run.first_world, line.outputs, line.file, needs_memory);
+    if (!recorders.ok()) return recorders.error();
+    run.recorders = std::move(recorders).value();
+  }
+  run.history = MakeRunHistory(run.recorders.recording, run.recorders.recording_path);
+  run.options.history = run.history.get();
   return {};
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "common/base/result.h"
 #include "common/spatial/scene.h"
 #include "common/worldfile/load_world.h"
+#include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/program/command_line.h"
-#include "world-service/service/run_observer.h"
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 
@@ -17,13 +17,15 @@ struct PreparedRun {
   ServiceOptions options;
   std::shared_ptr<const Scene> scene;                   // of the loaded world
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
-  std::vector<std::unique_ptr<RunObserver>> recorders;
+  Recorders recorders;
+  std::unique_ptr<RunHistory> history;  // null: none
 };
 
 // Loads the file of the command line, whose warnings are printed, or the newest state of the journal to be resumed. If
 // that journal has no run yet, the file. The recorders of a new run are made by MakeRecordersOf, once nothing else can
 // fail.
 Result<PreparedRun> PrepareRun(const ServiceCommandLine& line);
+// Also makes the history.
 Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line);
 
 }  // namespace troupe

@@ -41,6 +41,7 @@ Status ReplayedWorld::Restore(const FrameMessage& keyframe) {
   if (Status problem = CheckStartState(world(), keyframe.state); !problem.ok()) return problem;
   SetState(keyframe.state);
   world_edition_ = keyframe.world_edition;
+  edition_ = keyframe.edition;
   fresh_edition_ = keyframe.fresh_edition;
   events_.clear();
   return {};
@@ -76,6 +77,7 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
     world_edition_ = edition;
     bodies_ = BodyIndex(*scene_);
   }
+  edition_ = edition;
   if (edit.request.command == ControlCommand::kLoadWorld) original_ = scene_;
   if (edited.value().fresh) fresh_edition_ = edition;
   events_ = std::move(edited.value().events);

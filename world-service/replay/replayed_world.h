@@ -28,6 +28,7 @@ class ReplayedWorld {
   std::uint64_t state_hash() const { return state_hash_; }
   const std::shared_ptr<const Scene>& original() const { return original_; }  // that a reset restores
   Edition world_edition() const { return world_edition_; }  // the newest that has changed the description
+  Edition edition() const { return edition_; }
   Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
   // Of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
@@ -49,6 +50,7 @@ class ReplayedWorld {
   WorldState state_;
   std::uint64_t state_hash_ = 0;
   BodyIndex bodies_;
+  Edition edition_ = 0;
   Edition world_edition_ = 0;
   Edition fresh_edition_ = 0;
   std::vector<Event> events_;

@@ -81,6 +81,7 @@ class Restoration {
     run.original = world_->original();
     run.scene = world_->scene();
     if (frame_) run.next_number = tick_.number + 1;
+    if (frame_) run.previous = PreviousOf(tick_);
     run.frame = std::move(frame_);
     run.progress = journal_.progress;
     const auto note = [&run](const RecordedEdit& edit) {
@@ -108,6 +109,12 @@ class Restoration {
 };
 
 }  // namespace
+
+std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick) {
+  if (tick.number == 0) return std::nullopt;
+  if (tick.edit) return MemoryPlace{tick.edition - 1, tick.edit->before.state.tick, false};
+  return MemoryPlace{tick.edition, tick.tick - 1, true};
+}
 
 Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers) {
   return Restoration(journal, observers).Run();

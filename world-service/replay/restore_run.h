@@ -1,6 +1,8 @@
 // RestoreRun: the newest state of a run, from its journal.
 #pragma once
 
+#include <optional>
+
 #include "common/base/result.h"
 #include "common/recording/journal.h"
 #include "world-service/service/resumed_run.h"
@@ -13,5 +15,8 @@ namespace troupe {
 // Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage, or the error
 // of an observer.
 Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);
+
+// The state before a recorded one; nothing: there is none.
+std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick);
 
 }  // namespace troupe

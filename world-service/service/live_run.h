@@ -17,6 +17,7 @@
 #include "world-service/service/membership.h"
 #include "world-service/service/notice_list.h"
 #include "world-service/service/resumed_run.h"
+#include "world-service/service/robot_memories.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -28,6 +29,7 @@ struct CoordinatorOptions {
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
+  bool has_history = false;             // agents can be sent the states of the past
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;
@@ -59,6 +61,10 @@ struct LiveRun {
   std::shared_ptr<const Scene> scene;
   FrameMessage frame = {};  // the newest; before the run begins, the first
 
+  // Written by TickEngine (steps) and WorldEditor (edits).
+  RobotMemories memories = {};
+  bool restoring = false;  // until the next step: all agents need the memory of the states since the fresh start
+
   // Written by TickEngine (presence, answers) and TickCoordinator (joins).
   Membership members;
 
@@ -75,6 +81,10 @@ struct LiveRun {
   bool realtime() const { return options.settings.mode == Mode::kRealtime; }
   // A run is continued that had begun.
   bool continues() const { return options.resumed && options.resumed->frame; }
+  // Agents that join are sent the states that their robots do not remember.
+  bool restores_memory() const {
+    return options.has_history && (restoring || options.settings.on_agent_loss == OnAgentLoss::kRebuild);
+  }
   Tick next_tick() const { return frame.state.tick + 1; }
 };
 

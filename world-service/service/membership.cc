@@ -88,7 +88,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   return change;
 }
 
-JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double now) {
+JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double now, bool behind) {
   if (join.protocol_version != kProtocolVersion) {
     return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
                   ", the world service version " + std::to_string(kProtocolVersion));
@@ -97,6 +97,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   if (join.world_edition < world_edition_) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
   if (Member* member = Find(join.agent); member != nullptr && member->present) {
+    if (behind) return {JoinDecision::Outcome::kBehind, nullptr, {}};
     return {JoinDecision::Outcome::kRepeated, member, {}};
   }
 
@@ -116,6 +117,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
     if (owner && members_.at(*owner).present) return Contend(robot, join.agent, next_tick, now);
   }
 
+  if (behind) return {JoinDecision::Outcome::kBehind, nullptr, {}};
   for (RobotId robot : robots) {
     if (const std::optional<AgentId> lost = owners_[robot.index()]) Forget(*lost);
   }

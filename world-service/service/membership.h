@@ -38,6 +38,7 @@ struct JoinDecision {
     kRepeated,   // `member` was admitted before; the answer was lost
     kRefused,    // for `reason`
     kUndecided,  // the robot's agent may be dead or not; the joining agent will resend its join
+    kBehind,     // it would be admitted, or is, but its robots have to remember more of the run first
   };
   Outcome outcome = Outcome::kRefused;
   Member* member = nullptr;  // kAdmitted, kRepeated
@@ -57,8 +58,9 @@ class Membership {
   // members are unknown from then on.
   WorldChange ChangeWorld(const WorldDescription& world, Edition edition, bool fresh);
 
-  // `next_tick` is the tick that proposals are collected for.
-  JoinDecision Join(const JoinMessage& join, Tick next_tick, double now);
+  // `next_tick` is the tick that proposals are collected for. `behind`: the outcome is kBehind where it were kAdmitted
+  // or kRepeated; nothing has changed then.
+  JoinDecision Join(const JoinMessage& join, Tick next_tick, double now, bool behind = false);
 
   // Null for an unknown agent. A pointer is valid until another agent joins for the member's robots.
   Member* Find(AgentId agent);

@@ -79,6 +79,7 @@ class Driver final : public WorldControl, private ServiceHandler {
       if (AgentsHaveJoined()) ReportJoins(lock);
       Report(status_due, lock);
       ReadFiles(lock);
+      SendHistories(lock);
 
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
@@ -158,6 +159,31 @@ class Driver final : public WorldControl, private ServiceHandler {
       const Result<RequestedFile> file = ReadRequestedFile(service_, open.request);
       lock.lock();
       Act([&] { Execute(open, file); });
+    }
+  }
+
+  void SendHistories(std::unique_lock<std::mutex>& lock) {
+    for (TickCoordinator::HistoryDemand& demand : coordinator_.TakeHistoryDemands(Now())) {
+      const RunId run = coordinator_.frame().run;
+      const Incarnation incarnation = coordinator_.frame().incarnation;
+      lock.unlock();
+      Result<std::vector<HistoryEntry>> entries = ReadHistory(demand.request, run);
+      if (entries.ok()) {
+        endpoint_->SendHistory({run, std::move(demand.agents), demand.after, std::move(entries).value(), incarnation});
+      }
+      lock.lock();
+      if (!entries.ok()) Act([&] { coordinator_.Fail(entries.error(), Now()); });
+    }
+  }
+
+  Result<std::vector<HistoryEntry>> ReadHistory(const HistoryRequest& request, RunId run) {
+    try {
+      Result<std::vector<HistoryEntry>> entries = service_.history->Read(request);
+      if (!entries.ok()) return entries;
+      for (HistoryEntry& entry : entries.value()) entry.frame.run = run;
+      return entries;
+    } catch (const std::bad_alloc& no_memory) {
+      return FailureOf(no_memory);
     }
   }
 
@@ -265,6 +291,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.start_paused = options.start_paused;
+  coordinator.has_history = options.history != nullptr;
   if (trace != nullptr) coordinator.trace = trace->AddLane();
   coordinator.host = HostName();
   coordinator.pid = static_cast<std::uint32_t>(getpid());

@@ -16,6 +16,7 @@
 #include "common/trace/tick_trace.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/resumed_run.h"
+#include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
 
@@ -33,6 +34,7 @@ struct ServiceOptions {
   Incarnation first_incarnation = 0;                           // of a service that begins a run
   std::optional<ResumedRun> resumed;                           // a run to be continued, instead of a new one
   AllowedPaths libraries;                                      // controllers that those may name
+  RunHistory* history = nullptr;                               // for the memory of robots; null: none; outlives the run
 };
 
 // Runs until the settings' number of ticks, `stop`, or a failure. The error is for people: agents that did not join

@@ -1,12 +1,16 @@
 #include "world-service/service/tick_coordinator.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 namespace troupe {
-
 namespace {
+
+// s, from a demand for history to its answer: agents that ask for the same states at about the same time get one
+// answer.
+constexpr double kHistoryDelay = 0.005;
 
 Edition WorldEditionOf(const CoordinatorOptions& options) {
   return options.resumed && options.resumed->frame ? options.resumed->frame->world_edition : 0;
@@ -28,7 +32,8 @@ TickCoordinator::TickCoordinator(const std::shared_ptr<const Scene>& scene, cons
       engine_(run_, now),
       editor_(run_, engine_),
       control_(run_, engine_, editor_),
-      statistics_(run_, engine_, editor_, now) {
+      statistics_(run_, engine_, editor_, now),
+      progress_at_(now) {
   if (run_.realtime()) {
     run_.notices.Add("mode realtime does not wait for late robots: two runs of it are not the same");
   }
@@ -43,10 +48,14 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
   if (join.run != run_.options.run || join.incarnation != run_.options.incarnation) return;
   if (run_.phase == Phase::kOver) return;
   if (run_.phase == Phase::kEnding) return AnswerJoin(join, false, "the run is over");
-  const JoinDecision decision = run_.members.Join(join, run_.next_tick(), now);
+  std::optional<HistoryRequest> missing;
+  if (run_.restores_memory()) missing = run_.memories.MissingFor(join, run_.frame);
+  const JoinDecision decision = run_.members.Join(join, run_.next_tick(), now, missing.has_value());
   switch (decision.outcome) {
     case JoinDecision::Outcome::kUndecided:
       return;
+    case JoinDecision::Outcome::kBehind:
+      return DemandHistory(join, *missing, now);
     case JoinDecision::Outcome::kRefused:
       return AnswerJoin(join, false, decision.reason);
     case JoinDecision::Outcome::kRepeated:
@@ -70,6 +79,26 @@ void TickCoordinator::NoteGoals(const JoinMessage& join) {
     run_.accepts_goals[run_.world().robot(*robot).controller.name] =
         std::find(accepting.begin(), accepting.end(), name) != accepting.end();
   }
+}
+
+void TickCoordinator::DemandHistory(const JoinMessage& join, const HistoryRequest& request, double now) {
+  progress_at_ = now;
+  engine_.AwaitAgent(now);
+  const auto same = [&](const HistoryDemand& demand) {
+    return demand.request == request && demand.after == join.memory;
+  };
+  auto demand = std::find_if(demands_.begin(), demands_.end(), same);
+  if (demand == demands_.end()) demand = demands_.insert(demands_.end(), {request, join.memory, {}, now});
+  std::vector<AgentId>& agents = demand->agents;
+  if (std::find(agents.begin(), agents.end(), join.agent) == agents.end()) agents.push_back(join.agent);
+}
+
+std::vector<TickCoordinator::HistoryDemand> TickCoordinator::TakeHistoryDemands(double now) {
+  const auto is_due = [now](const HistoryDemand& demand) { return now >= demand.since + kHistoryDelay; };
+  std::vector<HistoryDemand> due;
+  std::copy_if(demands_.begin(), demands_.end(), std::back_inserter(due), is_due);
+  std::erase_if(demands_, is_due);
+  return due;
 }
 
 // Agents that join before the run begins are admitted together when it does.
@@ -127,7 +156,7 @@ void TickCoordinator::PollGathering(double now) {
   if (all_have_joined()) return Begin(now);
   if (run_.continues()) return PollRejoining(now);
   const double timeout = run_.options.start_timeout_seconds;
-  if (timeout <= 0.0 || now - run_.created_at < timeout) return;
+  if (timeout <= 0.0 || now - progress_at_ < timeout) return;
   Fail(Failure("no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
                std::to_string(static_cast<int>(timeout)) + " s"),
        now);
@@ -170,7 +199,7 @@ double TickCoordinator::RejoinDeadline() const {
   if (at_end()) return run_.created_at + 2.0 * run_.options.lease_seconds;
   const double longest =
       settings.agent_deadline_seconds > 0.0 ? settings.agent_deadline_seconds : run_.options.start_timeout_seconds;
-  return longest > 0.0 ? run_.created_at + longest : std::numeric_limits<double>::infinity();
+  return longest > 0.0 ? progress_at_ + longest : std::numeric_limits<double>::infinity();
 }
 
 void TickCoordinator::GiveUpNewRobots(double now) {
@@ -181,10 +210,12 @@ void TickCoordinator::GiveUpNewRobots(double now) {
 }
 
 double TickCoordinator::NextPoll() const {
-  if (run_.phase != Phase::kGathering) return engine_.NextPoll();
+  double next = std::numeric_limits<double>::infinity();
+  for (const HistoryDemand& demand : demands_) next = std::min(next, demand.since + kHistoryDelay);
+  if (run_.phase != Phase::kGathering) return std::min(next, engine_.NextPoll());
   if (all_have_joined()) return run_.created_at;
-  if (run_.continues()) return std::min(announced_at_ + kAnnouncePeriod, RejoinDeadline());
-  return std::numeric_limits<double>::infinity();
+  if (run_.continues()) return std::min({next, announced_at_ + kAnnouncePeriod, RejoinDeadline()});
+  return next;
 }
 
 void TickCoordinator::Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world) {

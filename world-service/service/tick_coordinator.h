@@ -51,6 +51,16 @@ class TickCoordinator {
     control_.Reply(request, reply, outcome);
   }
 
+  // Agents that wait for the same states of the past.
+  struct HistoryDemand {
+    HistoryRequest request;
+    std::optional<MemoryPlace> after;  // the memory of their robots
+    std::vector<AgentId> agents;
+    double since = 0.0;  // wall time, s
+  };
+  // The demands to be answered now, each once: an agent that gets no answer joins again.
+  std::vector<HistoryDemand> TakeHistoryDemands(double now);
+
   // Both end the run in order; after the run has ended by itself they change nothing.
   void Stop(double now);
   void Fail(Error error, double now);
@@ -80,6 +90,7 @@ class TickCoordinator {
   void GiveUpNewRobots(double now);
   void OnOtherService(const SessionMessage& other, double now);
   void NoteGoals(const JoinMessage& join);
+  void DemandHistory(const JoinMessage& join, const HistoryRequest& request, double now);
   void AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason);
 
   LiveRun run_;
@@ -89,6 +100,8 @@ class TickCoordinator {
   RunStatistics statistics_;
   std::optional<RunId> known_rival_;
   double announced_at_ = 0.0;  // wall time of the newest session of a run that is continued, s
+  std::vector<HistoryDemand> demands_;  // in the order of their arrival
+  double progress_at_;                  // wall time of the newest sign, before the run begins, that agents will join, s
 };
 
 }  // namespace troupe

@@ -37,6 +37,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
   if (run_.continues()) {
     const ResumedRun& resumed = *run_.options.resumed;
     run_.frame = *resumed.frame;
+    run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
     ticks_to_pause_ = resumed.progress.ticks_to_pause;
     run_.frame.paused = ticks_to_pause_ == 0U;
     run_.events.RestoreCounts(resumed.progress.stalls, resumed.progress.rejected);
@@ -172,7 +173,8 @@ void TickEngine::LoseSilentMembers(double now) {
 
 bool TickEngine::halted() const {
   if (run_.members.all_robots_present()) return false;
-  return run_.options.settings.on_agent_loss == OnAgentLoss::kPause || run_.members.present_members() == 0;
+  const OnAgentLoss policy = run_.options.settings.on_agent_loss;
+  return policy == OnAgentLoss::kPause || policy == OnAgentLoss::kRebuild || run_.members.present_members() == 0;
 }
 
 double TickEngine::NextDue() const {
@@ -269,6 +271,8 @@ void TickEngine::Commit(double now) {
   StepResult next = Step(*run_.scene, frame.state, proposals, bodies_);
   frame.state = std::move(next.state);
   frame.state_hash = StateHash(frame.state);
+  run_.memories.OnStep(frame);
+  run_.restoring = frame.remembered = false;
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(next.events));
   if (ticks_to_pause_) --*ticks_to_pause_;
   frame.paused = ticks_to_pause_ == 0U;
@@ -302,6 +306,7 @@ void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const 
   if (run_.members.present_members() == 0) halted_since_ = now;
   FrameMessage& frame = run_.frame;
   const WorldState before = std::exchange(frame.state, std::move(state));
+  run_.memories.OnEdit(frame, before.tick);
   frame.state_hash = StateHash(frame.state);
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
   frame.paused = true;

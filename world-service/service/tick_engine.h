@@ -73,6 +73,8 @@ class TickEngine {
   // Publishes the state after an edit, in a pause.
   void PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now);
 
+  // An agent is about to join: the run waits for it.
+  void AwaitAgent(double now) { halted_since_ = now; }
   // A robot has no agent, and no tick can follow.
   bool halted() const;
   // All observers can accept a tick.

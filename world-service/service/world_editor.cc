@@ -101,7 +101,11 @@ void WorldEditor::RevokeSpawn(const std::string& name, double now) {
 
 void WorldEditor::Commit(EditedWorld edited, const AppliedEdit& edit, double now) {
   ++run_.frame.edition;
-  if (edited.fresh) run_.frame.fresh_edition = run_.frame.edition;
+  if (edited.fresh) {
+    run_.frame.fresh_edition = run_.frame.edition;
+    run_.memories.OnFreshStart(run_.frame.edition);
+    run_.restoring = run_.frame.remembered = false;
+  }
   if (edited.scene != run_.scene) ChangeWorld(std::move(edited.scene), edited.fresh);
   newcomers_since_ = now;
   engine_.PublishEdit(std::move(edited.state), std::move(edited.events), edit, now);
@@ -118,7 +122,10 @@ void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh) {
   }
   Membership::WorldChange change = run_.members.ChangeWorld(world, run_.frame.edition, fresh);
   engine_.ChangeWorld(change.gone);
-  for (const RobotId robot : change.newcomers) new_robots_.push_back(world.robot(robot).name);
+  std::vector<std::string> newcomers;
+  for (const RobotId robot : change.newcomers) newcomers.push_back(world.robot(robot).name);
+  if (!fresh) run_.memories.OnNewRobots(newcomers, run_.frame.edition);
+  new_robots_.insert(new_robots_.end(), newcomers.begin(), newcomers.end());
   run_.newcomers = std::move(change.newcomers);
   for (RunObserver* observer : run_.observers) observer->OnWorldChange(run_.scene, run_.frame.edition);
   AnnounceSession(run_);

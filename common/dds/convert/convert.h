@@ -5,6 +5,7 @@
 #include "common/dds/convert/convert_control.h"
 #include "common/dds/convert/convert_frame.h"
 #include "common/dds/convert/convert_frame_request.h"
+#include "common/dds/convert/convert_history.h"
 #include "common/dds/convert/convert_join.h"
 #include "common/dds/convert/convert_proposal.h"
 #include "common/dds/convert/convert_robot_command.h"

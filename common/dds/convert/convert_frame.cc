@@ -378,6 +378,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
   wire.world_edition = message.world_edition;
   wire.fresh_edition = message.fresh_edition;
   wire.incarnation = message.incarnation;
+  wire.remembered = message.remembered;
   std::copy(message.awaited.begin(), message.awaited.end(), arena.Fill(wire.awaited, message.awaited.size()));
   wire.whole = before == nullptr;
   const WorldState& now = message.state;
@@ -414,6 +415,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.world_edition = wire.world_edition;
   message.fresh_edition = wire.fresh_edition;
   message.incarnation = wire.incarnation;
+  message.remembered = wire.remembered;
   const auto awaited = Elements(wire.awaited);
   message.awaited.assign(awaited.begin(), awaited.end());
   Status problem = StateFromWire(wire, message.state);

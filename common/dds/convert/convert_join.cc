@@ -14,6 +14,12 @@ troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
   arena.FillStrings(wire.accept_goals, message.accept_goals);
   wire.world_edition = message.world_edition;
   wire.incarnation = message.incarnation;
+  wire.remembers = message.memory.has_value();
+  if (message.memory) {
+    wire.memory_edition = message.memory->edition;
+    wire.memory_tick = message.memory->tick;
+    wire.memory_decided = message.memory->decided;
+  }
   return wire;
 }
 
@@ -29,6 +35,7 @@ Result<JoinMessage> FromWire(const troupe_wire_Join& wire) {
   message.accept_goals = Strings(wire.accept_goals);
   message.world_edition = wire.world_edition;
   message.incarnation = wire.incarnation;
+  if (wire.remembers) message.memory = {wire.memory_edition, wire.memory_tick, wire.memory_decided};
   return message;
 }
 

@@ -6,6 +6,7 @@
 #include "idl/control.h"
 #include "idl/frame.h"
 #include "idl/frame_request.h"
+#include "idl/history.h"
 #include "idl/join.h"
 #include "idl/proposal.h"
 #include "idl/session.h"
@@ -16,6 +17,7 @@ TROUPE_DDS_TYPE(troupe_wire_Control);
 TROUPE_DDS_TYPE(troupe_wire_ControlReply);
 TROUPE_DDS_TYPE(troupe_wire_Frame);
 TROUPE_DDS_TYPE(troupe_wire_FrameRequest);
+TROUPE_DDS_TYPE(troupe_wire_History);
 TROUPE_DDS_TYPE(troupe_wire_Join);
 TROUPE_DDS_TYPE(troupe_wire_Proposal);
 TROUPE_DDS_TYPE(troupe_wire_Session);

@@ -12,12 +12,14 @@ DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::o
       sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::ReceivedFrame()),
+      histories_(connection, topics::kHistory, qos_profiles::PastStates()),
       services_(connection.proves(), service) {}
 
 DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
   admissions_.Close();
   frames_.Close();
+  histories_.Close();
   // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
   troupe_wire_Join last{};
   last.run = joined_run_;
@@ -37,9 +39,11 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
   sessions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainSessions); });
   admissions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainAdmissions); });
   frames_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainFrames); });
+  histories_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainHistories); });
   DrainSessions();
   DrainAdmissions();
   DrainFrames();
+  DrainHistories();
 }
 
 void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
@@ -93,6 +97,16 @@ void DdsAgentEndpoint::DrainFrames() {
         return services_.Admits(frames_, frame.run, frame.incarnation, sender);
       },
       [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
+}
+
+void DdsAgentEndpoint::DrainHistories() {
+  const std::lock_guard lock(mutex_);
+  histories_.Drain(
+      [this](const troupe_wire_History& history, const Sender& sender) {
+        return services_.Admits(histories_, history.run, history.incarnation, sender);
+      },
+      [this](const HistoryMessage& history, const Sender&) { handler_->OnHistory(history); });
+  histories_.Clear();  // large, and seldom
 }
 
 void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {

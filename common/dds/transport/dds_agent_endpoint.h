@@ -28,6 +28,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void DrainSessions();
   void DrainAdmissions();
   void DrainFrames();
+  void DrainHistories();
   void EndRuns(const Sender& service, bool in_order);
 
   Outbox<troupe_wire_Join> joins_;
@@ -35,6 +36,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   Inbox<troupe_wire_Session, SessionMessage> sessions_;
   Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
   Inbox<troupe_wire_Frame, FrameMessage> frames_;
+  Inbox<troupe_wire_History, HistoryMessage> histories_;
 
   // The run that the agent last asked to join; 0: none yet.
   std::atomic<RunId> joined_run_{0};

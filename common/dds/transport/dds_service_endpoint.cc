@@ -26,6 +26,7 @@ DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::Frame()),
       whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
+      histories_(connection, topics::kHistory, qos_profiles::PastStates()),
       statuses_(connection, topics::kStatus, qos_profiles::Status()),
       control_replies_(connection, topics::kControlReply, qos_profiles::ControlReply()),
       from_agents_(connection.participant, qos_profiles::AllAgents(connection.session)),
@@ -191,6 +192,10 @@ void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   const std::lock_guard lock(frame_mutex_);
   frames_.Send(frame, stream_.BaseOf(frame));
   stream_.Sent(frame);
+}
+
+void DdsServiceEndpoint::SendHistory(const HistoryMessage& history) {
+  histories_.Send(history);
 }
 
 void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {

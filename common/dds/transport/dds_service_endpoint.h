@@ -23,6 +23,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void SendSession(const SessionMessage& session) override;
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
   void SendFrame(const FrameMessage& frame) override;
+  void SendHistory(const HistoryMessage& history) override;
   void SendStatus(const StatusMessage& status) override;
   void SendControlReply(const ControlReply& reply) override;
   void Flush(double seconds) override;
@@ -48,6 +49,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   Outbox<troupe_wire_Admissions> admissions_;
   Outbox<troupe_wire_Frame> frames_;
   Outbox<troupe_wire_Frame> whole_frames_;  // to observers that have requested one
+  Outbox<troupe_wire_History> histories_;
   Outbox<troupe_wire_Status> statuses_;
   Outbox<troupe_wire_ControlReply> control_replies_;
   Subscriber from_agents_;

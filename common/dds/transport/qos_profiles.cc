@@ -15,6 +15,9 @@ Qos ReliableLatest() {
 // Messages with answers to joins that may be in transit at once.
 constexpr std::int32_t kAdmissionsKept = 16;
 
+// Answers to different agents that may be in transit at once.
+constexpr std::int32_t kPastStatesKept = 4;
+
 // Replies to tools, for those that the service has not discovered yet.
 constexpr std::int32_t kRepliesKept = 64;
 
@@ -83,6 +86,10 @@ Qos WholeFrame() {
 
 Qos FrameRequest() {
   return Qos() << Reliability::BestEffort() << History::KeepLast(1) << Durability::Volatile();
+}
+
+Qos PastStates() {
+  return ReliableLatest() << Durability::Volatile() << History::KeepLast(kPastStatesKept);
 }
 
 Qos Proposal() {

@@ -43,6 +43,8 @@ Qos ObservedFrame();
 Qos WholeFrame();
 // Requests of observers for a whole frame: one of any number is enough.
 Qos FrameRequest();
+// States of the past, for agents that have asked: a few, because each answers a request.
+Qos PastStates();
 // Commands of an agent: the latest.
 Qos Proposal();
 // Requests of tools: all of them.

@@ -106,6 +106,118 @@ class AgentProtocolTest : public testing::Test {
   AgentProtocol protocol_{endpoint_, options_, {}, now_};
 };
 
+HistoryMessage HistoryOf(const std::optional<MemoryPlace>& after, std::vector<HistoryEntry> entries,
+                         const std::vector<AgentId>& agents = {kAgent}) {
+  return {kRun, agents, after, std::move(entries)};
+}
+
+class HistoryTest : public AgentProtocolTest {
+ protected:
+  static HistoryEntry Entry(Tick tick, Edition edition = 0) {
+    HistoryEntry entry{Frame(tick, edition), true, {}};
+    entry.frame.world_edition = 0;
+    return entry;
+  }
+  // The agent has made its replica, and sends its first join.
+  void Prepare() {
+    SendSession();
+    PerformTask();
+    const std::optional<JoinMessage> join = PollAfter(0.0);
+    ASSERT_TRUE(join.has_value());
+    EXPECT_EQ(join->memory, std::nullopt);
+  }
+};
+
+TEST_F(HistoryTest, TheRobotsProcessItAndTheAgentJoinsAgainAtOnce) {
+  Prepare();
+  protocol_.OnHistory(HistoryOf({}, {Entry(0), Entry(1), Entry(2)}));
+  EXPECT_EQ(PollAfter(5.0), std::nullopt) << "it joins no more before it knows the history";
+  PerformTask();
+  std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->memory, (MemoryPlace{0, 2, true}));
+  EXPECT_THAT(endpoint_.sent, IsEmpty());
+  // The same again, what others need, and what does not follow, have no effect.
+  protocol_.OnHistory(HistoryOf({}, {Entry(0)}));
+  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 5, true}, {Entry(6)}));
+  EXPECT_FALSE(protocol_.has_task());
+  // An answer to another agent with the same memory is of use.
+  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 2, true}, {Entry(3)}, {99}));
+  PerformTask();
+  join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->memory, (MemoryPlace{0, 3, true}));
+  SendFrame(4);
+  EXPECT_THAT(endpoint_.sent, IsEmpty());
+  Answer(true);
+  ASSERT_THAT(endpoint_.sent, SizeIs(1));
+  EXPECT_EQ(endpoint_.sent[0].tick, 5u);
+}
+
+TEST_F(HistoryTest, OfNewRobotsOnlyTheOneThatWasAskedForIsOfUse) {
+  Prepare();
+  protocol_.OnHistory(HistoryOf({}, {Entry(0)}, {99}));
+  EXPECT_FALSE(protocol_.has_task());
+}
+
+TEST_F(HistoryTest, AnOlderWorldIsFollowedByThatOfTheSession) {
+  SendSession(3, Without({"r1"}));
+  PerformTask();
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  HistoryEntry first = Entry(0);
+  first.world = World();
+  protocol_.OnHistory(HistoryOf({}, {first, Entry(1)}));
+  PerformTask();
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->world_edition, 3u);
+  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
+  EXPECT_THAT(join->robots, ElementsAre("r0"));
+  SendFrame(1, 3);
+  Answer(true);
+  PerformTask();  // the world of the session again
+  ASSERT_THAT(endpoint_.sent, SizeIs(1));
+  EXPECT_EQ(endpoint_.sent[0].edition, 3u);
+  EXPECT_THAT(endpoint_.sent[0].proposals, SizeIs(1));
+}
+
+TEST_F(HistoryTest, AHistoryThatDoesNotFitItsWorldEndsTheAgent) {
+  Prepare();
+  HistoryEntry bad = Entry(0);
+  bad.frame.state.robots.pop_back();
+  protocol_.OnHistory(HistoryOf({}, {bad}));
+  PerformTask();
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_THAT(protocol_.failure().error().message, testing::HasSubstr("sent a bad history"));
+}
+
+// After a rewind the robots are made anew, and need the states since.
+TEST_F(HistoryTest, AFrameOfARewoundRunIsAnsweredOnceItsHistoryIsKnown) {
+  Prepare();
+  Answer(true);
+  SendFrame(9);
+  ASSERT_THAT(endpoint_.sent, SizeIs(1));
+  FrameMessage frame = Frame(4, 2);
+  frame.world_edition = 0;
+  frame.fresh_edition = 2;
+  frame.remembered = true;
+  protocol_.OnFrame(frame, now_);
+  PerformTask();  // the robots are made anew
+  ASSERT_THAT(endpoint_.sent, SizeIs(1)) << "it has no memory of ticks 0 to 3";
+  std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->memory, std::nullopt);
+  HistoryEntry entry = Entry(3, 2);
+  entry.frame.fresh_edition = 2;
+  protocol_.OnHistory(HistoryOf({}, {entry}));
+  PerformTask();
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Answer(true);
+  ASSERT_THAT(endpoint_.sent, SizeIs(2));
+  EXPECT_EQ(endpoint_.sent[1].edition, 2u);
+  EXPECT_EQ(endpoint_.sent[1].tick, 5u);
+}
+
 TEST_F(AgentProtocolTest, JoinsLessAndLessOftenUntilTheRunHasBegun) {
   SendSession();
   PerformTask();

@@ -47,6 +47,9 @@ TEST(ConvertTest, AdmissionsKeepEveryField) {
 TEST(ConvertTest, AFrameKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Frame);
 }
+TEST(ConvertTest, AHistoryKeepsEveryField) {
+  ExpectRoundTrip(&test::RandomMessages::History);
+}
 TEST(ConvertTest, AProposalKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Proposal);
 }

@@ -178,7 +178,13 @@ JoinMessage RandomMessages::Join() {
           Texts(),
           static_cast<Edition>(Bits()),
           static_cast<Incarnation>(Bits()),
-          Texts()};
+          Texts(),
+          RandomPlace()};
+}
+
+std::optional<MemoryPlace> RandomMessages::RandomPlace() {
+  if (Coin()) return std::nullopt;
+  return MemoryPlace{static_cast<Edition>(Bits()), Bits(), Coin()};
 }
 
 std::vector<AdmissionMessage> RandomMessages::Admissions() {
@@ -218,6 +224,7 @@ FrameMessage RandomMessages::Frame() {
   frame.world_edition = static_cast<Edition>(Bits());
   frame.fresh_edition = static_cast<Edition>(Bits());
   frame.incarnation = static_cast<Incarnation>(Bits());
+  frame.remembered = Coin();
   frame.awaited.resize(Below(4));
   for (AgentId& agent : frame.awaited) agent = Bits();
   frame.events.resize(Below(5));
@@ -250,6 +257,27 @@ RobotCommand RandomMessages::Command(RobotId robot) {
   for (std::size_t count = Below(4); count > 0; --count) command.goal->waypoints.emplace_back(Number(), Number());
   if (Coin()) command.goal->heading = Number(-3.0, 3.0);
   return command;
+}
+
+HistoryMessage RandomMessages::History() {
+  HistoryMessage history{Bits(), {}, RandomPlace(), {}, static_cast<Incarnation>(Bits())};
+  history.agents.resize(Below(4));
+  for (AgentId& agent : history.agents) agent = Bits();
+  FrameMessage frame = Frame();
+  frame.events.clear();
+  for (std::size_t count = 1 + Below(4); count > 0; --count) {
+    history.entries.push_back({frame, Coin(), {}});
+    if (Coin()) history.entries.back().world = RandomWorld();
+    if (Below(3) == 0) {
+      frame = Frame();
+      frame.events.clear();
+    } else {  // as after a step
+      ++frame.state.tick;
+      frame.state_hash = Bits();
+      if (!frame.state.robots.empty()) frame.state.robots[Below(frame.state.robots.size())].X_WR = RandomPose();
+    }
+  }
+  return history;
 }
 
 ProposalMessage RandomMessages::Proposal() {

@@ -16,6 +16,7 @@ class RandomMessages {
   JoinMessage Join();
   std::vector<AdmissionMessage> Admissions();
   FrameMessage Frame();
+  HistoryMessage History();
   ProposalMessage Proposal();
   StatusMessage Status();
   RobotCommand Command(RobotId robot);
@@ -47,6 +48,7 @@ class RandomMessages {
     return Id(Below(count));
   }
   void FillManipulation(WorldState& state);
+  std::optional<MemoryPlace> RandomPlace();
 
   std::mt19937_64 engine_;
 };

@@ -131,6 +131,7 @@ class ForgetfulEndpoint final : public ServiceEndpoint {
   void SendSession(const SessionMessage&) override {}
   void SendAdmissions(const std::vector<AdmissionMessage>&) override {}
   void SendFrame(const FrameMessage&) override {}
+  void SendHistory(const HistoryMessage&) override {}
   void SendStatus(const StatusMessage&) override {}
   void Flush(double) override {}
 };

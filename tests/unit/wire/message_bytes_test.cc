@@ -61,6 +61,9 @@ std::vector<AdmissionMessage> RandomMessage(test::RandomMessages& random, std::u
 FrameMessage RandomMessage(test::RandomMessages& random, std::uint64_t, FrameMessage) {
   return random.Frame();
 }
+HistoryMessage RandomMessage(test::RandomMessages& random, std::uint64_t, HistoryMessage) {
+  return random.History();
+}
 ProposalMessage RandomMessage(test::RandomMessages& random, std::uint64_t, ProposalMessage) {
   return random.Proposal();
 }
@@ -78,7 +81,7 @@ template <typename Message>
 class MessageBytesTest : public testing::Test {};
 
 using Messages = testing::Types<SessionMessage, JoinMessage, std::vector<AdmissionMessage>, FrameMessage, FrameRequest,
-                                ProposalMessage, ControlRequest, ControlReply, StatusMessage>;
+                                HistoryMessage, ProposalMessage, ControlRequest, ControlReply, StatusMessage>;
 TYPED_TEST_SUITE(MessageBytesTest, Messages);
 
 TYPED_TEST(MessageBytesTest, EveryFieldSurvives) {

@@ -24,26 +24,34 @@ RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string&
   return options;
 }
 
-Result<std::vector<std::unique_ptr<RunObserver>>> MakeRecorders(const WorldDescription& world, const OutputFiles& files,
-                                                                const std::string& world_file) {
-  std::vector<std::unique_ptr<RunObserver>> recorders;
+Result<Recorders> MakeRecorders(const WorldDescription& world, const OutputFiles& files, const std::string& world_file,
+                                bool needs_memory) {
+  Recorders recorders;
   RecordingOptions options = RecordingOptionsOf(files, world_file);
   const auto add = [&recorders](const std::string& path, const RecordingOptions& with) -> Status {
     Result<std::unique_ptr<RunRecorder>> recorder = RunRecorder::Create(path, with);
     if (!recorder.ok()) return recorder.error();
-    recorders.push_back(std::move(recorder).value());
+    recorders.recording = recorder.value().get();
+    recorders.recording_path = path;
+    recorders.observers.push_back(std::move(recorder).value());
     return {};
   };
   if (files.journal) {
     if (Status failure = add(files.journal->recording, options); !failure.ok()) return failure.error();
   }
+  options.journal.reset();
   if (IsRecordingPath(files.record)) {
-    options.journal.reset();
     if (Status failure = add(files.record, options); !failure.ok()) return failure.error();
+  }
+  if (needs_memory && recorders.recording == nullptr) {
+    Result<TemporaryFile> file = TemporaryFile::Create();
+    if (!file.ok()) return file.error();
+    recorders.temporary = std::move(file).value();
+    if (Status failure = add(recorders.temporary->path(), options); !failure.ok()) return failure.error();
   }
   Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(world, files);
   if (!texts.ok()) return texts.error();
-  if (texts.value() != nullptr) recorders.push_back(std::move(texts).value());
+  if (texts.value() != nullptr) recorders.observers.push_back(std::move(texts).value());
   return recorders;
 }
 

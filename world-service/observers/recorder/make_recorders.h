@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/temporary_file.h"
 #include "common/model/world_description.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/observers/recorder/run_recorder.h"
@@ -17,9 +19,16 @@ namespace troupe {
 Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files);
 RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string& world_file);
 
-// Creates the files. The world outlives the observers; `world_file` is the file that it was loaded from. The error
-// names the file that cannot be written.
-Result<std::vector<std::unique_ptr<RunObserver>>> MakeRecorders(const WorldDescription& world, const OutputFiles& files,
-                                                                const std::string& world_file);
+struct Recorders {
+  std::optional<TemporaryFile> temporary = {};
+  std::vector<std::unique_ptr<RunObserver>> observers = {};
+  RunRecorder* recording = nullptr;  // one of them, from whose file the states of the run can be read; null: none
+  std::string recording_path = {};
+};
+
+// Creates the files. The world outlives the observers; `world_file` is the file that it was loaded from. `needs_memory`:
+// a run that has no recording otherwise has one in a temporary file. The error names the file that cannot be written.
+Result<Recorders> MakeRecorders(const WorldDescription& world, const OutputFiles& files, const std::string& world_file,
+                                bool needs_memory = false);
 
 }  // namespace troupe

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -56,7 +57,7 @@ Result<std::unique_ptr<RunRecorder>> RunRecorder::Continue(Journal journal, cons
     recorder->last_ = HeadOf(*resumed.frame);
     recorder->next_number_ = resumed.next_number;
   }
-  for (RecordedTick& tick : journal.tail) recorder->queue_.Push(std::move(tick));
+  for (RecordedTick& tick : journal.tail) recorder->Push(std::move(tick));
   return recorder;
 }
 
@@ -108,7 +109,7 @@ Status RunRecorder::OnCommit(const CommittedTick& tick, const RunProgress& progr
   if (failed_) return Reported(status());
   RecordedTick recorded = Convert(tick);
   if (Status failure = tail_->Append(&recorded, progress); !failure.ok()) return Reported(failure);
-  queue_.Push(std::move(recorded));
+  Push(std::move(recorded));
   return {};
 }
 
@@ -134,7 +135,7 @@ Status RunRecorder::Reported(const Status& failure) {
 Status RunRecorder::OnTick(const CommittedTick& tick) {
   if (dropped_) return {};
   if (failed_) return Reported(status());
-  if (tail_ == nullptr) queue_.Push(Convert(tick));
+  if (tail_ == nullptr) Push(Convert(tick));
   return {};
 }
 
@@ -166,20 +167,50 @@ bool RunRecorder::IsReady() {
   return failed_ || queue_.has_room();  // the next tick reports the failure
 }
 
+void RunRecorder::Push(RecordedTick tick) {
+  queue_.Push(std::move(tick));
+  ++pushed_;
+}
+
+Status RunRecorder::Flush() {
+  const std::uint64_t ticks = pushed_;
+  std::unique_lock lock(mutex_);
+  flush_asked_ = std::max(flush_asked_, ticks);
+  queue_.Interrupt();
+  flush_changed_.wait(lock, [&] { return flushed_ >= ticks || !status_.ok(); });
+  return status_;
+}
+
+bool RunRecorder::MustFlush(std::uint64_t written) const {
+  const std::lock_guard lock(mutex_);
+  return flushed_ < flush_asked_ && written >= flush_asked_;
+}
+
+void RunRecorder::NoteFlushed(std::uint64_t written) {
+  const std::lock_guard lock(mutex_);
+  flushed_ = written;
+  flush_changed_.notify_all();
+}
+
 void RunRecorder::Write() {
   Clock::time_point ended = Clock::now();  // the newest chunk that was ended for its age
+  std::uint64_t written_ticks = 0;
   while (!queue_.done()) {
     std::optional<RecordedTick> tick = queue_.Pop(kLongestDelay.count());
     Status written = tick ? writer_->Add(*tick) : Status();
-    if (const Clock::time_point now = Clock::now(); written.ok() && now - ended >= kLongestDelay) {
+    if (tick) ++written_ticks;
+    const Clock::time_point now = Clock::now();
+    if (written.ok() && (now - ended >= kLongestDelay || MustFlush(written_ticks))) {
       written = writer_->EndChunk();
       ended = now;
+      if (written.ok()) NoteFlushed(written_ticks);
     }
     if (!written.ok()) return Fail(written.error());
     if (Status released = ReleaseTail(); !released.ok()) return Fail(released.error());
     if (tick) queue_.Recycle(std::move(*tick));
   }
   if (Status closed = writer_->Close(); !closed.ok()) return Fail(closed.error());
+  NoteFlushed(written_ticks);
   if (tail_ != nullptr) tail_->Remove();
 }
 
@@ -197,6 +228,7 @@ void RunRecorder::Fail(Error error) {
   const std::lock_guard lock(mutex_);
   if (status_.ok()) status_ = std::move(error);
   failed_ = true;
+  flush_changed_.notify_all();
 }
 
 Status RunRecorder::status() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -48,14 +49,20 @@ class RunRecorder final : public RunObserver {
   Status OnProgress(const RunProgress& progress) override;
   Status OnTick(const CommittedTick& tick) override;
   bool IsReady() override;
+  // Waits until all ticks so far can be read from the file. Any thread may call, between OnBegin and OnEnd.
+  Status Flush();
   // Writes all ticks, and closes the file.
   Status OnEnd() override;
 
  private:
   void StartWriting();
+  void Push(RecordedTick tick);
   void Write();
   // The tail need not have the ticks that the recording has.
   Status ReleaseTail();
+  // Of the thread that writes.
+  bool MustFlush(std::uint64_t written) const;
+  void NoteFlushed(std::uint64_t written);
   void Fail(Error error);
   // The error, unless the run continues without the journal: that is said once.
   Status Reported(const Status& failure);
@@ -72,6 +79,10 @@ class RunRecorder final : public RunObserver {
   TickQueue queue_;
   bool dropped_ = false;  // the journal: it is of no use any more
   std::atomic<bool> failed_ = false;
+  std::atomic<std::uint64_t> pushed_ = 0;  // ticks
+  std::uint64_t flushed_ = 0;              // ticks that can be read; guarded by mutex_
+  std::uint64_t flush_asked_ = 0;          // ticks that a caller of Flush waits for; guarded by mutex_
+  std::condition_variable flush_changed_;  // with mutex_
   mutable std::mutex mutex_;
   Status status_;
   std::thread thread_;  // last, because it uses all other members

@@ -59,8 +59,12 @@ void TickQueue::Push(RecordedTick tick) {
 
 std::optional<RecordedTick> TickQueue::Pop(double seconds) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return closed_ || !entries_.empty(); });
-  if (entries_.empty()) return std::nullopt;
+  changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+                    [this] { return closed_ || interrupted_ || !entries_.empty(); });
+  if (entries_.empty()) {
+    interrupted_ = false;
+    return std::nullopt;
+  }
   Entry entry = std::move(entries_.front());
   entries_.pop_front();
   size_ -= entry.size;
@@ -75,6 +79,14 @@ void TickQueue::Recycle(RecordedTick tick) {
   tick.keyframe.reset();
   const std::lock_guard lock(mutex_);
   if (spare_.size() < kMostSpare) spare_.push_back(std::move(tick));
+}
+
+void TickQueue::Interrupt() {
+  {
+    const std::lock_guard lock(mutex_);
+    interrupted_ = true;
+  }
+  changed_.notify_one();
 }
 
 void TickQueue::Close() {

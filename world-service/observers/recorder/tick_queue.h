@@ -29,6 +29,8 @@ class TickQueue {
   std::optional<RecordedTick> Pop(double seconds);
   // The tick of Pop is written.
   void Recycle(RecordedTick tick);
+  // The present or the next Pop without a tick returns at once.
+  void Interrupt();
   // No tick follows.
   void Close();
   // It is closed, and all ticks were popped.
@@ -48,6 +50,7 @@ class TickQueue {
   std::size_t size_ = 0;  // of the entries, bytes
   bool full_ = false;
   bool closed_ = false;
+  bool interrupted_ = false;
 };
 
 }  // namespace troupe

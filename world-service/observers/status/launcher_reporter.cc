@@ -30,6 +30,7 @@ class LauncherReporter final : public Reporter {
           {"robots_per_process", loaded.settings.robots_per_process},
           {"restart_agents", loaded.settings.restart_agents},
           {"aborts_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kAbort},
+          {"rebuilds_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kRebuild},
           {"port", contact.port},
           {"participant", contact.participant},
           {"ros", loaded.settings.ros}});

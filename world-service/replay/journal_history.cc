@@ -1,0 +1,133 @@
+#include "world-service/replay/journal_history.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace troupe {
+namespace {
+
+// Of one batch: a message of a size that no receiver has trouble with, for which an agent works some ms.
+constexpr std::size_t kMostEntries = 500;
+constexpr std::size_t kMostBytes = std::size_t{256} << 10;  // estimated
+
+std::size_t SizeOf(const WorldState& state) {
+  return sizeof state + state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
+         state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
+}
+
+}  // namespace
+
+Error JournalHistory::Broken(const std::string& problem) const {
+  return {{path_}, "the recording of this run cannot be read: " + problem, ErrorCode::kFailure};
+}
+
+Status JournalHistory::Open() {
+  world_.reset();
+  reader_.reset();
+  recording_.reset();
+  if (Status flushed = flush_(); !flushed.ok()) return flushed;
+  Result<Recording> recording = Recording::Open(path_);
+  if (!recording.ok()) return Broken(recording.error().message);
+  recording_ = std::make_unique<const Recording>(std::move(recording).value());
+  return {};
+}
+
+Status JournalHistory::ReadNext() {
+  RecordedTick tick;
+  const Result<bool> more = reader_->Next(tick);
+  if (!more.ok()) return Broken(more.error().message);
+  next_.reset();
+  if (more.value()) next_ = std::move(tick);
+  return {};
+}
+
+Status JournalHistory::ApplyNext() {
+  if (Status refused = world_->Apply(*next_); !refused.ok()) return Broken(refused.error().message);
+  if (world_->state_hash() != next_->state_hash) {
+    return Broken(fmt::format("tick {} has another state than in the run", next_->tick));
+  }
+  return ReadNext();
+}
+
+Status JournalHistory::Seek(const HistoryRequest& request) {
+  sent_.reset();
+  sent_scene_.reset();
+  const Edition edition = request.after ? request.after->edition : request.from;
+  std::size_t chunk = 0;
+  if (request.after) {
+    chunk = recording_->KeyframeUpTo(edition, request.after->tick);
+  } else if (edition > 0) {
+    chunk = recording_->KeyframeUpTo(edition - 1, static_cast<Tick>(-1));
+  }
+  Result<ReplayedWorld> world =
+      chunk == 0 ? Result<ReplayedWorld>(ReplayedWorld(*recording_)) : ReplayedWorld::At(*recording_, chunk);
+  if (!world.ok()) return Broken(world.error().message);
+  world_.emplace(std::move(world).value());
+  reader_.emplace(*recording_, chunk);
+  if (Status broken = ReadNext(); !broken.ok()) return broken;
+  if (!next_) return Broken("it has no state");
+  if (chunk > 0) {
+    if (!next_->keyframe) return Broken("a keyframe is missing");
+    if (Status broken = world_->Restore(*next_->keyframe); !broken.ok()) return Broken(broken.error().message);
+  }
+  if (Status broken = ReadNext(); !broken.ok()) return broken;  // the first is the state itself
+  const auto is_before = [&] {
+    if (!request.after) return world_->edition() < edition;
+    return std::pair(world_->edition(), world_->state().tick) < std::pair(edition, request.after->tick);
+  };
+  while (next_ && is_before()) {
+    if (Status broken = ApplyNext(); !broken.ok()) return broken;
+  }
+  if (!request.after || !next_) return {};
+  // The memory may have this state already.
+  const bool knows = request.after->decided || !next_->is_step();
+  sent_scene_ = world_->scene();
+  return knows ? ApplyNext() : Status();
+}
+
+Status JournalHistory::Add(std::vector<HistoryEntry>& entries) {
+  HistoryEntry& entry = entries.emplace_back();
+  entry.frame.state = world_->state();
+  entry.frame.state_hash = world_->state_hash();
+  entry.frame.edition = world_->edition();
+  entry.frame.world_edition = world_->world_edition();
+  entry.frame.fresh_edition = world_->fresh_edition();
+  entry.step_follows = next_->is_step();
+  if (world_->scene() != sent_scene_) entry.world = world_->world();
+  sent_scene_ = world_->scene();
+  sent_ = {entry.frame.edition, entry.frame.state.tick, entry.step_follows};
+  return ApplyNext();
+}
+
+Result<std::vector<HistoryEntry>> JournalHistory::ReadBatch(const HistoryRequest& request) {
+  std::vector<HistoryEntry> entries;
+  if (!IsAt(request)) {
+    if (Status broken = Seek(request); !broken.ok()) return broken.error();
+  }
+  std::size_t bytes = 0;
+  while (next_ && entries.size() < kMostEntries && bytes < kMostBytes) {
+    bytes += SizeOf(world_->state());
+    if (Status broken = Add(entries); !broken.ok()) return broken.error();
+  }
+  return entries;
+}
+
+Result<std::vector<HistoryEntry>> JournalHistory::Read(const HistoryRequest& request) {
+  if (recording_ != nullptr) {
+    Result<std::vector<HistoryEntry>> entries = ReadBatch(request);
+    if (!entries.ok() || !entries.value().empty()) return entries;
+  }
+  // The file has grown since.
+  if (Status broken = Open(); !broken.ok()) return broken.error();
+  Result<std::vector<HistoryEntry>> entries = ReadBatch(request);
+  if (entries.ok() && entries.value().empty()) return Broken("a state is missing");
+  return entries;
+}
+
+std::unique_ptr<RunHistory> MakeRunHistory(RunRecorder* recording, const std::string& path) {
+  if (recording == nullptr) return nullptr;
+  return std::make_unique<JournalHistory>(path, [recording] { return recording->Flush(); });
+}
+
+}  // namespace troupe

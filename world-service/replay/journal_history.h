@@ -1,0 +1,51 @@
+// JournalHistory: the states of a run, stepped again from its own recording while the run continues.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/recording/recording.h"
+#include "common/recording/tick_reader.h"
+#include "world-service/observers/recorder/run_recorder.h"
+#include "world-service/replay/replayed_world.h"
+#include "world-service/service/run_history.h"
+
+namespace troupe {
+
+class JournalHistory final : public RunHistory {
+ public:
+  // `flush` makes all committed states readable in the file.
+  JournalHistory(std::string path, std::function<Status()> flush) : path_(std::move(path)), flush_(std::move(flush)) {}
+
+  Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override;
+
+ private:
+  Status Open();
+  // Goes to the state before the first entry of the answer, or to that entry.
+  Status Seek(const HistoryRequest& request);
+  bool IsAt(const HistoryRequest& request) const { return world_ && request.after && request.after == sent_; }
+  // Reads the tick that follows the state; nothing in next_: the recording ends.
+  Status ReadNext();
+  Status ApplyNext();
+  // Appends the state, with the tick that follows, and goes to the next.
+  Status Add(std::vector<HistoryEntry>& entries);
+  Result<std::vector<HistoryEntry>> ReadBatch(const HistoryRequest& request);
+  Error Broken(const std::string& problem) const;
+
+  const std::string path_;
+  const std::function<Status()> flush_;
+  std::unique_ptr<const Recording> recording_;
+  std::optional<TickReader> reader_;
+  std::optional<ReplayedWorld> world_;  // at a recorded state
+  std::optional<RecordedTick> next_;    // that follows it
+  std::optional<MemoryPlace> sent_;     // the entry before the state; nothing: not sent
+  std::shared_ptr<const Scene> sent_scene_;
+};
+
+// Reads the recording of a run; null: it has none. `recording` outlives the history.
+std::unique_ptr<RunHistory> MakeRunHistory(RunRecorder* recording, const std::string& path);
+
+}  // namespace troupe
