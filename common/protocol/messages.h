@@ -165,8 +165,10 @@ enum class ControlCommand : std::uint8_t {
   // An edit: adds the deleted entity `source` again as `name`, at `pose`. A robot has a new id, and its controller
   // starts.
   kRestore = 13,
+  // An edit: back to tick `ticks`, from the recording of the run.
+  kRewind = 14,
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kRestore;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kRewind;
 
 inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 
@@ -181,7 +183,7 @@ struct ControlRequest {
   std::uint64_t client = 0;  // random; tells tools apart
   std::uint64_t number = 0;  // of the request; repeated in the reply
   ControlCommand command = ControlCommand::kStatus;
-  std::uint64_t ticks = 1;  // kStep, kCommandRobot
+  std::uint64_t ticks = 1;  // kStep, kCommandRobot, kRewind
   std::string name = {};    // of an entity; a spawn without one is named after the source
   std::string source = {};
   Pose pose = {};  // in W

@@ -93,8 +93,11 @@ std::vector<std::byte> EditToBytes(const RecordedEdit& edit) {
   troupe_wire_RecordedEdit wire{};
   wire.before = dds::ToWire(edit.before, arena);
   wire.request = dds::ToWire(edit.request, arena);
-  troupe_wire_World* const world = arena.Fill(wire.world, edit.world ? 1 : 0);
-  if (edit.world) *world = dds::ToWire(*edit.world, arena);
+  troupe_wire_World* world = arena.Fill(wire.world, (edit.world ? 1U : 0U) + (edit.original ? 1U : 0U));
+  if (edit.world) *world++ = dds::ToWire(*edit.world, arena);
+  if (edit.original) *world = dds::ToWire(*edit.original, arena);
+  troupe_wire_Frame* const restored = arena.Fill(wire.restored, edit.restored ? 1 : 0);
+  if (edit.restored) *restored = dds::ToWire(*edit.restored, arena);
   return wire::ToCdr(wire);
 }
 
@@ -108,11 +111,17 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
   Result<ControlRequest> request = dds::FromWire(wire.request);
   if (!request.ok()) return request.error();
   edit.request = std::move(request).value();
-  if (wire.world._length > 1) return Broken("recorded edit with several worlds, expected at most one");
+  const std::uint32_t most = edit.request.command == ControlCommand::kRewind ? 2 : 1;
+  if (wire.world._length > most) return Broken("recorded edit with too many worlds");
   for (const troupe_wire_World& world : dds::Elements(wire.world)) {
     Result<WorldDescription> description = dds::FromWire(world);
     if (!description.ok()) return description.error();
-    edit.world = std::move(description).value();
+    (edit.world ? edit.original : edit.world) = std::move(description).value();
+  }
+  if (wire.restored._length > 1) return Broken("recorded edit with several restored states");
+  for (const troupe_wire_Frame& frame : dds::Elements(wire.restored)) {
+    if (!frame.whole) return Broken("recorded edit with a frame of changes, expected a whole one");
+    if (Status broken = dds::FromWire(frame, edit.restored.emplace()); !broken.ok()) return broken.error();
   }
   return edit;
 }

@@ -26,9 +26,16 @@ struct RecordedRun {
 struct RecordedEdit {
   FrameMessage before;     // of the state to which it was applied
   ControlRequest request;  // with the name that a spawned entity was given
-  // kLoadWorld: the world. kSpawn: one with only the entity to add. Else none.
+  // kLoadWorld: the world. kSpawn: one with only the entity to add. kRewind: that of `restored`. Else none.
   std::optional<WorldDescription> world = {};
+  std::optional<WorldDescription> original = {};  // kRewind: that a reset restores, if it is not `world`
+  std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots begin anew
 };
+
+// The edit has a world in place of the one before.
+inline bool ReplacesWorld(ControlCommand command) {
+  return command == ControlCommand::kLoadWorld || command == ControlCommand::kRewind;
+}
 
 // A committed state, with the inputs that led to it: proposals for a step, or an edit. The first has neither.
 struct RecordedTick {

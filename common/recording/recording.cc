@@ -115,7 +115,7 @@ Status Recording::FindEdits(std::size_t chunk) {
     if (channel == RecordingChannel::kEdits) {
       const Result<RecordedEdit> edit = EditFromBytes(message.data);
       if (!edit.ok()) return edit.error();
-      if (edit.value().request.command == ControlCommand::kLoadWorld && edit.value().world) {
+      if (ReplacesWorld(edit.value().request.command) && edit.value().world) {
         current_ns = edit.value().world->interval_ns;
       }
       interval_ns = current_ns;

@@ -167,6 +167,12 @@ void AddTimeActions(CLI::App* command, const SharedOptions& options) {
       ->required()
       ->check(SpeedValue())
       ->type_name("X|max");
+  AddAction(command, options, "rewind",
+            "Set the run back to an earlier tick, by its recording; controllers remember the ticks before",
+            ControlCommand::kRewind)
+      ->add_option("TICK", options->request.ticks, "The tick")
+      ->check(WholeNumber(0))
+      ->required();
 }
 
 void AddEditActions(CLI::App* command, const SharedOptions& options) {

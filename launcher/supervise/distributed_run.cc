@@ -93,8 +93,8 @@ class DistributedRun {
   std::optional<std::uint16_t> service_port_;  // once it is ready
   Tick tick_ = 0;                              // of the newest status
   Edition new_robots_edition_ = 0;             // the newest that has added robots
-  bool rebuilds_ = false;                 // agents are started again until the run ends
-  std::map<std::size_t, Tick> ended_at_;  // with rebuilds_: by agent, when it last ended
+  bool rebuilds_ = false;                      // agents are started again until the run ends
+  std::map<std::size_t, Tick> ended_at_;       // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;

@@ -38,6 +38,7 @@ class ControlledRun final : private RunObserver {
     std::string world_file = {};
     OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
     Speed speed = {};
+    bool can_rewind = false;
   };
 
   ControlledRun(WorldDescription world, const Setup& setup)
@@ -54,7 +55,7 @@ class ControlledRun final : private RunObserver {
     options.settings.agent_deadline_seconds = 0.0;
     options.settings.on_agent_loss = setup.on_agent_loss;
     options.settings.speed = setup.speed;
-    const bool needs_memory = setup.on_agent_loss == OnAgentLoss::kRebuild;
+    const bool needs_memory = setup.can_rewind || setup.on_agent_loss == OnAgentLoss::kRebuild;
     recorders_ = MakeRecorders(scene_->world(), setup.outputs, setup.world_file, needs_memory).value();
     RunObservers observers = {this};
     for (const auto& recorder : recorders_.observers) observers.push_back(recorder.get());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace troupe {
@@ -127,7 +128,95 @@ Result<std::vector<HistoryEntry>> JournalHistory::Read(const HistoryRequest& req
 
 std::unique_ptr<RunHistory> MakeRunHistory(RunRecorder* recording, const std::string& path) {
   if (recording == nullptr) return nullptr;
-  return std::make_unique<JournalHistory>(path, [recording] { return recording->Flush(); });
+  return std::make_unique<JournalHistory>(
+      path, [recording] { return recording->Flush(); },
+      [recording](RecordedTick tick) { return recording->Append(std::move(tick)); });
+}
+
+Result<RewoundRun> JournalHistory::Rewind(const ControlRequest& request, const FrameMessage& newest) {
+  if (Status broken = Open(); !broken.ok()) return broken.error();
+  const Result<Past> past = FindLast(request.ticks);
+  if (!past.ok()) return past.error();
+  if (Status broken = Seek({{}, past.value().fresh_edition}); !broken.ok()) return broken.error();
+  Result<RewoundRun> rewound = AppendWay(request, newest, past.value().number);
+  world_.reset();  // its editions are those of the past
+  return rewound;
+}
+
+Result<JournalHistory::Past> JournalHistory::FindLast(Tick tick) const {
+  const std::optional<std::uint64_t> time = recording_->places().Last(tick);
+  if (!time) return Error{{}, fmt::format("the recording of the run has no tick {}", tick)};
+  const std::size_t chunk = recording_->KeyframeBefore(*time).value_or(0);
+  Result<ReplayedWorld> world =
+      chunk == 0 ? Result<ReplayedWorld>(ReplayedWorld(*recording_)) : ReplayedWorld::At(*recording_, chunk);
+  if (!world.ok()) return Broken(world.error().message);
+  TickReader reader(*recording_, chunk);
+  RecordedTick next;
+  std::optional<Past> found;
+  for (bool is_first = true;; is_first = false) {
+    const Result<bool> more = reader.Next(next);
+    if (!more.ok()) return Broken(more.error().message);
+    if (!more.value() || next.log_time > *time) break;
+    Status applied;
+    if (!is_first || chunk == 0) {
+      applied = world.value().Apply(next);
+    } else if (next.keyframe) {
+      applied = world.value().Restore(*next.keyframe);
+    }
+    if (!applied.ok()) return Broken(applied.error().message);
+    if (next.tick == tick) found = {next.number, world.value().fresh_edition()};
+  }
+  if (!found) return Broken(fmt::format("tick {} is missing", tick));
+  return *found;
+}
+
+Result<RewoundRun> JournalHistory::AppendWay(const ControlRequest& request, const FrameMessage& newest,
+                                             std::uint64_t number) {
+  const Edition begin = world_->edition();
+  // The editions of the way behind the newest one.
+  const auto shifted = [&](Edition edition) { return std::max(edition, begin) - begin + newest.edition + 1; };
+  RewoundRun rewound;
+  FrameMessage& frame = rewound.frame;
+  const auto set_frame = [&] {
+    frame.run = newest.run;
+    frame.state = world_->state();
+    frame.state_hash = world_->state_hash();
+    frame.edition = shifted(world_->edition());
+    frame.world_edition = shifted(world_->world_edition());
+    frame.fresh_edition = shifted(begin);
+  };
+  set_frame();
+  RecordedTick edit;
+  edit.tick = frame.state.tick;
+  edit.edition = frame.edition;
+  edit.state_hash = frame.state_hash;
+  RecordedEdit& content = edit.edit.emplace();
+  content.before = newest;
+  content.before.events.clear();
+  content.request = request;
+  content.world = world_->world();
+  if (world_->original() != world_->scene()) content.original = world_->original()->world();
+  content.restored = frame;
+  if (Status failure = append_(std::move(edit)); !failure.ok()) return failure.error();
+  while (next_ && next_->number <= number) {
+    RecordedTick copy = *next_;
+    copy.edition = shifted(copy.edition);
+    copy.keyframe.reset();
+    rewound.previous = {frame.edition, frame.state.tick, copy.is_step()};
+    if (copy.edit) {
+      FrameMessage& before = copy.edit->before;
+      for (Edition* edition : {&before.edition, &before.world_edition, &before.fresh_edition})
+        *edition = shifted(*edition);
+      before.run = newest.run;
+    }
+    if (Status broken = ApplyNext(); !broken.ok()) return broken.error();
+    set_frame();
+    if (!copy.edit) copy.keyframe = frame;
+    if (Status failure = append_(std::move(copy)); !failure.ok()) return failure.error();
+  }
+  rewound.scene = world_->scene();
+  rewound.original = world_->original();
+  return rewound;
 }
 
 }  // namespace troupe

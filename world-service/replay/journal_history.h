@@ -17,12 +17,23 @@ namespace troupe {
 
 class JournalHistory final : public RunHistory {
  public:
+  using Append = std::function<Status(RecordedTick)>;  // to the file
   // `flush` makes all committed states readable in the file.
-  JournalHistory(std::string path, std::function<Status()> flush) : path_(std::move(path)), flush_(std::move(flush)) {}
+  JournalHistory(std::string path, std::function<Status()> flush, Append append)
+      : path_(std::move(path)), flush_(std::move(flush)), append_(std::move(append)) {}
 
   Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override;
+  Result<RewoundRun> Rewind(const ControlRequest& request, const FrameMessage& newest) override;
 
  private:
+  // A state of the past.
+  struct Past {
+    std::uint64_t number = 0;
+    Edition fresh_edition = 0;
+  };
+  Result<Past> FindLast(Tick tick) const;
+  // Appends the state to which the robots go back, and the way from there to the state of that number.
+  Result<RewoundRun> AppendWay(const ControlRequest& request, const FrameMessage& newest, std::uint64_t number);
   Status Open();
   // Goes to the state before the first entry of the answer, or to that entry.
   Status Seek(const HistoryRequest& request);
@@ -37,6 +48,7 @@ class JournalHistory final : public RunHistory {
 
   const std::string path_;
   const std::function<Status()> flush_;
+  const Append append_;
   std::unique_ptr<const Recording> recording_;
   std::optional<TickReader> reader_;
   std::optional<ReplayedWorld> world_;  // at a recorded state

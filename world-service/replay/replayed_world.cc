@@ -69,8 +69,13 @@ Status ReplayedWorld::Step(const RecordedTick& tick) {
 
 Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const WorldState& before) {
   if (!IsEdit(edit.request.command)) return Error{{}, "found a request that is no edit"};
+  const bool rewinds = edit.request.command == ControlCommand::kRewind;
+  if (rewinds && edit.world && edit.restored) {
+    if (Status problem = CheckStartState(*edit.world, edit.restored->state); !problem.ok()) return problem;
+  }
   Result<EditedWorld> edited =
-      ApplyEdit({edit.request, edit.world ? &*edit.world : nullptr}, original_, scene_, before);
+      ApplyEdit({edit.request, edit.world ? &*edit.world : nullptr, edit.restored ? &edit.restored->state : nullptr},
+                original_, scene_, before);
   if (!edited.ok()) return Error{{}, "the edit is refused: " + edited.error().message};
   if (edited.value().scene != scene_) {
     scene_ = edited.value().scene;
@@ -78,7 +83,8 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
     bodies_ = BodyIndex(*scene_);
   }
   edition_ = edition;
-  if (edit.request.command == ControlCommand::kLoadWorld) original_ = scene_;
+  if (ReplacesWorld(edit.request.command)) original_ = scene_;
+  if (edit.original) original_ = std::make_shared<const Scene>(*edit.original);
   if (edited.value().fresh) fresh_edition_ = edition;
   events_ = std::move(edited.value().events);
   SetState(std::move(edited.value().state));

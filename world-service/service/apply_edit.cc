@@ -39,6 +39,7 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kSpawn:
     case ControlCommand::kDelete:
     case ControlCommand::kSetPose:
+    case ControlCommand::kRewind:
       return true;
     case ControlCommand::kStatus:
     case ControlCommand::kPause:
@@ -70,6 +71,10 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
     case ControlCommand::kLoadWorld:
       if (edit.world == nullptr) return Error{{}, "found no world"};
       return Load(*edit.world);
+    case ControlCommand::kRewind: {
+      if (edit.world == nullptr || edit.restored == nullptr) return Error{{}, "found no state to restore"};
+      return EditedWorld{std::make_shared<const Scene>(*edit.world), *edit.restored, {}, true};
+    }
     default:
       return Error{{}, "found no edit"};
   }

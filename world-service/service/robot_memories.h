@@ -16,9 +16,10 @@ namespace troupe {
 
 class RobotMemories {
  public:
-  // A state is committed: by a step, or by an edit in the pause at `before`.
+  // A state is committed: by a step, by an edit in the pause at `before`, or by a rewind that ends behind `previous`.
   void OnStep(const FrameMessage& frame) { previous_ = {frame.edition, frame.state.tick - 1, true}; }
   void OnEdit(const FrameMessage& frame, Tick before) { previous_ = {frame.edition - 1, before, false}; }
+  void OnRewind(const std::optional<MemoryPlace>& previous) { previous_ = previous; }
   // A run is continued: robots that were spawned since the fresh start count as made then.
   void Resume(const std::optional<MemoryPlace>& previous, Edition fresh_edition) {
     previous_ = previous;

@@ -30,6 +30,9 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   if (queue_.size() + awaiting_pause_.size() >= kMostOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
+  if (request.command == ControlCommand::kRewind && run_.phase == RunPhase::kRunning) {
+    if (const Status problem = CheckRewind(request); !problem.ok()) return Reply(open, problem.error());
+  }
   if (request.command == ControlCommand::kRestore) {
     open.world = editor_.Deleted(request.source);
     if (open.world == nullptr) return Reply(open, Refusal("no entity '" + request.source + "' was deleted"));
@@ -182,7 +185,39 @@ void RunControl::StartStep(OpenRequest step, double now) {
   engine_.Resume(now);
 }
 
+Status RunControl::CheckRewind(const ControlRequest& request) const {
+  if (!run_.options.has_history) {
+    return Refusal("the run keeps no recording to be rewound by; start it with --record FILE.mcap");
+  }
+  if (request.ticks <= run_.frame.state.tick) return {};
+  return Refusal("found tick " + std::to_string(request.ticks) + ", expected at most " +
+                 std::to_string(run_.frame.state.tick) + ", the tick of the run");
+}
+
+std::optional<ControlRequest> RunControl::TakeRewind() {
+  if (rewind_ != Rewinding::kWanted || !edit_) return std::nullopt;
+  rewind_ = Rewinding::kBegun;
+  return edit_->request;
+}
+
+void RunControl::FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now) {
+  if (std::exchange(rewind_, Rewinding::kNo) != Rewinding::kBegun || IsOver(run_) || !edit_) return;
+  if (rewound.ok()) {
+    editor_.Rewind(request, rewound.value(), now);
+  } else {
+    const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
+    Reply(*edit, rewound.error());
+  }
+  Advance(now);
+}
+
 void RunControl::StartEdit(OpenRequest edit, double now) {
+  if (edit.request.command == ControlCommand::kRewind) {
+    if (const Status problem = CheckRewind(edit.request); !problem.ok()) return Reply(edit, problem.error());
+    rewind_ = Rewinding::kWanted;
+    edit_ = std::move(edit);
+    return;
+  }
   Result<ControlRequest> applied = editor_.Apply(edit.request, edit.world.get(), now);
   if (!applied.ok()) return Reply(edit, applied.error());
   edit.request = std::move(applied).value();

@@ -32,6 +32,11 @@ class RunControl {
   void Reply(const ControlRequest& request, const ControlReplyTo& reply,
              const Result<std::vector<EntityReport>>& outcome) const;
 
+  // The request of a rewind that begins now, once. The caller reads the recording and calls FinishRewind: until then
+  // the run waits.
+  std::optional<ControlRequest> TakeRewind();
+  void FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now);
+
   // Replies to the requests whose pause is quiescent, and starts the next; refuses all once the run is over. Call it
   // when proposals have arrived, members were lost or the phase has changed.
   void Advance(double now);
@@ -46,9 +51,12 @@ class RunControl {
     RequestedWorld world = nullptr;
   };
 
-  bool quiescent() const { return engine_.pause_answered() && editor_.robots_without_agent().empty(); }
+  bool quiescent() const {
+    return engine_.pause_answered() && editor_.robots_without_agent().empty() && rewind_ == Rewinding::kNo;
+  }
   // Also of a run that is continued, before its agents are back.
   bool has_begun() const { return run_.started_at || run_.continues(); }
+  Status CheckRewind(const ControlRequest& request) const;
   bool playing() const { return !engine_.ticks_to_pause() || engine_.play_after_edits(); }
   void Pause(OpenRequest pause, double now);
   void Play(const OpenRequest& play, double now);
@@ -74,8 +82,11 @@ class RunControl {
   WorldEditor& editor_;
   std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
-  Tick step_begun_ = 0;                      // the tick at which the step among them began
-  std::optional<OpenRequest> edit_;          // applied; for a reply in the next quiescent pause
+  // Of edit_, when it is a rewind.
+  enum class Rewinding : std::uint8_t { kNo, kWanted, kBegun };
+  Rewinding rewind_ = Rewinding::kNo;
+  Tick step_begun_ = 0;              // the tick at which the step among them began
+  std::optional<OpenRequest> edit_;  // applied; for a reply in the next quiescent pause
 };
 
 }  // namespace troupe

@@ -1,11 +1,13 @@
 // RunHistory: the states of a run so far, for agents whose robots need the memory of them.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
+#include "common/spatial/scene.h"
 
 namespace troupe {
 
@@ -16,12 +18,25 @@ struct HistoryRequest {
   bool operator==(const HistoryRequest&) const = default;
 };
 
+// A run that was set back to an earlier tick.
+struct RewoundRun {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> original;  // of the world that a reset restores
+  FrameMessage frame;                     // the state, its hash and the editions
+  std::optional<MemoryPlace> previous;    // the state before it; nothing: it is the first since the fresh start
+};
+
 class RunHistory {
  public:
   virtual ~RunHistory() = default;
   // Some of the states, in order and without a gap, and without the newest of the run: another one follows each. Their
   // frames have no run. At least one, or an error. May be slow. Called on one thread at a time.
   virtual Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) = 0;
+  // Goes back to the last state of a tick, and appends the way there to the recording, behind the newest state: the
+  // state with which the robots of that time were made anew, as the result of the request, which is an edit, then the
+  // steps and edits up to the tick. `newest`: the newest state of the run, which waits. The error is a tick that the
+  // recording does not have. May be slow; as Read.
+  virtual Result<RewoundRun> Rewind(const ControlRequest& request, const FrameMessage& newest) = 0;
 };
 
 }  // namespace troupe

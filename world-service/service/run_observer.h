@@ -31,7 +31,8 @@ struct RunStart {
 struct AppliedEdit {
   const ControlRequest& request;  // with the name that a spawned entity was given
   const WorldDescription* world =
-      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. Else null.
+      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. kRewind: the restored one. Else null.
+  const WorldState* restored = nullptr;  // kRewind: the state in that world
 };
 
 // A committed state, with the inputs that led to it. The references are valid during the call.
@@ -41,6 +42,7 @@ struct CommittedTick {
   const AppliedEdit* edit = nullptr;    // null: the frame is tick 0 of the loaded world, or the result of a step
   const WorldState* before = nullptr;   // the state to which the edit was applied; null without one
   std::span<const RobotCommand> commands = {};  // from outside, that the agents had for the proposals
+  bool is_recorded = false;             // the recording has the state already: the copy of one from the past
 };
 
 class RunObserver {

@@ -80,6 +80,7 @@ class Driver final : public WorldControl, private ServiceHandler {
       Report(status_due, lock);
       ReadFiles(lock);
       SendHistories(lock);
+      Rewind(lock);
 
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
@@ -173,6 +174,24 @@ class Driver final : public WorldControl, private ServiceHandler {
       }
       lock.lock();
       if (!entries.ok()) Act([&] { coordinator_.Fail(entries.error(), Now()); });
+    }
+  }
+
+  void Rewind(std::unique_lock<std::mutex>& lock) {
+    const std::optional<ControlRequest> request = coordinator_.TakeRewind();
+    if (!request) return;
+    const FrameMessage newest = coordinator_.frame();
+    lock.unlock();
+    const Result<RewoundRun> rewound = ReadRewound(*request, newest);
+    lock.lock();
+    Act([&] { coordinator_.FinishRewind(*request, rewound, Now()); });
+  }
+
+  Result<RewoundRun> ReadRewound(const ControlRequest& request, const FrameMessage& newest) {
+    try {
+      return service_.history->Rewind(request, newest);
+    } catch (const std::bad_alloc& no_memory) {
+      return FailureOf(no_memory);
     }
   }
 

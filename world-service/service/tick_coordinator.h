@@ -46,6 +46,11 @@ class TickCoordinator {
 
   // Executes a tool's request; see RunControl.
   void Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world = nullptr);
+  // See RunControl.
+  std::optional<ControlRequest> TakeRewind() { return control_.TakeRewind(); }
+  void FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now) {
+    control_.FinishRewind(request, rewound, now);
+  }
   void Reply(const ControlRequest& request, const ControlReplyTo& reply,
              const Result<std::vector<EntityReport>>& outcome) const {
     control_.Reply(request, reply, outcome);
@@ -99,7 +104,7 @@ class TickCoordinator {
   RunControl control_;
   RunStatistics statistics_;
   std::optional<RunId> known_rival_;
-  double announced_at_ = 0.0;  // wall time of the newest session of a run that is continued, s
+  double announced_at_ = 0.0;           // wall time of the newest session of a run that is continued, s
   std::vector<HistoryDemand> demands_;  // in the order of their arrival
   double progress_at_;                  // wall time of the newest sign, before the run begins, that agents will join, s
 };

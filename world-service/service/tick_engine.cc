@@ -38,6 +38,9 @@ TickEngine::TickEngine(LiveRun& run, double now)
     const ResumedRun& resumed = *run_.options.resumed;
     run_.frame = *resumed.frame;
     run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
+    // The service before may have ended within a rewind.
+    run_.restoring = run_.frame.remembered = run_.options.has_history && resumed.previous.has_value() &&
+                                             !run_.memories.IsFirstOf(run_.frame.fresh_edition, run_.frame);
     ticks_to_pause_ = resumed.progress.ticks_to_pause;
     run_.frame.paused = ticks_to_pause_ == 0U;
     run_.events.RestoreCounts(resumed.progress.stalls, resumed.progress.rejected);
@@ -207,7 +210,7 @@ void TickEngine::Begin(double now) {
   pacer_.Start(now);
   run_.frame.events = run_.events.CompleteFrame(0, {});
   run_.frame.paused = ticks_to_pause_ == 0U;
-  Publish({}, now);
+  Publish({.now = now});
 }
 
 void TickEngine::Continue(double now) {
@@ -278,7 +281,7 @@ void TickEngine::Commit(double now) {
   frame.paused = ticks_to_pause_ == 0U;
   if (!frame.paused) frame.commands = commands_.ForNextTick(run_.world());
   pacer_.Committed(frame.state.tick, now);
-  Publish({proposals, commands}, now);
+  Publish({.now = now, .proposals = proposals, .commands = commands});
 }
 
 void TickEngine::Resume(double now) {
@@ -301,27 +304,29 @@ void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
   pacer_.SetInterval(run_.world().interval_seconds());
 }
 
-void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now) {
+void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now,
+                             bool is_recorded) {
   proposals_.ChangeWorld(run_.world());
   if (run_.members.present_members() == 0) halted_since_ = now;
   FrameMessage& frame = run_.frame;
   const WorldState before = std::exchange(frame.state, std::move(state));
-  run_.memories.OnEdit(frame, before.tick);
   frame.state_hash = StateHash(frame.state);
   frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
   frame.paused = true;
   frame.commands.clear();
-  if (frame.fresh_edition == frame.edition) commands_.Clear();
+  if (is_recorded || frame.fresh_edition == frame.edition) commands_.Clear();
   ticks_to_pause_ = 0;
-  Publish({}, now, &edit, &before);
+  Publish({.now = now, .edit = &edit, .before = &before, .is_recorded = is_recorded});
 }
 
-void TickEngine::Publish(const StepInputs& inputs, double now, const AppliedEdit* edit, const WorldState* before) {
+void TickEngine::Publish(const Origin& origin) {
   FrameMessage& frame = run_.frame;
+  const double now = origin.now;
   frame.awaited.clear();
   frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = false;
-  const CommittedTick tick{frame, inputs.proposals, edit, before, inputs.commands};
+  const CommittedTick tick{frame,           origin.proposals, origin.edit,
+                           origin.before,   origin.commands,  origin.is_recorded};
   Status failure;
   const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;

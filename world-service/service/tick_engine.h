@@ -71,7 +71,8 @@ class TickEngine {
   // The scene of the run is another one; `removed` members have no robots in it.
   void ChangeWorld(std::span<const AgentId> removed);
   // Publishes the state after an edit, in a pause.
-  void PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now);
+  void PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now,
+                   bool is_recorded = false);
 
   // An agent is about to join: the run waits for it.
   void AwaitAgent(double now) { halted_since_ = now; }
@@ -101,13 +102,16 @@ class TickEngine {
   bool IsLast(Tick tick) const;
   // The barrier for the next tick.
   void Opened(double now);
-  // The inputs or the edit led to the frame.
-  struct StepInputs {
+  // The inputs that led to a frame: of a step, or an edit.
+  struct Origin {
+    double now = 0.0;
     std::span<const Proposal> proposals = {};
     std::span<const RobotCommand> commands = {};  // that the agents had for the proposals
+    const AppliedEdit* edit = nullptr;
+    const WorldState* before = nullptr;
+    bool is_recorded = false;
   };
-  void Publish(const StepInputs& inputs, double now, const AppliedEdit* edit = nullptr,
-               const WorldState* before = nullptr);
+  void Publish(const Origin& origin);
   void End(double now);
   void ResendFrame();
   // The time of the next resend, unless the frame is answered before.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
+#include <string>
 #include <utility>
 
 #include "world-service/service/apply_edit.h"
@@ -37,6 +38,8 @@ std::string NoticeOf(const ControlRequest& request) {
       return "'" + request.name + "' is spawned";
     case ControlCommand::kDelete:
       return "'" + request.name + "' is deleted";
+    case ControlCommand::kRewind:
+      return "the run is rewound to tick " + std::to_string(request.ticks);
     case ControlCommand::kSetPose:
       return "the pose of '" + request.name + "' is set";
     default:
@@ -106,21 +109,36 @@ void WorldEditor::Commit(EditedWorld edited, const AppliedEdit& edit, double now
     run_.memories.OnFreshStart(run_.frame.edition);
     run_.restoring = run_.frame.remembered = false;
   }
-  if (edited.scene != run_.scene) ChangeWorld(std::move(edited.scene), edited.fresh);
+  run_.memories.OnEdit(run_.frame, run_.frame.state.tick);
+  if (edited.scene != run_.scene) ChangeWorld(std::move(edited.scene), edited.fresh, run_.frame.edition);
   newcomers_since_ = now;
   engine_.PublishEdit(std::move(edited.state), std::move(edited.events), edit, now);
 }
 
-void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh) {
+void WorldEditor::Rewind(const ControlRequest& request, const RewoundRun& rewound, double now) {
+  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
+  original_ = rewound.original;
+  FrameMessage& frame = run_.frame;
+  frame.edition = rewound.frame.edition;
+  frame.fresh_edition = rewound.frame.fresh_edition;
+  run_.memories.OnFreshStart(frame.fresh_edition);
+  run_.memories.OnRewind(rewound.previous);
+  run_.restoring = frame.remembered = rewound.previous.has_value();
+  ChangeWorld(rewound.scene, true, rewound.frame.world_edition);
+  newcomers_since_ = now;
+  engine_.PublishEdit(rewound.frame.state, {}, AppliedEdit{request}, now, true);
+}
+
+void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition world_edition) {
   const std::shared_ptr<const Scene> before = std::exchange(run_.scene, std::move(scene));
   const WorldDescription& world = run_.world();
-  run_.frame.world_edition = run_.frame.edition;
+  run_.frame.world_edition = world_edition;
   if (fresh) {
     // Ids of events mean other things from now on.
     for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(before->world(), event));
     run_.events.DiscardPending();
   }
-  Membership::WorldChange change = run_.members.ChangeWorld(world, run_.frame.edition, fresh);
+  Membership::WorldChange change = run_.members.ChangeWorld(world, world_edition, fresh);
   engine_.ChangeWorld(change.gone);
   std::vector<std::string> newcomers;
   for (const RobotId robot : change.newcomers) newcomers.push_back(world.robot(robot).name);

@@ -27,6 +27,8 @@ class WorldEditor {
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
   // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
   Result<ControlRequest> Apply(ControlRequest request, const WorldDescription* world, double now);
+  // Publishes the state to which a request has rewound the run; it is paused. REQUIRES: the pause is quiescent.
+  void Rewind(const ControlRequest& request, const RewoundRun& rewound, double now);
   // Deletes an entity whose spawn has failed.
   void RevokeSpawn(const std::string& name, double now);
 
@@ -43,7 +45,7 @@ class WorldEditor {
   // As ApplyEdit; an error without memory for the edited world.
   Result<EditedWorld> ApplyIfRoom(const AppliedEdit& edit) const;
   void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
-  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh);
+  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition world_edition);
 
   LiveRun& run_;
   TickEngine& engine_;

@@ -26,8 +26,9 @@ struct Recorders {
   std::string recording_path = {};
 };
 
-// Creates the files. The world outlives the observers; `world_file` is the file that it was loaded from. `needs_memory`:
-// a run that has no recording otherwise has one in a temporary file. The error names the file that cannot be written.
+// Creates the files. The world outlives the observers; `world_file` is the file that it was loaded from.
+// `needs_memory`: a run that has no recording otherwise has one in a temporary file. The error names the file that
+// cannot be written.
 Result<Recorders> MakeRecorders(const WorldDescription& world, const OutputFiles& files, const std::string& world_file,
                                 bool needs_memory = false);
 

@@ -106,7 +106,9 @@ void RunRecorder::StartWriting() {
 
 Status RunRecorder::OnCommit(const CommittedTick& tick, const RunProgress& progress) {
   if (tail_ == nullptr) return {};
+  if (tick.is_recorded) return OnProgress(progress);
   if (failed_) return Reported(status());
+  progress_ = progress;
   RecordedTick recorded = Convert(tick);
   if (Status failure = tail_->Append(&recorded, progress); !failure.ok()) return Reported(failure);
   Push(std::move(recorded));
@@ -115,6 +117,7 @@ Status RunRecorder::OnCommit(const CommittedTick& tick, const RunProgress& progr
 
 Status RunRecorder::OnProgress(const RunProgress& progress) {
   if (tail_ == nullptr) return {};
+  progress_ = progress;
   const Status written = tail_->Append(nullptr, progress);
   return written.ok() ? written : Reported(written);
 }
@@ -135,7 +138,25 @@ Status RunRecorder::Reported(const Status& failure) {
 Status RunRecorder::OnTick(const CommittedTick& tick) {
   if (dropped_) return {};
   if (failed_) return Reported(status());
-  if (tail_ == nullptr) Push(Convert(tick));
+  if (tick.is_recorded) {
+    last_ = HeadOf(tick.frame);
+  } else if (tail_ == nullptr) {
+    Push(Convert(tick));
+  }
+  return {};
+}
+
+Status RunRecorder::Append(RecordedTick tick) {
+  while (!failed_ && !queue_.has_room()) {
+    if (Status failure = Flush(); !failure.ok()) return failure;
+  }
+  if (failed_) return status();
+  tick.number = next_number_++;
+  if (tick.edit || !IsKeyframe(tick.tick)) tick.keyframe.reset();
+  if (tail_ != nullptr && !dropped_) {
+    if (Status failure = tail_->Append(&tick, progress_); !failure.ok()) return failure;
+  }
+  Push(std::move(tick));
   return {};
 }
 
@@ -155,7 +176,7 @@ RecordedTick RunRecorder::Convert(const CommittedTick& tick) {
     edit.before.state = *tick.before;
     edit.request = tick.edit->request;
     if (tick.edit->world != nullptr) edit.world = *tick.edit->world;
-  } else if (frame.state.tick % options_.keyframe_interval == 0 || frame.last) {
+  } else if (IsKeyframe(frame.state.tick) || frame.last) {
     recorded.keyframe = HeadOf(frame);
     recorded.keyframe->state = frame.state;
   }

@@ -49,6 +49,9 @@ class RunRecorder final : public RunObserver {
   Status OnProgress(const RunProgress& progress) override;
   Status OnTick(const CommittedTick& tick) override;
   bool IsReady() override;
+  // Appends a state that is not one of the run's own, as if it had followed the newest; its number is computed here.
+  // May wait for the disk. No call of OnTick may run meanwhile.
+  Status Append(RecordedTick tick);
   // Waits until all ticks so far can be read from the file. Any thread may call, between OnBegin and OnEnd.
   Status Flush();
   // Writes all ticks, and closes the file.
@@ -68,6 +71,7 @@ class RunRecorder final : public RunObserver {
   Status Reported(const Status& failure);
   Status status() const;
   RecordedTick Convert(const CommittedTick& tick);
+  bool IsKeyframe(Tick tick) const { return tick % options_.keyframe_interval == 0; }
 
   const RecordingOptions options_;
   std::unique_ptr<mcap::ByteSink> sink_;  // until OnBegin
@@ -75,7 +79,8 @@ class RunRecorder final : public RunObserver {
   std::uint64_t released_ = 0;
   std::optional<RecordingWriter> writer_;
   std::uint64_t next_number_ = 0;
-  FrameMessage last_;  // the newest frame, without its state and events
+  RunProgress progress_;  // the newest, with a tail
+  FrameMessage last_;     // the newest frame, without its state and events
   TickQueue queue_;
   bool dropped_ = false;  // the journal: it is of no use any more
   std::atomic<bool> failed_ = false;
