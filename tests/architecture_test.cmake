@@ -62,7 +62,7 @@ set(may_include_world-service/observers/recorder
   world-service/core world-service/service)
 set(may_include_world-service/replay
   common/base common/geometry common/model common/protocol common/recording common/run common/sensing common/spatial
-  world-service/core world-service/observers/recorder world-service/service)
+  common/worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model common/protocol common/worldfile world-service/service)
 set(may_include_world-service/observers/ros
@@ -116,8 +116,8 @@ set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run common/worldfile/scenario launcher/process)
 set(may_include_launcher/supervise
-  common/base common/command_line common/dds/binding common/model common/protocol common/ros common/run common/security
-  common/spatial
+  common/base common/command_line common/dds/binding common/model common/protocol common/recording common/ros common/run
+  common/security common/spatial
   common/trace
   common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/replay world-service/service)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <utility>
 
 #include "common/command_line/option_checks.h"
 
@@ -43,6 +44,37 @@ void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, co
       ->check(NotEmpty())
       ->type_name("NAME")
       ->group(group);
+}
+
+void AddBranchFlags(CLI::App& app, BranchFlags& flags, const std::string& group) {
+  app.add_option("--controller", flags.controllers,
+                 "Controller of the robots without one in the file: idle (default), wander, expand, or the path of a "
+                 "shared library. With a recording also ROBOT=CONTROLLER, for one robot, repeatable, each with "
+                 ":{...} for its parameters")
+      ->check(NotEmpty())
+      ->type_name("NAME")
+      ->group(group)
+      ->allow_extra_args(false);
+  app.add_option("--from-tick", flags.from_tick,
+                 "With a recording: the tick from which the run continues (default: the last)")
+      ->check(WholeNumber(0))
+      ->type_name("TICK")
+      ->group(group);
+}
+
+Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::optional<std::string>& controller) {
+  if (file.ends_with(".mcap")) return {};
+  if (flags.from_tick) return Error{{}, "option --from-tick: found a world, expected a recording (.mcap)"};
+  if (flags.controllers.empty()) return {};
+  const std::string& last = flags.controllers.back();
+  const std::size_t equals = last.find('=');
+  if (flags.controllers.size() > 1 || (equals != std::string::npos && last.find('/') > equals)) {
+    return Error{{}, "option --controller: found '" + last +
+                         "', expected one controller: only a run that continues from a recording has others for some "
+                         "robots"};
+  }
+  controller = std::exchange(flags.controllers, {}).front();
+  return {};
 }
 
 void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {

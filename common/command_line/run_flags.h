@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/result.h"
 #include "common/run/run_settings.h"
 
 namespace CLI {
@@ -23,6 +24,16 @@ void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::s
 
 // --controller NAME
 void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group = "Options");
+
+// --controller, repeatable, and --from-tick T: of a run that may continue from a recording.
+struct BranchFlags {
+  std::vector<std::string> controllers;
+  std::optional<std::uint64_t> from_tick;
+};
+void AddBranchFlags(CLI::App& app, BranchFlags& flags, const std::string& group = "Options");
+// Moves the controller of a run that does not begin with a recording to `controller`. The error is a flag that only a
+// recording can have.
+Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::optional<std::string>& controller);
 
 // --allow-controllers PATH, repeatable
 void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group = "Options");

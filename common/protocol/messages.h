@@ -167,8 +167,10 @@ enum class ControlCommand : std::uint8_t {
   kRestore = 13,
   // An edit: back to tick `ticks`, from the recording of the run.
   kRewind = 14,
+  // In recordings only, an edit: the seed and the controllers, as `source` says.
+  kChange = 15,
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kRewind;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kChange;
 
 inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 

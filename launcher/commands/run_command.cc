@@ -16,6 +16,8 @@
 #include "launcher/supervise/in_process_run.h"
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/summary.h"
+#include "robot-agent/controller/create_controller.h"
+#include "world-service/replay/branched_run.h"
 
 namespace troupe {
 namespace {
@@ -33,6 +35,14 @@ int RunCommand(RunOptions options) {
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());
+  }
+  for (const std::string& text : options.branch.controllers) {
+    const Result<ControllerChange> change = ParseControllerChange(text);
+    if (!change.ok()) return Fail(change.error());
+    const ControllerDescription& controller = change.value().controller;
+    if (const Status status = CheckController(controller.name, controller.parameters); !status.ok()) {
+      return Fail({{}, "option --controller: " + status.error().message});
+    }
   }
   // Cyclone does not keep two identities in one process apart that are in one domain.
   if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;

@@ -12,12 +12,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
+#include "common/recording/recording.h"
 #include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
@@ -28,6 +30,7 @@
 #include "robot-agent/ros/ros_gateway.h"
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
+#include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"
 #include "world-service/service/run_service.h"
 
@@ -167,7 +170,8 @@ double PeakMemoryMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded) {
+ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded,
+                                  const std::string& world_file) {
   ServiceOptions service;
   service.settings = loaded.settings;
   options.run.ApplyTo(service.settings);
@@ -175,7 +179,7 @@ ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& 
   service.lease_seconds = options.network.lease_seconds;
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
-  service.world_file = options.file;
+  service.world_file = world_file;
   service.overrides = options.load;
   RestrictRequests(options.permissions, loaded, service);
   return service;
@@ -272,21 +276,31 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 }  // namespace
 
 RunEnd RunInProcess(const RunOptions& options) {
-  Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
+  std::optional<BranchedRun> branch;
+  if (IsRecordingPath(options.file)) {
+    Result<BranchedRun> made = BranchRun(options.file, {options.branch.from_tick, options.load.seed,
+                                                        options.branch.controllers, options.run, options.paused});
+    if (!made.ok()) return FailedRun(made.error());
+    branch = std::move(made).value();
+  }
+  Result<LoadedWorld> loaded = branch ? std::move(branch->loaded) : LoadWorld(options.file, options.load);
   if (!loaded.ok()) return FailedRun(loaded.error());
   for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
 
-  ServiceOptions service = MakeServiceOptions(options, loaded.value());
+  const std::string world_file = branch ? branch->resumed.world_file : options.file;
+  ServiceOptions service = MakeServiceOptions(options, loaded.value(), world_file);
+  if (branch) service.resumed = branch->resumed;
   AgentOptions agent = MakeAgentOptions(options, service);
   OutputParts trace_parts(options.trace.file, "--trace");
   const auto trace_files = SplitTrace(options.trace, trace_parts, service.trace, agent.trace);
   if (!trace_files.ok()) return FailedRun(trace_files.error());
 
-  const auto scene = std::make_shared<const Scene>(std::move(loaded.value().world));
+  const auto scene = branch ? branch->scene : std::make_shared<const Scene>(std::move(loaded.value().world));
   SignalWatch signals;
-  const OutputFiles outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
-  const bool needs_memory = service.settings.on_agent_loss == OnAgentLoss::kRebuild;
-  const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, options.file, needs_memory);
+  OutputFiles outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
+  if (branch) outputs.begin = branch->begin;
+  const bool needs_memory = branch || service.settings.on_agent_loss == OnAgentLoss::kRebuild;
+  const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, world_file, needs_memory);
   if (!recorders.ok()) return FailedRun(recorders.error());
   const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
   service.history = history.get();

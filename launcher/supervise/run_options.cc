@@ -69,7 +69,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* simulation = "Simulation";
   AddRunFlags(command, options.run, simulation);
   AddSeedFlag(command, options.load.seed, simulation);
-  AddControllerFlag(command, options.load.controller, simulation);
+  AddBranchFlags(command, options.branch, simulation);
   AddPausedFlag(command, options.paused, simulation);
 
   const char* requests = "Requests during the run";
@@ -136,6 +136,9 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
 
 Status CompleteRunOptions(RunOptions& options) {
   NetworkSettings& network = options.network;
+  if (Status problem = CheckBranchFlags(options.file, options.branch, options.load.controller); !problem.ok()) {
+    return problem;
+  }
   if (network.session.empty()) network.session = OwnSession(options.file);
   if (!options.in_process && options.file.ends_with(".json")) {
     Result<HostsOfScenario> hosts = ReadHostsOfScenario(options.file);
@@ -161,6 +164,8 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, RunArguments(options.run));
   if (options.load.seed) Append(arguments, "--seed", std::to_string(*options.load.seed));
   if (options.load.controller) Append(arguments, "--controller", *options.load.controller);
+  for (const std::string& controller : options.branch.controllers) Append(arguments, "--controller", controller);
+  if (options.branch.from_tick) Append(arguments, "--from-tick", std::to_string(*options.branch.from_tick));
   Append(arguments, NetworkArguments(options));
   for (const std::string& path : options.permissions.files) Append(arguments, "--allow-files", path);
   for (const std::string& path : options.permissions.controllers) Append(arguments, "--allow-controllers", path);

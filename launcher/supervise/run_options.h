@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/command_line/run_flags.h"
 #include "common/ros/ros_options.h"
 #include "common/run/host_settings.h"
 #include "common/run/network_settings.h"
@@ -25,6 +26,7 @@ struct RunOptions {
   std::string file;
   RunOverrides run;    // of the scenario's settings
   LoadOverrides load;  // of its seed and controllers
+  BranchFlags branch;  // of a recording
   OwnerPermissions permissions;
 
   bool in_process = false;

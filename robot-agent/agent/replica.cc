@@ -136,6 +136,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
     }
   }
   std::sort(ids.begin(), ids.end());
+  const std::shared_ptr<const Scene> before_scene = scene_;
   scene_ = std::make_shared<const Scene>(std::move(world));
   ResetIndices(indices_.size());
   NameRobotsInTrace();
@@ -144,11 +145,25 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
     if (Status status = MakeRobots(ids); !status.ok()) return status;
   } else {
     std::erase_if(robots_, [&](const auto& robot) { return !IsThere(scene_->world(), robot->id()); });
-    for (const auto& robot : robots_) robot->ChangeWorld(*scene_);
+    if (Status status = FollowWorld(*before_scene); !status.ok()) return status;
   }
   if (gateway_ == nullptr) return {};
   if (ids != before || !GatewayFits(fresh)) return MakeNewGateway();
   if (fresh) gateway_->Restart();
+  return {};
+}
+
+Status Replica::FollowWorld(const Scene& before) {
+  for (std::unique_ptr<Robot>& robot : robots_) {
+    const RobotId id = robot->id();
+    if (before.world().robot(id).controller == scene_->world().robot(id).controller) {
+      robot->ChangeWorld(*scene_);
+      continue;
+    }
+    Result<std::unique_ptr<Robot>> made = Robot::Create(*scene_, id, options_);
+    if (!made.ok()) return made.error();
+    robot = std::move(made).value();
+  }
   return {};
 }
 

@@ -33,7 +33,7 @@ class Replica {
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
-  // are those of the old world, and all robots but removed ones continue. `edition`: of the newest fresh start, for the
+  // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`: of the newest fresh start, for the
   // scan log. The error is a controller or a gateway that cannot be made.
   Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
   // Starts the robots anew in the present world. The error is as above.
@@ -79,6 +79,8 @@ class Replica {
 
  private:
   Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway);
+  // Takes the robots to the scene; those that have another controller there are made anew.
+  Status FollowWorld(const Scene& before);
   Status MakeRobots(const std::vector<RobotId>& ids);
   std::vector<RobotId> Ids() const;
   Status MakeNewGateway();

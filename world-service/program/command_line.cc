@@ -45,10 +45,12 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddWorldFile(app, line.file)->required(false);
   app.final_callback([&line] {
     if (line.file.empty() && !line.resume) throw CLI::RequiredError("FILE");
+    const Status branch = CheckBranchFlags(line.file, line.branch, line.overrides.controller);
+    if (!branch.ok()) throw CLI::ValidationError(branch.error().message);
   });
   AddRunFlags(app, line.run);
   AddSeedFlag(app, line.overrides.seed);
-  AddControllerFlag(app, line.overrides.controller);
+  AddBranchFlags(app, line.branch);
   AddAllowControllersFlag(app, line.permissions.controllers);
   AddAllowFilesFlag(app, line.permissions.files);
   AddPausedFlag(app, line.service.start_paused);

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/command_line/exit_status.h"
+#include "common/command_line/run_flags.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/ros/ros_options.h"
 #include "common/run/network_settings.h"
@@ -20,6 +21,7 @@ namespace troupe {
 struct ServiceCommandLine {
   std::string file;
   LoadOverrides overrides;
+  BranchFlags branch;  // of a recording
   RunOverrides run;  // of the settings of the file
   NetworkSettings network;
   OwnerPermissions permissions;

@@ -7,6 +7,7 @@
 
 #include "common/recording/journal.h"
 #include "world-service/observers/recorder/make_recorders.h"
+#include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"
 #include "world-service/replay/restore_run.h"
 
@@ -28,6 +29,21 @@ Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
   // Its agents know that it is not the service that they were started for.
   if (line.resume) run.options.first_incarnation = 1;
   run.scene = std::make_shared<const Scene>(run.loaded.world);
+  run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
+  return run;
+}
+
+Result<PreparedRun> Branch(const ServiceCommandLine& line) {
+  Result<BranchedRun> branch = BranchRun(line.file, {line.branch.from_tick, line.overrides.seed, line.branch.controllers,
+                                                     line.run, line.service.start_paused});
+  if (!branch.ok()) return branch.error();
+  PreparedRun run;
+  run.loaded = std::move(branch.value().loaded);
+  run.options = line.service;
+  run.options.world_file = branch.value().resumed.world_file;
+  run.options.resumed = std::move(branch.value().resumed);
+  run.scene = branch.value().scene;
+  run.begin = branch.value().begin;
   run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
   return run;
 }
@@ -73,7 +89,9 @@ Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
     if (!opened.ok()) return opened.error();
     journal = std::move(opened).value();
   }
-  Result<PreparedRun> run = journal ? Resume(std::move(*journal), line) : LoadFile(line);
+  const bool is_branch = IsRecordingPath(line.file);
+  Result<PreparedRun> run =
+      journal ? Resume(std::move(*journal), line) : (is_branch ? Branch(line) : LoadFile(line));
   if (!run.ok()) return run;
   ServiceOptions& options = run.value().options;
   options.settings = run.value().loaded.settings;
@@ -83,9 +101,12 @@ Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
 }
 
 Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line) {
-  if (!run.options.resumed) {
-    const bool needs_memory = run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
-    Result<Recorders> recorders = MakeRecorders(*run.first_world, line.outputs, line.file, needs_memory);
+  const std::optional<ResumedRun>& resumed = run.options.resumed;
+  if (!resumed || resumed->is_branch) {
+    const bool needs_memory = resumed || run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
+    OutputFiles outputs = line.outputs;
+    outputs.begin = run.begin;
+    Result<Recorders> recorders = MakeRecorders(*run.first_world, outputs, run.options.world_file, needs_memory);
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
   }

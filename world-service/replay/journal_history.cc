@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "world-service/service/world_changes.h"
+
 namespace troupe {
 namespace {
 
@@ -31,7 +33,28 @@ Status JournalHistory::Open() {
   Result<Recording> recording = Recording::Open(path_);
   if (!recording.ok()) return Broken(recording.error().message);
   recording_ = std::make_unique<const Recording>(std::move(recording).value());
-  return {};
+  return FindChanges();
+}
+
+Status JournalHistory::FindChanges() {
+  changed_.clear();
+  const Status visited = recording_->VisitEdits(recording_->chunks(), [this](const RecordedEdit& edit) {
+    if (edit.request.command != ControlCommand::kChange) return Status();
+    const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);
+    if (!changes.ok()) return Status(changes.error());
+    for (const auto& [robot, controller] : changes.value().controllers) changed_[robot] = edit.before.edition + 1;
+    return Status();
+  });
+  return visited.ok() ? visited : Status(Broken(visited.error().message));
+}
+
+WorldDescription JournalHistory::WorldToSend() const {
+  WorldDescription world = world_->world();
+  for (RobotDescription& robot : world.robots) {
+    const auto changed = changed_.find(robot.name);
+    if (changed != changed_.end() && world_->edition() < changed->second) robot.controller = {};
+  }
+  return world;
 }
 
 Status JournalHistory::ReadNext() {
@@ -95,7 +118,7 @@ Status JournalHistory::Add(std::vector<HistoryEntry>& entries) {
   entry.frame.world_edition = world_->world_edition();
   entry.frame.fresh_edition = world_->fresh_edition();
   entry.step_follows = next_->is_step();
-  if (world_->scene() != sent_scene_) entry.world = world_->world();
+  if (world_->scene() != sent_scene_) entry.world = WorldToSend();
   sent_scene_ = world_->scene();
   sent_ = {entry.frame.edition, entry.frame.state.tick, entry.step_follows};
   return ApplyNext();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,6 +45,9 @@ class JournalHistory final : public RunHistory {
   // Appends the state, with the tick that follows, and goes to the next.
   Status Add(std::vector<HistoryEntry>& entries);
   Result<std::vector<HistoryEntry>> ReadBatch(const HistoryRequest& request);
+  // The world of the state; robots that are made anew later need no controller.
+  WorldDescription WorldToSend() const;
+  Status FindChanges();
   Error Broken(const std::string& problem) const;
 
   const std::string path_;
@@ -53,6 +57,7 @@ class JournalHistory final : public RunHistory {
   std::optional<TickReader> reader_;
   std::optional<ReplayedWorld> world_;  // at a recorded state
   std::optional<RecordedTick> next_;    // that follows it
+  std::map<std::string, Edition> changed_;  // by robot: when it got another controller, and was made anew
   std::optional<MemoryPlace> sent_;     // the entry before the state; nothing: not sent
   std::shared_ptr<const Scene> sent_scene_;
 };

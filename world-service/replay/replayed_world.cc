@@ -9,6 +9,7 @@
 #include "world-service/core/validate_proposal.h"
 #include "world-service/replay/check_start_state.h"
 #include "world-service/service/apply_edit.h"
+#include "world-service/service/world_changes.h"
 
 namespace troupe {
 
@@ -84,6 +85,10 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
   }
   edition_ = edition;
   if (ReplacesWorld(edit.request.command)) original_ = scene_;
+  if (edit.request.command == ControlCommand::kChange) {
+    const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);
+    if (changes.ok()) original_ = std::make_shared<const Scene>(changes.value().AppliedTo(original_->world()));
+  }
   if (edit.original) original_ = std::make_shared<const Scene>(*edit.original);
   if (edited.value().fresh) fresh_edition_ = edition;
   events_ = std::move(edited.value().events);

@@ -19,6 +19,7 @@ class ReplayedWorld {
   explicit ReplayedWorld(const Recording& recording);
   // As it was at the begin of a chunk. The state is not valid before Restore. The error is a damaged recording.
   static Result<ReplayedWorld> At(const Recording& recording, std::size_t chunk);
+  ReplayedWorld(const ReplayedWorld&) = default;
   ReplayedWorld(ReplayedWorld&&) = default;
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "world-service/core/initial_state.h"
+#include "world-service/service/world_changes.h"
 
 namespace troupe {
 namespace {
@@ -40,6 +41,7 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kDelete:
     case ControlCommand::kSetPose:
     case ControlCommand::kRewind:
+    case ControlCommand::kChange:
       return true;
     case ControlCommand::kStatus:
     case ControlCommand::kPause:
@@ -71,6 +73,11 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
     case ControlCommand::kLoadWorld:
       if (edit.world == nullptr) return Error{{}, "found no world"};
       return Load(*edit.world);
+    case ControlCommand::kChange: {
+      const Result<WorldChanges> changes = WorldChanges::FromText(request.source);
+      if (!changes.ok()) return changes.error();
+      return EditedWorld{std::make_shared<const Scene>(changes.value().AppliedTo(scene->world())), state, {}, false};
+    }
     case ControlCommand::kRewind: {
       if (edit.world == nullptr || edit.restored == nullptr) return Error{{}, "found no state to restore"};
       return EditedWorld{std::make_shared<const Scene>(*edit.world), *edit.restored, {}, true};

@@ -80,6 +80,7 @@ struct LiveRun {
   const WorldDescription& world() const { return scene->world(); }
   bool realtime() const { return options.settings.mode == Mode::kRealtime; }
   // A run is continued that had begun.
+  bool is_branch() const { return options.resumed && options.resumed->is_branch; }
   bool continues() const { return options.resumed && options.resumed->frame; }
   // Agents that join are sent the states that their robots do not remember.
   bool restores_memory() const {

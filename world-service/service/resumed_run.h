@@ -13,6 +13,7 @@ namespace troupe {
 
 struct ResumedRun {
   RunId run = 0;
+  bool is_branch = false;                 // a new run, which begins with a state of a recorded one
   Incarnation incarnation = 0;            // of the service that continues
   std::shared_ptr<const Scene> original;  // that a reset restores
   std::shared_ptr<const Scene> scene;     // of the newest state

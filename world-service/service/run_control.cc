@@ -30,6 +30,9 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   if (queue_.size() + awaiting_pause_.size() >= kMostOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
+  if (request.command == ControlCommand::kChange) {
+    return Reply(open, Refusal("controllers are changed when a run continues from a recording"));
+  }
   if (request.command == ControlCommand::kRewind && run_.phase == RunPhase::kRunning) {
     if (const Status problem = CheckRewind(request); !problem.ok()) return Reply(open, problem.error());
   }

@@ -154,7 +154,7 @@ void TickCoordinator::Poll(double now) {
 
 void TickCoordinator::PollGathering(double now) {
   if (all_have_joined()) return Begin(now);
-  if (run_.continues()) return PollRejoining(now);
+  if (run_.continues() && !run_.is_branch()) return PollRejoining(now);
   const double timeout = run_.options.start_timeout_seconds;
   if (timeout <= 0.0 || now - progress_at_ < timeout) return;
   Fail(Failure("no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
@@ -164,7 +164,7 @@ void TickCoordinator::PollGathering(double now) {
 
 bool TickCoordinator::all_have_joined() const {
   if (run_.members.all_robots_present()) return true;
-  if (!run_.continues()) return false;
+  if (!run_.continues() || run_.is_branch()) return false;
   const std::vector<RobotId>& absent_before = run_.options.resumed->progress.absent;
   const std::vector<RobotId> absent = run_.members.AbsentRobots();
   return run_.members.present_members() > 0 &&
@@ -214,7 +214,7 @@ double TickCoordinator::NextPoll() const {
   for (const HistoryDemand& demand : demands_) next = std::min(next, demand.since + kHistoryDelay);
   if (run_.phase != Phase::kGathering) return std::min(next, engine_.NextPoll());
   if (all_have_joined()) return run_.created_at;
-  if (run_.continues()) return std::min({next, announced_at_ + kAnnouncePeriod, RejoinDeadline()});
+  if (run_.continues() && !run_.is_branch()) return std::min({next, announced_at_ + kAnnouncePeriod, RejoinDeadline()});
   return next;
 }
 

@@ -222,7 +222,19 @@ void TickEngine::Continue(double now) {
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
   Opened(now);
+  if (run_.is_branch()) ReportBegin(now);
   if (frame.last) End(now);
+}
+
+void TickEngine::ReportBegin(double now) {
+  CommittedTick begin{.frame = run_.frame, .proposals = {}};
+  begin.is_recorded = true;
+  const RunProgress progress = Progress();
+  for (RunObserver* observer : run_.observers) {
+    Status outcome = observer->OnCommit(begin, progress);
+    if (outcome.ok()) outcome = observer->OnTick(begin);
+    if (!outcome.ok()) return Fail(outcome.error(), now);
+  }
 }
 
 bool TickEngine::IsLast(Tick tick) const {

@@ -98,6 +98,8 @@ class TickEngine {
   void Commit(double now);
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
+  // The observers are told of the first state of a branch.
+  void ReportBegin(double now);
   RunProgress Progress() const;
   bool IsLast(Tick tick) const;
   // The barrier for the next tick.

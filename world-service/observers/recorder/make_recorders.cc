@@ -18,6 +18,7 @@ RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string&
   RecordingOptions options;
   options.world_file = world_file;
   options.keyframe_interval = files.keyframe_interval;
+  options.begin = files.begin;
   options.journal = files.journal;
   options.sync = files.journal_sync;
   options.journal_is_optional = files.journal_is_optional;

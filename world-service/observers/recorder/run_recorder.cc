@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/version.h"
+#include "common/recording/tick_reader.h"
 #include "world-service/core/step_version.h"
 
 namespace troupe {
@@ -81,7 +82,7 @@ Status RunRecorder::OnBegin(const RunStart& start) {
   run.file = options_.world_file;
   run.keyframe_interval = options_.keyframe_interval;
   run.settings = start.settings;
-  run.world = start.scene->world();
+  run.world = options_.begin ? options_.begin->source->run().world : start.scene->world();
   Result<RecordingWriter> writer = RecordingWriter::Create(std::move(sink_), run);
   if (!writer.ok()) return writer.error();
   writer_.emplace(std::move(writer).value());
@@ -90,8 +91,28 @@ Status RunRecorder::OnBegin(const RunStart& start) {
     if (!tail.ok()) return tail.error();
     tail_ = std::move(tail).value();
   }
+  if (options_.begin) {
+    if (Status failure = WriteBegin(*options_.begin); !failure.ok()) return failure;
+  }
   StartWriting();
   return {};
+}
+
+Status RunRecorder::WriteBegin(const RecordedBegin& begin) {
+  TickReader reader(*begin.source);
+  RecordedTick tick;
+  while (next_number_ <= begin.last_number) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) return more.error();
+    if (!more.value()) return Error{{begin.source->name()}, "a tick is missing", ErrorCode::kFailure};
+    if (Status failure = writer_->Add(tick); !failure.ok()) return failure;
+    next_number_ = tick.number + 1;
+  }
+  if (begin.change) {
+    if (Status failure = writer_->Add(*begin.change); !failure.ok()) return failure;
+    next_number_ = begin.change->number + 1;
+  }
+  return writer_->EndChunk();
 }
 
 void RunRecorder::StartWriting() {

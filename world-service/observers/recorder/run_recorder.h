@@ -16,12 +16,20 @@
 #include "common/recording/journal.h"
 #include "common/recording/journal_tail.h"
 #include "common/recording/mcap/byte_sink.h"
+#include "common/recording/recording.h"
 #include "common/recording/recording_writer.h"
 #include "world-service/observers/recorder/tick_queue.h"
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
+
+// The begin of a recording: that of another one.
+struct RecordedBegin {
+  std::shared_ptr<const Recording> source;
+  std::uint64_t last_number = 0;           // of its states
+  std::optional<RecordedTick> change = {};  // the edit that follows them
+};
 
 struct RecordingOptions {
   std::string world_file;  // as the recording names it
@@ -30,6 +38,7 @@ struct RecordingOptions {
   // The recording is a journal (common/recording/journal.h): each tick is in its tail before the agents see it.
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
+  std::shared_ptr<const RecordedBegin> begin = {};  // null: the recording begins with the run
   bool journal_is_optional = false;  // a run whose journal cannot be written continues without it
 };
 
@@ -58,6 +67,8 @@ class RunRecorder final : public RunObserver {
   Status OnEnd() override;
 
  private:
+  // Writes the begin of the options.
+  Status WriteBegin(const RecordedBegin& begin);
   void StartWriting();
   void Push(RecordedTick tick);
   void Write();

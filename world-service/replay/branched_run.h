@@ -1,0 +1,43 @@
+// BranchedRun: a new run that begins with the state of a recorded one at some tick, as recorded or with changes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/worldfile/load_world.h"
+#include "world-service/observers/recorder/run_recorder.h"
+#include "world-service/service/resumed_run.h"
+
+namespace troupe {
+
+struct BranchOptions {
+  std::optional<Tick> from;  // nothing: the last tick
+  std::optional<std::uint64_t> seed;
+  // "CONTROLLER" of the idle robots, or "ROBOT=CONTROLLER", each with ":{...}", its parameters, if it has any.
+  std::vector<std::string> controllers;
+  RunOverrides run;  // of the recorded settings
+  bool paused = false;
+};
+
+struct BranchedRun {
+  LoadedWorld loaded;  // the world of the state, and the settings
+  ResumedRun resumed;
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const RecordedBegin> begin;  // of its own recording
+};
+
+// One of BranchOptions::controllers.
+struct ControllerChange {
+  std::string robot;  // empty: the idle ones
+  ControllerDescription controller;
+};
+Result<ControllerChange> ParseControllerChange(const std::string& text);
+
+// The error is a file that is no recording of this version of the step, a tick that it does not have, or an unknown robot.
+Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& options);
+
+}  // namespace troupe
