@@ -33,6 +33,7 @@ set(may_include_common/worldfile
   common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/scenario
   common/worldfile/stage common/worldfile/text)
 set(may_include_common/protocol common/base common/geometry common/model)
+set(may_include_common/sharing common/base common/geometry common/model common/protocol)
 set(may_include_common/security common/base common/protocol common/run)
 set(may_include_common/trace common/base)
 set(may_include_common/command_line common/base common/protocol common/ros common/run common/trace)
@@ -44,8 +45,8 @@ set(may_include_common/recording
   common/base common/geometry common/model common/protocol common/run common/dds/binding common/dds/convert common/wire
   common/recording/mcap idl)
 set(may_include_common/dds/transport
-  common/base common/geometry common/model common/protocol common/run common/security common/dds/binding common/dds/convert
-  idl)
+  common/base common/geometry common/model common/protocol common/run common/security common/sharing common/dds/binding
+  common/dds/convert idl)
 set(may_include_common/dds/tools
   common/base common/protocol common/run common/security common/dds/binding common/dds/convert common/dds/transport idl)
 # The ROS messages: made by pure functions in common/ros, which need no more of DDS than memory for a message.

@@ -31,6 +31,16 @@ void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string
       ->group(group);
 }
 
+void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::string& group) {
+  const auto set = [&settings](const std::string& text) { settings.data_sharing = text == "on"; };
+  app.add_option_function<std::string>("--data-sharing", set,
+                                       "Frames and proposals between processes of one machine: on: in shared memory; "
+                                       "off: over the network (default: on)")
+      ->check(OneOf({"on", "off"}))
+      ->type_name("on|off")
+      ->group(group);
+}
+
 }  // namespace
 
 CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
@@ -53,6 +63,7 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
       ->type_name("NAME")
       ->group(group);
   AddSecurityFlag(app, settings, security, group);
+  AddDataSharingFlag(app, settings, group);
   app.add_option("--lease", settings.lease_seconds,
                  fmt::format("Seconds of silence after which a process is lost (default: {})", settings.lease_seconds))
       ->check(PositiveNumber())

@@ -20,7 +20,8 @@ CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std:
 // --service HOST[:PORT]
 void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help);
 
-// For a process of a run: --domain, --interface, --network, --security and --lease. `default_interface` and `security`
+// For a process of a run: --domain, --interface, --network, --security, --data-sharing and
+// --lease. `default_interface` and `security`
 // (the meaning of "auto") are parts of help texts.
 void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
                             const std::string& security, const std::string& group = "Options");

@@ -27,6 +27,8 @@ struct NetworkSettings {
   // A folder of keys (docs/security.md), "off", or "auto": of a launcher, keys for its run alone; of any other program,
   // the keys that the user's run of this session has published, if it has any.
   std::string security = kSecurityAuto;
+  // Frames and proposals between the service and agents of its machine travel through shared memory.
+  bool data_sharing = true;
   double lease_seconds = kDefaultLeaseSeconds;  // a process that is silent for longer is lost
 };
 

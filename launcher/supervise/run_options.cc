@@ -45,6 +45,7 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
   Append(arguments, "--network", network.network_profile);
   Append(arguments, "--lease", fmt::format("{}", network.lease_seconds));
   Append(arguments, "--security", network.security);
+  if (!network.data_sharing) arguments.emplace_back("--data-sharing=off");
   Append(arguments, "--faults", options.faults);
   return arguments;
 }

@@ -1,25 +1,39 @@
 #include "common/dds/transport/dds_agent_endpoint.h"
 
 #include <new>
+#include <utility>
 
 #include "common/protocol/topics.h"
 
 namespace troupe::dds {
 
-DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service)
-    : joins_(connection, topics::kJoin, qos_profiles::Join(connection.lease_seconds)),
-      proposals_(connection, topics::kProposal, qos_profiles::Proposal()),
+DdsAgentEndpoint::Network::Network(const DdsConnection& connection)
+    : proposals(connection, topics::kProposal, qos_profiles::Proposal()),
+      frames(connection, topics::kFrame, qos_profiles::ReceivedFrame()) {}
+
+DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service,
+                                   bool data_sharing)
+    : connection_(connection),
+      data_sharing_(data_sharing),
+      joins_(connection, topics::kJoin, qos_profiles::Join(connection.lease_seconds)),
       sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
-      frames_(connection, topics::kFrame, qos_profiles::ReceivedFrame()),
       histories_(connection, topics::kHistory, qos_profiles::PastStates()),
+      network_(data_sharing ? nullptr : std::make_unique<Network>(connection)),
       services_(connection.proves(), service) {}
 
 DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
   admissions_.Close();
-  frames_.Close();
   histories_.Close();
+  if (network_maker_.joinable()) network_maker_.join();
+  if (network_) network_->frames.Close();
+  for (const auto& [writer, segment] : segments_) {
+    if (segment) segment->Close();
+  }
+  for (std::thread& reader : readers_) reader.join();
+  if (network_maker_.joinable()) network_maker_.join();  // which a reader may have started
+  if (network_) network_->frames.Close();
   // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
   troupe_wire_Join last{};
   last.run = joined_run_;
@@ -36,22 +50,108 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
     TROUPE_CHECK(handler_ == nullptr);
     handler_ = &handler;
   }
-  sessions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainSessions); });
-  admissions_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainAdmissions); });
-  frames_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainFrames); });
-  histories_.Listen([this] { Deliver(&DdsAgentEndpoint::DrainHistories); });
-  DrainSessions();
-  DrainAdmissions();
-  DrainFrames();
-  DrainHistories();
+  const auto drain_sessions = [this] { Deliver([this] { DrainSessions(); }); };
+  const auto drain_admissions = [this] { Deliver([this] { DrainAdmissions(); }); };
+  sessions_.Listen(drain_sessions);
+  admissions_.Listen(drain_admissions);
+  histories_.Listen([this] { Deliver([this] { DrainHistories(); }); });
+  if (network_) ListenToNetwork();
+  drain_sessions();
+  drain_admissions();
+  Deliver([this] { DrainHistories(); });
 }
 
-void DdsAgentEndpoint::Deliver(void (DdsAgentEndpoint::*drain)()) {
+void DdsAgentEndpoint::Deliver(const std::function<void()>& drain) {
   try {
-    (this->*drain)();
+    drain();
   } catch (const std::bad_alloc&) {
     const std::lock_guard lock(mutex_);
     handler_->OnOutOfMemory();
+  }
+}
+
+void DdsAgentEndpoint::UseNetwork() {
+  const std::lock_guard lock(network_mutex_);
+  if (network_ || network_maker_.joinable()) return;
+  network_maker_ = std::thread([this] { MakeNetwork(); });
+}
+
+void DdsAgentEndpoint::MakeNetwork() {
+  try {
+    auto network = std::make_unique<Network>(connection_);
+    {
+      const std::lock_guard lock(network_mutex_);
+      network_ = std::move(network);
+    }
+    ListenToNetwork();
+  } catch (const Exception& failure) {
+    connection_.Report(failure.what());
+  }
+}
+
+void DdsAgentEndpoint::ListenToNetwork() {
+  const auto drain_frames = [this] { Deliver([this] { DrainFrames(); }); };
+  network_->frames.Listen(drain_frames);
+  drain_frames();
+}
+
+void DdsAgentEndpoint::ChooseWays() {
+  if (!data_sharing_) return;
+  for (const Sender* service : sessions_.Matched()) {
+    if (!services_.MayBeService(service->participant)) continue;
+    const std::lock_guard lock(segments_mutex_);
+    const auto [way, is_new] = segments_.try_emplace(service->writer);
+    if (!is_new) continue;
+    way->second = OpenSegment(*service);
+    if (way->second) {
+      readers_.emplace_back([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
+    } else {
+      UseNetwork();
+    }
+  }
+}
+
+DdsAgentEndpoint::Segment DdsAgentEndpoint::OpenSegment(const Sender& service) {
+  const std::optional<SharingAddress> address = ParseSharingAddress(service.sharing);
+  if (!address || !IsThisBoot(*address)) return nullptr;
+  Result<std::unique_ptr<AgentSegment>> segment = AgentSegment::Open(*address);
+  if (segment.ok()) return std::move(segment).value();
+  connection_.Report("no data sharing with the world service: " + segment.error().message);
+  return nullptr;
+}
+
+void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& service) {
+  bool is_shared = true;
+  while (is_shared && segment->Wait()) {
+    Deliver([&] {
+      const std::lock_guard lock(mutex_);
+      is_shared = DrainSegment(*segment, service);
+    });
+  }
+  if (is_shared) return;
+  UseNetwork();
+  const std::lock_guard lock(segments_mutex_);
+  for (auto& [writer, shared] : segments_) {
+    if (shared == segment) shared.reset();
+  }
+}
+
+bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& service) {
+  for (;;) {
+    switch (segment.Read(shared_frame_)) {
+      case AgentSegment::Outcome::kNothing:
+        return true;
+      case AgentSegment::Outcome::kFrame:
+        if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) == KnownServices::Verdict::kService) {
+          handler_->OnFrame(shared_frame_);
+        }
+        break;
+      case AgentSegment::Outcome::kMalformed:
+        connection_.Report("ignored: a malformed frame in shared memory");
+        break;
+      case AgentSegment::Outcome::kEnded:
+        return false;
+    }
   }
 }
 
@@ -64,11 +164,25 @@ void DdsAgentEndpoint::DrainSessions() {
         return !session.ended;
       },
       [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
-      [this](const Sender& ended) { EndRuns(ended, false); });
+      [this](const Sender& ended) {
+        EndRuns(ended, false);
+        const std::lock_guard segments_lock(segments_mutex_);
+        segments_.erase(ended.writer);
+      });
   sessions_.Clear();  // a world may be large, and is received once
+  ChooseWays();
 }
 
 void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
+  Segment segment;
+  {
+    const std::lock_guard lock(segments_mutex_);
+    if (const auto way = segments_.find(service.writer); way != segments_.end()) segment = std::move(way->second);
+  }
+  if (segment) {
+    DrainSegment(*segment, service.participant);  // the last frame
+    segment->Close();
+  }
   for (const RunId run : services_.Forget(service.participant)) {
     // The late end of an earlier run of the session does not concern this agent.
     const RunId joined = joined_run_;
@@ -92,9 +206,10 @@ void DdsAgentEndpoint::DrainAdmissions() {
 
 void DdsAgentEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
-  frames_.Drain(
-      [this](const troupe_wire_Frame& frame, const Sender& sender) {
-        return services_.Admits(frames_, frame.run, frame.incarnation, sender);
+  Inbox<troupe_wire_Frame, FrameMessage>& frames = network_->frames;
+  frames.Drain(
+      [&](const troupe_wire_Frame& frame, const Sender& sender) {
+        return services_.Admits(frames, frame.run, frame.incarnation, sender);
       },
       [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
 }
@@ -119,7 +234,18 @@ void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {
 }
 
 void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
-  proposals_.Send(proposal);
+  bool needs_network = !data_sharing_;
+  {
+    const std::lock_guard lock(segments_mutex_);
+    for (const auto& [writer, segment] : segments_) {
+      if (segment && segment->Send(proposal) != AgentSegment::Sent::kImpossible) continue;
+      needs_network = true;
+    }
+  }
+  if (!needs_network) return;
+  UseNetwork();
+  const std::lock_guard lock(network_mutex_);
+  if (network_) network_->proposals.Send(proposal);
 }
 
 }  // namespace troupe::dds

@@ -6,9 +6,11 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/flood_limiter.h"
 #include "common/base/result.h"
+#include "common/dds/binding/builtin_topic.h"
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/domain_participant.h"
@@ -53,10 +55,11 @@ struct DdsConnection {
 template <typename Wire>
 class Outbox {
  public:
-  Outbox(const DdsConnection& connection, const char* topic, const Qos& qos)
+  // `sharing`: the address of shared memory to be announced; empty: none.
+  Outbox(const DdsConnection& connection, const char* topic, const Qos& qos, const std::string& sharing = {})
       : connection_(connection),
         topic_(connection.participant, topic),
-        writer_(connection.publisher, topic_, connection.proof.Announced(qos)) {}
+        writer_(connection.publisher, topic_, connection.proof.Announced(qos, sharing)) {}
 
   // `message`: the arguments of the ToWire that makes a Wire, without its arena.
   template <typename... Message>
@@ -73,6 +76,7 @@ class Outbox {
   }
 
   DataWriter<Wire>& writer() { return writer_; }
+  std::uint32_t CountReaders() const { return writer_.publication_matched_status().current_count; }
 
  private:
   const DdsConnection& connection_;
@@ -120,6 +124,17 @@ class WireInbox {
     } while (buffer_.full());  // later samples are announced again
     if (!matches_changed_.exchange(false)) return;
     for (const Sender& ended : senders_.ForgetEnded(reader_.handle())) on_end(ended);
+  }
+
+  // The senders that the reader is matched with, also those that have not sent anything yet, without those that are not
+  // of the run. Valid until Drain.
+  std::vector<const Sender*> Matched() {
+    std::vector<const Sender*> matched;
+    for (const dds_instance_handle_t writer : MatchedPublications(reader_.handle())) {
+      const Sender* sender = senders_.Find(reader_.handle(), writer);
+      if (sender != nullptr && IsOfRun(*sender)) matched.push_back(sender);
+    }
+    return matched;
   }
 
   // Reports that the sender is not entitled to this topic, and drops all that it sends from now on.

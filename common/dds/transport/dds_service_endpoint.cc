@@ -17,12 +17,23 @@ using Clock = std::chrono::steady_clock;
 constexpr std::ptrdiff_t kAgentsOfWriter = 64;
 
 // Lost agents whose proposals are still accepted: the run asks them to join again.
-constexpr std::size_t kLostAgentsKept = 4096;
+constexpr std::size_t kLostAgentsKept = 1024;
+
+std::unique_ptr<ServiceSegment> MakeSegment(const DdsConnection& connection, bool data_sharing) {
+  if (!data_sharing) return nullptr;
+  Result<std::unique_ptr<ServiceSegment>> segment = ServiceSegment::Create();
+  if (segment.ok()) return std::move(segment).value();
+  connection.Report("no data sharing: " + segment.error().message);
+  return nullptr;
+}
 
 }  // namespace
 
-DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection)
-    : sessions_(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds)),
+DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection, bool data_sharing)
+    : connection_(connection),
+      segment_(MakeSegment(connection, data_sharing)),
+      sessions_(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds),
+                segment_ ? ToText(segment_->address()) : std::string()),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       frames_(connection, topics::kFrame, qos_profiles::Frame()),
       whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
@@ -45,6 +56,10 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   controls_.Close();
   frame_requests_.Close();
   rivals_.Close();
+  if (collector_.joinable()) {
+    segment_->Close();
+    collector_.join();
+  }
   if (run_ == 0) return;
   troupe_wire_Session last{};
   last.run = run_;
@@ -68,6 +83,24 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
   DrainProposals();
   DrainControls();
   DrainFrameRequests();
+  if (segment_) collector_ = std::thread([this] { CollectAnswers(); });
+}
+
+void DdsServiceEndpoint::CollectAnswers() {
+  while (segment_->Wait()) {
+    Deliver(&DdsServiceEndpoint::DrainAnswers);
+  }
+}
+
+void DdsServiceEndpoint::DrainAnswers() {
+  const std::lock_guard lock(mutex_);
+  for (const SharedAnswer& answer : segment_->Collect()) {
+    if (answer.malformed.ok()) {
+      handler_->OnProposal(answer.proposal);
+    } else {
+      proposals_.ReportMalformed(answer.malformed.error());
+    }
+  }
 }
 
 void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)()) {
@@ -104,6 +137,8 @@ bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
   const auto is_of_sender = [&](const auto& other) { return other.second.writer == sender.writer; };
   if (std::count_if(agents_.begin(), agents_.end(), is_of_sender) >= kAgentsOfWriter) return false;
   agents_.emplace(agent, sender);
+  lost_agents_.erase(agent);
+  if (segment_) segment_->Bind(agent);
   return true;
 }
 
@@ -123,6 +158,7 @@ void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
   const auto known = agents_.find(agent);
   if (known == agents_.end() || known->second.writer != sender.writer) return;
   agents_.erase(known);
+  if (segment_) segment_->Unbind(agent);
   handler_->OnAgentGone(agent);
 }
 
@@ -133,7 +169,10 @@ void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
   }
   for (const AgentId agent : lost) {
     agents_.erase(agent);
-    if (lost_agents_.size() == kLostAgentsKept) lost_agents_.erase(lost_agents_.begin());
+    if (lost_agents_.size() == kLostAgentsKept) {
+      if (segment_) segment_->Unbind(lost_agents_.begin()->first);
+      lost_agents_.erase(lost_agents_.begin());
+    }
     lost_agents_[agent] = ended.participant;
     handler_->OnAgentGone(agent);
   }
@@ -190,7 +229,15 @@ void DdsServiceEndpoint::DrainFrameRequests() {
 
 void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
   const std::lock_guard lock(frame_mutex_);
-  frames_.Send(frame, stream_.BaseOf(frame));
+  if (segment_) {
+    const Status published = segment_->Publish(frame);
+    if (!published.ok()) connection_.Report("data sharing ends: " + published.error().message);
+  }
+  const std::uint32_t readers = frames_.CountReaders();
+  // A new reader has no frame that this one could be the changes of.
+  const WorldState* const base = readers > frame_readers_ ? nullptr : stream_.BaseOf(frame);
+  if (readers > 0) frames_.Send(frame, base);
+  frame_readers_ = readers;
   stream_.Sent(frame);
 }
 

@@ -3,20 +3,25 @@
 
 #include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
+#include <thread>
 
 #include "common/dds/convert/topic_types.h"
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/frame_stream.h"
 #include "common/protocol/transport.h"
+#include "common/sharing/service_segment.h"
 
 namespace troupe::dds {
 
 class DdsServiceEndpoint : public ServiceEndpoint {
  public:
-  explicit DdsServiceEndpoint(const DdsConnection& connection);  // which must outlive it
+  // REQUIRES: the connection outlives it. `data_sharing`: with agents of this machine, through shared memory; the
+  // others are served over the network.
+  DdsServiceEndpoint(const DdsConnection& connection, bool data_sharing);
   ~DdsServiceEndpoint() override;
 
   void Start(ServiceHandler& handler) override;
@@ -44,7 +49,12 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void DrainControls();
   void DrainSessions();
   void DrainFrameRequests();
+  // The thread of shared memory: delivers the proposals that arrive there.
+  void CollectAnswers();
+  void DrainAnswers();
 
+  const DdsConnection& connection_;
+  const std::unique_ptr<ServiceSegment> segment_;  // null: nothing is shared
   Outbox<troupe_wire_Session> sessions_;
   Outbox<troupe_wire_Admissions> admissions_;
   Outbox<troupe_wire_Frame> frames_;
@@ -62,6 +72,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::atomic<RunId> run_ = 0;  // of the newest session; 0: none yet
   std::mutex frame_mutex_;      // guards the next member; locked after mutex_ where both are
   FrameStream stream_;
+  std::uint32_t frame_readers_ = 0;  // on the network, when the newest frame was sent
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
@@ -70,6 +81,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
   std::map<AgentId, Sender> agents_;           // that have sent a join and are alive: the writer of their joins
   std::map<AgentId, GuidPrefix> lost_agents_;  // some of those that were
+  std::thread collector_;
 };
 
 }  // namespace troupe::dds

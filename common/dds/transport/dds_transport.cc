@@ -37,7 +37,8 @@ class DdsTransport : public Transport {
   DdsTransport(Role role, const DdsOptions& options, const DomainConfig& config)
       : role_(role),
         connection_(config, options.session, options.on_problem, options.keys.token, AgentOf(role, options)),
-        service_(ServiceOf(options)) {
+        service_(ServiceOf(options)),
+        data_sharing_(options.data_sharing) {
     connection_.on_foreign_run = options.on_foreign_run;
   }
 
@@ -45,11 +46,11 @@ class DdsTransport : public Transport {
 
   std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
     CheckRole(Role::kService, "making a service's endpoint of another one's transport");
-    return std::make_unique<dds::DdsServiceEndpoint>(connection_);
+    return std::make_unique<dds::DdsServiceEndpoint>(connection_, data_sharing_);
   }
   std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId) override {
     CheckRole(Role::kAgent, "making an agent's endpoint of another one's transport");
-    return std::make_unique<dds::DdsAgentEndpoint>(connection_, service_);
+    return std::make_unique<dds::DdsAgentEndpoint>(connection_, service_, data_sharing_);
   }
   std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() override {
     CheckRole(Role::kObserver, "making an observer's endpoint of another one's transport");
@@ -68,6 +69,7 @@ class DdsTransport : public Transport {
   const Role role_;
   DdsConnection connection_;
   const std::optional<dds::GuidPrefix> service_;
+  const bool data_sharing_;
 };
 
 // The partition is matched with wildcards, so a session's name must not contain any.

@@ -25,6 +25,9 @@ class KnownServices {
   // run, so that one of them may continue it at once.
   explicit KnownServices(bool proven, std::optional<GuidPrefix> only = std::nullopt) : proven_(proven), only_(only) {}
 
+  // Whether messages of the participant may be those of a service.
+  bool MayBeService(const GuidPrefix& participant) const { return !only_ || *only_ == participant || proven_; }
+
   // `participant` has sent a message of a run that only the run's service sends.
   Verdict Judge(RunId run, Incarnation incarnation, const GuidPrefix& participant) {
     const auto known = services_.find(run);

@@ -23,8 +23,12 @@ class RunProof {
   // Of a participant with this identity. Without a token it proves nothing, and asks for no proof.
   RunProof(const std::optional<RunToken>& token, const GuidPrefix& participant);
 
-  // `qos` of a writer, with the proof.
-  Qos Announced(Qos qos) const;
+  // `qos` of a writer, with the proof, and with the address of the memory that it shares (common/sharing) if that is
+  // not empty.
+  Qos Announced(Qos qos, const std::string& sharing = {}) const;
+
+  // The address of shared memory in the announcement of a writer; empty: none.
+  static std::string SharingOf(const std::string& user_data);
 
   // Senders without a proof are not accepted.
   bool asks() const { return token_.has_value(); }

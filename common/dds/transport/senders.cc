@@ -1,6 +1,7 @@
 #include "common/dds/transport/senders.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/dds/binding/builtin_topic.h"
 
@@ -12,7 +13,8 @@ const Sender* Senders::Find(dds_entity_t reader, dds_instance_handle_t writer) {
   if (!publication) return nullptr;
   const std::string partition = publication->partitions.empty() ? "" : publication->partitions.front();
   const ProofCheck proof = proof_.Check(publication->participant, publication->user_data);
-  return &known_.emplace(writer, Sender{writer, publication->participant, partition, proof}).first->second;
+  Sender sender{writer, publication->participant, partition, proof, RunProof::SharingOf(publication->user_data)};
+  return &known_.emplace(writer, std::move(sender)).first->second;
 }
 
 bool Senders::Refuse(const Sender& sender) {

@@ -21,6 +21,7 @@ struct Sender {
   GuidPrefix participant;
   std::string partition;  // the first of the writer's
   ProofCheck proof = ProofCheck::kAccepted;
+  std::string sharing = {};  // the address of the memory that its participant shares; empty: none
 };
 
 class Senders : public SampleFilter {
@@ -28,8 +29,7 @@ class Senders : public SampleFilter {
   // Their proofs are checked by `proof`, which must outlive it.
   explicit Senders(const RunProof& proof) : proof_(proof) {}
 
-  // The writer with this handle, which `reader` has received a sample from; null if it has ended. Valid until
-  // ForgetEnded.
+  // The writer with this handle, which `reader` is or was matched with; null if it has ended. Valid until ForgetEnded.
   const Sender* Find(dds_entity_t reader, dds_instance_handle_t writer);
 
   // No sample of this writer is accepted any more. False if that was so before.

@@ -1,0 +1,72 @@
+#include "common/sharing/proposal_words.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kProposalWords = 5;          // at least
+constexpr std::size_t kLongestReport = 1'000'000;  // bytes
+constexpr std::uint64_t kMostRobots = std::uint64_t{1} << 32;
+
+bool ReadAll(WordReader& words, ProposalMessage& message) {
+  std::uint64_t edition = 0;
+  std::uint64_t incarnation = 0;
+  std::size_t count = 0;
+  if (!words.Read(message.run) || !words.Read(message.agent) || !words.Read(message.tick) ||
+      !words.Read(message.paused) || !words.Read(edition) || !words.Read(incarnation) ||
+      !words.ReadCount(count, kProposalWords)) {
+    return false;
+  }
+  message.edition = static_cast<Edition>(edition);
+  message.incarnation = static_cast<Incarnation>(incarnation);
+  message.proposals.resize(count);
+  std::uint64_t next = 0;  // the least id that may follow
+  for (Proposal& proposal : message.proposals) {
+    std::uint64_t robot = 0;
+    std::size_t joints = 0;
+    if (!words.Read(robot) || robot < next || robot >= kMostRobots || !words.Read(proposal.twist.vx) ||
+        !words.Read(proposal.twist.vy) || !words.Read(proposal.twist.wz) || !words.ReadCount(joints, 1)) {
+      return false;
+    }
+    next = robot + 1;
+    proposal.robot = RobotId(static_cast<std::size_t>(robot));
+    proposal.joint_velocities.resize(joints);
+    for (double& velocity : proposal.joint_velocities) {
+      if (!words.Read(velocity)) return false;
+    }
+  }
+  if (!words.ReadCount(count, 1)) return false;
+  message.reports.resize(count);
+  for (std::string& report : message.reports) {
+    if (!words.Read(report, kLongestReport)) return false;
+  }
+  return words.remaining() == 0;
+}
+
+}  // namespace
+
+void AddProposal(const ProposalMessage& message, WordWriter& words) {
+  words.Add(message.run);
+  words.Add(message.agent);
+  words.Add(message.tick);
+  words.Add(std::uint64_t{message.paused});
+  words.Add(std::uint64_t{message.edition});
+  words.Add(std::uint64_t{message.incarnation});
+  words.Add(message.proposals.size());
+  for (const Proposal& proposal : message.proposals) {
+    words.Add(static_cast<std::uint64_t>(proposal.robot.index()));
+    words.Add(proposal.twist.vx);
+    words.Add(proposal.twist.vy);
+    words.Add(proposal.twist.wz);
+    words.Add(proposal.joint_velocities.size());
+    for (const double velocity : proposal.joint_velocities) words.Add(velocity);
+  }
+  words.Add(message.reports.size());
+  for (const std::string& report : message.reports) words.Add(report);
+}
+
+Status ReadProposal(WordReader words, ProposalMessage& message) {
+  if (ReadAll(words, message)) return {};
+  return Error{{}, "a proposal in shared memory that is incomplete, or has robots out of order"};
+}
+
+}  // namespace troupe

@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "common/sharing/frame_words.h"
+#include "common/sharing/proposal_words.h"
+
+namespace troupe {
+namespace {
+
+// As in shared memory.
+struct Memory {
+  explicit Memory(std::size_t size) : words(std::make_unique<Word[]>(size)), count(size) {}
+  std::span<Word> all() const { return {words.get(), count}; }
+  std::unique_ptr<Word[]> words;
+  std::size_t count;
+};
+
+FrameMessage SomeFrame() {
+  FrameMessage frame;
+  frame.run = 77;
+  frame.state.tick = 123456789012345;
+  frame.state_hash = std::numeric_limits<std::uint64_t>::max();
+  frame.last = true;
+  frame.edition = 7;
+  frame.world_edition = 6;
+  frame.fresh_edition = 5;
+  frame.awaited = {1, 0xfedcba9876543210};
+  frame.state.robots = {{{1.0, -0.0, 1e-300, 1.0 / 3.0}, {0.1, 0.2, 0.3}, true}, {}};
+  frame.state.joints = {{0.5, -0.1, true}};
+  frame.state.grippers = {{ModelId(3), std::nullopt, ObjectId(0)}};
+  frame.state.objects = {{{1, 2, 3, 4}, ObjectMode::kHeld, 0.25, GripperId(0), ModelId(9)}};
+  frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
+                  {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
+  frame.incarnation = 4;
+  RobotCommand drive;
+  drive.robot = RobotId(0);
+  drive.twist = Twist{0.1, -0.2, 0.3};
+  drive.grippers = {{0, 50.0, std::nullopt}, {1, std::nullopt, 0.0}};
+  RobotCommand go;
+  go.robot = RobotId(1);
+  go.goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5};
+  frame.commands = {drive, go};
+  return frame;
+}
+
+ProposalMessage SomeProposal() {
+  ProposalMessage message;
+  message.run = 77;
+  message.agent = 5;
+  message.tick = 12;
+  const double infinity = std::numeric_limits<double>::infinity();
+  message.proposals = {{RobotId(2), {0.1, -0.0, infinity}, {1.0, 2.0}}, {RobotId(4000000000), {}, {}}};
+  message.reports = {"a report", ""};
+  message.edition = 3;
+  message.incarnation = 2;
+  return message;
+}
+
+TEST(FrameWordsTest, FrameArrivesIntact) {
+  const FrameMessage sent = SomeFrame();
+  const Memory memory(CountFrameWords(sent));
+  WordWriter writer(memory.all());
+  AddFrame(sent, writer);
+  EXPECT_TRUE(writer.fits());
+  EXPECT_EQ(writer.count(), memory.count);
+  FrameMessage came;
+  came.events.resize(7);  // of the frame before
+  ASSERT_TRUE(ReadFrame(WordReader(memory.all()), came).ok());
+  EXPECT_EQ(came, sent);
+}
+
+TEST(FrameWordsTest, EveryCutFrameIsRefused) {
+  const FrameMessage sent = SomeFrame();
+  const Memory memory(CountFrameWords(sent));
+  WordWriter writer(memory.all());
+  AddFrame(sent, writer);
+  FrameMessage came;
+  for (std::size_t size = 0; size < memory.count; ++size) {
+    EXPECT_FALSE(ReadFrame(WordReader(memory.all().first(size)), came).ok()) << size;
+  }
+}
+
+TEST(FrameWordsTest, BadValuesAreRefused) {
+  FrameMessage bad = SomeFrame();
+  const auto is_refused = [](const FrameMessage& frame) {
+    const Memory memory(CountFrameWords(frame));
+    WordWriter writer(memory.all());
+    AddFrame(frame, writer);
+    FrameMessage came;
+    return !ReadFrame(WordReader(memory.all()), came).ok();
+  };
+  bad.state.robots[0].X_WR.x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.state.grippers[0].clamped = ObjectId(1);
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.state.objects[0].holder = GripperId(1);
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.state.objects[0].mode = ObjectMode::kResting;  // with a holder
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.events[0].robot = RobotId(2);
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.commands[1].robot = RobotId(0);  // not ascending
+  EXPECT_TRUE(is_refused(bad));
+  bad = SomeFrame();
+  bad.commands[0].grippers[0].opening = 101.0;
+  EXPECT_TRUE(is_refused(bad));
+}
+
+// No words of another process may do more than give an error.
+TEST(MessageWordsTest, RandomWordsAreReadOrRefused) {
+  std::mt19937_64 random(1);
+  const FrameMessage frame = SomeFrame();
+  const ProposalMessage proposal = SomeProposal();
+  const Memory memory(200);
+  FrameMessage came;
+  ProposalMessage proposed;
+  int read = 0;
+  for (int round = 0; round < 20000; ++round) {
+    WordWriter writer(memory.all());
+    if (round % 2 == 0) {
+      AddFrame(frame, writer);
+    } else {
+      AddProposal(proposal, writer);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const std::uint64_t value = random() % 2 == 0 ? random() % 9 : random();
+      memory.words[random() % writer.count()].store(value);
+    }
+    read += ReadFrame(WordReader(memory.all().first(writer.count())), came).ok() ? 1 : 0;
+    read += ReadProposal(WordReader(memory.all().first(writer.count())), proposed).ok() ? 1 : 0;
+  }
+  EXPECT_GT(read, 0);
+}
+
+TEST(ProposalWordsTest, ProposalArrivesIntact) {
+  const ProposalMessage sent = SomeProposal();
+  const Memory memory(100);
+  WordWriter writer(memory.all());
+  AddProposal(sent, writer);
+  ProposalMessage came;
+  ASSERT_TRUE(ReadProposal(WordReader(memory.all().first(writer.count())), came).ok());
+  EXPECT_EQ(came, sent);
+}
+
+TEST(ProposalWordsTest, CutProposalAndRobotsOutOfOrderAreRefused) {
+  ProposalMessage sent = SomeProposal();
+  const Memory memory(100);
+  WordWriter writer(memory.all());
+  AddProposal(sent, writer);
+  ProposalMessage came;
+  for (std::size_t size = 0; size < writer.count(); ++size) {
+    EXPECT_FALSE(ReadProposal(WordReader(memory.all().first(size)), came).ok()) << size;
+  }
+  sent.proposals[1].robot = sent.proposals[0].robot;
+  WordWriter again(memory.all());
+  AddProposal(sent, again);
+  EXPECT_FALSE(ReadProposal(WordReader(memory.all().first(again.count())), came).ok());
+}
+
+}  // namespace
+}  // namespace troupe
