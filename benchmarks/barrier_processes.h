@@ -68,14 +68,16 @@ struct BarrierOptions {
   int agents = 100;
   std::uint64_t ticks = 1000;
   int observers = 0;
+  bool data_sharing = true;
 };
 
-// "[agents] [ticks] [observers]" from the command line; ends the program if they are not valid.
+// "[agents] [ticks] [observers] [on|off]" from the command line; ends the program if they are not valid.
 inline BarrierOptions ParseBarrierOptions(int argc, char** argv) {
   BarrierOptions options;
   if (argc > 1) options.agents = std::atoi(argv[1]);
   if (argc > 2) options.ticks = static_cast<std::uint64_t>(std::atoll(argv[2]));
   if (argc > 3) options.observers = std::atoi(argv[3]);
+  if (argc > 4) options.data_sharing = std::string(argv[4]) != "off";
   const bool valid = options.agents >= 1 && options.agents <= 1000 && options.ticks >= 1 && options.observers >= 0 &&
                      options.observers <= 100;
   if (valid) return options;

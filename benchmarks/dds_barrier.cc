@@ -1,7 +1,7 @@
 // The cost of lockstep over DDS alone: a service, agent processes that only answer, and observer processes that read
 // all frames. Prints a JSON object: microseconds for each robot and tick, the time until all agents had joined, an
 // agent's memory, and the share of the frames that the observers saw.
-//   dds_barrier [agents=100] [ticks=1000] [observers=0]
+//   dds_barrier [agents=100] [ticks=1000] [observers=0] [data sharing: on (default) or off]
 #include <sys/mman.h>
 
 #include <atomic>
@@ -256,6 +256,7 @@ int Run(const BarrierOptions& options, const DdsOptions& dds) {
 int main(int argc, char** argv) {
   const troupe::bench::BarrierOptions options = troupe::bench::ParseBarrierOptions(argc, argv);
   troupe::DdsOptions dds;
+  dds.data_sharing = options.data_sharing;
   dds.domain = 77;
   dds.session = "bench-" + std::to_string(getpid());
   dds.on_problem = [](const std::string& problem) { std::fprintf(stderr, "%s\n", problem.c_str()); };
