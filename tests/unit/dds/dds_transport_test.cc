@@ -482,6 +482,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
 
   port_ = dds::DiscoveryPort(options_.domain, kIndex);
   DdsOptions agent_options = AgentOptions();
+  agent_options.data_sharing = false;
   agent_options.on_problem = [&](const std::string& problem) {
     const std::lock_guard lock(mutex);
     problems.push_back(problem);

@@ -50,6 +50,7 @@ class StrangerTest : public testing::Test {
  protected:
   StrangerTest() {
     options_.domain = test::TestDomain();
+    options_.data_sharing = false;  // a stranger reaches only the network
     options_.session = test::TestSession(testing::UnitTest::GetInstance()->current_test_info()->name());
     DdsOptions service = options_;
     service.on_problem = service_problems_.Add();
