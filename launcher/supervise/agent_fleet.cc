@@ -13,9 +13,12 @@ namespace {
 
 constexpr double kMaxStartDelay = 0.5;  // s, with --shuffle-start
 
-// Limits of agents per host that are started and have not joined. docs/performance.md has figures. With security, an
-// agent waits a third of a second for timers of the handshake, without work.
+// Limits of agents per host that are started and have not joined. docs/performance.md has figures. When several agents
+// request the same discovery data at once, Cyclone sends it to all agents that have joined, so that on one machine, where
+// an agent joins quickly, few start at a time. With security, an agent waits a third of a second for timers of the
+// handshake, without work.
 constexpr std::size_t kMaxStarting = 16;
+constexpr std::size_t kMaxStartingOnOneMachine = 3;
 constexpr std::size_t kMaxStartingSecured = 64;
 
 // The order in which `count` agents are started: by index, or shuffled (Fisher and Yates).
@@ -66,7 +69,11 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_ad
 }
 
 Status AgentFleet::StartAfterJoins(std::size_t agents) {
-  return StartUpTo(agents + (keys_.secured() ? kMaxStartingSecured : kMaxStarting) * sites_.size());
+  const bool is_one_machine = options_.network.data_sharing && sites_.size() == 1;
+  const std::size_t starting = keys_.secured()  ? kMaxStartingSecured
+                               : is_one_machine ? kMaxStartingOnOneMachine
+                                                : kMaxStarting;
+  return StartUpTo(agents + starting * sites_.size());
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {

@@ -131,7 +131,11 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
 
 std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options) {
   CheckSession(options.session);
-  return std::make_unique<DdsTransport>(DdsTransport::Role::kAgent, options, PeerConfig(options));
+  DomainConfig config = PeerConfig(options);
+  // By multicast the service's answers to each agent that joins would reach all that have joined. Only frames on the
+  // network are worth it.
+  if (options.data_sharing && dds::NetworkProfile(config) == "one-host") config.data_multicast = false;
+  return std::make_unique<DdsTransport>(DdsTransport::Role::kAgent, options, config);
 }
 
 std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options) {
