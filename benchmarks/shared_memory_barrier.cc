@@ -52,8 +52,8 @@ int Run(const BarrierOptions& options) {
   const auto agents = static_cast<std::size_t>(options.agents);
   const std::size_t frame_bytes = FrameBytes(options.agents);
   const std::size_t first_slot = (sizeof(Header) + frame_bytes + kSlotBytes - 1) / kSlotBytes * kSlotBytes;
-  void* const memory = mmap(nullptr, first_slot + agents * kSlotBytes, PROT_READ | PROT_WRITE,
-                            MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* const memory =
+      mmap(nullptr, first_slot + agents * kSlotBytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return std::perror("mmap"), 3;
   Header& header = *new (memory) Header;
   char* const begin = static_cast<char*>(memory);

@@ -138,6 +138,16 @@ void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group) {
   app.add_flag("--paused", paused, "Start paused at tick 0, until troupe ctl or ROS 2 resumes the run")->group(group);
 }
 
+void AddThreadsFlag(CLI::App& app, std::optional<std::uint32_t>& threads, const std::string& automatic,
+                    const std::string& group) {
+  app.add_option(
+         "--threads", threads,
+         "Threads that divide the work of a tick; the result does not depend on it (default: " + automatic + ")")
+      ->check(WholeNumber(1, 1024))
+      ->type_name("N")
+      ->group(group);
+}
+
 void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group) {
   app.add_option("--start-timeout", seconds,
                  fmt::format("Seconds to wait for all robots to join; 0: no limit (default: {})", seconds))

@@ -50,6 +50,10 @@ std::vector<std::string> RunArguments(const RunOverrides& overrides);
 // --paused
 void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group = "Options");
 
+// --threads N. `automatic`: the number without it, for the help text.
+void AddThreadsFlag(CLI::App& app, std::optional<std::uint32_t>& threads, const std::string& automatic,
+                    const std::string& group = "Options");
+
 // --start-timeout SECONDS
 void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group = "Options");
 

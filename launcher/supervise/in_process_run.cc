@@ -170,6 +170,10 @@ double PeakMemoryMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+std::size_t ThreadsOf(const RunOptions& options) {
+  return options.threads.value_or(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded,
                                   const std::string& world_file) {
   ServiceOptions service;
@@ -179,6 +183,7 @@ ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& 
   service.lease_seconds = options.network.lease_seconds;
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
+  service.threads = ThreadsOf(options);
   service.world_file = world_file;
   service.overrides = options.load;
   RestrictRequests(options.permissions, loaded, service);
@@ -189,7 +194,7 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   AgentOptions agent;
   agent.agent = 1;
   agent.scan_log = options.scans;
-  agent.threads = std::max(1u, std::thread::hardware_concurrency());
+  agent.threads = ThreadsOf(options);
   agent.libraries = service.libraries;
   if (service.settings.ros) agent.make_gateway = MakeRosGateway(options.ros);
   return agent;

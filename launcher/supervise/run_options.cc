@@ -115,6 +115,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       .add_flag("--journal-sync", options.journal_sync,
                 "Wait in each tick until the journal is on the disk, so that it survives a loss of power")
       ->group(processes);
+  AddThreadsFlag(command, options.threads, "with --in-process all cores; otherwise 1, of the world service", processes);
   AddSessionFlag(command, options.network,
                  "Name of the run on the network (default: the world's name and the process id)", processes);
   options.network.network_interface.clear();  // CompleteRunOptions chooses
@@ -177,6 +178,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   Append(arguments, "--keyframe-interval", std::to_string(options.keyframe_interval));
   if (!options.trace.file.empty()) Append(arguments, TraceArguments(options.trace, options.trace.file));
   if (options.paused) arguments.emplace_back("--paused");
+  if (options.threads) Append(arguments, "--threads", std::to_string(*options.threads));
   Append(arguments, RosArguments(options.ros));
   return arguments;
 }

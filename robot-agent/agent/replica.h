@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/thread_pool.h"
 #include "common/protocol/messages.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
-#include "robot-agent/agent/thread_pool.h"
 #include "robot-agent/robot/robot.h"
 #include "robot-agent/robot/scan_log.h"
 

@@ -64,7 +64,7 @@ void Detach(StepWorkspace& workspace, ModelId root) {
   }
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& other = workspace.next.objects[i];
-    if (in_tree(other.support) || (workspace.needs_support[i] && !other.holder)) Fall(other);
+    if (in_tree(other.support) || (workspace.needs_support[i] != 0 && !other.holder)) Fall(other);
   }
 }
 
@@ -212,7 +212,8 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
-  StepWorkspace workspace(*scene, state);
+  StepMemory memory(*scene, state);
+  StepWorkspace workspace(*scene, memory);
   Detach(workspace, root.value());
   std::shared_ptr<const Scene> after = scene;
   if (const std::optional<RobotId> robot = scene->robot_of(root.value())) {
@@ -234,7 +235,8 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
                                  const std::string& name) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
-  StepWorkspace workspace(*scene, state);
+  StepMemory memory(*scene, state);
+  StepWorkspace workspace(*scene, memory);
   Detach(workspace, root.value());
   RemoveFromState(*scene, workspace.next, root.value());
   WorldDescription world = scene->world();

@@ -128,7 +128,7 @@ class ObjectFall {
   bool NeedsSupport(ObjectId id) const {
     const ObjectState& object = workspace_.next.objects[id.index()];
     if (object.holder) return false;
-    return workspace_.needs_support[id.index()] || object.mode == ObjectMode::kFalling || IsBridge(id);
+    return workspace_.needs_support[id.index()] != 0 || object.mode == ObjectMode::kFalling || IsBridge(id);
   }
 
   // Rests, but its centre is over no support that it would move with: its supports may move away.
@@ -209,7 +209,7 @@ class ObjectFall {
     for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
       const std::optional<ModelId>& below = workspace_.next.objects[i].support;
       if (!below || workspace_.scene.object_of(*below) != id) continue;
-      workspace_.needs_support[i] = true;
+      workspace_.needs_support[i] = 1;
       workspace_.lowered[i] = std::max(workspace_.lowered[i], distance);
     }
   }

@@ -38,7 +38,7 @@ void Hold(StepWorkspace& workspace, GripperId gripper, ObjectId id) {
   object.holder = gripper;
   object.support = std::nullopt;
   object.fall_speed = 0.0;
-  workspace.needs_support[id.index()] = false;
+  workspace.needs_support[id.index()] = 0;
   Report(workspace, EventType::kGripped, gripper, id);
 }
 
@@ -59,12 +59,12 @@ void Release(StepWorkspace& workspace, GripperId id) {
   if (object.holder != id) return;
   object.holder = std::nullopt;
   object.mode = ObjectMode::kPlaced;
-  workspace.needs_support[object_id.index()] = true;
+  workspace.needs_support[object_id.index()] = 1;
   Report(workspace, EventType::kReleased, id, object_id);
-  for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
-    if (workspace.next.grippers[i].clamped != object_id) continue;
-    if (!HasBetweenPads(workspace, workspace.world().grippers[i], object_id)) continue;
-    Hold(workspace, GripperId(i), object_id);
+  for (const GripperId other : workspace.grippers) {
+    if (workspace.next.grippers[other.index()].clamped != object_id) continue;
+    if (!HasBetweenPads(workspace, workspace.world().gripper(other), object_id)) continue;
+    Hold(workspace, other, object_id);
     return;
   }
 }

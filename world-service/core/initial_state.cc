@@ -10,9 +10,10 @@ namespace troupe {
 WorldState InitialState(const Scene& scene) {
   WorldState placed = PlacedState(scene.world());
   if (placed.objects.empty()) return placed;
-  StepWorkspace workspace(scene, placed);
+  StepMemory memory(scene, placed);
+  StepWorkspace workspace(scene, memory);
   FindSupports(workspace);
-  return std::move(workspace.next);
+  return std::move(memory.next);
 }
 
 }  // namespace troupe

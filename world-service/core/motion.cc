@@ -179,7 +179,7 @@ std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double ve
   if (descends) {
     MoveObjects(workspace, payload.stacked, assembly.X_WF, after, 0.0);
     for (ObjectId object : payload.stacked) {
-      workspace.needs_support[object.index()] = true;
+      workspace.needs_support[object.index()] = 1;
       workspace.lowered[object.index()] -= dz;
     }
   }

@@ -8,22 +8,23 @@ Payload FindPayload(const StepWorkspace& workspace, const std::function<bool(Mod
   const std::vector<ObjectState>& objects = workspace.next.objects;
   Payload payload;
   std::vector<bool> carried(objects.size(), false);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (!objects[i].holder || !moves(workspace.world().gripper(*objects[i].holder).model)) continue;
-    carried[i] = true;
-    payload.held.push_back(ObjectId(i));
+  for (const ObjectId id : workspace.objects) {
+    const std::optional<GripperId>& holder = objects[id.index()].holder;
+    if (!holder || !moves(workspace.world().gripper(*holder).model)) continue;
+    carried[id.index()] = true;
+    payload.held.push_back(id);
   }
   // Stacks grow from the bottom; each round adds the objects that rest on those of the one before.
   for (bool grown = true; grown;) {
     grown = false;
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      if (carried[i] || !objects[i].support) continue;
-      const ModelId support = *objects[i].support;
+    for (const ObjectId id : workspace.objects) {
+      if (carried[id.index()] || !objects[id.index()].support) continue;
+      const ModelId support = *objects[id.index()].support;
       const std::optional<ObjectId> below = workspace.scene.object_of(support);
       if (below ? !carried[below->index()] : !moves(support)) continue;
-      carried[i] = true;
+      carried[id.index()] = true;
       grown = true;
-      payload.stacked.push_back(ObjectId(i));
+      payload.stacked.push_back(id);
     }
   }
   std::sort(payload.stacked.begin(), payload.stacked.end());

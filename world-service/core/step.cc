@@ -1,6 +1,8 @@
 #include "world-service/core/step.h"
 
 #include <algorithm>
+#include <atomic>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -108,6 +110,27 @@ class RobotTurn {
   std::vector<std::optional<Contact>> joint_contacts_;  // by the robot's joints
 };
 
+// Islands that a thread claims at a time.
+constexpr std::size_t kClaim = 4;
+
+// Once all robots have acted.
+StepResult Finish(StepWorkspace& workspace) {
+  DropLostObjects(workspace);
+  LetObjectsFall(workspace);
+  StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
+  std::stable_sort(result.events.begin(), result.events.end(),
+                   [](const Event& a, const Event& b) { return a.robot < b.robot; });
+  std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
+  return result;
+}
+
+StepMemory MemoryFor(const Scene& scene, const WorldState& state, BodyIndex& bodies) {
+  TROUPE_CHECK(state.robots.size() == scene.world().robots.size());
+  StepMemory memory(scene, state, std::move(bodies));
+  memory.next.tick = state.tick + 1;
+  return memory;
+}
+
 }  // namespace
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals) {
@@ -117,23 +140,52 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies) {
   const std::size_t count = state.robots.size();
-  TROUPE_CHECK(count == scene.world().robots.size());
   const std::vector<const Proposal*> by_robot = ProposalByRobot(count, proposals);
-
-  StepWorkspace workspace(scene, state, std::move(bodies));
-  workspace.next.tick = state.tick + 1;
+  StepMemory memory = MemoryFor(scene, state, bodies);
+  StepWorkspace workspace(scene, memory);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = (workspace.next.tick + k) % count;  // so that no robot is always first
+    const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  DropLostObjects(workspace);
-  LetObjectsFall(workspace);
+  StepResult result = Finish(workspace);
+  bodies = std::move(memory.bodies);
+  return result;
+}
 
-  bodies = std::move(workspace.bodies);
-  StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
-  std::stable_sort(result.events.begin(), result.events.end(),
-                   [](const Event& a, const Event& b) { return a.robot < b.robot; });
-  std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
+Stepper::Stepper(const Scene& scene, std::size_t threads, std::size_t fewest_robots)
+    : scene_(scene), fewest_robots_(fewest_robots), indices_(std::max<std::size_t>(threads, 1), BodyIndex(scene)) {
+  if (indices_.size() > 1 && scene.world().robots.size() >= fewest_robots_) pool_.emplace(indices_.size());
+}
+
+StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {
+  if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front());
+  const std::vector<const Proposal*> by_robot = ProposalByRobot(state.robots.size(), proposals);
+  islands_.Find(scene_, state, by_robot);
+  StepMemory memory = MemoryFor(scene_, state, indices_.front());
+  std::vector<std::vector<Event>> events(indices_.size());  // by thread
+  std::atomic<std::size_t> next = 0;                        // the first island that no thread has claimed
+  pool_->Run([&](std::size_t thread) {
+    BodyIndex& bodies = thread == 0 ? memory.bodies : indices_[thread];
+    if (thread != 0) bodies.Assign(state);
+    for (std::size_t first = next.fetch_add(kClaim); first < islands_.count(); first = next.fetch_add(kClaim)) {
+      for (std::size_t island = first; island < std::min(first + kClaim, islands_.count()); ++island) {
+        StepWorkspace workspace(scene_, memory, bodies, islands_.objects(island), islands_.grippers(island));
+        workspace.robot_events = std::move(events[thread]);
+        for (const RobotId robot : islands_.robots(island)) {
+          RobotTurn(workspace, robot, by_robot[robot.index()]).Act();
+        }
+        events[thread] = std::move(workspace.robot_events);
+      }
+    }
+  });
+  memory.bodies.Assign(memory.next);
+  StepWorkspace workspace(scene_, memory);
+  // The events of each robot are of one island, in their order.
+  for (std::vector<Event>& of_thread : events) {
+    std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
+  }
+  StepResult result = Finish(workspace);
+  indices_.front() = std::move(memory.bodies);
   return result;
 }
 

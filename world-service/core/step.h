@@ -9,14 +9,17 @@
 // velocity is zero.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/base/thread_pool.h"
 #include "common/model/event.h"
 #include "common/model/proposal.h"
 #include "common/model/world_state.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "world-service/core/islands.h"
 
 namespace troupe {
 
@@ -33,5 +36,26 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 // The same, for one tick after another: `bodies`, an index of the scene, is updated only by the bodies that have moved
 // since the last step. It changes nothing in the result.
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies);
+
+// The steps of one world, by several threads: islands of robots (islands.h) act at the same time. The result is that of
+// Step, bit for bit.
+class Stepper {
+ public:
+  // With fewer robots, a step takes less time than to wake a thread.
+  static constexpr std::size_t kFewestRobots = 32;
+
+  // `threads`: with the caller of Step as one of them; 0 counts as 1. REQUIRES: the scene outlives the stepper.
+  explicit Stepper(const Scene& scene, std::size_t threads = 1, std::size_t fewest_robots = kFewestRobots);
+
+  // REQUIRES: as above.
+  StepResult Step(const WorldState& state, std::span<const Proposal> proposals);
+
+ private:
+  const Scene& scene_;
+  const std::size_t fewest_robots_;
+  std::vector<BodyIndex> indices_;  // one for each thread
+  std::optional<ThreadPool> pool_;  // of several threads
+  Islands islands_;
+};
 
 }  // namespace troupe

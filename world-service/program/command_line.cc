@@ -54,6 +54,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddAllowControllersFlag(app, line.permissions.controllers);
   AddAllowFilesFlag(app, line.permissions.files);
   AddPausedFlag(app, line.service.start_paused);
+  AddThreadsFlag(app, line.threads, "1: the others are for the agents");
   line.network.session = "troupe";
   AddSessionFlag(app, line.network, "Name of the run, by which agents join (default: " + line.network.session + ")");
   AddProcessNetworkFlags(app, line.network, line.network.network_interface,
@@ -87,6 +88,7 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   AddOptions(app, line, faults);
   if (const std::optional<int> exit_status = ParseCommandLine(app, argc, argv)) return *exit_status;
   line.faults = ParseFaults(faults).value();
+  line.service.threads = line.threads.value_or(1);
   line.service.session = line.network.session;
   line.service.lease_seconds = line.network.lease_seconds;
   return line;

@@ -28,6 +28,7 @@ struct ServiceCommandLine {
   ServiceOptions service;  // without the settings
   OutputFiles outputs;
   ros::RosOptions ros = ros::OptionsFromEnvironment();
+  std::optional<std::uint32_t> threads;
   std::optional<int> report_fd;
   bool resume = false;     // the run of the journal in `outputs`
   std::uint16_t port = 0;  // UDP, for discovery; 0: the first free one

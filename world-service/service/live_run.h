@@ -30,6 +30,7 @@ struct CoordinatorOptions {
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
   bool has_history = false;             // agents can be sent the states of the past
+  std::size_t threads = 1;              // of the step
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;

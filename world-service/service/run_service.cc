@@ -311,6 +311,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
+  coordinator.threads = options.threads;
   if (trace != nullptr) coordinator.trace = trace->AddLane();
   coordinator.host = HostName();
   coordinator.pid = static_cast<std::uint32_t>(getpid());

@@ -27,7 +27,7 @@ std::optional<double> SpeedOf(const RunSettings& settings) {
 
 TickEngine::TickEngine(LiveRun& run, double now)
     : run_(run),
-      bodies_(*run.scene),
+      stepper_(std::make_unique<Stepper>(*run.scene, run.options.threads)),
       proposals_(run.world(), run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
       resend_timer_(run.options.settings.agent_deadline_seconds),
@@ -283,7 +283,7 @@ void TickEngine::Commit(double now) {
   commands_.Elapse();
   ++steps_;
   const std::span<const Proposal> proposals = proposals_.ForStep(frame.state);
-  StepResult next = Step(*run_.scene, frame.state, proposals, bodies_);
+  StepResult next = stepper_->Step(frame.state, proposals);
   frame.state = std::move(next.state);
   frame.state_hash = StateHash(frame.state);
   run_.memories.OnStep(frame);
@@ -311,7 +311,7 @@ void TickEngine::SetSpeed(std::optional<double> speed, double now) {
 }
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
-  bodies_ = BodyIndex(*run_.scene);
+  stepper_ = std::make_unique<Stepper>(*run_.scene, run_.options.threads);
   for (const AgentId agent : removed) barrier_.RemoveMember(agent);
   pacer_.SetInterval(run_.world().interval_seconds());
 }

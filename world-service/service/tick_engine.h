@@ -6,13 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/protocol/tick_barrier.h"
-#include "common/spatial/body_index.h"
+#include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
 #include "world-service/service/pacer.h"
 #include "world-service/service/proposal_collector.h"
@@ -120,7 +121,7 @@ class TickEngine {
   double ResendDue() const;
 
   LiveRun& run_;
-  BodyIndex bodies_;  // of the run's scene: the steps' own
+  std::unique_ptr<Stepper> stepper_;  // of the run's scene
   TickBarrier barrier_;
   ProposalCollector proposals_;
   RobotCommands commands_;

@@ -1,4 +1,4 @@
-#include "robot-agent/agent/thread_pool.h"
+#include "common/base/thread_pool.h"
 
 #include <utility>
 
