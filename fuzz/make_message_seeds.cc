@@ -29,10 +29,15 @@ constexpr char kWorld[] = R"(
 define room model ( size [ 8 8 1 ] boundary 1 noblocks 1 )
 define crate model ( size [ 0.5 0.5 0.5 ] gripper_return 1 )
 define eye ranger ( sensor ( range [ 0 5 ] fov 180 samples 9 ) )
+define lidar ranger ( sensor ( samples 4 planes 2 ) )
+define nose position ( size [ 0.4 0.4 0.3 ] fiducial ( ) contact ( ) camera ( ) lidar ( )
+  bumper ( noblocks 1 bcount 1 blength 0.2 ) blobfinder ( colors_count 1 colors [ "red" ] ) )
 define bot position ( size [ 0.4 0.4 0.3 ] eye ( pose [ 0 0 -0.1 0 ] ) gripper ( pose [ 0.2 0 0 0 ] ) )
 room ( name "room" )
 crate ( name "crate" pose [ 1 1 0 30 ] )
 bot ( name "r0" ctrl "wander" )
+nose ( name "r1" pose [ -2 0 0 0 ] fiducial_return 2 fiducial_key 1 )
+blinkenlight ( name "light" pose [ 3 0 0 0 ] )
 )";
 
 WorldDescription SmallWorld() {

@@ -1,4 +1,4 @@
-// The readings of rangers as fans of a picture.
+// The readings of sensors as the fans and marks of a picture.
 #pragma once
 
 #include <vector>
@@ -12,5 +12,8 @@ namespace troupe {
 
 // The readings of all rangers of all robots. REQUIRES: `bodies` is at `state`.
 std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
+
+// The marks of the readings of all other sensors of all robots, likewise.
+std::vector<Mark> MeasureMarks(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
 
 }  // namespace troupe

@@ -7,6 +7,7 @@ struct Interval {
   double min = 0.0;
   double max = 0.0;
   double Clamp(double value) const { return value < min ? min : (value > max ? max : value); }
+  bool Contains(double value) const { return value >= min && value <= max; }
   bool operator==(const Interval&) const = default;
 };
 

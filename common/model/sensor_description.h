@@ -1,23 +1,31 @@
-// SensorDescription: a sensor that is mounted on a robot, of any kind. A kind is an alternative of SensorParameters;
-// common/sensing has its measurement.
+// SensorDescription: a sensor that is mounted on a robot, of any kind. A kind is an alternative of SensorParameters: a
+// struct with its name (kType), its parts (VisitFields), its rules (Check) and a summary. From these the description is
+// hashed, checked, sent and recorded; common/sensing has its measurement.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "common/base/ids.h"
+#include "common/base/result.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/vec2.h"
+#include "common/model/color.h"
 #include "common/model/interval.h"
 
 namespace troupe {
 
-inline constexpr std::uint32_t kMaxRaySamples = 100'000;  // of one ray sensor
+inline constexpr std::uint32_t kMaxRaySamples = 100'000;   // of one ray sensor, in one plane
+inline constexpr std::uint32_t kMaxRays = 4'000'000;       // of one ray sensor, in all its planes
+inline constexpr std::uint32_t kMaxImageSide = 4096;       // pixels
+inline constexpr std::uint32_t kMaxBumpers = 1000;         // segments of one bumper
+inline constexpr double kMaxElevation = 85.0 / 180 * kPi;  // rad, of a ray of a scanner or the edge of an image
 
-// One fan of rays. Frame S: the sensor; rays leave from its origin, at its height.
+// One fan of rays, or several one above another. Frame S: the sensor; rays leave from its origin.
 struct RaySensorDescription {
   Pose X_MS;                        // in the ranger model's frame
   Interval range{0.0, 5.0};         // m
@@ -26,13 +34,37 @@ struct RaySensorDescription {
   double noise_variance = 0.0;      // m^2, added to a hit's range
   double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
   double noise_angle = 0.0;         // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
+  // rad, above the horizontal: of each plane of a scanner with several, ascending. Empty: one horizontal plane.
+  std::vector<double> elevations = {};
+
+  // Planes of rays; 1 without elevations.
+  std::size_t planes() const { return elevations.empty() ? 1 : elevations.size(); }
   bool operator==(const RaySensorDescription&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("range", self.range);
+    visit("fov", self.fov);
+    visit("samples", self.samples);
+    visit("noise_variance", self.noise_variance);
+    visit("noise_proportional", self.noise_proportional);
+    visit("noise_angle", self.noise_angle);
+    visit("elevations", self.elevations);
+  }
 };
 
 // A ranger: one or more ray sensors (a laser scanner has one, a sonar ring many).
 struct RangerParameters {
+  static constexpr std::string_view kType = "ranger";
   std::vector<RaySensorDescription> ray_sensors = {};
+
+  Status Check() const;
+  std::string Summary() const;  // "16 sensors, 16 rays"
   bool operator==(const RangerParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("ray_sensors", self.ray_sensors);
+  }
 };
 
 // A light beam across the gap of a gripper: broken when an object is between its ends. Frame G: the gripper's model.
@@ -41,14 +73,139 @@ struct BreakBeam {
   Vec2 to{0.0, 0.0};    // m, in frame G
   double z = 0.0;       // m, in frame G
   bool operator==(const BreakBeam&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("from", self.from);
+    visit("to", self.to);
+    visit("z", self.z);
+  }
 };
 
 struct BreakBeamParameters {
+  static constexpr std::string_view kType = "break_beam";
   std::vector<BreakBeam> beams = {};
+
+  Status Check() const;  // never success: the beams of a robot follow from its grippers
+  std::string Summary() const;
   bool operator==(const BreakBeamParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("beams", self.beams);
+  }
 };
 
-using SensorParameters = std::variant<RangerParameters, BreakBeamParameters>;
+// A fiducial finder: recognizes models with a `fiducial_return` and its key. Frame S: the finder, looking along x.
+struct FiducialParameters {
+  static constexpr std::string_view kType = "fiducial";
+  Pose X_MS = {};
+  Interval range{0.0, 8.0};     // m, between the origins of the finder and the model
+  double id_range = 5.0;        // m: nearer models are identified
+  double fov = kPi;             // rad; up to 2 pi
+  std::int32_t key = 0;         // equal to the model's
+  bool ignores_height = false;  // else the line of sight must end on the model's body, at the finder's height
+
+  Status Check() const;
+  std::string Summary() const;
+  bool operator==(const FiducialParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("range", self.range);
+    visit("id_range", self.id_range);
+    visit("fov", self.fov);
+    visit("key", self.key);
+    visit("ignores_height", self.ignores_height);
+  }
+};
+
+// One side of a bumper: a straight strip. Frame B: its middle, x pointing away from the robot.
+struct BumperSegment {
+  Pose X_MB = {};
+  double length = 0.0;  // m, along y of B
+  bool operator==(const BumperSegment&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MB);
+    visit("length", self.length);
+  }
+};
+
+struct BumperParameters {
+  static constexpr std::string_view kType = "bumper";
+  std::vector<BumperSegment> segments = {};
+  double height = 0.0;  // m, of every segment, upwards from its pose
+
+  Status Check() const;
+  std::string Summary() const;
+  bool operator==(const BumperParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("segments", self.segments);
+    visit("height", self.height);
+  }
+};
+
+// The contacts of all parts of the robot with other bodies.
+struct ContactParameters {
+  static constexpr std::string_view kType = "contact";
+
+  Status Check() const { return {}; }
+  std::string Summary() const { return {}; }
+  bool operator==(const ContactParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& /*self*/, Visit /*visit*/) {}
+};
+
+// A finder of blobs of one colour in a picture of one row of rays. Frame S: the finder, looking along x.
+struct BlobfinderParameters {
+  static constexpr std::string_view kType = "blobfinder";
+  Pose X_MS = {};
+  std::uint32_t width = 80;  // pixels of the image; one ray for each column
+  std::uint32_t height = 60;
+  double range = 12.0;             // m
+  double fov = 60.0 / 180 * kPi;   // rad, of the image's width; below pi
+  std::vector<Color> colors = {};  // that it finds; empty: all
+
+  Status Check() const;
+  std::string Summary() const;
+  bool operator==(const BlobfinderParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("width", self.width);
+    visit("height", self.height);
+    visit("range", self.range);
+    visit("fov", self.fov);
+    visit("colors", self.colors);
+  }
+};
+
+// A camera of colour and depth: a perspective picture on a vertical image plane. Frame S: the camera, looking along x.
+struct CameraParameters {
+  static constexpr std::string_view kType = "camera";
+  Pose X_MS = {};
+  std::uint32_t width = 32;  // pixels
+  std::uint32_t height = 32;
+  Interval range{0.2, 8.0};                                 // m, of depths
+  double fov = 70.0 / 180 * kPi;                            // rad, of the width; below pi
+  Interval elevation{-20.0 / 180 * kPi, 20.0 / 180 * kPi};  // rad, of the lower and the upper edge, in the middle
+
+  Status Check() const;
+  std::string Summary() const;
+  bool operator==(const CameraParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("width", self.width);
+    visit("height", self.height);
+    visit("range", self.range);
+    visit("fov", self.fov);
+    visit("elevation", self.elevation);
+  }
+};
+
+using SensorParameters = std::variant<RangerParameters, BreakBeamParameters, FiducialParameters, BumperParameters,
+                                      ContactParameters, BlobfinderParameters, CameraParameters>;
 
 struct SensorDescription {
   std::string name = {};           // unique on its robot: the model's name without the robot's, "ranger:0"
@@ -58,13 +215,22 @@ struct SensorDescription {
   bool operator==(const SensorDescription&) const = default;
 };
 
-// Name of a kind of sensor: "ranger", "break_beam".
-inline std::string_view TypeOf(const SensorParameters& parameters) {
-  struct TypeName {
-    std::string_view operator()(const RangerParameters&) const { return "ranger"; }
-    std::string_view operator()(const BreakBeamParameters&) const { return "break_beam"; }
-  };
-  return std::visit(TypeName(), parameters);
-}
+// Name of a kind of sensor: "ranger", "break_beam", ...
+std::string_view TypeOf(const SensorParameters& parameters);
+
+// The parameters as named lists of numbers, in SI units and in the order of VisitFields.
+struct SensorField {
+  std::string name;
+  std::vector<double> numbers;
+};
+std::vector<SensorField> FieldsOf(const SensorParameters& parameters);
+// The inverse. The error names the type or the field that is not known, not complete or out of range.
+Result<SensorParameters> ParametersFrom(std::string_view type, std::span<const SensorField> fields);
+
+// Success for parameters that a robot may have: all numbers within kMaxMagnitude, and the rules of the kind.
+Status CheckParameters(const SensorParameters& parameters);
+
+// For people: "16 sensors, 16 rays"; may be empty.
+std::string SummaryOf(const SensorParameters& parameters);
 
 }  // namespace troupe

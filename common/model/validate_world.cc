@@ -97,33 +97,12 @@ Status CheckModel(const WorldDescription& world, std::size_t index) {
   if (!AreUsable({model.color.r, model.color.g, model.color.b, model.color.a}))
     return Problem("its color is not finite");
   if (!AreUsable({model.ranger_return})) return Problem("its ranger_return is not finite or too large");
-  return Status();
-}
-
-Status CheckRaySensor(const RaySensorDescription& sensor) {
-  if (!IsUsable(sensor.X_MS)) return Problem("the pose of a sensor is not finite or too far away");
-  if (!IsUsable(sensor.range) || sensor.range.min < 0.0)
-    return Problem("the range of a sensor is not an interval from 0 up");
-  if (!AreUsable({sensor.fov}) || sensor.fov < 0.0) return Problem("the fov of a sensor is not finite or negative");
-  if (sensor.samples < 1 || sensor.samples > kMaxRaySamples) {
-    return Problem("a sensor does not have 1 to " + std::to_string(kMaxRaySamples) + " samples");
-  }
-  if (!AreUsable({sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) ||
-      sensor.noise_variance < 0.0) {
-    return Problem("the noise of a sensor is not finite or its variance negative");
+  const Blinking& blinking = model.blinking;
+  if (blinking.period_ns < 0 || blinking.on_ns < 0 || blinking.on_ns > blinking.period_ns) {
+    return Problem("its light is on for longer than its period, or for a negative time");
   }
   return Status();
 }
-
-struct ParametersCheck {
-  Status operator()(const RangerParameters& ranger) const {
-    for (const RaySensorDescription& sensor : ranger.ray_sensors) {
-      if (Status error = CheckRaySensor(sensor); !error.ok()) return error;
-    }
-    return Status();
-  }
-  Status operator()(const BreakBeamParameters&) const { return Problem("it belongs to a gripper"); }
-};
 
 Status CheckSensor(const WorldDescription& world, const RobotDescription& robot, const SensorDescription& sensor) {
   const std::string name = std::string(TypeOf(sensor.parameters)) + " '" + sensor.name + "'";
@@ -131,7 +110,7 @@ Status CheckSensor(const WorldDescription& world, const RobotDescription& robot,
     return Problem("its " + name + " is not one of its models");
   }
   if (sensor.period_ticks < 1) return Problem("its " + name + " has a period of no ticks");
-  const Status error = std::visit(ParametersCheck(), sensor.parameters);
+  const Status error = CheckParameters(sensor.parameters);
   return error.ok() ? error : Problem(name + ": " + error.error().message);
 }
 

@@ -24,6 +24,16 @@ Shape Listed(Shape shape) {
   return shape;
 }
 
+Color ColorAt(const ModelDescription& model, std::int64_t time_ns) {
+  constexpr double kDark = 0.25;
+  Color color = model.color;
+  if (!model.blinking.is_light() || model.blinking.IsOnAt(time_ns)) return color;
+  color.r *= kDark;
+  color.g *= kDark;
+  color.b *= kDark;
+  return color;
+}
+
 bool NamesLibrary(const std::string& controller) {
   return controller.find('/') != std::string::npos || controller.ends_with(".so");
 }
@@ -122,7 +132,17 @@ class DescriptionHasher {
     Add(std::uint64_t{model.gripper_return});
     Add(static_cast<std::uint64_t>(model.fiducial_return));
     Add(std::uint64_t{model.show_nose});
-    if (model.removed) Add(std::uint64_t{1});  // so that a world that was never edited has the hash that it always had
+    // Only where they are used, so that other worlds have the hashes that they always had.
+    if (model.removed) Add(std::uint64_t{1});
+    if (model.fiducial_key != 0) {
+      Add(std::string("fiducial_key"));
+      Add(static_cast<std::uint64_t>(model.fiducial_key));
+    }
+    if (model.blinking.is_light()) {
+      Add(std::string("blinking"));
+      Add(static_cast<std::uint64_t>(model.blinking.period_ns));
+      Add(static_cast<std::uint64_t>(model.blinking.on_ns));
+    }
   }
   void Add(const DriveDescription& drive) {
     Add(static_cast<std::uint64_t>(drive.type));
@@ -141,9 +161,23 @@ class DescriptionHasher {
     Add(sensor.fov);
     Add(std::uint64_t{sensor.samples});
     for (double noise : {sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle}) Add(noise);
+    if (sensor.elevations.empty()) return;  // as it always was
+    Add(std::string("elevations"));
+    for (double elevation : sensor.elevations) Add(elevation);
   }
+  // The two kinds of the first worlds keep their hashes.
   void Add(const RangerParameters& ranger) { AddAll(ranger.ray_sensors); }
   void Add(const BreakBeamParameters& beams) { AddAll(beams.beams); }
+  template <typename Parameters>
+  void Add(const Parameters& parameters) requires requires {
+    Parameters::kType;
+  }
+  {
+    Add(std::string(Parameters::kType));
+    for (const SensorField& field : FieldsOf(parameters)) {
+      for (double number : field.numbers) Add(number);
+    }
+  }
   void Add(const SensorDescription& sensor) {
     Add(sensor.name);
     Add(std::uint64_t{sensor.model.index()});

@@ -25,19 +25,11 @@
 #include "common/geometry/pose.h"
 #include "common/geometry/rectangle.h"
 #include "common/geometry/z_range.h"
+#include "common/model/color.h"
 #include "common/model/interval.h"
 #include "common/model/sensor_description.h"
 
 namespace troupe {
-
-// Red, green, blue, opacity in 0..1.
-struct Color {
-  double r = 1.0;
-  double g = 0.0;
-  double b = 0.0;
-  double a = 1.0;
-  bool operator==(const Color&) const = default;
-};
 
 // A prism: an outline in the model's frame M, extruded over a height interval above the model's base.
 struct Block {
@@ -63,6 +55,16 @@ struct Shape {
 // The shape with the rectangles of its area as a list, or as blocks where the area is turned.
 Shape Listed(Shape shape);
 
+// A light that is on and off by turns. In each period it is on first; a period of 0: it is not a light.
+struct Blinking {
+  std::int64_t period_ns = 0;
+  std::int64_t on_ns = 0;  // 0: always off; the period: always on
+
+  bool is_light() const { return period_ns > 0; }
+  bool IsOnAt(std::int64_t time_ns) const { return time_ns % period_ns < on_ns; }  // REQUIRES: is_light()
+  bool operator==(const Blinking&) const = default;
+};
+
 struct ModelDescription {
   std::string name;  // unique, children as "parent.child"
   std::string type;  // as in the world file: "model", "position", "ranger", ...
@@ -73,14 +75,19 @@ struct ModelDescription {
   double size_y = 0.0;  // m
   double size_z = 0.0;  // m
   Color color;
-  bool obstacle_return = true;  // collides
-  double ranger_return = 1.0;   // intensity of a ranger's hit; negative: transparent to rangers
-  bool gripper_return = false;  // may be gripped, moved and dropped
-  std::int32_t fiducial_return = 0;
-  bool show_nose = false;  // pictures show its heading
-  bool removed = false;    // by an edit: it keeps its id, but has no body, and its name is free
+  bool obstacle_return = true;       // collides
+  double ranger_return = 1.0;        // intensity of a ranger's hit; negative: transparent to rangers
+  bool gripper_return = false;       // may be gripped, moved and dropped
+  std::int32_t fiducial_return = 0;  // the id that a fiducial finder reads; 0: none
+  std::int32_t fiducial_key = 0;     // only finders with the same key find it
+  bool show_nose = false;            // pictures show its heading
+  Blinking blinking = {};            // of a light
+  bool removed = false;              // by an edit: it keeps its id, but has no body, and its name is free
   bool operator==(const ModelDescription&) const = default;
 };
+
+// The colour of the model's body at a simulated time: that of a light that is off is dark.
+Color ColorAt(const ModelDescription& model, std::int64_t time_ns);
 
 enum class DriveType : std::uint8_t {
   kDifferential,  // vx, wz

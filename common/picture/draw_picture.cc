@@ -49,13 +49,14 @@ Color SolidColor(const Drawing& drawing, const Solid& solid) {
 }
 
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
-                                const std::vector<ScanFan>& fans, const PictureOptions& options) {
+                                const std::vector<ScanFan>& fans, const PictureOptions& options,
+                                const std::vector<Mark>& marks) {
   if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();
   std::vector<Solid> solids = CollectSolids(world, state);
   std::vector<RobotExtent> extents = RobotExtents(solids, state);
   const bool top = options.view == PictureView::kTop;
   if (!top && options.meters) KeepSlice(options, solids, extents);
-  const Drawing drawing{world, state, fans, solids, extents};
+  const Drawing drawing{world, state, fans, marks, solids, extents};
   const Viewport viewport = MakeViewport(top ? TopContents(drawing) : SideContents(drawing), options);
   Canvas canvas(options.format, viewport.width, viewport.height);
   DrawGrid(canvas, viewport);

@@ -1,5 +1,5 @@
 // Pictures of a world at one tick: a plan seen from above, or an elevation seen from the south. A pure function: the
-// same world, state, fans and options give the same bytes.
+// same world, state, fans, marks and options give the same bytes.
 #pragma once
 
 #include <string>
@@ -7,6 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/geometry/pose.h"
+#include "common/model/mark.h"
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 #include "common/picture/picture_options.h"
@@ -25,6 +26,7 @@ struct ScanFan {
 // The bytes of a PNG or SVG file. The error names the option out of bounds, or the fault of the graphics library.
 // REQUIRES: Validate(world) found nothing; `state` belongs to it.
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
-                                const std::vector<ScanFan>& fans, const PictureOptions& options);
+                                const std::vector<ScanFan>& fans, const PictureOptions& options,
+                                const std::vector<Mark>& marks = {});
 
 }  // namespace troupe

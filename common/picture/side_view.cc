@@ -133,6 +133,8 @@ void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawi
   }
 
   DrawHeadings(canvas, viewport, drawing);
+  DrawMarks(canvas, viewport, drawing, PictureView::kSide, MarkShape::kLine);
+  DrawMarks(canvas, viewport, drawing, PictureView::kSide, MarkShape::kDot);
 
   std::vector<Rectangle> boxes;
   for (std::size_t i = 0; i < drawing.extents.size(); ++i) {

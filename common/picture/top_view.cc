@@ -199,11 +199,14 @@ Rectangle TopContents(const Drawing& drawing) {
 
 void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
   DrawFans(canvas, viewport, drawing);
+  DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kArea);
   const std::vector<Rectangle> walls = DrawWalls(canvas, viewport, drawing);
 
   std::vector<Rectangle> boxes;
   for (const RobotExtent& extent : drawing.extents) boxes.push_back(BoxOnPage(viewport, extent));
   DrawLayers(canvas, viewport, drawing);
+  DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kLine);
+  DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kDot);
 
   const double u = viewport.unit;
   for (std::size_t i = 0; i < boxes.size(); ++i) {

@@ -14,6 +14,7 @@ struct Drawing {
   const WorldDescription& world;
   const WorldState& state;
   const std::vector<ScanFan>& fans;
+  const std::vector<Mark>& marks;
   const std::vector<Solid>& solids;
   const std::vector<RobotExtent>& extents;
 };
@@ -24,6 +25,9 @@ Rectangle SideContents(const Drawing& drawing);
 
 void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
 void DrawSideView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing);
+
+// The marks of one shape, in the view's plane.
+void DrawMarks(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, PictureView view, MarkShape shape);
 
 // The colour of an object or a part of a robot, shaded by its height; opaque.
 Color SolidColor(const Drawing& drawing, const Solid& solid);

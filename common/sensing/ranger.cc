@@ -1,15 +1,20 @@
 #include "common/sensing/ranger.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "common/base/deterministic_math.h"
 #include "common/base/random.h"
 #include "common/sensing/reading_json.h"
+#include "common/spatial/column_cast.h"
 #include "common/spatial/ray_cast.h"
 
 namespace troupe {
 namespace {
+
+constexpr double kGroundIntensity = 1.0;  // as that of most models
 
 // The random numbers of a ray; the last word of their key.
 enum class Draw : std::uint64_t { kAngle = 0, kProportional = 1, kConstant = 2 };
@@ -61,7 +66,7 @@ class Ranger final : public Sensor {
     const ModelId model = description().model;
     is_fixed_ = mount.scene.link_of(model) == 0;
     for (const RaySensorDescription& sensor : ray_sensors()) {
-      ray_count_ += sensor.samples;
+      ray_count_ += sensor.samples * sensor.planes();
       if (is_fixed_) X_RS_.push_back(mount.scene.X_LM(model) * sensor.X_MS);
     }
   }
@@ -82,7 +87,7 @@ class Ranger final : public Sensor {
     reading.tick = tick;
     RangerReading& ranger = ContentOf<RangerReading>(reading);
     ranger.scans.resize(ray_sensors().size());
-    const Pose X_RM = is_fixed_ ? Pose{} : MovedMount(world);
+    const Pose X_RM = is_fixed_ ? Pose{} : MountAt(world);
     auto hit = hits.begin();
     for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
       const RaySensorDescription& sensor = ray_sensors()[s];
@@ -92,6 +97,11 @@ class Ranger final : public Sensor {
       scan.X_RS = is_fixed_ ? X_RS_[s] : X_RM * sensor.X_MS;
       scan.limits = sensor.range;
       scan.variance = sensor.noise_variance;
+      scan.elevations = sensor.elevations;
+      if (!sensor.elevations.empty()) {
+        MeasurePlanes(world, s, noise, scan);
+        continue;
+      }
       scan.ranges.resize(sensor.samples);
       scan.intensities.resize(sensor.samples);
       for (std::size_t ray = 0; ray < sensor.samples; ++ray, ++hit) {
@@ -102,7 +112,47 @@ class Ranger final : public Sensor {
     }
   }
 
-  // The hits of all rays, ray sensor by ray sensor.
+  // The ranges of a ray sensor with several planes: in each half plane of a bearing all at once.
+  void MeasurePlanes(const SensedWorld& world, std::size_t s, const Noise& noise, RangeScan& scan) const {
+    const RaySensorDescription& sensor = ray_sensors()[s];
+    const Pose X_WS = world.bodies.X_WM(description().model) * sensor.X_MS;
+    const std::size_t planes = sensor.planes();
+    const double amplitude = AngleNoise(sensor);
+    scan.ranges.assign(planes * sensor.samples, sensor.range.max);
+    scan.intensities.assign(planes * sensor.samples, 0.0);
+    std::vector<double> slopes;
+    std::vector<double> cosines;
+    for (const double elevation : sensor.elevations) {
+      const SinCosResult at = SinCos(elevation);
+      slopes.push_back(at.sin / at.cos);
+      cosines.push_back(at.cos);
+    }
+    const ZRange seen{X_WS.z + std::min(0.0, sensor.range.max * slopes.front()),
+                      X_WS.z + std::max(0.0, sensor.range.max * slopes.back())};
+    ColumnCaster caster(world.scene, world.bodies, X_WS.translation(), sensor.range.max, robot(), Sight::kRangers);
+    std::vector<ColumnCut> cuts;
+    for (std::size_t i = 0; i < sensor.samples; ++i) {
+      double bearing = FanOf(sensor).Bearing(i);
+      if (amplitude != 0.0) bearing += amplitude * noise.Uniform(i, Draw::kAngle);
+      const SinCosResult direction = SinCos(X_WS.heading + bearing);
+      caster.Cut({direction.cos, direction.sin}, seen, cuts);
+      for (std::size_t plane = 0; plane < planes; ++plane) {
+        const ClimbingRay ray{X_WS.z, slopes[plane]};
+        const std::optional<ColumnHit> hit = FirstHit(ray, cuts);
+        // The ground, at z 0, ends rays from above it.
+        const double ground = ray.slope < 0.0 && ray.z > 0.0 ? -ray.z / ray.slope : sensor.range.max;
+        const bool hits_body = hit && hit->distance <= ground;
+        const double distance = (hits_body ? hit->distance : ground) / cosines[plane];
+        if (!hits_body && (ground >= sensor.range.max || distance > sensor.range.max)) continue;
+        if (distance > sensor.range.max) continue;
+        const std::size_t place = plane * sensor.samples + i;
+        scan.ranges[place] = sensor.range.Clamp(NoisyRange(sensor, noise, place, distance));
+        scan.intensities[place] = hits_body ? world.scene.ranger_return(hit->model) : kGroundIntensity;
+      }
+    }
+  }
+
+  // The hits of all rays of the flat ray sensors, ray sensor by ray sensor.
   std::vector<std::optional<RayHit>> Cast(const SensedWorld& world, Tick tick) const {
     const Pose X_WM = world.bodies.X_WM(description().model);
     const Transform2 to_world(X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
@@ -110,6 +160,7 @@ class Ranger final : public Sensor {
     rays.reserve(ray_count_);
     for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
       const RaySensorDescription& sensor = ray_sensors()[s];
+      if (!sensor.elevations.empty()) continue;
       const Vec2 origin = to_world * sensor.X_MS.translation();
       const double heading = WrapAngle(X_WM.heading + sensor.X_MS.heading);
       const RayFan fan = FanOf(sensor);
@@ -128,13 +179,6 @@ class Ranger final : public Sensor {
     std::vector<std::optional<RayHit>> hits;
     CastRays(world.scene, world.bodies, rays, robot(), hits);
     return hits;
-  }
-
-  // X_RM at present, where a joint moves the ranger.
-  Pose MovedMount(const SensedWorld& world) const {
-    const BodyId body = world.scene.body_of(robot());
-    const ModelId model = description().model;
-    return world.bodies.X_BL(body)[world.scene.link_of(model)] * world.scene.X_LM(model);
   }
 
   Noise NoiseOf(const SensedWorld& world, std::size_t sensor, Tick tick) const {

@@ -26,4 +26,9 @@ std::string JsonNumbers(std::span<const double> values) {
   return text + "]";
 }
 
+std::string JsonNumber(double value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof(digits), value).ptr};
+}
+
 }  // namespace troupe

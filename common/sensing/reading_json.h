@@ -18,4 +18,6 @@ std::string JsonString(const std::string& text);
 // `[0.1,5]`: each number as the shortest decimal that reads back as the same double.
 std::string JsonNumbers(std::span<const double> values);
 
+std::string JsonNumber(double value);
+
 }  // namespace troupe

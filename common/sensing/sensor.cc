@@ -10,4 +10,13 @@ SensorReading Sensor::Measure(const SensedWorld& world, Tick tick) const {
   return reading;
 }
 
+void Sensor::AddMarks(const SensedWorld& /*world*/, const SensorReading& /*reading*/,
+                      std::vector<Mark>& /*marks*/) const {}
+
+Pose Sensor::MountAt(const SensedWorld& world) const {
+  const BodyId body = world.scene.body_of(robot());
+  const ModelId model = description().model;
+  return world.bodies.X_BL(body)[world.scene.link_of(model)] * world.scene.X_LM(model);
+}
+
 }  // namespace troupe

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/model/mark.h"
 #include "common/model/sensor_description.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
@@ -51,7 +52,14 @@ class Sensor {
   // end. REQUIRES: `reading` is of this sensor and not empty.
   virtual std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const = 0;
 
+  // Appends the drawing of a reading that was measured in `world`, for pictures. By default nothing; the fans of
+  // rangers are drawn from their readings.
+  virtual void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const;
+
  protected:
+  // X_RM at present.
+  Pose MountAt(const SensedWorld& world) const;
+
   explicit Sensor(const SensorMount& mount);
 
  private:

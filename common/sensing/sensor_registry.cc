@@ -4,15 +4,25 @@
 #include <array>
 
 #include "common/base/check.h"
+#include "common/sensing/blobfinder.h"
 #include "common/sensing/break_beam.h"
+#include "common/sensing/bumper.h"
+#include "common/sensing/camera.h"
+#include "common/sensing/contact.h"
+#include "common/sensing/fiducial.h"
 #include "common/sensing/ranger.h"
 
 namespace troupe {
 namespace {
 
-constexpr std::array<SensorKind, 2> kKinds = {{
-    {"ranger", MakeRanger},
-    {"break_beam", MakeBreakBeams},
+constexpr std::array<SensorKind, std::variant_size_v<SensorParameters>> kKinds = {{
+    {RangerParameters::kType, MakeRanger},
+    {BreakBeamParameters::kType, MakeBreakBeams},
+    {FiducialParameters::kType, MakeFiducialFinder},
+    {BumperParameters::kType, MakeBumper},
+    {ContactParameters::kType, MakeContactSensor},
+    {BlobfinderParameters::kType, MakeBlobfinder},
+    {CameraParameters::kType, MakeCamera},
 }};
 
 }  // namespace

@@ -22,6 +22,8 @@ class PixelPieces {
   PixelPieces(const WorldDescription& world, ModelId model, const Pose& X_WM);
 
   ModelId model() const { return model_; }
+  const ZRange& z() const { return z_; }  // m, of the pieces, frame W
+  double ranger_return() const { return ranger_return_; }
   // Of the pieces, m; empty if rays look through them.
   const ZRange& ray_z() const { return ray_z_; }
   const Rectangle& bounds() const { return bounds_; }  // m, frame W

@@ -27,7 +27,11 @@ void Scene::FindBodies() {
   link_of_.resize(models, 0);
   X_LM_.resize(models);
   joint_of_.resize(models);
-  for (const ModelDescription& model : world_.models) ranger_returns_.push_back(model.ranger_return);
+  for (std::size_t i = 0; i < models; ++i) {
+    const ModelDescription& model = world_.models[i];
+    ranger_returns_.push_back(model.ranger_return);
+    if (model.fiducial_return != 0 && !model.removed) fiducials_.emplace_back(i);
+  }
   bodies_.resize(world_.robots.size() + world_.objects.size());
   for (Body& body : bodies_) body.links.push_back({});
   for (std::size_t i = 0; i < world_.robots.size(); ++i) body_of_[world_.robots[i].root.index()] = BodyId(i);

@@ -61,6 +61,9 @@ class Scene {
   // Pose of a robot's model in the robot's frame with all joints at their starts. REQUIRES: robot_of(model)
   Pose X_RM(ModelId model) const;
 
+  // The models with a fiducial_return, in id order, without removed ones.
+  std::span<const ModelId> fiducials() const { return fiducials_; }
+
   // As in the model's description, but close together in memory.
   double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
 
@@ -83,6 +86,7 @@ class Scene {
   std::vector<Pose> X_LM_;  // in W for static models
   std::vector<std::optional<JointId>> joint_of_;
   std::vector<double> ranger_returns_;
+  std::vector<ModelId> fiducials_;
   std::vector<Body> bodies_;
   RayShapes ray_shapes_;
   std::vector<std::uint32_t> ray_shape_of_;          // by body

@@ -4,20 +4,29 @@
 //
 //   SensorReading ── RangerReading: scans, one for each ray sensor ── RangeScan: ranges and intensities, one for each
 //   ray
-//                 └─ BreakBeamReading: beams of one gripper
+//                 ├─ BreakBeamReading: beams of one gripper
+//                 ├─ FiducialReading: the models that a fiducial finder recognizes
+//                 ├─ BumperReading: the segments of a bumper, pressed or not
+//                 ├─ ContactReading: the contacts of all parts of the robot
+//                 ├─ BlobfinderReading: blobs of one colour
+//                 └─ CameraReading: an image of colours, depths and models
 //
 // The descriptions of sensors (SensorDescription, RangerParameters, ...) come with this header.
 //
-// Frames: W world, R robot, S ray sensor, G the model of a gripper; X_RS is the pose of S in R. Units: m, rad.
+// Frames: W world, R robot, S sensor, G the model of a gripper; X_RS is the pose of S in R, x ahead. Units: m, rad.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <variant>
 #include <vector>
 
 #include "common/base/ids.h"
 #include "common/geometry/pose.h"
+#include "common/geometry/vec2.h"
+#include "common/model/color.h"
 #include "common/model/interval.h"
 #include "common/model/sensor_description.h"
 
@@ -46,17 +55,30 @@ struct RayFan {
   bool operator==(const RayFan&) const = default;
 };
 
-// One fan of rays from the origin of S, in its plane z = 0: ranges[i] and intensities[i] belong to the bearing
-// fan.Bearing(i) in frame S. Both have the length fan.count.
+// The fans of rays from the origin of S, one for each plane: ranges[p * fan.count + i] and intensities[...] belong to
+// the bearing fan.Bearing(i) in frame S, at the elevation of plane p. A flat sensor has one plane, z = 0 of S.
 struct RangeScan {
-  std::vector<double> ranges = {};       // m, within `limits`; limits.max without a hit
+  std::vector<double> ranges = {};       // m along the ray, within `limits`; limits.max without a hit
   std::vector<double> intensities = {};  // ranger_return of the hit, 0 without one
-  RayFan fan = {};
-  Pose X_RS = {};         // at the measurement: a lift or an arm moves it
-  Interval limits = {};   // m
-  double variance = 0.0;  // m^2, of the noise that does not depend on the range
+  RayFan fan = {};                       // of each plane
+  std::vector<double> elevations = {};   // rad above the horizontal, by plane, ascending; empty: one horizontal plane
+  Pose X_RS = {};                        // at the measurement: a lift or an arm moves it
+  Interval limits = {};                  // m
+  double variance = 0.0;                 // m^2, of the noise that does not depend on the range
+
+  std::size_t planes() const { return elevations.empty() ? 1 : elevations.size(); }
+  double elevation(std::size_t plane) const { return elevations.empty() ? 0.0 : elevations[plane]; }
   bool operator==(const RangeScan&) const = default;
 };
+
+// The plane nearest to the horizontal.
+inline std::size_t FlattestPlane(const RangeScan& scan) {
+  std::size_t flattest = 0;
+  for (std::size_t plane = 1; plane < scan.planes(); ++plane) {
+    if (std::abs(scan.elevation(plane)) < std::abs(scan.elevation(flattest))) flattest = plane;
+  }
+  return flattest;
+}
 
 // Of a ranger: one scan for each of its ray sensors, in the order of the world file.
 struct RangerReading {
@@ -76,10 +98,102 @@ struct BreakBeamReading {
   bool operator==(const BreakBeamReading&) const = default;
 };
 
+// A model that a fiducial finder recognizes.
+struct Fiducial {
+  std::int32_t id = 0;  // its fiducial_return; 0 if it is too far to be identified
+  ModelId model = {};
+  double range = 0.0;    // m, between the origins, in the plane
+  double bearing = 0.0;  // rad, in S
+  Pose X_SF = {};        // of the model F
+  Pose X_WF = {};
+  double size_x = 0.0;  // m, of the model
+  double size_y = 0.0;
+  double size_z = 0.0;
+  bool operator==(const Fiducial&) const = default;
+};
+
+struct FiducialReading {
+  Pose X_RS = {};
+  Interval limits = {};                  // m
+  double fov = 0.0;                      // rad
+  std::vector<Fiducial> fiducials = {};  // by model id
+  bool operator==(const FiducialReading&) const = default;
+};
+
+struct BumperReading {
+  struct Segment {
+    Pose X_RB = {};                          // its middle, x pointing away from the robot
+    double length = 0.0;                     // m, along y of B
+    std::optional<ModelId> pressed_by = {};  // the body in contact with it, of several the one with the least id
+    bool operator==(const Segment&) const = default;
+  };
+  double height = 0.0;  // m, of each segment, upwards
+  std::vector<Segment> segments = {};
+  bool operator==(const BumperReading&) const = default;
+};
+
+// A part of the robot that touches another body.
+struct BodyContact {
+  ModelId part = {};     // of the robot
+  ModelId other = {};    // the body
+  Vec2 point{0.0, 0.0};  // m, in W: the middle between the nearest points
+  double z_min = 0.0;    // m, in W: the heights at which they touch
+  double z_max = 0.0;
+  bool operator==(const BodyContact&) const = default;
+};
+
+struct ContactReading {
+  std::vector<BodyContact> contacts = {};  // by part, then by other; each pair once
+  bool operator==(const ContactReading&) const = default;
+};
+
+// A stretch of neighbouring columns of the image in which the same colour is seen. Pixels count from the upper left
+// corner; right and bottom are beyond the last ones.
+struct Blob {
+  Color color = {};
+  std::uint32_t left = 0;
+  std::uint32_t top = 0;
+  std::uint32_t right = 0;
+  std::uint32_t bottom = 0;
+  double range = 0.0;  // m, the shortest of its columns
+  bool operator==(const Blob&) const = default;
+};
+
+struct BlobfinderReading {
+  Pose X_RS = {};
+  std::uint32_t width = 0;  // pixels
+  std::uint32_t height = 0;
+  double fov = 0.0;              // rad, of the width
+  double range = 0.0;            // m
+  std::vector<Blob> blobs = {};  // from left to right
+  bool operator==(const BlobfinderReading&) const = default;
+};
+
+// An image on a vertical plane ahead of the camera: a perspective picture, as by a pinhole camera with the focal
+// lengths and the principal point (center_x, center_y). Rows from the top, in each from the left.
+struct CameraReading {
+  Pose X_RS = {};
+  std::uint32_t width = 0;  // pixels
+  std::uint32_t height = 0;
+  double focal_length_x = 0.0;  // pixels, of the columns
+  double focal_length_y = 0.0;  // pixels, of the rows
+  double center_x = 0.0;        // pixels from the left edge
+  double center_y = 0.0;        // pixels from the upper edge; may be outside of the image, as of a shifted lens
+  Interval limits = {};         // m
+  std::vector<std::uint8_t> colors = {};  // red, green, blue of each pixel
+  std::vector<float> depths = {};  // m ahead (not along the ray); -Inf: below the limits, +Inf: beyond, or no hit
+  std::vector<std::int32_t> models = {};  // the model seen; kGround, kNothing
+  static constexpr std::int32_t kGround = -1;
+  static constexpr std::int32_t kNothing = -2;
+  bool operator==(const CameraReading&) const = default;
+};
+
 struct SensorReading {
   Tick tick = 0;  // of the measurement; a sensor with a long period keeps its last reading
   // By kind of sensor; std::monostate: never measured.
-  std::variant<std::monostate, RangerReading, BreakBeamReading> content = {};
+  std::variant<std::monostate, RangerReading, BreakBeamReading, FiducialReading, BumperReading, ContactReading,
+               BlobfinderReading, CameraReading>
+      content = {};
 
   bool empty() const { return std::holds_alternative<std::monostate>(content); }
   // Null if the reading is empty or of another kind. Not of a temporary, which ends before its content is read.
@@ -87,6 +201,13 @@ struct SensorReading {
   const RangerReading* ranger() const&& = delete;
   const BreakBeamReading* break_beams() const& { return std::get_if<BreakBeamReading>(&content); }
   const BreakBeamReading* break_beams() const&& = delete;
+  // The same for any kind: As<FiducialReading>().
+  template <typename Reading>
+  const Reading* As() const& {
+    return std::get_if<Reading>(&content);
+  }
+  template <typename Reading>
+  const Reading* As() const&& = delete;
 
   bool operator==(const SensorReading&) const = default;
 };

@@ -37,11 +37,8 @@ std::string DescribeRobot(const RobotDescription& robot) {
       fmt::format("  {}: {} drive, controller {}", robot.name, NameOf(robot.drive.type), robot.controller.name);
   for (const SensorDescription& sensor : robot.sensors) {
     text += fmt::format(", {}", sensor.name);
-    const RangerParameters* const ranger = std::get_if<RangerParameters>(&sensor.parameters);
-    if (ranger == nullptr) continue;
-    std::size_t rays = 0;
-    for (const RaySensorDescription& ray_sensor : ranger->ray_sensors) rays += ray_sensor.samples;
-    text += fmt::format(" ({}, {})", Count(ranger->ray_sensors.size(), "sensor"), Count(rays, "ray"));
+    const std::string summary = SummaryOf(sensor.parameters);
+    if (!summary.empty()) text += fmt::format(" ({})", summary);
   }
   return text + "\n";
 }

@@ -18,8 +18,11 @@ std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger) {
   std::vector<RangerRay> rays;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const RayFan fan{sensors[s].fov, sensors[s].samples};
+    RangeScan planes;  // of several, the one that is nearest to the horizontal counts
+    planes.elevations = sensors[s].elevations;
+    const std::size_t first = FlattestPlane(planes) * fan.count;
     for (std::size_t i = 0; i < fan.count; ++i) {
-      rays.push_back({WrapAngle(mount + sensors[s].X_MS.heading + fan.Bearing(i)), sensors[s].range.max, s, i});
+      rays.push_back({WrapAngle(mount + sensors[s].X_MS.heading + fan.Bearing(i)), sensors[s].range.max, s, first + i});
     }
   }
   return rays;

@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Worlds, RecordedWorld,
                          testing::Values(World{"demo.json", true}, World{"relay.json", true},
                                          World{"stage_stacking.json", true}, World{"stacking.json", false},
                                          World{"lab.json", false}, World{"pen.world", false},
-                                         World{"hands.world", true}),
+                                         World{"sensors.json", false}, World{"hands.world", true}),
                          [](const testing::TestParamInfo<World>& world) {
                            const std::string& file = world.param.file;
                            return file.substr(0, file.find('.')) + (world.param.in_process ? "InProcess" : "");

@@ -3,7 +3,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "common/sensing/sensor_registry.h"
 #include "common/worldfile/scenario/scenario.h"
 #include "tests/worldfile/scenario_run.h"
 
@@ -42,6 +48,40 @@ TEST(DemoScenario, ScoutsDriveUnderTablesToAndFroWithoutAStall) {
   run.Run(300);
   EXPECT_FALSE(run.EverStalled("carl"));
   EXPECT_FALSE(run.EverStalled("dora"));
+}
+
+// In a minute of wandering each kind of sensor finds something.
+TEST(SensorsScenario, EveryKindOfSensorFindsSomething) {
+  ScenarioRun run = Load("sensors.json");
+  std::vector<std::unique_ptr<const Sensor>> sensors = MakeSensors(run.scene(), run.Find("scout"));
+  for (auto& sensor : MakeSensors(run.scene(), run.Find("blind"))) sensors.push_back(std::move(sensor));
+  std::map<std::string, int> found;
+  const auto count = [&](const SensorReading& reading, const std::string& name) {
+    bool any = false;
+    if (const auto* const fiducials = reading.As<FiducialReading>()) any = !fiducials->fiducials.empty();
+    if (const auto* const blobs = reading.As<BlobfinderReading>()) any = !blobs->blobs.empty();
+    if (const auto* const contacts = reading.As<ContactReading>()) any = !contacts->contacts.empty();
+    if (const auto* const bumper = reading.As<BumperReading>()) {
+      for (const BumperReading::Segment& segment : bumper->segments) any = any || segment.pressed_by.has_value();
+    }
+    if (const auto* const view = reading.As<CameraReading>()) {
+      any = std::any_of(view->models.begin(), view->models.end(), [](std::int32_t model) { return model >= 0; });
+    }
+    if (const RangerReading* const ranger = reading.ranger()) {
+      const RangeScan& scan = ranger->scans[0];
+      any = std::any_of(scan.ranges.begin(), scan.ranges.end(), [&](double r) { return r < scan.limits.max; });
+    }
+    found[name] += any ? 1 : 0;
+  };
+  BodyIndex bodies(run.scene());
+  for (int tick = 0; tick < 600; ++tick) {
+    run.Run(1);
+    bodies.Assign(run.state());
+    for (const auto& sensor : sensors) {
+      if (tick % 4 == 0) count(sensor->Measure({run.scene(), bodies}, run.state().tick), sensor->description().name);
+    }
+  }
+  for (const auto& sensor : sensors) EXPECT_GT(found[sensor->description().name], 0) << sensor->description().name;
 }
 
 TEST(SwarmScenario, SpreadsWithoutARobotInsideAnything) {

@@ -74,6 +74,15 @@ TEST_F(StageWorlds, RangersOfThePioneerHaveTheirHeights) {
   EXPECT_NEAR(RayHeight(loaded, 0, 1), 0.33, 1e-12);
 }
 
+TEST_F(StageWorlds, NoModelIsWithoutEffectAndNoControllerUnknown) {
+  for (const char* name : {"simple.world", "uoa_robotics_lab.world", "benchmark/cave.world"}) {
+    for (const Warning& warning : Load(name).warnings) {
+      EXPECT_THAT(warning.ToString(), testing::Not(testing::HasSubstr("not simulated yet")));
+      EXPECT_THAT(warning.ToString(), testing::Not(testing::HasSubstr("is not known")));
+    }
+  }
+}
+
 TEST_F(StageWorlds, LaboratoryLoads) {
   const LoadedWorld loaded = Load("uoa_robotics_lab.world");
   ASSERT_EQ(loaded.world.robots.size(), 1u);

@@ -32,21 +32,22 @@ TEST(Warnings, StatementsForStagesWindowShareOne) {
 }
 
 TEST(Warnings, AreGivenOnceForALineHoweverManyModelsItMakes) {
-  std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) blinkenlight( period 3 ) ) )\n";
+  std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) lightindicator( period 3 ) ) )\n";
   for (int i = 0; i < 100; ++i) text += "rob( pose [" + std::to_string(i) + " 0 0 0] )\n";
   EXPECT_THAT(
       WorldFolder().WarningsOf(text),
       ElementsAre(
           "w.world:1:22: warning: property 'mass' has no effect: energy is not simulated",
           "w.world:2:18: warning: property 'view' has no effect: only older versions of Stage knew it",
-          "w.world:2:27: warning: 'blinkenlight' models are not simulated yet; they are only bodies",
-          "w.world:2:41: warning: property 'period' has no effect: 'blinkenlight' models are not simulated yet"));
+          "w.world:2:27: warning: 'lightindicator' models are not simulated yet; they are only bodies",
+          "w.world:2:43: warning: property 'period' has no effect: 'lightindicator' models are not simulated yet"));
 }
 
 TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
   EXPECT_THAT(
-      WorldFolder().WarningsOf("define skirt bumper( )\nposition( skirt( )\n skirt( ) )\nskirt( pose [5 0 0 0] )\n"),
-      ElementsAre("w.world:2:11: warning: 'skirt' is only a body: 'bumper' models are not simulated yet"));
+      WorldFolder().WarningsOf(
+          "define skirt lightindicator( )\nposition( skirt( )\n skirt( ) )\nskirt( pose [5 0 0 0] )\n"),
+      ElementsAre("w.world:2:11: warning: 'skirt' is only a body: 'lightindicator' models are not simulated yet"));
 }
 
 TEST(Warnings, ValuesThatStageReadsInAnotherWayAreNamed) {

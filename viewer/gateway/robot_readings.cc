@@ -43,6 +43,11 @@ struct ContentWriter {
       writer.WriteByte(beam.broken_by.has_value());
     }
   }
+  // The page does not show other kinds.
+  template <typename Other>
+  void operator()(const Other&) const {
+    Write(ReadingKind::kNone);
+  }
 };
 
 }  // namespace

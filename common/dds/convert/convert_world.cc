@@ -1,5 +1,6 @@
 #include "common/dds/convert/convert_world.h"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -134,7 +135,10 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   wire.ranger_return = model.ranger_return;
   wire.gripper_return = model.gripper_return;
   wire.fiducial_return = model.fiducial_return;
+  wire.fiducial_key = model.fiducial_key;
   wire.show_nose = model.show_nose;
+  wire.blink_period = model.blinking.period_ns;
+  wire.blink_on = model.blinking.on_ns;
   wire.removed = model.removed;
   return wire;
 }
@@ -153,23 +157,41 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.ranger_return = wire.ranger_return;
   model.gripper_return = wire.gripper_return;
   model.fiducial_return = wire.fiducial_return;
+  model.fiducial_key = wire.fiducial_key;
   model.show_nose = wire.show_nose;
+  model.blinking = {wire.blink_period, wire.blink_on};
   model.removed = wire.removed;
   return {};
 }
 
-troupe_wire_RaySensor ToWire(const RaySensorDescription& sensor) {
-  return {PoseToWire(sensor.X_MS), sensor.range.min,      sensor.range.max,          sensor.fov,
-          sensor.samples,          sensor.noise_variance, sensor.noise_proportional, sensor.noise_angle};
+troupe_wire_Sensor ToWire(const SensorDescription& sensor, WireArena& arena) {
+  troupe_wire_Sensor wire{};
+  wire.name = arena.Copy(sensor.name);
+  wire.type = arena.Copy(std::string(TypeOf(sensor.parameters)));
+  wire.model = static_cast<std::uint32_t>(sensor.model.index());
+  wire.period = sensor.period_ticks;
+  const std::vector<SensorField> fields = FieldsOf(sensor.parameters);
+  troupe_wire_SensorField* out = arena.Fill(wire.fields, fields.size());
+  for (const SensorField& field : fields) {
+    out->name = arena.Copy(field.name);
+    std::copy(field.numbers.begin(), field.numbers.end(), arena.Fill(out->numbers, field.numbers.size()));
+    ++out;
+  }
+  return wire;
 }
-RaySensorDescription FromWire(const troupe_wire_RaySensor& wire) {
-  return {PoseFromWire(wire.pose_in_model),
-          {wire.range_min, wire.range_max},
-          wire.fov,
-          wire.samples,
-          wire.noise_variance,
-          wire.noise_proportional,
-          wire.noise_angle};
+Status FromWire(const troupe_wire_Sensor& wire, SensorDescription& sensor) {
+  sensor.name = Text(wire.name);
+  sensor.model = ModelId(wire.model);
+  sensor.period_ticks = wire.period;
+  std::vector<SensorField> fields;
+  for (const troupe_wire_SensorField& field : Elements(wire.fields)) {
+    const auto numbers = Elements(field.numbers);
+    fields.push_back({Text(field.name), {numbers.begin(), numbers.end()}});
+  }
+  Result<SensorParameters> parameters = ParametersFrom(Text(wire.type), fields);
+  if (!parameters.ok()) return Error{{}, "sensor '" + sensor.name + "': " + parameters.error().message};
+  sensor.parameters = std::move(parameters).value();
+  return {};
 }
 
 troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
@@ -182,17 +204,8 @@ troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
   wire.drive.acceleration = ToWire(robot.drive.acceleration);
   wire.localization = {static_cast<std::uint8_t>(robot.localization.type), PoseToWire(robot.localization.origin),
                        robot.localization.error_x, robot.localization.error_y, robot.localization.error_heading};
-  // Rangers are the only sensors that Validate admits here.
-  troupe_wire_Ranger* rangers = arena.Fill(wire.rangers, robot.sensors.size());
-  for (const SensorDescription& sensor : robot.sensors) {
-    rangers->name = arena.Copy(sensor.name);
-    rangers->model = static_cast<std::uint32_t>(sensor.model.index());
-    rangers->period = sensor.period_ticks;
-    const auto& ray_sensors = std::get<RangerParameters>(sensor.parameters).ray_sensors;
-    troupe_wire_RaySensor* out = arena.Fill(rangers->sensors, ray_sensors.size());
-    for (const RaySensorDescription& ray_sensor : ray_sensors) *out++ = ToWire(ray_sensor);
-    ++rangers;
-  }
+  troupe_wire_Sensor* sensors = arena.Fill(wire.sensors, robot.sensors.size());
+  for (const SensorDescription& sensor : robot.sensors) *sensors++ = ToWire(sensor, arena);
   wire.controller = {arena.Copy(robot.controller.name), arena.Copy(robot.controller.parameters)};
   return wire;
 }
@@ -208,15 +221,8 @@ Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
                  FromWire(wire.drive.acceleration)};
   robot.localization = {static_cast<LocalizationType>(wire.localization.type), PoseFromWire(wire.localization.origin),
                         wire.localization.error_x, wire.localization.error_y, wire.localization.error_heading};
-  for (const troupe_wire_Ranger& ranger : Elements(wire.rangers)) {
-    SensorDescription& out = robot.sensors.emplace_back();
-    out.name = Text(ranger.name);
-    out.model = ModelId(ranger.model);
-    out.period_ticks = ranger.period;
-    RangerParameters& parameters = out.parameters.emplace<RangerParameters>();
-    for (const troupe_wire_RaySensor& sensor : Elements(ranger.sensors)) {
-      parameters.ray_sensors.push_back(FromWire(sensor));
-    }
+  for (const troupe_wire_Sensor& sensor : Elements(wire.sensors)) {
+    if (Status failed = FromWire(sensor, robot.sensors.emplace_back()); !failed.ok()) return failed;
   }
   robot.controller = {Text(wire.controller.name), Text(wire.controller.parameters)};
   return {};

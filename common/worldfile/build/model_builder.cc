@@ -130,6 +130,7 @@ std::optional<ModelDraft> ModelBuilder::StartDraft(PropertyReader& reader, const
   model.color = ReadColor(reader, type.color, context_.world.seed, draft.id);
   model.fiducial_return =
       static_cast<std::int32_t>(reader.Integer("fiducial_return", 0, -1'000'000'000, 1'000'000'000));
+  model.fiducial_key = static_cast<std::int32_t>(reader.Integer("fiducial_key", 0, -1'000'000'000, 1'000'000'000));
   return draft;
 }
 

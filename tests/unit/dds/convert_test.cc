@@ -314,7 +314,7 @@ TEST(ConvertTest, MalformedSessionsAreRefused) {
       {"size not a number", [](troupe_wire_Session& s) { s.world.models._buffer[0].size_x = std::nan(""); }},
       {"root that does not exist", [](troupe_wire_Session& s) { s.world.robots._buffer[0].root = 2; }},
       {"root that is a child", [](troupe_wire_Session& s) { s.world.robots._buffer[0].root = 1; }},
-      {"ranger of no model", [](troupe_wire_Session& s) { s.world.robots._buffer[0].rangers._buffer[0].model = 9; }},
+      {"ranger of no model", [](troupe_wire_Session& s) { s.world.robots._buffer[0].sensors._buffer[0].model = 9; }},
       {"drive type", [](troupe_wire_Session& s) { s.world.robots._buffer[0].drive.type = 3; }},
       {"joint type", [](troupe_wire_Session& s) { s.world.joints._buffer[0].type = 2; }},
       {"joint of no robot", [](troupe_wire_Session& s) { s.world.joints._buffer[0].robot = 1; }},

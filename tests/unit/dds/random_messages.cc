@@ -1,7 +1,5 @@
 #include "tests/unit/dds/random_messages.h"
 
-#include "tests/support/ray_sensors.h"
-
 namespace troupe::test {
 
 std::string RandomMessages::Text() {
@@ -66,9 +64,50 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
   model.ranger_return = Number();
   model.gripper_return = Coin();
   model.fiducial_return = static_cast<std::int32_t>(Bits());
+  model.fiducial_key = static_cast<std::int32_t>(Bits());
   model.show_nose = Coin();
+  if (Coin()) model.blinking = {1000, static_cast<std::int64_t>(Below(1001))};
   model.removed = Coin();
   return model;
+}
+
+// Of any kind but break beams, which belong to grippers.
+SensorParameters RandomMessages::RandomSensor() {
+  const auto pixels = [this] { return 1 + static_cast<std::uint32_t>(Below(kMaxImageSide)); };
+  switch (Below(6)) {
+    case 0: {
+      RangerParameters ranger;
+      ranger.ray_sensors.resize(Below(4));
+      for (RaySensorDescription& sensor : ranger.ray_sensors) {
+        sensor = {
+            RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
+            Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};
+        if (Coin()) sensor.elevations = {Number(-1.0, -0.1), Number(0.0, 1.0)};
+      }
+      return ranger;
+    }
+    case 1:
+      return FiducialParameters{RandomPose(),     RandomInterval(0.0, 9.0),          Number(0.0, 9.0),
+                                Number(0.0, 6.0), static_cast<std::int32_t>(Bits()), Coin()};
+    case 2: {
+      BumperParameters bumper;
+      bumper.segments.resize(Below(4));
+      for (BumperSegment& segment : bumper.segments) segment = {RandomPose(), Number(0.0, 2.0)};
+      bumper.height = Number(0.0, 1.0);
+      return bumper;
+    }
+    case 3:
+      return ContactParameters{};
+    case 4: {
+      BlobfinderParameters finder{RandomPose(), pixels(), pixels(), Number(0.0, 9.0), Number(0.1, 2.9), {}};
+      finder.colors.resize(Below(3));
+      for (Color& color : finder.colors) color = {Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0), 1.0};
+      return finder;
+    }
+    default:
+      return CameraParameters{
+          RandomPose(), pixels(), pixels(), RandomInterval(0.0, 9.0), Number(0.1, 2.9), RandomInterval(-1.4, 1.4)};
+  }
 }
 
 RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& name) {
@@ -80,17 +119,12 @@ RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& na
   robot.drive.acceleration.y = {Number(-9.0, 0.0), Number(0.0, 9.0)};
   robot.drive.acceleration.heading = {Number(-9.0, 0.0), Number(0.0, 9.0)};
   robot.localization = {static_cast<LocalizationType>(Below(2)), RandomPose(), Number(), Number(), Number()};
-  robot.sensors.resize(Below(3));
-  for (SensorDescription& ranger : robot.sensors) {
-    ranger.name = Text();
-    ranger.model = root;
-    ranger.period_ticks = 1 + static_cast<std::uint32_t>(Below(1000));
-    RaySensors(ranger).resize(Below(4));
-    for (RaySensorDescription& sensor : RaySensors(ranger)) {
-      sensor = {
-          RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
-          Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};
-    }
+  robot.sensors.resize(Below(4));
+  for (SensorDescription& sensor : robot.sensors) {
+    sensor.name = Text();
+    sensor.model = root;
+    sensor.period_ticks = 1 + static_cast<std::uint32_t>(Below(1000));
+    sensor.parameters = RandomSensor();
   }
   robot.controller = {Text(), Text()};
   return robot;

@@ -36,6 +36,7 @@ class RandomMessages {
   Polygon RandomPolygon();
   Shape RandomShape();
   ModelDescription RandomModel(std::size_t index, std::size_t shapes);
+  SensorParameters RandomSensor();
   RobotDescription RandomRobot(ModelId root, const std::string& name);
   JointDescription RandomJoint(RobotId robot, ModelId model);
   // A robot with a gripper, after all other models and robots.

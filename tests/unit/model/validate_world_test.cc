@@ -86,7 +86,7 @@ const Fault kFaults[] = {
     {[](auto& w) { w.robots[0].sensors[0].period_ticks = 0; },
      "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = kNan; },
-     "robot 0 'm1': ranger 'ranger:0': the pose of a sensor is not finite or too far away"},
+     "robot 0 'm1': ranger 'ranger:0': its field 'ray_sensors' has a number that is not finite or too large"},
     {[](auto& w) {
        RaySensors(w.robots[0].sensors[0])[0].range = {-1.0, 1.0};
      },

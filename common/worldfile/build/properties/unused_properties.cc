@@ -36,7 +36,6 @@ constexpr NoEffect kModelProperties[] = {
     {"blob_return", kNotInStage},
     {"debug", kNotInStage},
     {"event_queue", kNotInStage},
-    {"fiducial_key", "fiducial finders are not simulated yet"},
     {"friction", kNotInStage},
     {"give_watts", kEnergy},
     {"gui_grid", kWindow},

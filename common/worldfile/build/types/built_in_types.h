@@ -1,4 +1,4 @@
-// The model types, each defined in a file of its own; the ones without a reader are in body_types.cc. Private to this
+// The model types, each defined in a file of its own, or beside its relatives. Private to this
 // folder.
 #pragma once
 
@@ -7,6 +7,12 @@
 namespace troupe {
 
 ModelType ActuatorType();
+ModelType BlinkenlightType();
+ModelType BlobfinderType();
+ModelType BumperType();
+ModelType CameraType();
+ModelType ContactType();
+ModelType FiducialType();
 ModelType GripperType();
 ModelType PositionType();
 ModelType RangerType();
@@ -14,12 +20,7 @@ ModelType RangerType();
 // Bodies, without properties of their own.
 ModelType PlainModelType();
 
-// Bodies, too: Stage's other types are not simulated yet.
-ModelType BlinkenlightType();
-ModelType BlobfinderType();
-ModelType BumperType();
-ModelType CameraType();
-ModelType FiducialType();
+// A body, too: not simulated yet.
 ModelType LightIndicatorType();
 
 }  // namespace troupe

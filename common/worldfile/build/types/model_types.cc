@@ -15,8 +15,8 @@ namespace {
 // In the order in which messages list them.
 const auto& ModelTypes() {
   static const std::array types{
-      PlainModelType(), PositionType(), RangerType(),   ActuatorType(), BlinkenlightType(),   BlobfinderType(),
-      BumperType(),     CameraType(),   FiducialType(), GripperType(),  LightIndicatorType(),
+      PlainModelType(), PositionType(), RangerType(),  ActuatorType(), BlinkenlightType(), BlobfinderType(),
+      BumperType(),     CameraType(),   ContactType(), FiducialType(), GripperType(),      LightIndicatorType(),
   };
   return types;
 }

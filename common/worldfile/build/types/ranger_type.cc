@@ -5,6 +5,7 @@
 #include "common/geometry/limits.h"
 #include "common/worldfile/build/properties/unused_properties.h"
 #include "common/worldfile/build/types/built_in_types.h"
+#include "common/worldfile/build/types/sensor_properties.h"
 #include "common/worldfile/text/quote.h"
 
 namespace troupe {
@@ -12,26 +13,43 @@ namespace {
 
 constexpr double kDefaultSensorHeight = 0.02;  // m
 
-double ReadFov(PropertyReader& reader, double otherwise) {
-  const auto fov = reader.Numbers("fov", 1);
-  if (!fov) return otherwise;
-  const double radians = reader.units().Angle(fov->front());
-  // Files in radians round 2 pi up.
-  if (radians >= 0.0 && radians <= 2.0 * kPi + 1e-3) return std::min(radians, 2.0 * kPi);
-  reader.diagnostics().Fail(reader.Where("fov"), "found " + NumberText(fov->front()) + " for 'fov', expected 0 to " +
-                                                     (reader.units().degrees ? "360 degrees" : "6.2832 radians"));
-  return otherwise;
-}
+constexpr std::size_t kMostPlanes = 1024;
 
-Interval ReadRange(PropertyReader& reader, const Interval& otherwise) {
-  const auto range = reader.Numbers("range", 2);
-  if (!range) return otherwise;
-  const Interval result{(*range)[0] * reader.units().length, (*range)[1] * reader.units().length};
-  if (result.min >= 0.0 && result.max > result.min && result.max <= kMaxMagnitude) return result;
-  reader.diagnostics().Fail(reader.Where("range"), "found range [" + NumberText((*range)[0]) + " " +
-                                                       NumberText((*range)[1]) +
-                                                       "], expected [min max] with 0 <= min < max <= 1000 km");
-  return otherwise;
+// rad, of the planes of a sensor with several: by `planes` and `vertical_fov`, or as a list. Empty: one horizontal
+// plane.
+std::vector<double> ReadElevations(PropertyReader& reader) {
+  const std::size_t planes = static_cast<std::size_t>(reader.Integer("planes", 1, 1, kMostPlanes));
+  const double fov = ReadAngle(reader, "vertical_fov", DegreesToRadians(30.0), 2.0 * kMaxElevation);
+  const Property* const list = reader.Use("elevations");
+  std::vector<double> elevations;
+  if (list == nullptr) {
+    if (planes == 1) return {};
+    if (!(fov > 0.0)) {
+      reader.diagnostics().Fail(reader.Where("vertical_fov"), "found no 'vertical_fov' above 0 for several planes");
+      return {};
+    }
+    const double last = static_cast<double>(planes - 1);
+    for (std::size_t i = 0; i < planes; ++i) {
+      elevations.push_back(fov * ((2.0 * static_cast<double>(i) - last) / (2.0 * last)));
+    }
+    return elevations;
+  }
+  for (const char* name : {"planes", "vertical_fov"}) {
+    if (reader.node().Find(name) == nullptr) continue;
+    reader.diagnostics().Warn(reader.Where(name), "property " + Quoted(name) + " has no effect beside 'elevations'");
+  }
+  const auto numbers = reader.Numbers("elevations", reader.Texts("elevations").size());
+  if (!numbers) return {};
+  for (const double number : *numbers) elevations.push_back(reader.units().Angle(number));
+  std::sort(elevations.begin(), elevations.end());
+  const bool usable = !elevations.empty() && elevations.size() <= kMostPlanes && elevations.front() >= -kMaxElevation &&
+                      elevations.back() <= kMaxElevation &&
+                      std::adjacent_find(elevations.begin(), elevations.end()) == elevations.end();
+  if (usable) return elevations;
+  reader.diagnostics().Fail(reader.Where("elevations"),
+                            "found elevations that are equal, too many or beyond 85 degrees, expected up to " +
+                                std::to_string(kMostPlanes) + " different ones");
+  return {};
 }
 
 struct Noise {
@@ -64,6 +82,7 @@ RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const U
   sensor.range = ReadRange(reader, sensor.range);
   sensor.fov = ReadFov(reader, sensor.fov);
   sensor.samples = static_cast<std::uint32_t>(reader.Integer("samples", 1, 1, kMaxRaySamples));
+  sensor.elevations = ReadElevations(reader);
   const Noise noise = ReadNoise(reader);
   sensor.noise_variance = noise.variance;
   sensor.noise_proportional = noise.proportional;
@@ -76,36 +95,19 @@ RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const U
   return sensor;
 }
 
-// The ranger of `reader`, without its name and model.
-SensorDescription ReadRanger(PropertyReader& reader, const Pose& X_MD, std::int64_t interval_ns) {
-  SensorDescription description;
-  RangerParameters ranger;
-  const double period_ns = reader.Number("update_interval", 100.0, 0.0, 1e9) * 1e6;
-  const double ticks = std::ceil(period_ns / static_cast<double>(interval_ns));
-  description.period_ticks = static_cast<std::uint32_t>(std::clamp(ticks, 1.0, 4e9));
-  for (const WorldNode& child : reader.node().children) {
-    if (child.type == "sensor") {
-      ranger.ray_sensors.push_back(ReadSensor(child, X_MD, reader.units(), reader.diagnostics()));
-    }
-  }
-  if (ranger.ray_sensors.empty()) {
-    reader.diagnostics().Warn(reader.node().where, "this ranger has no 'sensor', so it measures nothing");
-  }
-  description.parameters = std::move(ranger);
-  return description;
-}
-
 class RangerReader : public ModelReader {
  public:
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
-    SensorDescription ranger = ReadRanger(reader, draft.X_MD, context.world.interval_ns);
-    if (!draft.robot) {
-      reader.diagnostics().Warn(draft.node.where, "this ranger is on no robot, so it measures nothing");
-      return;
+    RangerParameters ranger;
+    for (const WorldNode& child : reader.node().children) {
+      if (child.type == "sensor") {
+        ranger.ray_sensors.push_back(ReadSensor(child, draft.X_MD, reader.units(), reader.diagnostics()));
+      }
     }
-    ranger.name = NameOnRobot(context.world, *draft.robot, draft.model.name);
-    ranger.model = draft.id;
-    context.world.robots[draft.robot->index()].sensors.push_back(std::move(ranger));
+    if (ranger.ray_sensors.empty()) {
+      reader.diagnostics().Warn(reader.node().where, "this ranger has no 'sensor', so it measures nothing");
+    }
+    AddSensor(reader, draft, "ranger", std::move(ranger), context);
   }
 };
 

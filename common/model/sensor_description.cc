@@ -1,0 +1,206 @@
+#include "common/model/sensor_description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "common/geometry/limits.h"
+#include "common/model/number_codec.h"
+
+namespace troupe {
+namespace {
+
+Error SensorProblem(const std::string& message) {
+  return {.where = {}, .message = message};
+}
+
+bool IsRange(const Interval& range) {
+  return range.min >= 0.0 && range.min <= range.max;
+}
+
+std::string CountOf(std::size_t number, const char* noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+std::string Metres(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text + " m";
+}
+
+std::string Pixels(std::uint32_t width, std::uint32_t height) {
+  return std::to_string(width) + " x " + std::to_string(height) + " pixels";
+}
+
+Status CheckImage(std::uint32_t width, std::uint32_t height, double fov) {
+  if (width < 1 || width > kMaxImageSide || height < 1 || height > kMaxImageSide) {
+    return SensorProblem("its image is not 1 to " + std::to_string(kMaxImageSide) + " pixels wide and high");
+  }
+  if (!(fov > 0.0 && fov <= 2.0 * kMaxElevation))
+    return SensorProblem("its fov is not above 0 and at most 170 degrees");
+  return {};
+}
+
+Status CheckRaySensor(const RaySensorDescription& sensor) {
+  if (!IsRange(sensor.range)) return SensorProblem("the range of a sensor is not an interval from 0 up");
+  if (sensor.fov < 0.0) return SensorProblem("the fov of a sensor is not finite or negative");
+  if (sensor.samples < 1 || sensor.samples > kMaxRaySamples) {
+    return SensorProblem("a sensor does not have 1 to " + std::to_string(kMaxRaySamples) + " samples");
+  }
+  if (sensor.noise_variance < 0.0) return SensorProblem("the noise of a sensor is not finite or its variance negative");
+  if (sensor.planes() * sensor.samples > kMaxRays) {
+    return SensorProblem("a sensor has more than " + std::to_string(kMaxRays) + " rays");
+  }
+  for (std::size_t i = 0; i < sensor.elevations.size(); ++i) {
+    if (std::abs(sensor.elevations[i]) > kMaxElevation || (i > 0 && sensor.elevations[i] <= sensor.elevations[i - 1])) {
+      return SensorProblem("the elevations of a sensor are not ascending within 85 degrees");
+    }
+  }
+  return {};
+}
+
+// The alternative of SensorParameters with this type name.
+template <std::size_t I = 0>
+std::optional<SensorParameters> ParametersOfType(std::string_view type) {
+  if constexpr (I < std::variant_size_v<SensorParameters>) {
+    using Parameters = std::variant_alternative_t<I, SensorParameters>;
+    if (type == Parameters::kType) return SensorParameters(Parameters());
+    return ParametersOfType<I + 1>(type);
+  } else {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Status RangerParameters::Check() const {
+  for (const RaySensorDescription& sensor : ray_sensors) {
+    if (Status error = CheckRaySensor(sensor); !error.ok()) return error;
+  }
+  return {};
+}
+
+std::string RangerParameters::Summary() const {
+  std::size_t rays = 0;
+  for (const RaySensorDescription& sensor : ray_sensors) rays += sensor.samples * sensor.planes();
+  return CountOf(ray_sensors.size(), "sensor") + ", " + CountOf(rays, "ray");
+}
+
+Status BreakBeamParameters::Check() const {
+  return SensorProblem("it belongs to a gripper");
+}
+
+std::string BreakBeamParameters::Summary() const {
+  return CountOf(beams.size(), "beam");
+}
+
+Status FiducialParameters::Check() const {
+  if (!IsRange(range)) return SensorProblem("its range is not an interval from 0 up");
+  if (id_range < 0.0) return SensorProblem("its range of identification is negative");
+  if (!(fov >= 0.0 && fov <= 2.0 * kPi)) return SensorProblem("its fov is not 0 to 2 pi");
+  return {};
+}
+
+std::string FiducialParameters::Summary() const {
+  return "up to " + Metres(range.max);
+}
+
+Status BumperParameters::Check() const {
+  if (segments.size() > kMaxBumpers)
+    return SensorProblem("it has more than " + std::to_string(kMaxBumpers) + " segments");
+  if (height < 0.0) return SensorProblem("its height is negative");
+  for (const BumperSegment& segment : segments) {
+    if (segment.length < 0.0) return SensorProblem("the length of a segment is negative");
+  }
+  return {};
+}
+
+std::string BumperParameters::Summary() const {
+  return CountOf(segments.size(), "segment");
+}
+
+Status BlobfinderParameters::Check() const {
+  if (Status error = CheckImage(width, height, fov); !error.ok()) return error;
+  if (range < 0.0) return SensorProblem("its range is negative");
+  return {};
+}
+
+std::string BlobfinderParameters::Summary() const {
+  return Pixels(width, height) + ", " + (colors.empty() ? "all colors" : CountOf(colors.size(), "color"));
+}
+
+Status CameraParameters::Check() const {
+  if (Status error = CheckImage(width, height, fov); !error.ok()) return error;
+  if (!IsRange(range)) return SensorProblem("its range is not an interval from 0 up");
+  if (!(elevation.min >= -kMaxElevation && elevation.max <= kMaxElevation && elevation.min < elevation.max)) {
+    return SensorProblem("its picture does not end within 85 degrees above and below the horizontal");
+  }
+  return {};
+}
+
+std::string CameraParameters::Summary() const {
+  return Pixels(width, height);
+}
+
+std::string_view TypeOf(const SensorParameters& parameters) {
+  return std::visit([](const auto& kind) { return kind.kType; }, parameters);
+}
+
+std::vector<SensorField> FieldsOf(const SensorParameters& parameters) {
+  std::vector<SensorField> fields;
+  std::visit(
+      [&](const auto& kind) {
+        kind.VisitFields(kind, [&](std::string_view name, const auto& part) {
+          NumberWriter writer;
+          writer.Write(part);
+          fields.push_back({std::string(name), writer.TakeNumbers()});
+        });
+      },
+      parameters);
+  return fields;
+}
+
+Result<SensorParameters> ParametersFrom(std::string_view type, std::span<const SensorField> fields) {
+  std::optional<SensorParameters> parameters = ParametersOfType(type);
+  if (!parameters) return SensorProblem("found a sensor of type '" + std::string(type) + "', expected a known one");
+  std::size_t next = 0;
+  std::string wrong;
+  std::visit(
+      [&](auto& kind) {
+        kind.VisitFields(kind, [&](std::string_view name, auto& part) {
+          if (!wrong.empty()) return;
+          if (next < fields.size() && fields[next].name == name) {
+            NumberReader reader(fields[next].numbers);
+            reader.Read(part);
+            if (reader.ok() && reader.at_end()) {
+              ++next;
+              return;
+            }
+          }
+          wrong = name;
+        });
+      },
+      *parameters);
+  if (wrong.empty() && next < fields.size()) wrong = fields[next].name;
+  if (wrong.empty()) return *std::move(parameters);
+  return SensorProblem("found a " + std::string(type) + " with a wrong field '" + wrong + "'");
+}
+
+Status CheckParameters(const SensorParameters& parameters) {
+  for (const SensorField& field : FieldsOf(parameters)) {
+    const bool usable = std::all_of(field.numbers.begin(), field.numbers.end(),
+                                    [](double number) { return std::abs(number) <= kMaxMagnitude; });
+    // Ids, such as keys, are no magnitudes.
+    if (!usable && field.name != "key")
+      return SensorProblem("its field '" + field.name + "' has a number that is not finite or too large");
+  }
+  return std::visit([](const auto& kind) { return kind.Check(); }, parameters);
+}
+
+std::string SummaryOf(const SensorParameters& parameters) {
+  return std::visit([](const auto& kind) { return kind.Summary(); }, parameters);
+}
+
+}  // namespace troupe

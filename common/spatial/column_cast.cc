@@ -1,0 +1,160 @@
+#include "common/spatial/column_cast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "common/spatial/convex_piece.h"
+
+namespace troupe {
+namespace {
+
+// The part of a ray within a convex polygon, in m along the ray; nothing if it passes by, or the polygon is behind it.
+// The side of a vertex depends on the vertex and the ray alone, so that no ray slips between two polygons that share
+// one.
+struct Stretch {
+  double enter;
+  double leave;
+  Vec2 edge;  // by which it enters, counter-clockwise
+};
+
+std::optional<Stretch> StretchWithin(std::span<const Vec2> vertices, const Vec2& origin, const Vec2& direction) {
+  double enter = std::numeric_limits<double>::infinity();
+  double leave = -enter;
+  Vec2 entered(0.0, 0.0);
+  Vec2 before = vertices.back() - origin;
+  double side_before = Cross(direction, before);
+  for (const Vec2& vertex : vertices) {
+    const Vec2 here = vertex - origin;
+    const double side = Cross(direction, here);
+    const auto add = [&](double at) {
+      if (at < enter) {
+        enter = at;
+        entered = here - before;
+      }
+      leave = std::max(leave, at);
+    };
+    if (side == 0.0) {
+      add(direction.dot(here));
+    } else if ((side < 0.0 && side_before > 0.0) || (side > 0.0 && side_before < 0.0)) {
+      const double at_before = direction.dot(before);
+      add(at_before + (direction.dot(here) - at_before) * (side_before / (side_before - side)));
+    }
+    before = here;
+    side_before = side;
+  }
+  if (!(leave > kTouchTolerance)) return std::nullopt;
+  return Stretch{std::max(enter, 0.0), leave, entered};
+}
+
+ColumnCut CutOf(const Stretch& stretch, const ZRange& z, ModelId model) {
+  const double length = stretch.edge.norm();
+  const Vec2 normal = length > 0.0 ? Vec2(stretch.edge.y() / length, -stretch.edge.x() / length) : Vec2(0.0, 0.0);
+  return {stretch.enter, stretch.leave, z, model, normal};
+}
+
+bool OverlapsHeights(const ZRange& a, const ZRange& b) {
+  return a.min <= b.max && b.min <= a.max;
+}
+
+Rectangle BoxAround(const Vec2& center, double reach) {
+  return {center.x() - reach, center.y() - reach, center.x() + reach, center.y() + reach};
+}
+
+}  // namespace
+
+ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double reach,
+                           std::optional<RobotId> viewer, Sight sight)
+    : scene_(scene), origin_(origin), reach_(reach), sight_(sight) {
+  tested_.resize(scene.static_index().kept_pieces().size(), 0);
+  std::vector<BodyId> ids;
+  bodies.ForEachNear(BoxAround(origin, reach), [&](BodyId id) {
+    if (!viewer || bodies.owner(id) != viewer) ids.push_back(id);
+  });
+  std::sort(ids.begin(), ids.end());
+  for (const BodyId id : ids) {
+    for (const ConvexPiece& piece : bodies.pieces_in_world(id)) {
+      if (!Sees(piece.ranger_return) || !HasHeight(piece.z)) continue;
+      const Vec2 center = BoundingBox(piece.vertices).center();
+      double radius = 0.0;
+      for (const Vec2& vertex : piece.vertices) radius = std::max(radius, (vertex - center).norm());
+      near_.push_back({center - origin_, radius * (1.0 + 1e-9) + 1e-9, &piece});
+    }
+  }
+}
+
+void ColumnCaster::CutStaticPieces(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts) {
+  const StaticIndex& index = scene_.static_index();
+  const Eigen::Array2d inverse = direction.array().inverse();
+  const auto add = [&](std::span<const Vec2> vertices, const ZRange& heights, ModelId model) {
+    const std::optional<Stretch> stretch = StretchWithin(vertices, origin_, direction);
+    if (stretch && stretch->enter <= reach_) cuts.push_back(CutOf(*stretch, heights, model));
+  };
+  ++number_;
+  index.WalkRay(origin_, direction, inverse, reach_, [&](std::span<const std::uint32_t> pieces, double /*walked*/) {
+    for (const std::uint32_t i : pieces) {
+      if (tested_[i] == number_) continue;
+      tested_[i] = number_;
+      const ConvexPiece& piece = index.kept_pieces()[i];
+      if (!Sees(piece.ranger_return) || !HasHeight(piece.z) || !OverlapsHeights(piece.z, z)) continue;
+      add(piece.vertices, piece.z, piece.model);
+    }
+    return true;
+  });
+  for (const PixelPieces& area : index.areas()) {
+    if (!Sees(area.ranger_return()) || !OverlapsHeights(area.z(), z)) continue;
+    area.WalkRay(origin_, direction, reach_, [&](const PixelRectangle& pixels, double /*walked*/) {
+      area.ForEachIn(pixels, [&](const PixelPieces::Corners4& corners) { add(corners, area.z(), area.model()); });
+      return true;
+    });
+  }
+}
+
+void ColumnCaster::Cut(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts) {
+  cuts.clear();
+  CutStaticPieces(direction, z, cuts);
+  for (const NearPiece& near : near_) {
+    if (std::abs(Cross(direction, near.center)) > near.radius || direction.dot(near.center) < -near.radius ||
+        !OverlapsHeights(near.piece->z, z)) {
+      continue;
+    }
+    const std::optional<Stretch> stretch = StretchWithin(near.piece->vertices, origin_, direction);
+    if (stretch && stretch->enter <= reach_) {
+      cuts.push_back(CutOf(*stretch, near.piece->z, near.piece->model));
+    }
+  }
+  // A total order: the cells of an index, in whose order the pieces are found, do not matter.
+  std::sort(cuts.begin(), cuts.end(), [](const ColumnCut& a, const ColumnCut& b) {
+    return std::tie(a.enter, a.model, a.leave, a.z.min, a.z.max) <
+           std::tie(b.enter, b.model, b.leave, b.z.min, b.z.max);
+  });
+  // A piece of an area may have been found in several cells.
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+}
+
+std::optional<ColumnHit> HitOf(const ClimbingRay& ray, const ColumnCut& cut) {
+  const double z_enter = ray.z + ray.slope * cut.enter;
+  if (cut.z.Contains(z_enter)) {
+    return ColumnHit{cut.enter, cut.model, cut.enter > 0.0 ? PrismFace::kSide : PrismFace::kInside, cut.normal};
+  }
+  const bool from_above = z_enter >= cut.z.max;
+  if (from_above ? ray.slope >= 0.0 : ray.slope <= 0.0) return std::nullopt;
+  const double distance = ((from_above ? cut.z.max : cut.z.min) - ray.z) / ray.slope;
+  if (distance > cut.leave) return std::nullopt;
+  // Not before the cut, where rounding may place a hit on an edge.
+  return ColumnHit{
+      std::max(distance, cut.enter), cut.model, from_above ? PrismFace::kTop : PrismFace::kUnderside, {0.0, 0.0}};
+}
+
+std::optional<ColumnHit> FirstHit(const ClimbingRay& ray, std::span<const ColumnCut> cuts) {
+  std::optional<ColumnHit> first;
+  for (const ColumnCut& cut : cuts) {
+    if (first && cut.enter > first->distance) break;
+    const std::optional<ColumnHit> hit = HitOf(ray, cut);
+    if (hit && (!first || std::tie(hit->distance, hit->model) < std::tie(first->distance, first->model))) first = hit;
+  }
+  return first;
+}
+
+}  // namespace troupe
