@@ -7,6 +7,7 @@
 #include "common/model/state_hash.h"
 #include "common/worldfile/load_world.h"
 #include "library/save_picture.h"
+#include "library/save_view.h"
 #include "library/simulation_impl.h"
 #include "robot-agent/controller/create_controller.h"
 #include "world-service/core/initial_state.h"
@@ -171,6 +172,15 @@ void Simulation::Release(RobotId robot) {
 
 Status Simulation::SavePicture(const std::string& file, const PictureOptions& options, PictureRays rays) const {
   return troupe::SavePicture(*impl_->now.scene, impl_->bodies, state(), file, options, rays);
+}
+
+Status Simulation::SaveView(const std::string& file, RobotId robot, std::size_t sensor, CameraImage image) const {
+  const SensorReading reading = Measure(robot, sensor);
+  const CameraReading* const view = reading.As<CameraReading>();
+  if (view == nullptr) {
+    return Error{{}, "found a sensor that is no camera, expected a camera", ErrorCode::kBadInput};
+  }
+  return troupe::SaveView(*view, file, image);
 }
 
 }  // namespace troupe

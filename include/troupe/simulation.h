@@ -36,7 +36,12 @@ struct SimulationOptions {
 
 enum class PictureRays : std::uint8_t {
   kHidden,
-  kDrawn,  // the readings of all rangers
+  kDrawn,  // the readings of all sensors
+};
+
+enum class CameraImage : std::uint8_t {
+  kColors,
+  kDepths,  // grey: white at the nearest limit, black at the farthest
 };
 
 // The whole of a simulation at one tick: the world's state, and for each robot its controller, its odometry, the
@@ -109,6 +114,10 @@ class Simulation {
   // error's code is kBadInput for options out of bounds and kFailure for a file that cannot be written.
   Status SavePicture(const std::string& file, const PictureOptions& options = {},
                      PictureRays rays = PictureRays::kHidden) const;
+  // Writes the image of a camera in the present state, a pixel for each of its own, as a .png. The error's code is
+  // kBadInput for a sensor that is no camera or another ending, and kFailure for a file that cannot be written.
+  Status SaveView(const std::string& file, RobotId robot, std::size_t sensor,
+                  CameraImage image = CameraImage::kColors) const;
 
  private:
   struct Impl;

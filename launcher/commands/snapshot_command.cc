@@ -8,14 +8,18 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/command_line/exit_status.h"
 #include "common/command_line/option_checks.h"
 #include "common/picture/picture_options.h"
 #include "common/recording/recording.h"
+#include "common/sensing/sensor_registry.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
 #include "library/save_picture.h"
+#include "library/save_view.h"
 #include "troupe/simulation.h"
 #include "world-service/replay/run_replay.h"
 
@@ -39,6 +43,57 @@ PictureOptions ToPictureOptions(const SnapshotOptions& options) {
   return picture;
 }
 
+// A camera of a world.
+struct FoundCamera {
+  RobotId robot;
+  std::size_t sensor;
+};
+
+// By "robot" (its first camera) or "robot/sensor".
+Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string& name) {
+  const std::size_t slash = name.find('/');
+  const std::string sensor_name = slash == std::string::npos ? "" : name.substr(slash + 1);
+  const std::optional<RobotId> robot = FindRobot(world, name.substr(0, slash));
+  if (!robot) return Error{{}, fmt::format("--camera: found no robot '{}'", name.substr(0, slash))};
+  const std::vector<SensorDescription>& sensors = world.robot(*robot).sensors;
+  std::string known;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (!std::holds_alternative<CameraParameters>(sensors[i].parameters)) continue;
+    if (slash == std::string::npos || sensors[i].name == sensor_name) return FoundCamera{*robot, i};
+    known += (known.empty() ? "" : ", ") + sensors[i].name;
+  }
+  return Error{{},
+               fmt::format("--camera: found no camera '{}', expected {}", name,
+                           known.empty() ? "a robot with a camera" : "one of: " + known)};
+}
+
+// The picture of a state, or the view of a camera in it.
+Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const SnapshotOptions& options,
+                 const PictureOptions& picture, PictureRays rays) {
+  if (options.camera.empty()) return SavePicture(scene, bodies, state, options.output, picture, rays);
+  const Result<FoundCamera> camera = FindCamera(scene.world(), options.camera);
+  if (!camera.ok()) return camera.error();
+  const std::unique_ptr<const Sensor> sensor =
+      std::move(MakeSensors(scene, camera.value().robot)[camera.value().sensor]);
+  const SensorReading reading = sensor->Measure({scene, bodies}, state.tick);
+  return SaveView(*reading.As<CameraReading>(), options.output,
+                  options.depths ? CameraImage::kDepths : CameraImage::kColors);
+}
+
+// The options of a picture of the world do not concern a camera's, and the other way round.
+Status CheckCameraOptions(const SnapshotOptions& options) {
+  if (options.camera.empty()) {
+    if (!options.depths) return {};
+    return Error{{}, "found --depth, expected --camera beside it"};
+  }
+  const Result<PictureFormat> format = PictureFormatOf(options.output);
+  if (format.ok() && format.value() != PictureFormat::kPng) {
+    return Error{{options.output}, "found a camera's picture as .svg, expected .png"};
+  }
+  if (!options.rays && options.view == "top" && !options.width && options.center.empty() && !options.meters) return {};
+  return Error{{}, "found --camera beside an option of the world's picture, expected one of the two"};
+}
+
 int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& picture, PictureRays rays) {
   if (options.seed || options.controller) {
     return Fail({{options.file}, "found a recording, whose seed and controllers cannot be changed"});
@@ -54,9 +109,14 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
   for (const std::optional<std::string>& problem : {report.value().difference, report.value().damage}) {
     if (problem) return Fail({{options.file}, *problem, ErrorCode::kFailure});
   }
-  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
   const ReplayedWorld& world = replay.world();
-  if (const Status problem = SavePicture(*world.scene(), world.bodies(), world.state(), options.output, picture, rays);
+  if (!options.camera.empty()) {
+    if (const Result<FoundCamera> found = FindCamera(world.world(), options.camera); !found.ok()) {
+      return Fail(found.error());
+    }
+  }
+  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
+  if (const Status problem = SaveState(*world.scene(), world.bodies(), world.state(), options, picture, rays);
       !problem.ok()) {
     return Fail(problem.error());
   }
@@ -81,7 +141,11 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   command->add_option("--view", options->view, "top, or side: seen along +y (default: top)")
       ->check(OneOf({"top", "side"}))
       ->type_name("VIEW");
-  command->add_flag("--rays", options->rays, "Draw the readings of all rangers");
+  command->add_option("--camera", options->camera, "The view of this camera instead: ROBOT/SENSOR, or ROBOT: its first")
+      ->check(NotEmpty())
+      ->type_name("CAMERA");
+  command->add_flag("--depth", options->depths, "The camera's depths instead of its colours: white is near");
+  command->add_flag("--rays", options->rays, "Draw the readings of all sensors");
 
   const char* part = "Part of the world";
   command->add_option("--center", options->center, "Its middle, m (default: the world's middle)")
@@ -113,6 +177,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
   const PictureOptions picture_options = ToPictureOptions(options);
   if (const Status problem = CheckPictureOptions(picture_options); !problem.ok()) return Fail(problem.error());
 
+  if (const Status problem = CheckCameraOptions(options); !problem.ok()) return Fail(problem.error());
   const PictureRays rays = options.rays ? PictureRays::kDrawn : PictureRays::kHidden;
   if (IsRecordingPath(options.file)) return SnapshotRecording(options, picture_options, rays);
   if (const Status problem = CheckControllers(options.file, options.controller); !problem.ok())
@@ -124,14 +189,21 @@ int SnapshotCommand(const SnapshotOptions& options) {
   Result<Simulation> loaded = Simulation::Load(options.file, simulation_options);
   if (!loaded.ok()) return Fail(loaded.error());
   Simulation& simulation = loaded.value();
+  std::optional<FoundCamera> camera;
+  if (!options.camera.empty()) {
+    const Result<FoundCamera> found = FindCamera(simulation.world(), options.camera);
+    if (!found.ok()) return Fail(found.error());
+    camera = found.value();
+  }
   for (const Warning& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning.ToString());
   if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
 
   simulation.Step(options.tick);
   for (const std::string& failure : simulation.failures()) fmt::print(stderr, "warning: {}\n", failure);
-  if (const Status problem = simulation.SavePicture(options.output, picture_options, rays); !problem.ok())
-    return Fail(problem.error());
-  return kExitDone;
+  const CameraImage image = options.depths ? CameraImage::kDepths : CameraImage::kColors;
+  const Status saved = camera ? simulation.SaveView(options.output, camera->robot, camera->sensor, image)
+                              : simulation.SavePicture(options.output, picture_options, rays);
+  return saved.ok() ? kExitDone : Fail(saved.error());
 }
 
 }  // namespace troupe

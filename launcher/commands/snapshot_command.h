@@ -18,6 +18,8 @@ struct SnapshotOptions {
   std::uint64_t tick = 0;
   std::string view = "top";  // or "side"
   bool rays = false;
+  std::string camera;   // "robot" or "robot/sensor": its view instead of the world; empty: the world
+  bool depths = false;  // of the camera, instead of its colours
 
   // Nothing or empty: as the world file sets it, or chosen by the contents of the picture.
   std::optional<int> width;      // pixels

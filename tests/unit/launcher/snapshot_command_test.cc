@@ -28,6 +28,7 @@ define robot position
   velocity_bounds [-1 1 0 0 0 0 -90 90]
   acceleration_bounds [-1 1 0 0 0 0 -90 90]
   ranger( sensor( range [0 4] fov 180 samples 31 ) )
+  camera( name "eye" resolution [30 20] )
 )
 robot( pose [0 0 0 0] name "r0" ctrl "wander" )
 robot( pose [0 2 0 90] name "r1" ctrl "wander" )
@@ -105,6 +106,19 @@ TEST_F(SnapshotCommandTest, TheSameTickGivesTheSamePictureAndAnotherTickAnother)
   EXPECT_NE(Read("a.png"), Read("c.png"));
 }
 
+TEST_F(SnapshotCommandTest, WritesTheViewOfACamera) {
+  const std::string file = Path("good.world") + " -o ";
+  EXPECT_EQ(RunLine(file + Path("first.png") + " --camera r0"), 0) << message_;
+  EXPECT_EQ(RunLine(file + Path("named.png") + " --camera r0/eye"), 0) << message_;
+  EXPECT_EQ(RunLine(file + Path("later.png") + " --camera r0/eye --tick 9"), 0) << message_;
+  EXPECT_EQ(RunLine(file + Path("depths.png") + " --camera r0/eye --depth"), 0) << message_;
+  EXPECT_THAT(Read("first.png"), StartsWith("\x89PNG"));
+  EXPECT_EQ(Read("first.png").substr(16, 8), std::string("\0\0\0\x1e\0\0\0\x14", 8)) << "30 by 20 pixels";
+  EXPECT_EQ(Read("first.png"), Read("named.png"));
+  EXPECT_NE(Read("first.png"), Read("later.png"));
+  EXPECT_NE(Read("first.png"), Read("depths.png"));
+}
+
 TEST_F(SnapshotCommandTest, ReadsItsOptionsFromTheCommandLine) {
   const std::string files = Path("good.world") + " -o " + Path("part.png");
   EXPECT_EQ(RunLine(files + " --tick 5 --view side --rays --center 0 -1 --meters 3 --width 300 --seed 7"), 0)
@@ -132,6 +146,11 @@ TEST_F(SnapshotCommandTest, RefusesBadCommandLines) {
       {files + "--meters -3", "found a picture -3 m wide"},
       {files + "--meters wide", "--meters"},
       {files + "--seed x", "found 'x'"},
+      {files + "--camera nobody", "found no robot 'nobody'"},
+      {files + "--camera r0/nose", "found no camera 'r0/nose', expected one of: eye"},
+      {files + "--camera r0 --rays", "found --camera beside an option of the world's picture"},
+      {files + "--depth", "found --depth, expected --camera beside it"},
+      {Path("good.world") + " -o " + Path("x.svg") + " --camera r0", "found a camera's picture as .svg"},
       {files + "--colour red", "--colour"},
   };
   for (const auto& c : cases) {
