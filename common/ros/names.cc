@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace troupe::ros {
 namespace {
@@ -35,7 +36,7 @@ bool IsAutomatic(const std::string& name) {
 }
 
 bool IsLaser(const RaySensorDescription& sensor) {
-  return sensor.samples > 1;
+  return sensor.samples > 1 || !sensor.elevations.empty();
 }
 
 std::string BaseName(const std::string& name, const RangerParameters& ranger) {
@@ -87,12 +88,28 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   for (const char* reserved : {"odom", "base_link", "map"}) frames.Reserve(reserved);
   for (std::size_t r = 0; r < robot.sensors.size(); ++r) {
     const RangerParameters* const ranger = std::get_if<RangerParameters>(&robot.sensors[r].parameters);
-    if (ranger == nullptr) continue;
+    if (ranger == nullptr) {
+      const std::string type(TypeOf(robot.sensors[r].parameters));
+      const bool is_camera = type == CameraParameters::kType;
+      if (!is_camera && type != BumperParameters::kType && type != ContactParameters::kType) continue;
+      const std::string kind_base = IsAutomatic(robot.sensors[r].name) ? type : RosName(robot.sensors[r].name);
+      std::string topic = names.Reserve(kind_base);
+      if (is_camera) {
+        std::string frame = frames.Reserve(kind_base);
+        frames.Reserve(frame + "_optical");
+        topics.cameras.push_back({r, std::move(topic), std::move(frame)});
+      } else {
+        topics.touches.push_back({r, std::move(topic), ""});
+      }
+      continue;
+    }
     const std::string base = BaseName(robot.sensors[r].name, *ranger);
     SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
     for (std::size_t s = 0; s < ranger->ray_sensors.size(); ++s) {
       const std::string frame = frames.Reserve(ranger->ray_sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
-      if (IsLaser(ranger->ray_sensors[s])) {
+      if (!ranger->ray_sensors[s].elevations.empty()) {
+        topics.clouds.push_back({r, s, names.Reserve(base), frame});
+      } else if (IsLaser(ranger->ray_sensors[s])) {
         topics.lasers.push_back({r, s, names.Reserve(base), frame});
       } else {
         sonar.sensors.push_back({s, frame});
@@ -116,6 +133,11 @@ std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot
   };
   const SensorTopics sensors = SensorTopicsOf(world.robot(robot));
   for (const LaserTopic& laser : sensors.lasers) reserve_sensor(laser.frame);
+  for (const CloudTopic& cloud : sensors.clouds) reserve_sensor(cloud.frame);
+  for (const KindTopic& camera : sensors.cameras) {
+    reserve_sensor(camera.frame);
+    frames.Reserve(camera.frame + "_optical");
+  }
   for (const SonarTopic& sonar : sensors.sonars) {
     for (const SonarTopic::Sensor& sensor : sonar.sensors) reserve_sensor(sensor.frame);
   }

@@ -46,13 +46,32 @@ struct SonarTopic {
   std::vector<Sensor> sensors;
 };
 
+// A ray sensor with several planes: a cloud of points on the topic "<topic>/points".
+struct CloudTopic {
+  std::size_t ranger = 0;
+  std::size_t sensor = 0;  // in RangerParameters::ray_sensors
+  std::string topic;
+  std::string frame;
+};
+
+// A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a bumper and a contact
+// sensor have one that says whether they are pressed. Other kinds have none.
+struct KindTopic {
+  std::size_t sensor = 0;  // in RobotDescription::sensors
+  std::string topic;
+  std::string frame;  // of a camera, looking along x; its images are in "<frame>_optical"
+};
+
 struct SensorTopics {
   std::vector<LaserTopic> lasers;
   std::vector<SonarTopic> sonars;
+  std::vector<CloudTopic> clouds;
+  std::vector<KindTopic> cameras;
+  std::vector<KindTopic> touches;
 };
 
 // A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if
-// all its sensors have one ray; a number distinguishes further ones.
+// all its sensors have one ray; a number distinguishes further ones. Sensors of other kinds likewise: "camera".
 SensorTopics SensorTopicsOf(const RobotDescription& robot);
 
 // The name of a joint in joint_states and in the robot's URDF, and the frame of the link that it moves.

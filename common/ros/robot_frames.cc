@@ -20,12 +20,16 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
   }
   const auto add_sensor = [&](std::size_t ranger, std::size_t sensor, const std::string& frame) {
     const SensorDescription& description = scene.world().robot(robot).sensors[ranger];
-    const auto& ray_sensors = std::get<RangerParameters>(description.parameters).ray_sensors;
-    const Pose X_LS = scene.X_LM(description.model) * ray_sensors[sensor].X_MS;
+    const auto* const camera = std::get_if<CameraParameters>(&description.parameters);
+    const Pose X_MS =
+        camera != nullptr ? camera->X_MS : std::get<RangerParameters>(description.parameters).ray_sensors[sensor].X_MS;
+    const Pose X_LS = scene.X_LM(description.model) * X_MS;
     frames.fixed.push_back({frames.links[scene.link_of(description.model)], names.prefix + frame, X_LS});
   };
   const SensorTopics sensors = SensorTopicsOf(scene.world().robot(robot));
   for (const LaserTopic& laser : sensors.lasers) add_sensor(laser.ranger, laser.sensor, laser.frame);
+  for (const CloudTopic& cloud : sensors.clouds) add_sensor(cloud.ranger, cloud.sensor, cloud.frame);
+  for (const KindTopic& camera : sensors.cameras) add_sensor(camera.sensor, 0, camera.frame);
   for (const SonarTopic& sonar : sensors.sonars) {
     for (const SonarTopic::Sensor& sensor : sonar.sensors) add_sensor(sonar.ranger, sensor.index, sensor.frame);
   }

@@ -34,6 +34,8 @@ TROUPE_DDS_TYPE(rcl_interfaces_srv_dds__SetParameters_Request_);
 TROUPE_DDS_TYPE(rcl_interfaces_srv_dds__SetParameters_Response_);
 TROUPE_DDS_TYPE(rmw_dds_common_msg_dds__ParticipantEntitiesInfo_);
 TROUPE_DDS_TYPE(rosgraph_msgs_msg_dds__Clock_);
+TROUPE_DDS_TYPE(sensor_msgs_msg_dds__CameraInfo_);
+TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Image_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__JointState_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__LaserScan_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_);

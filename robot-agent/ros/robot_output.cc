@@ -28,7 +28,8 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
       odom_(node, "odom", ros::Stream(kOutputDepth)),
       ground_truth_(node, "ground_truth", ros::Stream(kOutputDepth)),
       stalled_(node, "stalled", ros::Stream(kOutputDepth)),
-      robot_description_(node, "robot_description", ros::Latched()) {
+      robot_description_(node, "robot_description", ros::Latched()),
+      sensors_(node, scene, robot, frames_) {
   if (!tree_.moving.empty()) {
     joint_states_ =
         std::make_unique<ros::RosWriter<ros::JointStateMessage>>(node, "joint_states", ros::Stream(kOutputDepth));
@@ -85,6 +86,7 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
     PublishSonar(tick, robot, sonar);
     PublishPoints(tick, robot, sonar);
   }
+  sensors_.Publish(Stamp(tick), tick, robot);
   if (joint_states_ && joint_states_->wanted()) PublishJoints(tick, robot);
 }
 
@@ -156,6 +158,7 @@ std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView
   for (const ros::FixedFrame& frame : tree_.fixed) {
     transforms.push_back(ros::MakeTransform(Stamp(0), frame.parent, frame.frame, frame.X_PF, arena));
   }
+  sensors_.AddOpticalTransforms(Stamp(0), transforms, arena);
   if (map_to_odom_) {
     const Pose X_WO = ros::OdomInMap(description().localization, robot.state().X_WR, robot.pose_estimate());
     transforms.push_back(ros::MakeTransform(Stamp(0), ros::kMapFrame, frames_.odom, X_WO, arena));

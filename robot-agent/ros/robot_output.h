@@ -12,6 +12,7 @@
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/agent/gateway.h"
+#include "robot-agent/ros/sensor_output.h"
 
 namespace troupe {
 
@@ -65,6 +66,7 @@ class RobotOutput {
   ros::RosWriter<ros::String> robot_description_;
   std::vector<Laser> lasers_;
   std::vector<Sonar> sonars_;
+  SensorOutput sensors_;
 };
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 
 namespace troupe::ros {
@@ -52,6 +53,32 @@ TEST(SensorTopicsOf, NamesUnnamedScannersScanAndRingsSonar) {
   EXPECT_EQ(topics.sonars[0].topic, "sonar");
   EXPECT_EQ(topics.sonars[0].sensors.size(), 2u);
   EXPECT_EQ(topics.sonars[1].topic, "sonar_1");
+}
+
+TEST(SensorTopicsOf, NamesOtherKindsByTheirTypes) {
+  SmallWorld world;
+  const RobotId robot = world.AddRobot("r", {});
+  RaySensorDescription scanner = Fan(1.0, 5);
+  scanner.elevations = {-0.1, 0.1};
+  world.AddRanger(robot, {}, {scanner});
+  for (SensorParameters parameters : {SensorParameters(CameraParameters()), SensorParameters(CameraParameters()),
+                                      SensorParameters(BumperParameters()), SensorParameters(ContactParameters()),
+                                      SensorParameters(FiducialParameters())}) {
+    test::AddSensor(world.world(), robot, {}, std::move(parameters));
+  }
+  world.robot(robot).sensors[2].name = "rear eye";
+  const SensorTopics topics = SensorTopicsOf(world.robot(robot));
+  EXPECT_TRUE(topics.lasers.empty());
+  ASSERT_EQ(topics.clouds.size(), 1u);
+  EXPECT_EQ(topics.clouds[0].topic, "scan");
+  ASSERT_EQ(topics.cameras.size(), 2u);
+  EXPECT_EQ(topics.cameras[0].topic, "camera");
+  EXPECT_EQ(topics.cameras[0].frame, "camera");
+  EXPECT_EQ(topics.cameras[1].topic, "rear_eye");
+  ASSERT_EQ(topics.touches.size(), 2u);
+  EXPECT_EQ(topics.touches[0].topic, "bumper");
+  EXPECT_EQ(topics.touches[1].topic, "contact");
+  EXPECT_EQ(topics.touches[1].sensor, 4u);
 }
 
 TEST(SensorTopicsOf, MakesFramesAndTopicsUnique) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
 
 #include "common/dds/binding/wire.h"
@@ -13,6 +14,7 @@
 #include "tests/support/garbage_sender.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/ros_domain.h"
+#include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 
 // A message of a broken or hostile peer: one byte under the name of a Twist.
@@ -223,6 +225,49 @@ TEST_F(RosGatewayTest, PublishesScansAndRanges) {
   if (frames[0] == "a/sonar_1") frames.erase(frames.begin());
   EXPECT_EQ(frames[0], "a/sonar_0");
   EXPECT_EQ(frames[1], "a/sonar_1");
+}
+
+TEST_F(RosGatewayTest, PublishesCamerasCloudsAndTouches) {
+  SmallWorld world;
+  const RobotId robot = world.AddRobot("a", {});
+  world.AddBox("wall", 0.3, 0.0, 0.2, 4.0, {0.0, 0.3});
+  test::AddSensor(world.world(), robot, {0.0, 0.0, 0.2, 0.0},
+                  CameraParameters{.width = 4, .height = 3, .range = {0.1, 8.0}});
+  RaySensorDescription scanner = Fan(0.2, 3);
+  scanner.elevations = {-0.1, 0.1};
+  test::AddSensor(world.world(), robot, {0.0, 0.0, 0.2, 0.0}, RangerParameters{{scanner}});
+  test::AddSensor(world.world(), robot, {}, ContactParameters{});
+  MakeReplica(options_, world.world());
+  auto images = Reader<ros::ImageMessage>("/a/camera/image_raw");
+  auto depths = Reader<ros::ImageMessage>("/a/camera/depth/image_raw");
+  auto optics = Reader<ros::CameraInfo>("/a/camera/camera_info");
+  auto clouds = Reader<ros::PointCloud2>("/a/scan/points");
+  auto contact = Reader<ros::Bool>("/a/contact");
+  auto fixed = Reader<ros::TfMessage>("/tf_static", true);
+  TickUntilReceived(images, [](const ros::ImageMessage& image) {
+    EXPECT_STREQ(image.header.frame_id, "a/camera_optical");
+    EXPECT_EQ(image.data._length, 36u);
+  });
+  TickUntilReceived(depths, [](const ros::ImageMessage& image) {
+    ASSERT_EQ(image.data._length, 48u);
+    float depth = 0.0F;
+    std::memcpy(&depth, image.data._buffer + 4 * 5, sizeof depth);  // the middle row
+    EXPECT_FLOAT_EQ(depth, 0.2F);
+  });
+  TickUntilReceived(optics, [](const ros::CameraInfo& info) { EXPECT_EQ(info.k[2], 2.0); });
+  TickUntilReceived(clouds, [](const ros::PointCloud2& cloud) {
+    EXPECT_STREQ(cloud.header.frame_id, "a/scan");
+    EXPECT_EQ(cloud.width, 6u);
+  });
+  TickUntilReceived(contact, [](const ros::Bool& pressed) { EXPECT_TRUE(pressed.data); });
+  TickUntilReceived(fixed, [](const ros::TfMessage& message) {
+    for (const ros::TransformStamped& transform : dds::Elements(message.transforms)) {
+      if (dds::Text(transform.child_frame_id) != "a/camera_optical") continue;
+      EXPECT_STREQ(transform.header.frame_id, "a/camera");
+      return;
+    }
+    ADD_FAILURE() << "no frame of images";
+  });
 }
 
 TEST_F(RosGatewayTest, SendsTheRangeOfHumbleToHumble) {

@@ -1,0 +1,98 @@
+#include "common/ros/convert_sensors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace troupe::ros {
+namespace {
+
+// 3 x 2 pixels.
+CameraReading SomeView() {
+  CameraReading reading;
+  reading.width = 3;
+  reading.height = 2;
+  reading.focal_length_x = 1.5;
+  reading.focal_length_y = 2.5;
+  reading.center_x = 1.25;
+  reading.center_y = -0.5;
+  reading.limits = {0.2, 8.0};
+  for (std::uint8_t i = 0; i < 18; ++i) reading.colors.push_back(i);
+  reading.depths = {1.0F, 2.0F, std::numeric_limits<float>::infinity(), 4.0F, 5.0F, 6.0F};
+  return reading;
+}
+
+TEST(ConvertSensors, AnImageHasTheBytesOfItsPixels) {
+  dds::WireArena arena;
+  const ImageMessage image = MakeColorImage({1, 2}, "eye_optical", SomeView(), arena);
+  EXPECT_STREQ(image.header.frame_id, "eye_optical");
+  EXPECT_STREQ(image.encoding, "rgb8");
+  EXPECT_EQ(image.width, 3u);
+  EXPECT_EQ(image.height, 2u);
+  EXPECT_EQ(image.step, 9u);
+  ASSERT_EQ(image.data._length, 18u);
+  for (std::uint8_t i = 0; i < 18; ++i) EXPECT_EQ(image.data._buffer[i], i);
+}
+
+TEST(ConvertSensors, ADepthImageHasFloats) {
+  dds::WireArena arena;
+  const ImageMessage image = MakeDepthImage({1, 2}, "eye_optical", SomeView(), arena);
+  EXPECT_STREQ(image.encoding, "32FC1");
+  EXPECT_EQ(image.step, 12u);
+  ASSERT_EQ(image.data._length, 24u);
+  float depths[6];
+  std::memcpy(depths, image.data._buffer, sizeof depths);
+  EXPECT_EQ(std::vector<float>(depths, depths + 6), SomeView().depths);
+}
+
+TEST(ConvertSensors, TheOpticsProjectPointsOntoTheirPixels) {
+  dds::WireArena arena;
+  const CameraInfo info = MakeCameraInfo({1, 2}, "eye_optical", SomeView(), arena);
+  EXPECT_EQ(info.width, 3u);
+  EXPECT_STREQ(info.distortion_model, "plumb_bob");
+  EXPECT_EQ(info.d._length, 5u);
+  const double k[] = {1.5, 0.0, 1.25, 0.0, 2.5, -0.5, 0.0, 0.0, 1.0};
+  const double p[] = {1.5, 0.0, 1.25, 0.0, 0.0, 2.5, -0.5, 0.0, 0.0, 0.0, 1.0, 0.0};
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(info.k[i], k[i]) << i;
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(info.r[i], i % 4 == 0 ? 1.0 : 0.0) << i;
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(info.p[i], p[i]) << i;
+}
+
+TEST(ConvertSensors, AnOpticalFrameLooksAlongZ) {
+  dds::WireArena arena;
+  const TransformStamped transform = MakeOpticalTransform({}, "eye", "eye_optical", arena);
+  const auto& q = transform.transform.rotation;
+  // The third column of the rotation: z of the optical frame in the camera's, which is x.
+  EXPECT_DOUBLE_EQ(2.0 * (q.x * q.z + q.w * q.y), 1.0);
+  EXPECT_DOUBLE_EQ(2.0 * (q.y * q.z - q.w * q.x), 0.0);
+  EXPECT_DOUBLE_EQ(1.0 - 2.0 * (q.x * q.x + q.y * q.y), 0.0);
+  // The first: x of the optical frame, which is to the right.
+  EXPECT_DOUBLE_EQ(2.0 * (q.x * q.y + q.w * q.z), -1.0);
+}
+
+TEST(ConvertSensors, ACloudHasTheHitsOfAllPlanes) {
+  RangeScan scan;
+  scan.fan = {2.0, 2};
+  scan.elevations = {-0.5, 0.25};
+  scan.limits = {0.0, 9.0};
+  scan.ranges = {1.0, 9.0, 9.0, 2.0};
+  scan.intensities = {0.5, 0.0, 0.0, 1.0};
+  dds::WireArena arena;
+  const PointCloud2 cloud = MakeScanCloud({1, 2}, "lidar", scan, arena);
+  ASSERT_EQ(cloud.width, 2u);
+  ASSERT_EQ(cloud.fields._length, 4u);
+  EXPECT_STREQ(cloud.fields._buffer[3].name, "intensity");
+  EXPECT_EQ(cloud.fields._buffer[3].offset, 12u);
+  float values[8];
+  ASSERT_EQ(cloud.data._length, sizeof values);
+  std::memcpy(values, cloud.data._buffer, sizeof values);
+  const double expected[] = {
+      std::cos(0.5) * std::cos(1.0),        -std::cos(0.5) * std::sin(1.0),       -std::sin(0.5),       0.5,
+      2.0 * std::cos(0.25) * std::cos(1.0), 2.0 * std::cos(0.25) * std::sin(1.0), 2.0 * std::sin(0.25), 1.0};
+  for (int i = 0; i < 8; ++i) EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
+}
+
+}  // namespace
+}  // namespace troupe::ros
