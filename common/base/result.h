@@ -23,6 +23,7 @@ struct SourceLocation {
 // The exit status of a program follows from it: 2 for bad input, 3 for a failure.
 enum class ErrorCode : std::uint8_t {
   kBadInput,      // the user's input is wrong: a file, an option, a request
+  kMalformed,     // bad input: a file that a request names has an error at a place in its text
   kFailure,       // the input is good, but the work cannot be done: no memory, a lost service
   kNoRoom,        // a failure: the place that the input names is taken
   kOutputFailed,  // a failure, of writing an output file: a full disk

@@ -13,7 +13,8 @@ inline constexpr int kExitInterrupted = 130;
 
 // Of a program that ends with this error.
 inline int ExitStatusOf(const Error& error) {
-  return error.code == ErrorCode::kBadInput ? kExitBadInput : kExitFailed;
+  const bool is_bad_input = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kMalformed;
+  return is_bad_input ? kExitBadInput : kExitFailed;
 }
 
 }  // namespace troupe

@@ -133,6 +133,7 @@ Status CheckRobot(const WorldDescription& world, std::size_t index) {
   if (!AreUsable({localization.error_x, localization.error_y, localization.error_heading})) {
     return Problem("its odometry errors are not finite or too large");
   }
+  if (robot.ros.domain.value_or(0) > kLastRosDomain) return Problem("its ROS domain is above 230");
   for (const SensorDescription& sensor : robot.sensors) {
     if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
   }

@@ -192,6 +192,15 @@ class DescriptionHasher {
     AddAll(robot.sensors);
     Add(robot.controller.name);
     Add(robot.controller.parameters);
+    if (robot.ros == RosIdentity()) return;  // so that worlds without one have the hash that they always had
+    Add(std::uint64_t{robot.ros.domain ? *robot.ros.domain + 1 : 0});
+    Add(robot.ros.name_space);
+  }
+  void Add(const NamedPlace& place) {
+    Add(place.name);
+    Add(place.description);
+    AddAll(place.tags);
+    Add(place.X_WN);
   }
   void Add(const JointDescription& joint) {
     Add(joint.name);
@@ -245,6 +254,7 @@ std::uint64_t Hash(const WorldDescription& world) {
   hasher.AddAll(world.grippers);
   hasher.AddAll(world.objects);
   hasher.Add(world.gravity);
+  if (!world.places.empty()) hasher.AddAll(world.places);
   return hasher.value();
 }
 

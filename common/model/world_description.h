@@ -171,6 +171,23 @@ struct ControllerDescription {
 // True if a controller of this name is a shared library: the name contains a slash or ends in ".so".
 bool NamesLibrary(const std::string& controller);
 
+// How a robot appears in ROS 2. It changes no result.
+struct RosIdentity {
+  std::optional<std::uint32_t> domain = {};  // its own ROS domain, where its topics have plain names; none: the run's
+  std::string name_space = {};               // of its topics, "/fleet/anna"; empty: its name
+  bool operator==(const RosIdentity&) const = default;
+};
+inline constexpr std::uint32_t kLastRosDomain = 230;
+
+// A pose that a scenario names, for instance of a goal. It changes no result.
+struct NamedPlace {
+  std::string name;
+  std::string description;
+  std::vector<std::string> tags;
+  Pose X_WN;
+  bool operator==(const NamedPlace&) const = default;
+};
+
 struct RobotDescription {
   std::string name;  // the root model's name
   ModelId root;
@@ -178,6 +195,7 @@ struct RobotDescription {
   LocalizationDescription localization;
   std::vector<SensorDescription> sensors;  // in the order of the world file; break beams are their grippers'
   ControllerDescription controller;
+  RosIdentity ros = {};
   bool operator==(const RobotDescription&) const = default;
 };
 
@@ -192,6 +210,7 @@ struct WorldDescription {
   std::vector<GripperDescription> grippers;
   std::vector<ModelId> objects;  // movable objects, which may be gripped and fall: the roots of their trees
   double gravity = 9.81;         // m/s^2; 0: a released object stays in the air
+  std::vector<NamedPlace> places = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }

@@ -152,7 +152,7 @@ enum class ControlCommand : std::uint8_t {
   kStep = 3,  // from a pause: `ticks` ticks, and pause again; answered when that pause is quiescent
   // Edits, each in a pause of its own if the run plays; answered when all agents have the edited world.
   kReset = 4,      // by `scopes`
-  kLoadWorld = 5,  // the file `source`
+  kLoadWorld = 5,  // the file `source`; an empty world without one
   kSpawn = 6,      // `source`, as `name`, at `pose`
   kDelete = 7,     // `name`
   kSetPose = 8,    // of `name` to `pose`
@@ -169,8 +169,13 @@ enum class ControlCommand : std::uint8_t {
   kRewind = 14,
   // In recordings only, an edit: the seed and the controllers, as `source` says.
   kChange = 15,
+  // Questions.
+  kWorld = 16,   // the name of the loaded world, and its file as its type; nothing after it was unloaded
+  kWorlds = 17,  // the files of worlds in the folder `source`; without one in that of the run's world
+  // Another edit.
+  kSetTwist = 18,  // of robot `name` to `twist`
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kChange;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kSetTwist;
 
 inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 
@@ -195,6 +200,11 @@ struct ControlRequest {
   // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
   // and the number of its goal do not count.
   RobotCommand robot_command = {};
+  Twist twist = {};     // kSetTwist, in R
+  // Only in the service's process, not on the wire.
+  std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
+  std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot
+  bool with_boxes = false;         // kEntities: report their boxes
   bool operator==(const ControlRequest&) const = default;
 };
 
@@ -206,13 +216,21 @@ enum class EntityKind : std::uint8_t {
   kModel = 2,   // never moves
 };
 
+// The smallest box around an entity, upright and aligned with its frame E, m. Empty: it has no body.
+struct EntityBox {
+  double min_x = 0.0, min_y = 0.0, min_z = 0.0;
+  double max_x = 0.0, max_y = 0.0, max_z = 0.0;
+  bool operator==(const EntityBox&) const = default;
+};
+
 // The unit of edits: a model without a parent, with its whole tree.
 struct EntityReport {
   std::string name;
   std::string type;  // as in the world file
   EntityKind kind = EntityKind::kModel;
   Pose X_WE = {};
-  Twist twist = {};  // in E
+  Twist twist = {};    // in E
+  EntityBox box = {};  // only in the service's process, and if the request asks for it
   bool operator==(const EntityReport&) const = default;
 };
 

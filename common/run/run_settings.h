@@ -56,6 +56,7 @@ struct RunSettings {
   std::uint32_t restart_agents = kDefaultRestartAgents;  // 0: none; none either with OnAgentLoss::kAbort
   double agent_deadline_seconds = 10.0;  // wall time that the barrier waits for a silent agent before it is lost
   bool ros = false;                      // publish the robots to ROS 2
+  bool ros_infinite_ranges = true;       // there a ray of a scan without a hit reads +Inf (REP 117), else range_max
 };
 
 // Nothing: the setting keeps its value.

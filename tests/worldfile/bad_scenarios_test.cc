@@ -76,11 +76,12 @@ const BadScenario kAgainstTheSchema[] = {
     {"NoObject", "[1, 2]", ":1:1: error: found an array of 2, expected an object with the keys of a scenario"},
     {"UnknownKey", "{\"wolrd\": \"office.world\"}",
      ":1:2: error: found the key 'wolrd', expected one of $schema, agent_deadline, controller, hosts, include, mode, "
-     "models, name, network, on_agent_loss, override, properties, restart_agents, robots, robots_per_process, ros, "
-     "seed, "
+     "models, name, network, on_agent_loss, override, places, properties, restart_agents, robots, robots_per_process, "
+     "ros, ros_no_hit, seed, "
      "spawn, speed, ticks, world; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("\"robots\": [{\"name\": \"r0\",\n  \"position\": [0, 0, 0]}]"),
-     ":3:3: error: found the key 'position', expected one of children, controller, model, name, pose, properties"},
+     ":3:3: error: found the key 'position', expected one of children, controller, model, name, pose, properties, "
+     "ros_domain"},
     {"UnknownKeyOfAController", Alone("\"controller\": {\"name\": \"idle\", \"speed\": 1}"),
      ":2:32: error: found the key 'speed', expected one of name, parameters"},
     {"HostWithoutAddress", Alone("\"hosts\": [{\"name\": \"h1\"}]"),
@@ -163,6 +164,34 @@ const BadScenario kAgainstTheSchema[] = {
      ":2:14: error: found no 'match' in this object, expected an object with 'name', 'type' or both"},
     {"OverrideOfNothing", Alone("\"override\": [{\"match\": {}, \"properties\": {\"color\": \"red\"}}]"),
      ":2:24: error: found an empty object, expected an object with 'name', 'type' or both"},
+    {"RosNoHitIsUnknown", Alone("\"ros_no_hit\": \"nan\""),
+     ":2:15: error: found the string 'nan', expected 'inf' or 'range-max'"},
+    {"RosDomainIsTooHigh", Alone("\"robots\": [{\"name\": \"r0\", \"ros_domain\": 231}]"),
+     ":2:41: error: found the number 231, expected a ROS domain from 0 to 230, or {\"each\": the first one}"},
+    {"RosDomainOfEachForOneRobot", Alone("\"robots\": [{\"name\": \"r0\", \"ros_domain\": {\"each\": 1}}]"),
+     ":2:41: error: found 'each' for one robot, expected a ROS domain from 0 to 230"},
+    {"RosDomainTwice",
+     Alone("\"robots\": [{\"name\": \"r0\", \"ros_domain\": 5},\n"
+           "{\"name\": \"r1\", \"model\": \"position\", \"ros_domain\": 5}]"),
+     ":3:51: error: found the ROS domain 5 for robot 'r1', which robot 'r0' has already, expected one for each robot"},
+    {"RosDomainOfARuleWithSeveralRobots",
+     Alone("\"spawn\": [{\"model\": \"position\", \"count\": 3, \"region\": [5, 5, 50, 50],\n\"ros_domain\": 5}]"),
+     ":3:15: error: found one ROS domain for 3 robots, expected {\"each\": 5}"},
+    {"RosDomainsOfARuleBeyondTheLast",
+     Alone("\"spawn\": [{\"model\": \"position\", \"count\": 3, \"region\": [5, 5, 50, 50],\n"
+           "\"ros_domain\": {\"each\": 229}}]"),
+     ":3:15: error: found the ROS domain 231 for robot 'position2', expected at most 230: the ports of a higher one "
+     "would exceed 65535"},
+    {"RosDomainOfNoRobot",
+     Alone("\"spawn\": [{\"model\": \"model\", \"count\": 1, \"region\": [5, 5, 50, 50],\n\"ros_domain\": 5}]"),
+     ":3:15: error: found a ROS domain for a model of type 'model', expected it for robots only: models of type "
+     "'position'"},
+    {"PlaceTwice",
+     Alone("\"places\": [{\"name\": \"dock\", \"pose\": [0, 0, 0]},\n{\"name\": \"dock\", \"pose\": [1, 0, 0]}]"),
+     ":3:10: error: found the place 'dock' again, expected another name"},
+    {"PlaceWithoutPose", Alone("\"places\": [{\"name\": \"dock\"}]"),
+     ":2:12: error: found no 'pose' in this object, expected [x, y, heading] or [x, y, z, heading], in metres and "
+     "degrees"},
     {"RosIsText", Alone("\"ros\": \"yes\""), ":2:8: error: found the string 'yes', expected true or false"},
     {"TwoFaultsFirstOneTold", Alone("\"ticks\": -1, \"robots\": [{\"pose\": 1}], \"foo\": 1"),
      ":2:10: error: found the number -1, expected a number of ticks, an integer of at least 0"},

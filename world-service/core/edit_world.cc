@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/geometry/limits.h"
+#include "common/model/drive_limits.h"
 #include "common/spatial/overlap.h"
 #include "world-service/core/find_overlap.h"
 #include "world-service/core/grip.h"
@@ -228,6 +229,22 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   }
   EditedWorld edited = Finish(workspace, std::move(after));
   if (const Status problem = CheckRoom(edited, root.value(), pose); !problem.ok()) return problem.error();
+  return edited;
+}
+
+Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                             const std::string& name, const Twist& twist) {
+  const Result<ModelId> root = FindEntity(scene->world(), name);
+  if (!root.ok()) return root.error();
+  const std::optional<RobotId> robot = scene->robot_of(root.value());
+  if (!robot) return Refuse("'" + name + "' is no robot: it has no drive");
+  constexpr double kLongEnough = 1e9;  // s, for any acceleration
+  const bool is_finite = std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
+  if (!is_finite || !WithinLimits(scene->world().robot(*robot).drive, {}, twist, kLongEnough)) {
+    return Refuse("found a twist that the drive of '" + name + "' cannot have, expected one within its limits");
+  }
+  EditedWorld edited{scene, state};
+  edited.state.robots[robot->index()].twist = twist;
   return edited;
 }
 

@@ -30,6 +30,11 @@ Result<ModelId> FindEntity(const WorldDescription& world, const std::string& nam
 Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,
                             const Pose& X_WE);
 
+// Sets the velocity of a robot, from which its drive accelerates. The error is an unknown name, an entity that is no
+// robot, or a twist that its drive cannot have.
+Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                             const std::string& name, const Twist& twist);
+
 // Removes an entity.
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                  const std::string& name);

@@ -42,6 +42,7 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kSetPose:
     case ControlCommand::kRewind:
     case ControlCommand::kChange:
+    case ControlCommand::kSetTwist:
       return true;
     case ControlCommand::kStatus:
     case ControlCommand::kPause:
@@ -52,6 +53,8 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kSpeed:
     case ControlCommand::kCommandRobot:
     case ControlCommand::kRestore:  // becomes a spawn
+    case ControlCommand::kWorld:
+    case ControlCommand::kWorlds:
       return false;
   }
   return false;
@@ -65,6 +68,8 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
       return Reset(request.scopes, original, scene, state);
     case ControlCommand::kSetPose:
       return SetPose(scene, state, request.name, request.pose);
+    case ControlCommand::kSetTwist:
+      return SetTwist(scene, state, request.name, request.twist);
     case ControlCommand::kDelete:
       return DeleteEntity(scene, state, request.name);
     case ControlCommand::kSpawn:

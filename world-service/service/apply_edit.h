@@ -11,7 +11,7 @@
 
 namespace troupe {
 
-// Reset, load, spawn, delete, set pose, rewind.
+// Reset, load, spawn, delete, set pose, set twist, rewind.
 bool IsEdit(ControlCommand command);
 
 // `original`: the scene that a reset restores, the newest that was loaded. The error is the reason why the edit

@@ -10,12 +10,13 @@
 namespace troupe {
 namespace {
 
-// The place and the message in one text, without the severity.
+// The place and the message in one text, without the severity. A file that was not found has no line.
 Error FlattenPlace(const Error& error) {
   constexpr std::string_view kSeverity = "error: ";
   std::string text = error.ToString();
   text.erase(text.find(kSeverity), kSeverity.size());
-  return {{}, std::move(text), error.code};
+  const bool is_malformed = error.code == ErrorCode::kBadInput && error.where.line > 0;
+  return {{}, std::move(text), is_malformed ? ErrorCode::kMalformed : error.code};
 }
 
 Result<RequestedFile> ListModels(const ServiceOptions& options) {

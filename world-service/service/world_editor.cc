@@ -33,7 +33,7 @@ std::string NoticeOf(const ControlRequest& request) {
     case ControlCommand::kReset:
       return "the world is reset";
     case ControlCommand::kLoadWorld:
-      return "the world is replaced by " + request.source;
+      return request.source.empty() ? "the world is unloaded" : "the world is replaced by " + request.source;
     case ControlCommand::kSpawn:
       return "'" + request.name + "' is spawned";
     case ControlCommand::kDelete:
@@ -42,6 +42,8 @@ std::string NoticeOf(const ControlRequest& request) {
       return "the run is rewound to tick " + std::to_string(request.ticks);
     case ControlCommand::kSetPose:
       return "the pose of '" + request.name + "' is set";
+    case ControlCommand::kSetTwist:
+      return "the twist of '" + request.name + "' is set";
     default:
       return "";
   }

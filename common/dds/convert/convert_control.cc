@@ -25,6 +25,9 @@ troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
   wire.rename = message.rename;
   wire.speed = message.speed.value_or(0.0);
   wire.robot_command = ToWire(message.robot_command, arena);
+  wire.vx = message.twist.vx;
+  wire.vy = message.twist.vy;
+  wire.wz = message.twist.wz;
   return wire;
 }
 
@@ -71,6 +74,7 @@ Result<ControlRequest> FromWire(const troupe_wire_Control& wire) {
   Result<RobotCommand> command = FromWire(wire.robot_command);
   if (!command.ok()) return command.error();
   message.robot_command = std::move(command).value();
+  message.twist = {wire.vx, wire.vy, wire.wz};
   return message;
 }
 

@@ -207,6 +207,8 @@ troupe_wire_Robot ToWire(const RobotDescription& robot, WireArena& arena) {
   troupe_wire_Sensor* sensors = arena.Fill(wire.sensors, robot.sensors.size());
   for (const SensorDescription& sensor : robot.sensors) *sensors++ = ToWire(sensor, arena);
   wire.controller = {arena.Copy(robot.controller.name), arena.Copy(robot.controller.parameters)};
+  wire.ros_domain = robot.ros.domain ? static_cast<std::int32_t>(*robot.ros.domain) : kNoIndex;
+  wire.ros_namespace = arena.Copy(robot.ros.name_space);
   return wire;
 }
 Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
@@ -225,6 +227,11 @@ Status FromWire(const troupe_wire_Robot& wire, RobotDescription& robot) {
     if (Status failed = FromWire(sensor, robot.sensors.emplace_back()); !failed.ok()) return failed;
   }
   robot.controller = {Text(wire.controller.name), Text(wire.controller.parameters)};
+  if (wire.ros_domain < kNoIndex) {
+    return Error{{}, "robot '" + robot.name + "' with the ROS domain " + std::to_string(wire.ros_domain)};
+  }
+  if (wire.ros_domain != kNoIndex) robot.ros.domain = static_cast<std::uint32_t>(wire.ros_domain);
+  robot.ros.name_space = Text(wire.ros_namespace);
   return {};
 }
 
@@ -313,6 +320,14 @@ troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
   std::uint32_t* objects = arena.Fill(wire.objects, world.objects.size());
   for (ModelId object : world.objects) *objects++ = static_cast<std::uint32_t>(object.index());
   wire.gravity = world.gravity;
+  troupe_wire_Place* places = arena.Fill(wire.places, world.places.size());
+  for (const NamedPlace& place : world.places) {
+    places->name = arena.Copy(place.name);
+    places->description = arena.Copy(place.description);
+    arena.FillStrings(places->tags, place.tags);
+    places->pose = PoseToWire(place.X_WN);
+    ++places;
+  }
   return wire;
 }
 
@@ -338,6 +353,9 @@ Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
   }
   for (std::uint32_t object : Elements(wire.objects)) world.objects.emplace_back(object);
   world.gravity = wire.gravity;
+  for (const troupe_wire_Place& place : Elements(wire.places)) {
+    world.places.push_back({Text(place.name), Text(place.description), Strings(place.tags), PoseFromWire(place.pose)});
+  }
   if (Status invalid = Validate(world); !invalid.ok()) return invalid.error();
   return world;
 }

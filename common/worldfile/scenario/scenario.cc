@@ -142,9 +142,12 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   loaded.settings = file.settings;
   if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
   if (file.name) loaded.world.name = *file.name;
+  loaded.world.places = file.places;
   for (RobotDescription& robot : loaded.world.robots) {
     const auto controller = plan.value().controllers.find(robot.name);
     if (controller != plan.value().controllers.end()) robot.controller = controller->second;
+    const auto domain = plan.value().ros_domains.find(robot.name);
+    if (domain != plan.value().ros_domains.end()) robot.ros.domain = domain->second;
   }
   loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
   const std::uint64_t seed = loaded.world.seed;

@@ -1,5 +1,6 @@
 #include "common/worldfile/scenario/scenario_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,8 @@ class Reader {
   RunSettings ReadSettings(const json& root);
   std::optional<ControllerEntry> ReadController(const json& object) const;
   std::vector<Property> ReadProperties(const json& object, const Refused& refused);
+  std::optional<RosDomainEntry> ReadRosDomain(const json& object) const;
+  std::vector<NamedPlace> ReadPlaces(const json& root);
   PoseEntry ReadPose(const json& numbers) const;
   ModelEntry ReadModel(const json& object);
   std::vector<ModelEntry> ReadModels(const json& object, const char* key);
@@ -102,6 +105,32 @@ std::vector<Property> Reader::ReadProperties(const json& object, const Refused& 
   return properties;
 }
 
+std::optional<RosDomainEntry> Reader::ReadRosDomain(const json& object) const {
+  const auto found = object.find("ros_domain");
+  if (found == object.end()) return std::nullopt;
+  const bool each = found->is_object();
+  return RosDomainEntry{(each ? found->at("each") : *found).get<std::uint32_t>(), each, document_.Where(*found)};
+}
+
+std::vector<NamedPlace> Reader::ReadPlaces(const json& root) {
+  std::vector<NamedPlace> places;
+  const auto found = root.find("places");
+  if (found == root.end()) return places;
+  for (const json& entry : *found) {
+    NamedPlace place;
+    place.name = entry["name"].get<std::string>();
+    place.description = entry.value("description", std::string());
+    place.tags = entry.value("tags", std::vector<std::string>());
+    place.X_WN = ReadPose(entry["pose"]).pose;
+    const auto same = [&](const NamedPlace& other) { return other.name == place.name; };
+    if (std::any_of(places.begin(), places.end(), same)) {
+      Fail(entry["name"], "found the place '" + place.name + "' again, expected another name");
+    }
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
 PoseEntry Reader::ReadPose(const json& numbers) const {
   PoseEntry entry;
   entry.has_z = numbers.size() == 4;
@@ -120,6 +149,7 @@ ModelEntry Reader::ReadModel(const json& object) {
   if (object.contains("model")) model.model = Text(object["model"]);
   if (object.contains("pose")) model.pose = ReadPose(object["pose"]);
   model.controller = ReadController(object);
+  model.ros_domain = ReadRosDomain(object);
   const Refused refused{{"name", "is expected as a key of the model itself"},
                         {"pose", "is expected as a key of the model itself"}};
   model.properties = ReadProperties(object, refused);
@@ -181,6 +211,7 @@ SpawnEntry Reader::ReadSpawn(const json& object) {
     }
   }
   spawn.controller = ReadController(object);
+  spawn.ros_domain = ReadRosDomain(object);
   return spawn;
 }
 
@@ -230,6 +261,7 @@ RunSettings Reader::ReadSettings(const json& root) {
   if (root.contains("restart_agents")) settings.restart_agents = root["restart_agents"].get<std::uint32_t>();
   if (root.contains("agent_deadline")) settings.agent_deadline_seconds = root["agent_deadline"].get<double>();
   if (root.contains("ros")) settings.ros = root["ros"].get<bool>();
+  if (root.contains("ros_no_hit")) settings.ros_infinite_ranges = root["ros_no_hit"] == "inf";
   return settings;
 }
 
@@ -296,6 +328,7 @@ Result<ScenarioFile> Reader::Read() {
   if (const auto overrides = root.find("override"); overrides != root.end()) {
     for (const json& entry : *overrides) file.overrides.push_back(ReadOverride(entry));
   }
+  file.places = ReadPlaces(root);
   if (error_) return *error_;
   return file;
 }

@@ -33,12 +33,20 @@ struct PoseEntry {
   SourceLocation where;
 };
 
+// "ros_domain": of one robot, or with "each" of the first robot of a rule, the others following.
+struct RosDomainEntry {
+  std::uint32_t first = 0;
+  bool each = false;
+  SourceLocation where;
+};
+
 // An entry of "models" or "robots", or a child of one.
 struct ModelEntry {
   std::optional<PlacedText> name;
   std::optional<PlacedText> model;  // nothing: the robot of that name is in the world already
   std::optional<PoseEntry> pose;
   std::optional<ControllerEntry> controller;
+  std::optional<RosDomainEntry> ros_domain;
   std::vector<Property> properties;
   std::vector<ModelEntry> children;
   SourceLocation where;
@@ -53,6 +61,7 @@ struct SpawnEntry {
   std::optional<PlacedText> name_prefix;  // nothing: the model's name
   std::optional<double> heading;          // rad; nothing: random
   std::optional<ControllerEntry> controller;
+  std::optional<RosDomainEntry> ros_domain;
   SourceLocation where;
 };
 
@@ -76,6 +85,7 @@ struct ScenarioFile {
   std::vector<ModelEntry> robots;
   std::vector<SpawnEntry> spawns;
   std::vector<OverrideEntry> overrides;
+  std::vector<NamedPlace> places;
   std::vector<Warning> warnings;
 };
 

@@ -91,7 +91,7 @@ class Adder {
       spawn.origin_at_start = first.Find("localization_origin") == nullptr;
     }
     if (default_controller) AddDefaultController(*default_controller);
-    return ScenarioPlan{std::move(tree_), std::move(spawns_), std::move(controllers_)};
+    return ScenarioPlan{std::move(tree_), std::move(spawns_), std::move(controllers_), std::move(ros_domains_)};
   }
 
  private:
@@ -195,6 +195,61 @@ class Adder {
       node = WithoutController(std::move(node));
       controllers_[name] = entry.controller->controller;
     }
+    if (!entry.ros_domain) return Status();
+    WarnOfPorts(*entry.ros_domain, 1);
+    if (entry.ros_domain->each) {
+      return Error{entry.ros_domain->where, "found 'each' for one robot, expected a ROS domain from 0 to 230"};
+    }
+    return SetRosDomain(name, entry.ros_domain->first, entry.ros_domain->where);
+  }
+
+  // Of a robot's own, which no other robot has.
+  Status SetRosDomain(const std::string& robot, std::uint32_t domain, const SourceLocation& where) {
+    if (domain > kLastRosDomain) {
+      return Error{where,
+                   fmt::format("found the ROS domain {} for robot {}, expected at most {}: the ports of a higher "
+                               "one would exceed 65535",
+                               domain, Quoted(robot), kLastRosDomain)};
+    }
+    const auto [owner, is_new] = domain_owners_.emplace(domain, robot);
+    if (!is_new && owner->second != robot) {
+      return Error{where,
+                   fmt::format("found the ROS domain {} for robot {}, which robot {} has already, expected one for "
+                               "each robot",
+                               domain, Quoted(robot), Quoted(owner->second))};
+    }
+    ros_domains_[robot] = domain;
+    return Status();
+  }
+
+  // Linux gives the ports from 32768 to 60999 to any program.
+  void WarnOfPorts(const RosDomainEntry& entry, std::uint32_t count) {
+    constexpr std::uint32_t kFirstShared = 102;
+    constexpr std::uint32_t kLastShared = 214;
+    if (entry.first > kLastShared || entry.first + count <= kFirstShared) return;
+    tree_.warnings.push_back({entry.where, fmt::format("the ports of the ROS domains {} to {} may be in use by other "
+                                                       "programs, because Linux gives them to any; those of others are "
+                                                       "not",
+                                                       kFirstShared, kLastShared)});
+  }
+
+  // Of the robots of a rule.
+  Status SetRosDomains(const SpawnEntry& rule, const WorldNode& prototype, const std::vector<std::string>& names) {
+    if (!rule.ros_domain) return Status();
+    const RosDomainEntry& entry = *rule.ros_domain;
+    if (prototype.type != "position") {
+      return Error{entry.where, "found a ROS domain for a model of type " + Quoted(prototype.type) +
+                                    ", expected it for robots only: models of type 'position'"};
+    }
+    if (!entry.each && names.size() > 1) {
+      return Error{entry.where, fmt::format("found one ROS domain for {} robots, expected {{\"each\": {}}}",
+                                            names.size(), entry.first)};
+    }
+    WarnOfPorts(entry, static_cast<std::uint32_t>(names.size()));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Status status = SetRosDomain(names[i], entry.first + static_cast<std::uint32_t>(i), entry.where);
+      if (!status.ok()) return status;
+    }
     return Status();
   }
 
@@ -220,8 +275,9 @@ class Adder {
       if (Status error = Add(std::move(node), FullName("", name), where); !error.ok()) return error;
       planned.names.push_back(FullName("", name));
     }
+    const Status domains = SetRosDomains(rule, prototype, planned.names);
     spawns_.push_back(std::move(planned));
-    return Status();
+    return domains;
   }
 
   // A scenario's controller replaces the world's.
@@ -241,6 +297,8 @@ class Adder {
   std::map<std::string, std::size_t> next_numbers_;  // by prefix of names
   std::vector<PlannedSpawn> spawns_;
   std::map<std::string, ControllerDescription> controllers_;  // by robot
+  std::map<std::string, std::uint32_t> ros_domains_;          // by robot
+  std::map<std::uint32_t, std::string> domain_owners_;        // robots, by ROS domain
 };
 
 // The node or define with bitmaps that do not depend on the folder of their file.
