@@ -53,7 +53,7 @@ set(may_include_common/dds/tools
 set(may_include_common/ros
   common/base common/geometry common/model common/spatial common/dds/binding idl/ros
   include/troupe/sensor.h)
-set(may_include_common/ros_dds common/base common/dds/binding common/ros idl/ros)
+set(may_include_common/ros_dds common/base common/dds/binding common/ros common/spatial idl/ros)
 
 set(may_include_world-service/core common/base common/geometry common/model common/spatial)
 set(may_include_world-service/service

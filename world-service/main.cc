@@ -8,6 +8,7 @@
 #include "common/base/stop_signals.h"
 #include "common/dds/binding/network_log.h"
 #include "common/dds/transport/dds_transport.h"
+#include "common/ros/robot_in_ros.h"
 #include "common/ros/ros_security.h"
 #include "common/security/run_keys_folder.h"
 #include "common/security/session_keys.h"
@@ -45,6 +46,8 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   PreparedRun& run = prepared.value();
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
+    const Status domains = ros::CheckDomains(loaded.value().world, line.ros, line.network.domain);
+    if (!domains.ok()) return fail(domains.error());
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
     if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);

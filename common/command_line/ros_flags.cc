@@ -110,11 +110,14 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
-  AddText(app, group, "--ros-no-hit", "What a ray of a scan without a hit reads: inf (default) or range-max",
+  AddText(app, group, "--ros-no-hit",
+          "What a ray of a scan without a hit reads: inf or range-max (default: as the scenario says, or inf)",
           {"inf", "range-max"}, [&options](const std::string& word) { options.infinite_ranges = word == "inf"; });
   AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
           {"shared", "namespaced"},
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
+  AddText(app, group, "--ros-names", "robot (default): topics below /ROBOT; plain: /odom, /scan ... of a single robot",
+          {"robot", "plain"}, [&options](const std::string& word) { options.plain_names = word == "plain"; });
   AddRosMapFlags(app, options, group);
   AddRosSecurityFlags(app, options.security, group);
 }
@@ -137,7 +140,10 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   if (!options.security.keystore.empty()) arguments.push_back("--ros-keystore=" + options.security.keystore);
   if (!options.security.enclave.empty()) arguments.push_back("--ros-enclave=" + options.security.enclave);
   for (const std::string& peer : options.static_peers) arguments.push_back("--ros-peers=" + peer);
-  if (!options.infinite_ranges) arguments.emplace_back("--ros-no-hit=range-max");
+  if (options.infinite_ranges) {
+    arguments.emplace_back(*options.infinite_ranges ? "--ros-no-hit=inf" : "--ros-no-hit=range-max");
+  }
+  if (options.plain_names) arguments.emplace_back("--ros-names=plain");
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;
 }

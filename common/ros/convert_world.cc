@@ -113,6 +113,7 @@ MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<s
   if (replaces) markers.DeleteOthers(arena);
   markers.Add(ByModel(scene.static_index().kept_pieces()), kMapFrame, {}, false, arena);
   for (std::size_t i = 0; i < robot_frames.size(); ++i) {
+    if (robot_frames[i].empty()) continue;
     const Body& body = scene.body(scene.body_of(RobotId(i)));
     std::vector<std::vector<ConvexPiece>> pieces(body.links.size());
     for (std::size_t k = 0; k < body.pieces.size(); ++k) pieces[body.piece_links[k]].push_back(body.pieces[k]);

@@ -14,9 +14,9 @@ namespace troupe::ros {
 OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena);
 
 // The static bodies in frame map, and the robots in their own frames. `robot_frames`: by robot, then by link of its
-// body (RobotFrames::links); empty: no robots. A model of more than kMaxMarkerPieces pieces is left out: it is a
-// bitmap, and the map shows it. `replaces`: viewers first delete all markers of this namespace, because the world was
-// replaced.
+// body (RobotFrames::links); empty: no robots, or not this one. A model of more than kMaxMarkerPieces pieces is left
+// out: it is a bitmap, and the map shows it. `replaces`: viewers first delete all markers of this namespace, because
+// the world was replaced.
 inline constexpr std::size_t kMaxMarkerPieces = 5000;
 MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
                              dds::WireArena& arena, bool replaces = false);

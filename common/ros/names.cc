@@ -85,7 +85,7 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
        {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states", "robot_description"}) {
     names.Reserve(reserved);
   }
-  for (const char* reserved : {"odom", "base_link", "map"}) frames.Reserve(reserved);
+  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
   for (std::size_t r = 0; r < robot.sensors.size(); ++r) {
     const RangerParameters* const ranger = std::get_if<RangerParameters>(&robot.sensors[r].parameters);
     if (ranger == nullptr) {
@@ -126,7 +126,7 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
   UniqueNames frames;
-  for (const char* reserved : {"odom", "base_link", "map"}) frames.Reserve(reserved);
+  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
   const auto reserve_sensor = [&](const std::string& frame) {
     frames.Reserve(frame);
     names.Reserve(frame + "_mount");

@@ -26,6 +26,7 @@ struct FrameNames {
 FrameNames FramesOf(const std::string& robot, bool prefixed);
 
 inline constexpr const char* kMapFrame = "map";
+inline constexpr const char* kFootprintFrame = "base_footprint";
 
 // A ray sensor of many rays: a LaserScan topic of its own.
 struct LaserTopic {

@@ -36,13 +36,14 @@ struct RosOptions {
   double command_timeout = 5.0;           // simulated s after which a command expires; 0: never
   double clock_rate = 0.0;                // Hz of wall time at which /clock advances between ticks; 0: only at ticks
   bool namespaced_tf = false;             // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
+  bool plain_names = false;               // the first robot of the domain has topics without its name
   double map_resolution = 0.05;           // m, side of a cell of /map
   std::optional<double> map_height = {};  // m, height of the section that /map shows; none: UsualMapHeight
   // For one of many processes, which need not discover each other: its own announcements do not reach the other
   // processes on this machine; they discover it by theirs. Without effect on the loopback interface.
   bool quiet = false;
-  bool map_to_odom = true;      // publish the true pose of each odom frame in the map
-  bool infinite_ranges = true;  // a ray of a scan without a hit reads +Inf (REP 117), else range_max
+  bool map_to_odom = true;                   // publish the true pose of each odom frame in the map
+  std::optional<bool> infinite_ranges = {};  // RunSettings::ros_infinite_ranges; nothing: the scenario's
   RosSecurity security = {};
   EnvironmentFaults faults = {};  // of settings that no option has replaced
 };

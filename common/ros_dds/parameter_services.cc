@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/base/result.h"
+#include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_service.h"
 #include "idl/ros/parameters.h"
 
@@ -45,6 +46,8 @@ bool Equal(const Value& asked, const ParameterValue& value) {
 struct ParameterServices::Services {
   Services(const RosNode& node, const std::string& name, Parameters given)
       : parameters(std::move(given)),
+        node_name((node.node_namespace == "/" ? "" : node.node_namespace) + "/" + name),
+        events(node, "/parameter_events", Stream(kDepth)),
         list(
             node, name + "/list_parameters", [this](const RosCaller& caller, const auto&) { List(caller); },
             Service(kDepth)),
@@ -66,6 +69,24 @@ struct ParameterServices::Services {
         set_atomically(
             node, name + "/set_parameters_atomically",
             [this](const RosCaller& caller, const auto& request) { SetAtomically(caller, request); }, Service(kDepth)) {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : parameters) names.push_back(key);
+    WriteEvent(names, true);
+  }
+
+  // Announces that the parameters have a value: all of them, or those that a request has set again.
+  void WriteEvent(const std::vector<std::string>& names, bool are_new) {
+    if (names.empty()) return;
+    dds::WireArena arena;
+    rcl_interfaces_msg_dds__ParameterEvent_ event{};
+    event.node = arena.Copy(node_name);
+    auto* out = arena.Fill(are_new ? event.new_parameters : event.changed_parameters, names.size());
+    for (const std::string& name : names) {
+      out->name = arena.Copy(name);
+      Fill(out->value, parameters.at(name), arena);
+      ++out;
+    }
+    events.Write(event);
   }
 
   const ParameterValue* Find(const std::string& name) const {
@@ -131,9 +152,13 @@ struct ParameterServices::Services {
     rcl_interfaces_srv_dds__SetParameters_Response_ response{};
     const auto asked = dds::Elements(request.parameters);
     SetResult* result = arena.Fill(response.results, asked.size());
+    std::vector<std::string> changed;
     for (const auto& parameter : asked) {
-      *result++ = ToResult(CheckSet(parameter), arena);
+      const Status status = CheckSet(parameter);
+      if (status.ok()) changed.push_back(dds::Text(parameter.name));
+      *result++ = ToResult(status, arena);
     }
+    WriteEvent(changed, false);
     set.Respond(caller, response);
   }
 
@@ -141,14 +166,19 @@ struct ParameterServices::Services {
     dds::WireArena arena;
     rcl_interfaces_srv_dds__SetParametersAtomically_Response_ response{};
     Status status;
+    std::vector<std::string> changed;
     for (const auto& parameter : dds::Elements(request.parameters)) {
       if (status.ok()) status = CheckSet(parameter);
+      changed.push_back(dds::Text(parameter.name));
     }
+    if (status.ok()) WriteEvent(changed, false);
     response.result = ToResult(status, arena);
     set_atomically.Respond(caller, response);
   }
 
-  Parameters parameters;
+  const Parameters parameters;
+  const std::string node_name;
+  RosWriter<rcl_interfaces_msg_dds__ParameterEvent_> events;
   RosService<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list;
   RosService<rcl_interfaces_srv_dds__GetParameters_Request_, rcl_interfaces_srv_dds__GetParameters_Response_> get;
   RosService<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_>

@@ -40,6 +40,7 @@ class RosWriter {
   // Whether the topic has a reader, so that a message is worth making. One relaxed load, because each topic asks in
   // each tick.
   bool wanted() const { return wanted_->load(std::memory_order_relaxed); }
+  dds_entity_t handle() const { return writer_.handle(); }
 
   void Write(const T& message) noexcept {
     if (dds_write(writer_.handle(), &message) != DDS_RETCODE_OK) participant_->CountLost();

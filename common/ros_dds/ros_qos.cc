@@ -6,6 +6,7 @@ namespace {
 using dds::Durability;
 using dds::DurabilityService;
 using dds::History;
+using dds::Lifespan;
 using dds::Qos;
 using dds::Reliability;
 using dds::WriterDataLifecycle;
@@ -33,6 +34,12 @@ Qos Commands(bool reliable) {
 
 Qos Service(std::int32_t depth) {
   return Stream(depth);
+}
+
+Qos LogLines() {
+  constexpr std::int32_t kDepth = 1000;
+  constexpr double kSeconds = 10.0;
+  return Latched(kDepth) << Lifespan{kSeconds};
 }
 
 Qos Discovery() {

@@ -19,6 +19,8 @@ dds::Qos Latched(std::int32_t depth = 1);
 dds::Qos Commands(bool reliable);
 // Of services and their clients.
 dds::Qos Service(std::int32_t depth = 10);
+// Of /rosout: the lines of the last 10 s, for late readers, too.
+dds::Qos LogLines();
 // Of the announcement of nodes.
 dds::Qos Discovery();
 

@@ -5,6 +5,7 @@
 #include "common/ros/messages.h"
 #include "idl/ros/actions.h"
 #include "idl/ros/discovery.h"
+#include "idl/ros/node.h"
 #include "idl/ros/parameters.h"
 #include "idl/ros/simulation.h"
 
@@ -20,6 +21,8 @@ TROUPE_DDS_TYPE(geometry_msgs_msg_dds__Twist_);
 TROUPE_DDS_TYPE(geometry_msgs_msg_dds__TwistStamped_);
 TROUPE_DDS_TYPE(nav_msgs_msg_dds__OccupancyGrid_);
 TROUPE_DDS_TYPE(nav_msgs_msg_dds__Odometry_);
+TROUPE_DDS_TYPE(rcl_interfaces_msg_dds__Log_);
+TROUPE_DDS_TYPE(rcl_interfaces_msg_dds__ParameterEvent_);
 TROUPE_DDS_TYPE(rcl_interfaces_srv_dds__DescribeParameters_Request_);
 TROUPE_DDS_TYPE(rcl_interfaces_srv_dds__DescribeParameters_Response_);
 TROUPE_DDS_TYPE(rcl_interfaces_srv_dds__GetParameterTypes_Request_);
@@ -56,6 +59,8 @@ TROUPE_DDS_TYPE(std_msgs_msg_dds__Bool_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__Float64_);
 TROUPE_DDS_TYPE(std_msgs_msg_dds__String_);
 TROUPE_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_);
+TROUPE_DDS_TYPE(type_description_interfaces_srv_dds__GetTypeDescription_Request_);
+TROUPE_DDS_TYPE(type_description_interfaces_srv_dds__GetTypeDescription_Response_);
 TROUPE_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_);
 
 // Types of Humble with another layout under the same DDS name.

@@ -17,8 +17,12 @@ std::string RosTypeName(const std::string& dds_type_name) {
 }
 
 std::string TypeHash(const std::string& dds_type_name) {
+  return HashOfRosType(RosTypeName(dds_type_name));
+}
+
+std::string HashOfRosType(const std::string& ros_type) {
   const std::string_view text = kTypeHashesText;
-  const std::string key = "\"" + RosTypeName(dds_type_name) + "\": \"";
+  const std::string key = "\"" + ros_type + "\": \"";
   const std::size_t start = text.find(key);
   if (start == std::string_view::npos) return "";
   const std::size_t begin = start + key.size();

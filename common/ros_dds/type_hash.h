@@ -14,5 +14,7 @@ std::string RosTypeName(const std::string& dds_type_name);
 
 // "RIHS01_..." of a ROS type on DDS; "" if it is not known.
 std::string TypeHash(const std::string& dds_type_name);
+// The same of "std_msgs/msg/String".
+std::string HashOfRosType(const std::string& ros_type);
 
 }  // namespace troupe::ros

@@ -20,6 +20,7 @@
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "common/recording/recording.h"
+#include "common/ros/robot_in_ros.h"
 #include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
@@ -196,7 +197,11 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   agent.scan_log = options.scans;
   agent.threads = ThreadsOf(options);
   agent.libraries = service.libraries;
-  if (service.settings.ros) agent.make_gateway = MakeRosGateway(options.ros);
+  if (service.settings.ros) {
+    ros::RosOptions ros = options.ros;
+    ros.infinite_ranges = ros.infinite_ranges.value_or(service.settings.ros_infinite_ranges);
+    agent.make_gateway = MakeRosGateway(ros);
+  }
   return agent;
 }
 
@@ -309,11 +314,13 @@ RunEnd RunInProcess(const RunOptions& options) {
   if (!recorders.ok()) return FailedRun(recorders.error());
   const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
   service.history = history.get();
-  std::unique_ptr<RunObserver> ros;
+  std::unique_ptr<RunObserver> gateway;
   RunObservers observers;
   if (service.settings.ros) {
-    ros = MakeRosWorldGateway(options.ros, scene);
-    observers.push_back(ros.get());
+    const Status domains = ros::CheckDomains(scene->world(), options.ros, std::nullopt);
+    if (!domains.ok()) return FailedRun(domains.error());
+    gateway = MakeRosWorldGateway(options.ros, scene);
+    observers.push_back(gateway.get());
   }
   for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 

@@ -24,6 +24,7 @@ struct ReadyReport {
   std::uint16_t port = 0;         // UDP port at which agents find the service; 0: unknown
   std::string participant;        // of the service, NetworkSettings::service_participant
   bool ros = false;               // the run uses ROS 2
+  bool ros_infinite_ranges = true;
 };
 
 // "robots": an edit has added robots that need agents.

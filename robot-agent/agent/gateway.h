@@ -41,6 +41,10 @@ class Gateway {
   // Called a few times a second in a pause: publishes the tick again for readers that have come since, if any.
   virtual void Repeat(Tick, std::span<const RobotView* const>) {}
 
+  // An edit has changed other parts of the world than these robots. REQUIRES: the scene outlives the gateway, or the
+  // next call.
+  virtual void ChangeWorld(const Scene&) {}
+
   // The robots start anew, perhaps at an earlier tick: pending commands are discarded.
   virtual void Restart() {}
 

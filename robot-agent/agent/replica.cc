@@ -149,6 +149,8 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   }
   if (gateway_ == nullptr) return {};
   if (ids != before || !GatewayFits(fresh)) return MakeNewGateway();
+  gateway_->ChangeWorld(*scene_);
+  shown_scene_ = scene_;
   if (fresh) gateway_->Restart();
   return {};
 }

@@ -99,6 +99,7 @@ class Replica {
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Scene> robots_scene_;
   std::shared_ptr<const Scene> gateway_scene_;
+  std::shared_ptr<const Scene> shown_scene_;  // of the gateway's last ChangeWorld
   RobotOptions options_;
   TickTrace* trace_ = nullptr;  // may be null
   MakeGateway make_gateway_;

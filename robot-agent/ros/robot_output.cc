@@ -17,12 +17,12 @@ const std::vector<RangeScan>& ScansOf(const RobotView& robot, std::size_t ranger
 }  // namespace
 
 RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
-                         const std::string& name)
+                         const ros::RobotInRos& in_ros)
     : scene_(&scene),
       id_(robot),
       map_to_odom_(options.map_to_odom),
-      infinite_ranges_(options.infinite_ranges),
-      frames_(ros::FramesOf(name, !options.namespaced_tf)),
+      infinite_ranges_(options.infinite_ranges.value_or(true)),
+      frames_(in_ros.frames),
       tree_(ros::RobotFramesOf(scene, robot, frames_)),
       odometry_error_(description().localization),
       odom_(node, "odom", ros::Stream(kOutputDepth)),
@@ -35,7 +35,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
         std::make_unique<ros::RosWriter<ros::JointStateMessage>>(node, "joint_states", ros::Stream(kOutputDepth));
   }
   dds::WireArena arena;
-  robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, name, frames_))});
+  robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, in_ros.name, frames_))});
   const ros::SensorTopics topics = ros::SensorTopicsOf(description());
   for (const ros::LaserTopic& topic : topics.lasers) {
     lasers_.push_back(
@@ -159,6 +159,10 @@ std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView
     transforms.push_back(ros::MakeTransform(Stamp(0), frame.parent, frame.frame, frame.X_PF, arena));
   }
   sensors_.AddOpticalTransforms(Stamp(0), transforms, arena);
+  // A name that the configurations of Nav2 expect: the base on the ground.
+  if (frames_.prefix.empty()) {
+    transforms.push_back(ros::MakeTransform(Stamp(0), frames_.base, ros::kFootprintFrame, {}, arena));
+  }
   if (map_to_odom_) {
     const Pose X_WO = ros::OdomInMap(description().localization, robot.state().X_WR, robot.pose_estimate());
     transforms.push_back(ros::MakeTransform(Stamp(0), ros::kMapFrame, frames_.odom, X_WO, arena));

@@ -9,6 +9,7 @@
 #include "common/ros/names.h"
 #include "common/ros/odometry_error.h"
 #include "common/ros/robot_frames.h"
+#include "common/ros/robot_in_ros.h"
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/agent/gateway.h"
@@ -18,9 +19,9 @@ namespace troupe {
 
 class RobotOutput {
  public:
-  // `name`: of the robot in ROS. REQUIRES: the scene outlives the output.
+  // REQUIRES: the scene outlives the output.
   RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
-              const std::string& name);
+              const ros::RobotInRos& in_ros);
 
   // Adds the motion of a tick to the error of odometry. Once for each tick.
   void AddMotion(const RobotView& robot);
@@ -29,8 +30,8 @@ class RobotOutput {
 
   // Of the robot in its odometry frame, and of the links that its joints move.
   std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
-  // Of the sensors on their links and, if the options ask for it, of the odometry frame in the map. `robot`: at the
-  // first tick.
+  // Of the sensors on their links; with plain names, of base_footprint; if the options ask for it, of the odometry
+  // frame in the map. `robot`: at the first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
 
  private:

@@ -1,5 +1,5 @@
-// The gateway of an agent's robots to ROS 2: one participant in the ROS domain for the process, and a node for each
-// robot. docs/ros2.md lists the topics.
+// The gateway of an agent's robots to ROS 2: one participant for the process in the ROS domain of the run, and one in
+// each domain of a robot's own; a node for each robot. docs/ros2.md lists the topics.
 #pragma once
 
 #include "common/ros/ros_options.h"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -288,7 +289,10 @@ TEST(RosRun, EditsTheWorldByService) {
   ros::RosParticipant participant(TestRosOptions());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::OdometryMessage> truth(node, "/late/ground_truth", ros::Stream(1000));
-  Program run = RunPen(RosArguments({"--paused"}));
+  OutputFolder folder;
+  const std::string broken = folder.Path("broken.world");
+  std::ofstream(broken) << "position ( name \"x\"\n";
+  Program run = RunPen(RosArguments({"--paused", "--allow-files", folder.Path("")}));
   run.WaitForLine("ready");
 
   EXPECT_THAT(world.Spawnables(), testing::IsSupersetOf({"rover", "wall", "model", "position"}));
@@ -301,6 +305,8 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.Spawn("other", "truck", 0.0, 2.0), kFailed);
   EXPECT_EQ(world.Spawn("other", "/models/robot.urdf", 0.0, 2.0), 103) << "an unsupported format";
   EXPECT_EQ(world.Spawn("other", "package://models/robot.world", 0.0, 2.0), 103) << "an unsupported scheme";
+  EXPECT_EQ(world.Spawn("other", broken.c_str(), 0.0, 2.0), 106) << "a file that cannot be parsed";
+  EXPECT_EQ(world.Load(broken), 103) << "a file that cannot be parsed";
   EXPECT_EQ(world.Spawn("other", "rover", 0.0, -2.0), 109) << "the place is occupied";
   EXPECT_EQ(world.Spawn("other", "rover", 3.1, 0.0), 109) << "in a wall";
   EXPECT_EQ(world.Spawn("other", "rover", std::nan(""), 0.0), 109) << "a pose that is not finite";

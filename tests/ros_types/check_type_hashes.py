@@ -85,13 +85,32 @@ def type_hash(name, messages):
     return "RIHS01_" + hashlib.sha256(text.encode()).hexdigest()
 
 
+def descriptions(messages):
+    """A line for each type: its name, and "name:type:capacity:string capacity:nested type" for each of its fields."""
+    lines = []
+    for name in sorted(messages):
+        fields = []
+        for field in describe(name, messages)["fields"]:
+            type_ = field["type"]
+            fields.append(f"{field['name']}:{type_['type_id']}:{type_['capacity']}:{type_['string_capacity']}:"
+                          f"{type_['nested_type_name']}")
+        lines.append(" ".join([name] + fields) + "\n")
+    return "".join(lines)
+
+
 def main():
     messages = read_messages(sys.argv[1])
+    path = pathlib.Path(sys.argv[3])
+    if "--write" in sys.argv:
+        path.write_text(descriptions(messages))
     known = json.loads(pathlib.Path(sys.argv[2]).read_text())
     wrong = [name for name in messages if type_hash(name, messages) != known.get(name)]
     for name in wrong:
         print(f"error: {name}: found the hash {type_hash(name, messages)}, expected {known.get(name)}", file=sys.stderr)
     print(f"{len(messages) - len(wrong)} of {len(messages)} messages are as in ROS 2 Jazzy")
+    if path.read_text() != descriptions(messages):
+        print(f"error: {path} differs from the IDL: run this with --write", file=sys.stderr)
+        return 1
     return 1 if wrong or len(messages) < 40 else 0
 
 

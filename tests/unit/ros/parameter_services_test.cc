@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/ros_dds/type_description_service.h"
+#include "common/ros_dds/type_hash.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
@@ -83,6 +85,55 @@ TEST_F(ParameterServicesTest, RefusesChanges) {
     EXPECT_STREQ(results[1].reason, "the parameter is read-only");
     EXPECT_STREQ(results[2].reason, "no such parameter");
   });
+}
+
+TEST_F(ParameterServicesTest, AnnouncesParametersThatAreSet) {
+  const RosNode node = MakeNode(client_, "/", "peer");
+  RosReader<rcl_interfaces_msg_dds__ParameterEvent_> events(node, "/parameter_events", Stream(100));
+  Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
+      client_, "/r0/robot/set_parameters");
+  dds::WireArena arena;
+  rcl_interfaces_srv_dds__SetParameters_Request_ request{};
+  auto* parameter = arena.Fill(request.parameters, 2);
+  parameter[0].name = arena.Copy("use_sim_time");
+  parameter[0].value.type = 1;
+  parameter[0].value.bool_value = true;
+  parameter[1].name = arena.Copy("no_such");
+  std::vector<std::string> changed;
+  EXPECT_TRUE(test::Eventually([&] {  // the writer of events may not have discovered its reader yet
+    set.Call(request, [](const auto& response) { EXPECT_EQ(response.results._length, 2u); });
+    events.Drain([&](const rcl_interfaces_msg_dds__ParameterEvent_& event) {
+      EXPECT_STREQ(event.node, "/r0/robot");
+      for (const auto& value : dds::Elements(event.changed_parameters)) changed.emplace_back(value.name);
+    });
+    return !changed.empty();
+  }));
+  EXPECT_EQ(changed.front(), "use_sim_time");
+}
+
+TEST_F(ParameterServicesTest, TypesAreDescribedFromJazzyOn) {
+  const TypeDescriptionService service(node_, "robot");
+  using Request = type_description_interfaces_srv_dds__GetTypeDescription_Request_;
+  using Response = type_description_interfaces_srv_dds__GetTypeDescription_Response_;
+  Client<Request, Response> describe(client_, "/r0/robot/get_type_description");
+  dds::WireArena arena;
+  Request request{};
+  request.type_name = arena.Copy("sensor_msgs/msg/LaserScan");
+  request.type_hash = arena.Copy(HashOfRosType("sensor_msgs/msg/LaserScan"));
+  describe.Call(request, [](const Response& response) {
+    EXPECT_TRUE(response.successful) << response.failure_reason;
+    const auto& description = response.type_description;
+    EXPECT_STREQ(description.type_description.type_name, "sensor_msgs/msg/LaserScan");
+    EXPECT_EQ(description.type_description.fields._length, 10u);
+    EXPECT_EQ(description.referenced_type_descriptions._length, 2u) << "header and time";
+  });
+  request.type_hash = arena.Copy("RIHS01_0");
+  describe.Call(request, [](const Response& response) {
+    EXPECT_FALSE(response.successful);
+    EXPECT_THAT(response.failure_reason, testing::HasSubstr("found the hash 'RIHS01_0', expected RIHS01_"));
+  });
+  request.type_name = arena.Copy("x/msg/Y");
+  describe.Call(request, [](const Response& response) { EXPECT_FALSE(response.successful); });
 }
 
 }  // namespace

@@ -8,12 +8,14 @@
 
 #include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_log.h"
 #include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/garbage_sender.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 
@@ -361,9 +363,107 @@ TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
     EXPECT_EQ(ParentsOf(message), (std::map<std::string, std::string>{{"base_link", "odom"}}));
   });
   TickUntilReceived(fixed, [](const ros::TfMessage& message) {
-    EXPECT_EQ(ParentsOf(message), (std::map<std::string, std::string>{
-                                      {"scan", "base_link"}, {"sonar_0", "base_link"}, {"sonar_1", "base_link"}}));
+    EXPECT_EQ(ParentsOf(message), (std::map<std::string, std::string>{{"base_footprint", "base_link"},
+                                                                      {"scan", "base_link"},
+                                                                      {"sonar_0", "base_link"},
+                                                                      {"sonar_1", "base_link"}}));
   });
+}
+
+// Robots a and b, each in a domain of its own.
+WorldDescription TwoDomains(std::uint32_t of_a, std::uint32_t of_b) {
+  WorldDescription world = TwoRobots();
+  world.robots[0].ros.domain = of_a;
+  world.robots[1].ros.domain = of_b;
+  return world;
+}
+
+ros::RosOptions InDomain(std::uint32_t domain) {
+  ros::RosOptions options = test::TestRosOptions();
+  options.domain = domain;
+  return options;
+}
+
+TEST_F(RosGatewayTest, ARobotInADomainOfItsOwnIsAloneThereWithPlainNames) {
+  const std::uint32_t domains[] = {test::ReserveDomain(), test::ReserveDomain()};
+  MakeReplica(options_, TwoDomains(domains[0], domains[1]));
+  ros::RosParticipant peer_of_b(InDomain(domains[1]));
+  const ros::RosNode node = ros::MakeNode(peer_of_b, "/", "peer");
+  ros::RosReader<ros::OdometryMessage> truth(node, "/ground_truth", ros::Stream(100));
+  ros::RosReader<ros::Clock> clock(node, "/clock", ros::Stream(100));
+  ros::RosReader<ros::OccupancyGridMessage> map(node, "/map", ros::Latched());
+  ros::RosReader<ros::TfMessage> moving(node, "/tf", ros::Stream(100));
+  ros::RosReader<ros::TfMessage> fixed(node, "/tf_static", ros::Latched());
+  state_.tick = 100;
+  TickUntilReceived(truth, [](const ros::OdometryMessage& message) { EXPECT_EQ(message.pose.pose.position.x, 3.0); });
+  TickUntilReceived(clock, [](const ros::Clock& message) { EXPECT_GE(message.clock.sec, 10); });
+  TickUntilReceived(map,
+                    [](const ros::OccupancyGridMessage& message) { EXPECT_STREQ(message.header.frame_id, "map"); });
+  TickUntilReceived(moving, [](const ros::TfMessage& message) {
+    EXPECT_EQ(ParentsOf(message), (std::map<std::string, std::string>{{"base_link", "odom"}}));
+  });
+  TickUntilReceived(fixed, [](const ros::TfMessage& message) {
+    const auto parents = ParentsOf(message);
+    EXPECT_EQ(parents.at("base_footprint"), "base_link");
+    EXPECT_EQ(parents.at("scan"), "base_link");
+    EXPECT_EQ(parents.at("odom"), "map");
+  });
+  test::RosGraph graph(InDomain(domains[1]));
+  EXPECT_TRUE(Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/robot"}; }))
+      << testing::PrintToString(graph.Nodes());
+  const auto topics = graph.Topics("/");
+  EXPECT_THAT(topics, testing::IsSupersetOf({"/odom", "/scan", "/sonar", "/rosout", "/parameter_events"}));
+  EXPECT_THAT(topics, testing::Not(testing::Contains(testing::HasSubstr("/a/"))));
+  test::RosGraph run(options_);
+  EXPECT_TRUE(run.Nodes().empty()) << "nothing is in the domain of the run";
+}
+
+TEST_F(RosGatewayTest, ARobotObeysCommandsInItsDomain) {
+  const std::uint32_t domains[] = {test::ReserveDomain(), test::ReserveDomain()};
+  MakeReplica(options_, TwoDomains(domains[0], domains[1]));
+  ros::RosParticipant peer_of_a(InDomain(domains[0]));
+  const ros::RosNode node = ros::MakeNode(peer_of_a, "/", "peer");
+  ros::RosWriter<ros::TwistMessage> commands(node, "/cmd_vel", ros::Stream(1));
+  EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, -0.25)), (Twist{0.5, 0.0, -0.25}));
+  EXPECT_TRUE(Tick().proposals[1].twist.IsZero());
+}
+
+TEST_F(RosGatewayTest, ASingleRobotCanHavePlainNamesInTheDomainOfTheRun) {
+  options_.plain_names = true;
+  MakeReplica(options_);
+  auto first = Reader<ros::OdometryMessage>("/odom");
+  auto second = Reader<ros::OdometryMessage>("/b/odom");
+  TickUntilReceived(first, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "odom"); });
+  TickUntilReceived(second, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "b/odom"); });
+  test::RosGraph graph(options_);
+  EXPECT_TRUE(Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/b/robot", "/robot"}; }));
+  EXPECT_FALSE(graph.Topics("/").contains("/clock")) << "that is the world's";
+}
+
+TEST_F(RosGatewayTest, ARobotHasItsTopicsBelowItsNamespace) {
+  WorldDescription world = TwoRobots();
+  world.robots[0].ros.name_space = "/fleet/a";
+  MakeReplica(options_, world);
+  auto odom = Reader<ros::OdometryMessage>("/fleet/a/odom");
+  TickUntilReceived(odom, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "fleet/a/odom"); });
+}
+
+TEST_F(RosGatewayTest, LogsRefusedCommands) {
+  MakeReplica(options_);
+  ros::RosReader<rcl_interfaces_msg_dds__Log_> log(peer_, "/rosout", ros::LogLines());
+  auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
+  std::string text;
+  ASSERT_TRUE(Eventually([&] {
+    commands.Write(Twist2(std::nan(""), 0.0));
+    Tick();
+    log.Drain([&](const rcl_interfaces_msg_dds__Log_& line) {
+      text = std::string(line.name) + ": " + line.msg;
+      EXPECT_EQ(line.level, 30);
+      EXPECT_GT(line.stamp.sec, 0);
+    });
+    return !text.empty();
+  }));
+  EXPECT_THAT(text, testing::StartsWith("a.robot: robot a: cmd_vel: ignored a command"));
 }
 
 TEST_F(RosGatewayTest, ObeysACommandInTheNextProposal) {

@@ -17,6 +17,7 @@ constexpr std::uint8_t kNameNotUnique = 101;
 constexpr std::uint8_t kUnsupportedFormat = 103;
 constexpr std::uint8_t kNoResource = 104;
 constexpr std::uint8_t kInvalidNamespace = 105;
+constexpr std::uint8_t kMalformedResource = 106;
 constexpr std::uint8_t kInvalidSpawnPose = 109;
 
 bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
@@ -28,6 +29,7 @@ std::uint8_t SpawnCode(const ControlReply& reply, const std::string& source) {
   if (reply.done) return kOk;
   if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
   if (HasOtherFormat(source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
+  if (reply.problem_code == ErrorCode::kMalformed) return kMalformedResource;
   return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
 }
 

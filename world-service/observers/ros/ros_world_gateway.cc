@@ -6,10 +6,12 @@
 
 #include "common/ros/convert.h"
 #include "common/ros/convert_world.h"
+#include "common/ros_dds/clock_output.h"
 #include "common/ros_dds/parameter_services.h"
 #include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_log.h"
 #include "common/ros_dds/ros_qos.h"
-#include "world-service/observers/ros/clock_output.h"
+#include "common/ros_dds/type_description_service.h"
 #include "world-service/observers/ros/event_line.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
@@ -31,7 +33,9 @@ class RosWorldGateway final : public RunObserver {
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
         pictures_(node_, options, scene_),
-        parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}) {
+        parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
+        type_descriptions_(node_, kNodeName),
+        log_(node_) {
     participant_.Announce();
   }
 
@@ -78,6 +82,8 @@ class RosWorldGateway final : public RunObserver {
     return Status();
   }
 
+  void OnNotice(const std::string& text) override { log_.Write(ros::LogLevel::kInfo, "/world", text); }
+
  private:
   // Replaces the services, and ends the ones before.
   void ExchangeServices(std::unique_ptr<SimulationServices> services) {
@@ -92,13 +98,15 @@ class RosWorldGateway final : public RunObserver {
   std::shared_ptr<const Scene> scene_;
   ros::RosParticipant participant_;
   ros::RosNode node_;
-  ClockOutput clock_;
+  ros::ClockOutput clock_;
   ros::RosWriter<ros::String> events_;
   ros::RosWriter<ros::MarkerArray> objects_;
   std::vector<ObjectState> shown_objects_;
   bool objects_replaced_ = false;  // viewers may show markers of the world before
   WorldPictures pictures_;
   ros::ParameterServices parameters_;
+  ros::TypeDescriptionService type_descriptions_;
+  ros::RosLog log_;
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd
 };

@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "common/ros/convert_world.h"
-#include "common/ros/names.h"
 #include "common/ros/robot_frames.h"
+#include "common/ros/robot_in_ros.h"
+#include "common/ros_dds/map_output.h"
 #include "common/ros_dds/ros_qos.h"
 
 namespace troupe {
@@ -50,7 +51,7 @@ void WorldPictures::Run() {
     const bool blocks_due = !std::exchange(blocks_written_, blocks_written_ || blocks_.wanted()) && blocks_written_;
     const bool replaces = blocks_replaced_;
     lock.unlock();
-    if (map_due) WriteMap(*scene);
+    if (map_due) ros::WriteMap(map_, *scene, options_);
     if (blocks_due) WriteBlocks(*scene, replaces);
     lock.lock();
     const auto changed = [&] { return stop_ || scene_ != scene; };
@@ -62,19 +63,15 @@ void WorldPictures::Run() {
   }
 }
 
-void WorldPictures::WriteMap(const Scene& scene) {
-  const OccupancyGrid grid =
-      MakeOccupancyGrid(scene, options_.map_resolution, options_.map_height.value_or(UsualMapHeight(scene)));
-  dds::WireArena arena;
-  map_.Write(ros::MakeMap(grid, arena));
-}
-
 void WorldPictures::WriteBlocks(const Scene& scene, bool replaces) {
   std::vector<std::vector<std::string>> frames;
-  const std::vector<std::string> names = ros::RobotNames(scene.world());
-  for (std::size_t i = 0; i < names.size() && !options_.namespaced_tf;
-       ++i) {  // namespaced frames are in separate trees
-    frames.push_back(ros::RobotFramesOf(scene, RobotId(i), ros::FramesOf(names[i], true)).links);
+  // Namespaced frames are in separate trees, and so are those in other domains.
+  for (std::size_t i = 0; i < scene.world().robots.size() && !options_.namespaced_tf; ++i) {
+    const ros::RobotInRos robot = ros::FindRobotInRos(scene.world(), RobotId(i), options_);
+    frames.emplace_back();
+    if (robot.domain == options_.domain) {
+      frames.back() = ros::RobotFramesOf(scene, RobotId(i), robot.frames).links;
+    }
   }
   dds::WireArena arena;
   blocks_.Write(ros::MakeBlockMarkers(scene, frames, arena, replaces));

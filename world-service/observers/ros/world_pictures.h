@@ -23,7 +23,6 @@ class WorldPictures {
 
  private:
   void Run();
-  void WriteMap(const Scene& scene);
   void WriteBlocks(const Scene& scene, bool replaces);
 
   const ros::RosOptions options_;

@@ -10,6 +10,14 @@ using ros::RosCaller;
 // Of LoadWorld.
 constexpr std::uint8_t kUnsupportedWorldFormat = 101;
 constexpr std::uint8_t kNoWorldResource = 102;
+constexpr std::uint8_t kMalformedWorld = 103;
+
+std::uint8_t LoadCode(const ControlReply& reply, const std::string& path) {
+  if (reply.done) return static_cast<std::uint8_t>(ResultCode::kOk);
+  if (HasOtherFormat(path, {".world", ".json", ".yaml", ".yml"})) return kUnsupportedWorldFormat;
+  if (reply.problem_code == ErrorCode::kMalformed) return kMalformedWorld;
+  return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
+}
 
 ControlRequest ResetRequest(std::uint8_t scopes) {
   ControlRequest request;
@@ -52,9 +60,8 @@ void WorldServices::OnLoad(const RosCaller& caller, const simulation_interfaces_
                       "", "");
   }
   Ask(load, [caller, path = load.source](WorldServices& self, const ControlReply& reply) {
-    const bool is_other = !reply.done && HasOtherFormat(path, {".world", ".json", ".yaml", ".yml"});
-    const auto code = is_other ? kUnsupportedWorldFormat : static_cast<std::uint8_t>(CodeOf(reply));
-    self.AnswerLoad(caller, code, reply.problem, reply.done ? self.context().scene()->world().name : "", path);
+    self.AnswerLoad(caller, LoadCode(reply, path), reply.problem,
+                    reply.done ? self.context().scene()->world().name : "", path);
   });
 }
 

@@ -33,7 +33,8 @@ class LauncherReporter final : public Reporter {
           {"rebuilds_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kRebuild},
           {"port", contact.port},
           {"participant", contact.participant},
-          {"ros", loaded.settings.ros}});
+          {"ros", loaded.settings.ros},
+          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {

@@ -13,11 +13,11 @@
 #include "common/ros/ros_options.h"
 #include "common/ros_dds/ros_endpoints.h"
 
-namespace troupe {
+namespace troupe::ros {
 
 class ClockOutput {
  public:
-  ClockOutput(const ros::RosNode& node, const ros::RosOptions& options);
+  ClockOutput(const RosNode& node, const RosOptions& options);
   ~ClockOutput();
 
   // Simulated time of a second of wall time; none: the run is not paced.
@@ -37,7 +37,7 @@ class ClockOutput {
   bool advances() const { return !stays_ && speed_ && rate_ > 0.0; }
 
   const double rate_;  // Hz of wall time; 0: only the ticks
-  ros::RosWriter<ros::Clock> writer_;
+  RosWriter<Clock> writer_;
   std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   bool stop_ = false;
@@ -51,4 +51,4 @@ class ClockOutput {
   std::thread thread_;  // last, because it uses all other members
 };
 
-}  // namespace troupe
+}  // namespace troupe::ros

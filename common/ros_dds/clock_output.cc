@@ -1,21 +1,21 @@
-#include "world-service/observers/ros/clock_output.h"
+#include "common/ros_dds/clock_output.h"
 
 #include <algorithm>
 
 #include "common/ros_dds/ros_qos.h"
 
-namespace troupe {
+namespace troupe::ros {
 namespace {
 
-constexpr std::int32_t kDepth = 10;
+constexpr std::int32_t kClockDepth = 10;
 // So that a node that starts in a pause learns the time.
 constexpr auto kRepeatPeriod = std::chrono::milliseconds(200);
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 }  // namespace
 
-ClockOutput::ClockOutput(const ros::RosNode& node, const ros::RosOptions& options)
-    : rate_(options.clock_rate), writer_(node, "/clock", ros::Stream(kDepth)), thread_([this] { Run(); }) {}
+ClockOutput::ClockOutput(const RosNode& node, const RosOptions& options)
+    : rate_(options.clock_rate), writer_(node, "/clock", Stream(kClockDepth)), thread_([this] { Run(); }) {}
 
 ClockOutput::~ClockOutput() {
   {
@@ -68,7 +68,7 @@ ClockOutput::WallClock::time_point ClockOutput::NextWrite() const {
 std::int64_t ClockOutput::TimeAt(WallClock::time_point now) const {
   if (!advances()) return tick_ns_;
   const std::chrono::duration<double> elapsed = now - shown_at_;
-  const double ns = elapsed.count() * *speed_ * static_cast<double>(kSecond);
+  const double ns = elapsed.count() * *speed_ * static_cast<double>(kNsPerSecond);
   return tick_ns_ + static_cast<std::int64_t>(std::min(ns, static_cast<double>(interval_ns_)));
 }
 
@@ -76,8 +76,8 @@ void ClockOutput::Write(std::int64_t ns, WallClock::time_point now) {
   written_ns_ = std::max(written_ns_, ns);
   written_at_ = now;
   if (!writer_.wanted()) return;
-  writer_.Write(
-      {{static_cast<std::int32_t>(written_ns_ / kSecond), static_cast<std::uint32_t>(written_ns_ % kSecond)}});
+  writer_.Write({{static_cast<std::int32_t>(written_ns_ / kNsPerSecond),
+                  static_cast<std::uint32_t>(written_ns_ % kNsPerSecond)}});
 }
 
-}  // namespace troupe
+}  // namespace troupe::ros

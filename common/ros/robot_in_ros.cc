@@ -1,0 +1,72 @@
+#include "common/ros/robot_in_ros.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace troupe::ros {
+namespace {
+
+std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (!world.robots[i].ros.domain) return RobotId(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool IsNamespace(const std::string& text) {
+  if (!text.starts_with("/")) return false;
+  for (std::size_t start = 1; start <= text.size();) {
+    const std::size_t end = std::min(text.find('/', start), text.size());
+    const std::string part = text.substr(start, end - start);
+    if (part.empty() || RosName(part) != part) return false;
+    start = end + 1;
+  }
+  return text.size() > 1;
+}
+
+Status CheckDomains(const WorldDescription& world, const RosOptions& options,
+                    std::optional<std::uint32_t> simulation_domain) {
+  if (simulation_domain == options.domain) {
+    return Error{{},
+                 fmt::format("found {} as the domain of the run and as its ROS domain, expected two: see --domain and "
+                             "--ros-domain",
+                             options.domain)};
+  }
+  std::size_t of_run = 0;
+  for (const RobotDescription& robot : world.robots) {
+    if (!robot.ros.domain) ++of_run;
+    if (robot.ros.domain && robot.ros.domain == simulation_domain) {
+      return Error{{},
+                   fmt::format("found the ROS domain {} for robot '{}', which is the domain of the simulation, "
+                               "expected another one, or another --domain",
+                               *robot.ros.domain, robot.name)};
+    }
+  }
+  if (!options.plain_names || of_run <= 1) return Status();
+  return Error{{},
+               fmt::format("found --ros-names plain for {} robots in one ROS domain, expected one robot, or a "
+                           "ros_domain for each",
+                           of_run)};
+}
+
+RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options) {
+  const RosIdentity& identity = world.robot(robot).ros;
+  RobotInRos found;
+  found.domain = identity.domain.value_or(options.domain);
+  found.alone = found.domain != options.domain;
+  found.name = RobotNames(world)[robot.index()];
+  const bool is_plain = identity.domain || (options.plain_names && FirstOfRun(world) == robot);
+  if (is_plain) {
+    found.node_namespace = "/";
+  } else {
+    found.node_namespace = IsNamespace(identity.name_space) ? identity.name_space : "/" + found.name;
+  }
+  found.frames = FramesOf(found.node_namespace.substr(1), !options.namespaced_tf && !is_plain);
+  return found;
+}
+
+}  // namespace troupe::ros

@@ -1,0 +1,186 @@
+#include "robot-agent/ros/robot_group.h"
+
+#include <utility>
+
+#include "common/ros/convert.h"
+#include "common/ros_dds/ros_qos.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kTransformDepth = 100;
+// In a domain with more robots, their nodes have no parameter services, which are twelve endpoints each.
+constexpr std::size_t kMostRobotsWithParameters = 10;
+constexpr const char* kNodeName = "robot";
+
+// The enclave of the participant is that of its first robot.
+std::string EnclaveOf(const RobotInGroup& robot) {
+  return "/" + robot.in_ros.name;
+}
+
+}  // namespace
+
+// The topics tf and tf_static: of one robot, or of all robots of the group.
+class RobotGroup::Transforms {
+ public:
+  Transforms(const ros::RosNode& node, const std::string& prefix)
+      : moving_(node, prefix + "tf", ros::Stream(kTransformDepth)),
+        fixed_(node, prefix + "tf_static", ros::Latched()) {}
+
+  void Write(Tick tick, const std::vector<std::pair<const RobotView*, const RobotOutput*>>& robots);
+
+ private:
+  ros::RosWriter<ros::TfMessage> moving_;
+  ros::RosWriter<ros::TfMessage> fixed_;
+  bool fixed_written_ = false;
+};
+
+void RobotGroup::Transforms::Write(Tick tick,
+                                   const std::vector<std::pair<const RobotView*, const RobotOutput*>>& robots) {
+  if (!fixed_written_) {
+    // One message for all robots, because only the last one is kept for late readers.
+    fixed_written_ = true;
+    dds::WireArena arena;
+    std::vector<ros::TransformStamped> fixed;
+    for (const auto& [view, output] : robots) {
+      const auto of_robot = output->StaticTransforms(*view, arena);
+      fixed.insert(fixed.end(), of_robot.begin(), of_robot.end());
+    }
+    fixed_.Write(ros::MakeTfMessage(fixed, arena));
+  }
+  if (!moving_.wanted()) return;
+  dds::WireArena arena;
+  std::vector<ros::TransformStamped> moving;
+  for (const auto& [view, output] : robots) {
+    const auto of_robot = output->MovingTransforms(tick, *view, arena);
+    moving.insert(moving.end(), of_robot.begin(), of_robot.end());
+  }
+  moving_.Write(ros::MakeTfMessage(moving, arena));
+}
+
+struct RobotGroup::Member {
+  Member(const ros::RosNode& node_of_robot, const ros::RosOptions& options, const Scene& scene,
+         const RobotInGroup& robot)
+      : node(node_of_robot),
+        input(node, options, scene.world().robot(robot.id), scene.world().interval_seconds()),
+        output(node, options, scene, robot.id, robot.in_ros),
+        manipulator(node, scene, robot.id) {
+    if (options.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
+    if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
+    parameters =
+        std::make_unique<ros::ParameterServices>(node, kNodeName,
+                                                 ros::Parameters{{"use_sim_time", true},
+                                                                 {"command_timeout", options.command_timeout},
+                                                                 {"robot", scene.world().robot(robot.id).name}});
+    type_descriptions = std::make_unique<ros::TypeDescriptionService>(node, kNodeName);
+  }
+
+  ros::RosNode node;
+  CommandInput input;
+  RobotOutput output;
+  ManipulatorPort manipulator;
+  std::unique_ptr<Transforms> transforms;  // null where robots share them
+  // Null where there are many robots.
+  std::unique_ptr<ros::ParameterServices> parameters;
+  std::unique_ptr<ros::TypeDescriptionService> type_descriptions;
+};
+
+RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots)
+    : participant_(options, EnclaveOf(robots.front())),
+      by_id_(scene.world().robots.size()),
+      interval_ns_(scene.world().interval_ns) {
+  participant_.WatchWriters();
+  // Not by each process of a domain, because all would report the same.
+  const bool alone = robots.front().in_ros.alone;
+  if (alone || robots.front().id.index() == 0) participant_.WatchDistributions();
+  for (const RobotInGroup& robot : robots) {
+    const ros::RosNode node = ros::MakeNode(participant_, robot.in_ros.node_namespace, kNodeName);
+    members_.push_back(std::make_unique<Member>(node, options, scene, robot));
+    by_id_[robot.id.index()] = members_.back().get();
+    if (log_) {
+      log_->Share(node);
+    } else {
+      log_.emplace(node);
+    }
+  }
+  const ros::RosNode& first = members_.front()->node;
+  if (!options.namespaced_tf) shared_transforms_ = std::make_unique<Transforms>(first, "/");
+  if (alone) {
+    clock_.emplace(first, options);
+    map_.emplace(first, options);
+    map_->ChangeWorld(scene);
+  }
+  participant_.Announce();
+}
+
+RobotGroup::~RobotGroup() = default;
+
+RobotGroup::Member* RobotGroup::Find(RobotId id) {
+  return id.index() < by_id_.size() ? by_id_[id.index()] : nullptr;
+}
+
+ExternalCommand RobotGroup::CommandFor(RobotId id, Tick tick) {
+  Member& robot = *Find(id);
+  ExternalCommand external;
+  if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
+  external.command = robot.manipulator.WithCommands(tick, std::move(external.command));
+  return external;
+}
+
+void RobotGroup::PublishActions(const RobotView& robot) {
+  Member* const member = Find(robot.id());
+  if (member == nullptr) return;
+  member->output.AddMotion(robot);
+  member->manipulator.PublishActions(robot.world_state());
+}
+
+void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
+  std::vector<std::pair<const RobotView*, const RobotOutput*>> shown;
+  for (const RobotView* robot : robots) {
+    Member* const member = Find(robot->id());
+    if (member == nullptr) continue;
+    member->output.Publish(tick, *robot);
+    member->manipulator.PublishStates(robot->world_state());
+    if (member->transforms) {
+      member->transforms->Write(tick, {{robot, &member->output}});
+    } else {
+      shown.emplace_back(robot, &member->output);
+    }
+  }
+  if (shared_transforms_) shared_transforms_->Write(tick, shown);
+  if (clock_) clock_->Show(tick, interval_ns_, false);
+  if (map_) map_->Poll();
+}
+
+void RobotGroup::ChangeWorld(const Scene& scene) {
+  if (map_) map_->ChangeWorld(scene);
+}
+
+void RobotGroup::Restart() {
+  for (const auto& robot : members_) robot->input.Restart();
+}
+
+std::vector<std::string> RobotGroup::DrainReports() {
+  std::vector<std::string> reports = participant_.DrainMismatches();
+  Log(*members_.front(), reports, 0);
+  for (const auto& robot : members_) {
+    const std::size_t logged = reports.size();
+    if (std::optional<std::string> report = robot->input.DrainReport()) reports.push_back(*std::move(report));
+    for (std::string& report : robot->manipulator.DrainReports()) reports.push_back(std::move(report));
+    Log(*robot, reports, logged);
+  }
+  return reports;
+}
+
+void RobotGroup::Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first) {
+  for (std::size_t i = first; i < reports.size(); ++i) {
+    log_->Write(ros::LogLevel::kWarning, robot.node.Resolve(kNodeName), reports[i]);
+  }
+}
+
+bool RobotGroup::HasNewReader() {
+  const std::uint64_t count = participant_.reader_count();
+  return count != std::exchange(readers_seen_, count);
+}
+
+}  // namespace troupe

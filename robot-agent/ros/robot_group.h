@@ -1,0 +1,66 @@
+// RobotGroup: the robots of an agent in one ROS domain: one participant, a node for each robot, and the transforms that
+// they share. A robot in a domain of its own has a group of its own, with /clock and /map.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/ros/robot_in_ros.h"
+#include "common/ros_dds/clock_output.h"
+#include "common/ros_dds/map_output.h"
+#include "common/ros_dds/parameter_services.h"
+#include "common/ros_dds/ros_log.h"
+#include "common/ros_dds/type_description_service.h"
+#include "robot-agent/agent/gateway.h"
+#include "robot-agent/ros/command_input.h"
+#include "robot-agent/ros/manipulator_port.h"
+#include "robot-agent/ros/robot_output.h"
+
+namespace troupe {
+
+struct RobotInGroup {
+  RobotId id;
+  ros::RobotInRos in_ros;
+};
+
+class RobotGroup {
+ public:
+  // `options`: with the group's domain. REQUIRES: `robots` is not empty; the scene outlives the group.
+  RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots);
+  ~RobotGroup();
+
+  ExternalCommand CommandFor(RobotId id, Tick tick);
+  // Once for each tick, before Show.
+  void PublishActions(const RobotView& robot);
+  // `robots`: of the process, in the order of their ids.
+  void Show(Tick tick, std::span<const RobotView* const> robots);
+  void ChangeWorld(const Scene& scene);
+  void Restart();
+  // The messages for the log of the run; also writes them to /rosout.
+  std::vector<std::string> DrainReports();
+  // Whether a reader has come since the last call.
+  bool HasNewReader();
+
+ private:
+  class Transforms;
+  struct Member;
+
+  Member* Find(RobotId id);
+  // Those from the index `first` on, as lines of the robot's node.
+  void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
+
+  ros::RosParticipant participant_;
+  std::uint64_t readers_seen_ = 0;
+  std::vector<std::unique_ptr<Member>> members_;
+  std::vector<Member*> by_id_;  // null for all other robots of the world
+  std::optional<ros::RosLog> log_;
+  std::unique_ptr<Transforms> shared_transforms_;  // null where each robot has its own
+  std::optional<ros::ClockOutput> clock_;          // these two in a domain of its own
+  std::optional<ros::MapOutput> map_;
+  std::int64_t interval_ns_ = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,108 @@
+// A fleet with a ROS domain for each robot, in a network of the test's own: a tool in one domain sees one robot, under
+// plain names, and the run is the same as without ROS.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <vector>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/own_network.h"
+#include "tests/support/ros_graph.h"
+
+namespace troupe::test {
+namespace {
+
+constexpr int kRobots = 50;
+constexpr std::uint32_t kFirstDomain = 1;
+constexpr std::uint32_t kRunDomain = 90;
+constexpr std::uint32_t kSimulationDomain = 95;
+
+ros::RosOptions InDomain(std::uint32_t domain) {
+  ros::RosOptions options;
+  options.domain = domain;
+  options.network_interface = "lo";
+  return options;
+}
+
+class RosDomains : public testing::Test {
+ protected:
+  RosDomains() {
+    std::ofstream(folder_.Path("fleet.json"))
+        << R"({"world": ")" << WorldPath("pen.world") << R"(", "ros": true, "spawn": [{"model": "rover", "count": )"
+        << kRobots << R"(, "region": [4, -40, 80, 40], "controller": "wander", "ros_domain": {"each": )" << kFirstDomain
+        << "}}]}";
+  }
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"run",
+                                          folder_.Path("fleet.json"),
+                                          "--headless",
+                                          "--session",
+                                          TestSession("domains"),
+                                          "--domain",
+                                          std::to_string(kSimulationDomain),
+                                          "--ros-interface",
+                                          "lo",
+                                          "--ros-domain",
+                                          std::to_string(kRunDomain)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  OutputFolder folder_;
+};
+
+TEST_F(RosDomains, AToolInADomainSeesOneRobotUnderPlainNames) {
+  if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root and network namespaces";
+  Program run = Troupe(Arguments({"--paused"}));
+  run.WaitForLine(", ready");
+  for (const std::uint32_t domain : {kFirstDomain, kFirstDomain + 17, kFirstDomain + kRobots - 1}) {
+    RosGraph graph(InDomain(domain));
+    std::vector<std::string> nodes;
+    EXPECT_TRUE(Eventually([&] { return (nodes = graph.Nodes()) == std::vector<std::string>{"/robot"}; }))
+        << domain << ": " << testing::PrintToString(nodes);
+    EXPECT_TRUE(Eventually([&] { return graph.Topics("/").contains("/scan"); }));
+    EXPECT_THAT(graph.Topics("/"),
+                testing::IsSupersetOf({"/clock", "/map", "/odom", "/tf", "/tf_static", "/sonar", "/rosout"}));
+  }
+  // The four robots of the world file and the world itself.
+  RosGraph graph(InDomain(kRunDomain));
+  std::vector<std::string> nodes;
+  EXPECT_TRUE(Eventually([&] {
+    return (nodes = graph.Nodes()) ==
+           std::vector<std::string>{"/r0/robot", "/r1/robot", "/r2/robot", "/r3/robot", "/world"};
+  })) << testing::PrintToString(nodes);
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+}
+
+TEST_F(RosDomains, TheRunIsTheSameAsWithoutRos) {
+  if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root and network namespaces";
+  std::string hashes[2];
+  for (const bool ros : {false, true}) {
+    OutputFolder outputs;
+    const Finished finished =
+        Finish(Troupe(Arguments({ros ? "--ros" : "--no-ros", "--ticks", "50", "--hash-log", outputs.Path("hashes")})));
+    ASSERT_EQ(finished.exit_status, 0) << finished.output;
+    hashes[ros ? 1 : 0] = outputs.Read("hashes");
+  }
+  EXPECT_FALSE(hashes[0].empty());
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(RosDomains, ARobotCannotHaveTheDomainOfTheSimulation) {
+  std::vector<std::string> arguments = Arguments({});
+  *(std::find(arguments.begin(), arguments.end(), "--domain") + 1) = "3";
+  const Finished finished = Finish(Troupe(std::move(arguments)));
+  EXPECT_EQ(finished.exit_status, 2);
+  EXPECT_THAT(finished.output,
+              testing::HasSubstr("error: found the ROS domain 3 for robot 'rover2', which is the domain of the "
+                                 "simulation, expected another one, or another --domain"));
+}
+
+}  // namespace
+}  // namespace troupe::test

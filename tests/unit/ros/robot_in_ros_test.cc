@@ -1,0 +1,87 @@
+#include "common/ros/robot_in_ros.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/small_world.h"
+
+namespace troupe::ros {
+namespace {
+
+WorldDescription ThreeRobots() {
+  SmallWorld world;
+  for (const char* name : {"a", "b", "c"}) world.AddRobot(name, {});
+  return world.world();
+}
+
+RosOptions Options(std::uint32_t domain, bool plain = false) {
+  RosOptions options;
+  options.domain = domain;
+  options.plain_names = plain;
+  return options;
+}
+
+TEST(RobotInRos, HasItsNameInTheDomainOfTheRun) {
+  const RobotInRos robot = FindRobotInRos(ThreeRobots(), RobotId(1), Options(7));
+  EXPECT_EQ(robot.domain, 7u);
+  EXPECT_FALSE(robot.alone);
+  EXPECT_EQ(robot.node_namespace, "/b");
+  EXPECT_EQ(robot.frames.base, "b/base_link");
+}
+
+TEST(RobotInRos, HasPlainNamesInADomainOfItsOwn) {
+  WorldDescription world = ThreeRobots();
+  world.robots[1].ros.domain = 9;
+  const RobotInRos robot = FindRobotInRos(world, RobotId(1), Options(7));
+  EXPECT_EQ(robot.domain, 9u);
+  EXPECT_TRUE(robot.alone);
+  EXPECT_EQ(robot.node_namespace, "/");
+  EXPECT_EQ(robot.frames.base, "base_link");
+  EXPECT_FALSE(FindRobotInRos(world, RobotId(1), Options(9)).alone) << "the run's domain";
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(9)).node_namespace, "/");
+}
+
+TEST(RobotInRos, OnlyTheFirstOfADomainHasPlainNames) {
+  WorldDescription world = ThreeRobots();
+  world.robots[0].ros.domain = 9;
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(7, true)).node_namespace, "/");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(2), Options(7, true)).node_namespace, "/c");
+}
+
+TEST(RobotInRos, HasTheNamespaceOfItsDescriptionIfItIsOne) {
+  WorldDescription world = ThreeRobots();
+  world.robots[0].ros.name_space = "/fleet/a";
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).node_namespace, "/fleet/a");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).frames.odom, "fleet/a/odom");
+  world.robots[0].ros.name_space = "//x";
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).node_namespace, "/a");
+}
+
+TEST(IsNamespace, FollowsTheRulesOfRos) {
+  for (const char* good : {"/a", "/fleet/anna", "/a_b/c1"}) EXPECT_TRUE(IsNamespace(good)) << good;
+  for (const char* bad : {"", "/", "a", "/a/", "//a", "/1", "/a b", "/a__b", "/a//b", "/\xc3\xa4"}) {
+    EXPECT_FALSE(IsNamespace(bad)) << bad;
+  }
+}
+
+TEST(CheckDomains, RefusesTheDomainOfTheSimulation) {
+  WorldDescription world = ThreeRobots();
+  EXPECT_TRUE(CheckDomains(world, Options(7), 42).ok());
+  EXPECT_THAT(CheckDomains(world, Options(42), 42).error().message, testing::HasSubstr("42 as the domain of the run"));
+  world.robots[2].ros.domain = 42;
+  EXPECT_THAT(CheckDomains(world, Options(7), 42).error().message,
+              testing::HasSubstr("found the ROS domain 42 for robot 'c', which is the domain of the simulation"));
+  EXPECT_TRUE(CheckDomains(world, Options(7), std::nullopt).ok());
+}
+
+TEST(CheckDomains, RefusesPlainNamesForSeveralRobotsOfADomain) {
+  WorldDescription world = ThreeRobots();
+  EXPECT_THAT(CheckDomains(world, Options(7, true), 42).error().message,
+              testing::HasSubstr("found --ros-names plain for 3 robots in one ROS domain"));
+  world.robots[0].ros.domain = 8;
+  world.robots[1].ros.domain = 9;
+  EXPECT_TRUE(CheckDomains(world, Options(7, true), 42).ok());
+}
+
+}  // namespace
+}  // namespace troupe::ros
