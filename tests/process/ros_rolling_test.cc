@@ -110,7 +110,7 @@ void RosRollingTest::CheckSpawnables() {
 
 void RosRollingTest::CheckSpawnAndPose() {
   EXPECT_THAT(Spawn("late", "rover", "", 0.5, -2.0), Pair(kOk, "late"));
-  EXPECT_THAT(Spawn("other", "", "a robot", 0.5, 2.0), Pair(103, "")) << "an unknown format";
+  EXPECT_THAT(Spawn("other", "", "<robot/>", 0.5, 2.0), Pair(103, "")) << "an unknown format";
   EXPECT_THAT(Spawn("other", "", "", 0.5, 2.0), Pair(104, "")) << "no resource";
   const ros::PoseMessage spawned = PoseOf("late");
   EXPECT_EQ(spawned.position.x, 0.5);
@@ -131,8 +131,10 @@ void RosRollingTest::CheckOnlyPosesAreSet() {
   EXPECT_EQ(Set(request), kOk) << "set_twist is false";
   EXPECT_EQ(PoseOf("late").position.x, 1.0);
   request.set_twist = true;
-  EXPECT_EQ(Set(request), kUnsupported);
-  request.state.twist.linear.x = 0.0;
+  EXPECT_EQ(Set(request), kOk) << "a twist that the drive can have";
+  request.state.twist.linear.y = 1.0;
+  EXPECT_EQ(Set(request), 4) << "its drive moves only forwards";
+  request.state.twist.linear = {};
   EXPECT_EQ(Set(request), kOk) << "a twist of zero";
   request.set_acceleration = true;
   EXPECT_EQ(Set(request), kUnsupported);
@@ -145,7 +147,7 @@ void RosRollingTest::CheckLoad() {
   const std::string pen = WorldPath("pen.world");
   rolling_client_dds__LoadWorld_Request_ load{};
   load_.Call(load, [](const auto& response) { EXPECT_EQ(response.result.result, 102) << "no resource"; });
-  load.world_resource.resource_string = Text("a world");
+  load.world_resource.resource_string = Text("<world/>");
   load_.Call(load, [](const auto& response) { EXPECT_EQ(response.result.result, 101) << "an unknown format"; });
   load.world_resource.uri = Text(pen.c_str());
   load_.Call(load, [&](const auto& response) {

@@ -1,6 +1,10 @@
 #include "world-service/service/requested_file.h"
 
 #include <exception>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -25,20 +29,62 @@ Result<RequestedFile> ListModels(const ServiceOptions& options) {
   RequestedFile file;
   for (const Spawnable& model : models.value()) {
     const EntityKind kind = model.type == "position" ? EntityKind::kRobot : EntityKind::kModel;
-    file.spawnables.push_back({.name = model.name, .type = model.type, .kind = kind});
+    file.listed.push_back({.name = model.name, .type = model.type, .kind = kind});
+  }
+  return file;
+}
+
+// Worlds and scenarios in the folder of the request, or else in those that requests may read.
+Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlRequest& request) {
+  const AllowedPaths& allowed = options.overrides.allowed;
+  std::vector<std::string> folders = {request.source};
+  if (request.source.empty()) folders = allowed.paths();
+  std::set<std::string> paths;
+  for (const std::string& folder : folders) {
+    const std::optional<std::string> path = allowed.Resolve(folder);
+    std::error_code problem;
+    if (path && std::filesystem::is_directory(*path, problem)) {
+      for (const auto& entry : std::filesystem::directory_iterator(*path, problem)) {
+        const std::string ending = entry.path().extension().string();
+        if (ending == ".world" || ending == ".json") paths.insert(entry.path().string());
+      }
+    } else if (!request.source.empty()) {
+      return Error{{}, "found '" + folder + "', expected a folder that requests may read"};
+    }
+  }
+  RequestedFile file;
+  for (const std::string& path : paths) {
+    file.listed.push_back({.name = std::filesystem::path(path).stem().string(), .type = path});
   }
   return file;
 }
 
 Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& request) {
   if (request.command == ControlCommand::kSpawnables) return ListModels(options);
-  Result<LoadedWorld> loaded = request.command == ControlCommand::kLoadWorld
-                                   ? LoadWorld(request.source, options.overrides)
-                                   : LoadSpawnable(options.world_file, request.source, options.overrides);
+  if (request.command == ControlCommand::kWorlds) return ListWorlds(options, request);
+  const bool loads = request.command == ControlCommand::kLoadWorld;
+  if (loads && request.source.empty() && request.text.empty()) {
+    return RequestedFile{std::make_shared<const WorldDescription>(), {}};
+  }
+  std::string source = request.source;
+  LoadOverrides overrides = options.overrides;
+  std::shared_ptr<const RequestedText> text;
+  if (!request.text.empty()) {
+    Result<std::shared_ptr<const RequestedText>> written = RequestedText::Write(request.text);
+    if (!written.ok()) return written.error();
+    text = std::move(written).value();
+    source = text->path();
+    overrides.allowed.Add(source);
+  }
+  Result<LoadedWorld> loaded =
+      loads ? LoadWorld(source, overrides) : LoadSpawnable(options.world_file, source, overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
   if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
     return status.error();
-  return RequestedFile{std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}};
+  for (RobotDescription& robot : loaded.value().world.robots) {
+    if (!loads) robot.ros.name_space = request.ros_namespace;
+  }
+  return RequestedFile{std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}, std::move(text)};
 }
 
 }  // namespace

@@ -1,20 +1,23 @@
 // The files of a request: a world to load, a model to spawn, or the list of such models.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "common/base/result.h"
+#include "world-service/service/requested_text.h"
 #include "world-service/service/run_control.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
 
 struct RequestedFile {
-  RequestedWorld world;                  // of kLoadWorld and kSpawn
-  std::vector<EntityReport> spawnables;  // of kSpawnables
+  RequestedWorld world;                            // of kLoadWorld and kSpawn
+  std::vector<EntityReport> listed;                // of kSpawnables and kWorlds
+  std::shared_ptr<const RequestedText> text = {};  // of kLoadWorld with a text
 };
 
-// The error's message has the place in the file. REQUIRES: the command is kLoadWorld, kSpawn or kSpawnables.
+// The error's message has the place in the file. REQUIRES: the command is kLoadWorld, kSpawn, kSpawnables or kWorlds.
 Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request);
 
 }  // namespace troupe

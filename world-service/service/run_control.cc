@@ -7,6 +7,7 @@
 #include "world-service/core/edit_world.h"
 #include "world-service/service/apply_edit.h"
 #include "world-service/service/entities.h"
+#include "world-service/service/entity_boxes.h"
 
 namespace troupe {
 namespace {
@@ -51,7 +52,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
     case ControlCommand::kStep:
       return EnqueueStep(std::move(open), now);
     case ControlCommand::kEntities:
-      return Reply(open, Entities(request.name));
+      return Reply(open, Entities(request.name, request.with_boxes));
     case ControlCommand::kSpeed:
       return ReplyWith(open, SetSpeed(request.speed, now));
     case ControlCommand::kCommandRobot:
@@ -234,12 +235,14 @@ void RunControl::GiveUpNewRobots(const Error& error, double now) {
   if (edit->request.command == ControlCommand::kSpawn) editor_.RevokeSpawn(edit->request.name, now);
 }
 
-Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name) const {
+Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, bool with_boxes) const {
   std::vector<EntityReport> entities = ListEntities(run_.world(), run_.frame.state);
-  if (name.empty()) return entities;
-  const Result<ModelId> root = FindEntity(run_.world(), name);
-  if (!root.ok()) return root.error();
-  std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
+  if (!name.empty()) {
+    const Result<ModelId> root = FindEntity(run_.world(), name);
+    if (!root.ok()) return root.error();
+    std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
+  }
+  if (with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);
   return entities;
 }
 

@@ -74,7 +74,7 @@ class RunControl {
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
   Status SetSpeed(const std::optional<double>& speed, double now);
   Status CommandRobot(const ControlRequest& request);
-  Result<std::vector<EntityReport>> Entities(const std::string& name) const;
+  Result<std::vector<EntityReport>> Entities(const std::string& name, bool with_boxes = false) const;
   RunState State() const;
 
   const LiveRun& run_;

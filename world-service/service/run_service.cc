@@ -7,6 +7,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <mutex>
 #include <new>
 #include <random>
@@ -134,6 +135,9 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Accept(AskedRequest asked) {
+    if (asked.request.command == ControlCommand::kWorld) {
+      return coordinator_.Reply(asked.request, asked.reply, LoadedFile());
+    }
     if (!NeedsFiles(asked.request.command)) {
       return coordinator_.Control(asked.request, std::move(asked.reply), Now());
     }
@@ -147,9 +151,16 @@ class Driver final : public WorldControl, private ServiceHandler {
     file_requests_.push_back(std::move(asked));
   }
 
+  // The file of the world, without a path if it was a text; nothing after the world was unloaded.
+  std::vector<EntityReport> LoadedFile() const {
+    if (service_.world_file.empty()) return {};
+    const std::string stem = std::filesystem::path(service_.world_file).stem().string();
+    return {{.name = stem, .type = text_ ? std::string() : service_.world_file}};
+  }
+
   static bool NeedsFiles(ControlCommand command) {
     return command == ControlCommand::kLoadWorld || command == ControlCommand::kSpawn ||
-           command == ControlCommand::kSpawnables;
+           command == ControlCommand::kSpawnables || command == ControlCommand::kWorlds;
   }
 
   void ReadFiles(std::unique_lock<std::mutex>& lock) {
@@ -208,11 +219,15 @@ class Driver final : public WorldControl, private ServiceHandler {
 
   void Execute(const AskedRequest& open, const Result<RequestedFile>& file) {
     if (!file.ok()) return coordinator_.Reply(open.request, open.reply, file.error());
-    if (open.request.command == ControlCommand::kSpawnables) {
-      return coordinator_.Reply(open.request, open.reply, file.value().spawnables);
+    if (open.request.command == ControlCommand::kSpawnables || open.request.command == ControlCommand::kWorlds) {
+      return coordinator_.Reply(open.request, open.reply, file.value().listed);
     }
     const bool loads = open.request.command == ControlCommand::kLoadWorld;
-    if (loads && coordinator_.phase() == Phase::kRunning) service_.world_file = open.request.source;
+    if (loads && coordinator_.phase() == Phase::kRunning) {
+      text_ = file.value().text;
+      service_.world_file = text_ ? text_->path() : open.request.source;
+      if (text_) service_.overrides.allowed.Add(text_->path());
+    }
     coordinator_.Control(open.request, open.reply, Now(), file.value().world);
   }
 
@@ -287,6 +302,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   ServiceOptions service_;
+  std::shared_ptr<const RequestedText> text_;  // of the world, if it was no file
   const RunObservers observers_;
   TickTrace* const trace_;  // null: none
   bool started_ = false;    // reported to the observers

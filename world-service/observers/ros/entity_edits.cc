@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "world-service/observers/ros/entity_pose.h"
-#include "world-service/observers/ros/resource_path.h"
 
 namespace troupe {
 namespace {
@@ -12,31 +11,16 @@ using ros::RosCaller;
 
 constexpr auto kOk = static_cast<std::uint8_t>(ResultCode::kOk);
 constexpr std::uint8_t kInvalidStatePose = 101;  // of SetEntityState
-// Of SpawnEntity.
-constexpr std::uint8_t kNameNotUnique = 101;
-constexpr std::uint8_t kUnsupportedFormat = 103;
-constexpr std::uint8_t kNoResource = 104;
-constexpr std::uint8_t kInvalidNamespace = 105;
-constexpr std::uint8_t kMalformedResource = 106;
-constexpr std::uint8_t kInvalidSpawnPose = 109;
+constexpr auto kFailed = static_cast<std::uint8_t>(ResultCode::kOperationFailed);
 
 bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
   return twist.linear.x == 0.0 && twist.linear.y == 0.0 && twist.linear.z == 0.0 && twist.angular.x == 0.0 &&
          twist.angular.y == 0.0 && twist.angular.z == 0.0;
 }
 
-std::uint8_t SpawnCode(const ControlReply& reply, const std::string& source) {
-  if (reply.done) return kOk;
-  if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
-  if (HasOtherFormat(source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
-  if (reply.problem_code == ErrorCode::kMalformed) return kMalformedResource;
-  return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
-}
-
 }  // namespace
 
 void EntityEdits::Open(const ros::RosNode& node, const std::string& prefix, ros::Distribution distribution) {
-  spawn_.Open(node, prefix + "spawn_entity", Bind(&EntityEdits::OnSpawn));
   delete_.Open(node, prefix + "delete_entity", Bind(&EntityEdits::OnDelete));
   if (distribution == ros::Distribution::kRolling) {
     set_rolling_state_.Open(node, prefix + "set_entity_state", Bind(&EntityEdits::OnSetRollingState));
@@ -46,7 +30,6 @@ void EntityEdits::Open(const ros::RosNode& node, const std::string& prefix, ros:
 }
 
 void EntityEdits::Close() {
-  spawn_.Close();
   delete_.Close();
   set_state_.Close();
   set_rolling_state_.Close();
@@ -54,81 +37,57 @@ void EntityEdits::Close() {
 
 void EntityEdits::OnSetState(const RosCaller& caller,
                              const simulation_interfaces_srv_dds__SetEntityState_Request_& request) {
-  SetState(caller, request.entity, request.state, true, !IsZero(request.state.twist), set_state_);
+  SetState(caller, request.entity, request.state, {true, !IsZero(request.state.twist), false}, set_state_);
 }
 
 void EntityEdits::OnSetRollingState(const RosCaller& caller,
                                     const rolling_simulation_interfaces_srv_dds__SetEntityState_Request_& request) {
-  const bool moves = request.set_twist && !IsZero(request.state.twist);
-  SetState(caller, request.entity, request.state, request.set_pose, moves || request.set_acceleration,
+  SetState(caller, request.entity, request.state, {request.set_pose, request.set_twist, request.set_acceleration},
            set_rolling_state_);
 }
 
 template <typename Slot>
 void EntityEdits::SetState(const RosCaller& caller, const char* entity_name,
-                           const simulation_interfaces_msg_dds__EntityState_& state, bool set_pose, bool moves,
-                           Slot& slot) {
+                           const simulation_interfaces_msg_dds__EntityState_& state, const Parts& parts, Slot& slot) {
   const auto answer = [caller, &slot](std::uint8_t code, const std::string& problem) {
     dds::WireArena arena;
     simulation_interfaces_srv_dds__SetEntityState_Response_ response{};
     response.result = MakeResult(code, problem, arena);
     slot.Respond(caller, response);
   };
-  if (moves) {
-    return answer(static_cast<std::uint8_t>(ResultCode::kUnsupported), "only the pose of an entity can be set");
+  if (parts.acceleration) {
+    return answer(static_cast<std::uint8_t>(ResultCode::kUnsupported), "the acceleration of an entity cannot be set");
   }
   const Result<Pose> pose = PoseFromRos(state.header.frame_id, state.pose);
-  if (set_pose && !pose.ok()) return answer(kInvalidStatePose, pose.error().message);
+  if (parts.pose && !pose.ok()) return answer(kInvalidStatePose, pose.error().message);
+  const Result<Twist> twist = TwistFromRos(state.twist);
+  if (parts.twist && !twist.ok()) return answer(kFailed, twist.error().message);
   const std::string name = dds::Text(entity_name);
   FindEntity(name, [=](EntityEdits& self, const ControlReply&, const EntityReport* entity) {
     if (entity == nullptr) {
       return answer(static_cast<std::uint8_t>(ResultCode::kNotFound), "no entity '" + name + "'");
     }
-    if (!set_pose) return answer(kOk, "");
+    if (parts.twist && entity->kind != EntityKind::kRobot && !twist.value().IsZero()) {
+      return answer(kFailed, "'" + name + "' is no robot: it has no drive");
+    }
+    ControlRequest turn;
+    turn.command = ControlCommand::kSetTwist;
+    turn.name = entity->name;
+    if (parts.twist) turn.twist = twist.value();
+    const bool turns = parts.twist && entity->kind == EntityKind::kRobot;
+    const auto set_twist = [turn, answer](EntityEdits& edits) {
+      edits.Ask(turn, [answer](EntityEdits&, const ControlReply& reply) {
+        answer(reply.done ? kOk : kFailed, reply.problem);
+      });
+    };
+    if (!parts.pose) return turns ? set_twist(self) : answer(kOk, "");
     ControlRequest move;
     move.command = ControlCommand::kSetPose;
     move.name = entity->name;
     move.pose = pose.value();
-    self.Ask(move, [answer](EntityEdits&, const ControlReply& reply) {
+    self.Ask(move, [answer, turns, set_twist](EntityEdits& edits, const ControlReply& reply) {
+      if (reply.done && turns) return set_twist(edits);
       answer(reply.done ? kOk : kInvalidStatePose, reply.problem);
-    });
-  });
-}
-
-void EntityEdits::AnswerSpawn(const RosCaller& caller, std::uint8_t code, const std::string& problem,
-                              const std::string& name) {
-  dds::WireArena arena;
-  simulation_interfaces_srv_dds__SpawnEntity_Response_ response{};
-  response.result = MakeResult(code, problem, arena);
-  response.entity_name = arena.Copy(name);
-  spawn_.Respond(caller, response);
-}
-
-void EntityEdits::OnSpawn(const RosCaller& caller, const simulation_interfaces_srv_dds__SpawnEntity_Request_& request) {
-  ControlRequest spawn;
-  spawn.command = ControlCommand::kSpawn;
-  spawn.source = ResourcePath(request.uri);
-  spawn.name = dds::Text(request.name);
-  spawn.rename = request.allow_renaming;
-  const std::string name_space = dds::Text(request.entity_namespace);
-  if (spawn.source.empty()) {
-    const bool has_text = !dds::Text(request.resource_string).empty();
-    return AnswerSpawn(caller, has_text ? kUnsupportedFormat : kNoResource,
-                       "found no uri, expected a file or one of the spawnables", "");
-  }
-  if (!name_space.empty() && name_space != spawn.name && name_space != "/" + spawn.name) {
-    return AnswerSpawn(caller, kInvalidNamespace, "a robot's namespace is its name, expected no other", "");
-  }
-  const Result<Pose> pose = PoseFromRos(request.initial_pose.header.frame_id, request.initial_pose.pose);
-  if (!pose.ok()) return AnswerSpawn(caller, kInvalidSpawnPose, pose.error().message, "");
-  spawn.pose = pose.value();
-  FindEntity(spawn.name, [caller, spawn](EntityEdits& self, const ControlReply&, const EntityReport* other) {
-    if (other != nullptr && !spawn.rename) {
-      return self.AnswerSpawn(caller, kNameNotUnique, "the name '" + spawn.name + "' is in use", "");
-    }
-    self.Ask(spawn, [caller, source = spawn.source](EntityEdits& edits, const ControlReply& reply) {
-      const std::string name = reply.entities.empty() ? "" : edits.context().RosNameOf(reply.entities.front());
-      edits.AnswerSpawn(caller, SpawnCode(reply, source), reply.problem, name);
     });
   });
 }

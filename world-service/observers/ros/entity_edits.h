@@ -1,4 +1,4 @@
-// EntityEdits: the services of package simulation_interfaces that move, spawn and delete entities. docs/ros2.md lists
+// EntityEdits: the services of package simulation_interfaces that move and delete entities. docs/ros2.md lists
 // them.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace troupe {
 
 class EntityEdits : public ServiceGroup<EntityEdits> {
  public:
-  explicit EntityEdits(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit EntityEdits(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
 
   // `prefix`: of the services' names, with a slash at its end.
   void Open(const ros::RosNode& node, const std::string& prefix, ros::Distribution distribution);
@@ -23,18 +23,19 @@ class EntityEdits : public ServiceGroup<EntityEdits> {
   void OnSetState(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__SetEntityState_Request_& request);
   void OnSetRollingState(const ros::RosCaller& caller,
                          const rolling_simulation_interfaces_srv_dds__SetEntityState_Request_& request);
-  void OnSpawn(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__SpawnEntity_Request_& request);
   void OnDelete(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__DeleteEntity_Request_& request);
 
+  // Of a state, that a request sets.
+  struct Parts {
+    bool pose = false;
+    bool twist = false;
+    bool acceleration = false;
+  };
   template <typename Slot>
   void SetState(const ros::RosCaller& caller, const char* entity_name,
-                const simulation_interfaces_msg_dds__EntityState_& state, bool set_pose, bool moves, Slot& slot);
-  void AnswerSpawn(const ros::RosCaller& caller, std::uint8_t code, const std::string& problem,
-                   const std::string& name);
+                const simulation_interfaces_msg_dds__EntityState_& state, const Parts& parts, Slot& slot);
   void AnswerDelete(const ros::RosCaller& caller, ResultCode code, const std::string& problem);
 
-  ServiceSlot<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
-      spawn_;
   ServiceSlot<simulation_interfaces_srv_dds__DeleteEntity_Request_,
               simulation_interfaces_srv_dds__DeleteEntity_Response_>
       delete_;

@@ -20,9 +20,13 @@ std::uint8_t CategoryOf(EntityKind kind) {
 }
 
 Result<EntityFilter> EntityFilter::Make(const simulation_interfaces_msg_dds__EntityFilters_& filters) {
-  if (filters.tags.tags._length > 0) return Error{{}, "found tags in the filter; entities have none"};
-  if (filters.bounds.type != 0) return Error{{}, "found bounds in the filter, which are not supported"};
   EntityFilter filter;
+  filter.tags_ = TagsFilter(filters.tags);
+  if (filters.bounds.type != 0) {
+    Result<BoundsFilter> bounds = BoundsFilter::Make(filters.bounds);
+    if (!bounds.ok()) return bounds.error();
+    filter.bounds_ = std::move(bounds).value();
+  }
   for (const auto& category : dds::Elements(filters.categories)) filter.categories_.push_back(category.category);
   const std::string text = dds::Text(filters.filter);
   if (text.empty()) return filter;
@@ -36,10 +40,12 @@ Result<EntityFilter> EntityFilter::Make(const simulation_interfaces_msg_dds__Ent
   return filter;
 }
 
-bool EntityFilter::Matches(const std::string& ros_name, EntityKind kind) const {
-  if (categories_.empty() && kind == EntityKind::kModel) return false;
-  const auto listed = std::find(categories_.begin(), categories_.end(), CategoryOf(kind));
+bool EntityFilter::Matches(const std::string& ros_name, const EntityReport& entity, std::uint8_t category,
+                           const std::vector<std::string>& tags) const {
+  if (categories_.empty() && entity.kind == EntityKind::kModel) return false;
+  const auto listed = std::find(categories_.begin(), categories_.end(), category);
   if (!categories_.empty() && listed == categories_.end()) return false;
+  if (!tags_.Matches(tags) || (bounds_ && !bounds_->Overlaps(entity))) return false;
   return expression_ == nullptr || re2::RE2::PartialMatch(ros_name, *expression_);
 }
 

@@ -31,4 +31,15 @@ Result<Pose> PoseFromRos(const char* frame, const ros::PoseMessage& pose) {
   return Pose{pose.position.x, pose.position.y, pose.position.z, WrapAngle(2.0 * Atan2(q.z, q.w))};
 }
 
+Result<Twist> TwistFromRos(const ros::TwistMessage& twist) {
+  for (const double number :
+       {twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y, twist.angular.z}) {
+    if (!std::isfinite(number)) return Error{{}, "found a twist that is not finite"};
+  }
+  if (twist.linear.z != 0.0 || twist.angular.x != 0.0 || twist.angular.y != 0.0) {
+    return Error{{}, "found a twist out of the ground, expected linear x and y and angular z"};
+  }
+  return Twist{twist.linear.x, twist.linear.y, twist.angular.z};
+}
+
 }  // namespace troupe

@@ -1,5 +1,6 @@
 #include "world-service/observers/ros/entity_queries.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/ros/convert.h"
@@ -15,6 +16,8 @@ void EntityQueries::Open(const ros::RosNode& node, const std::string& prefix, ro
   get_states_.Open(node, prefix + "get_entities_states", Bind(&EntityQueries::OnGetStates));
   get_state_.Open(node, prefix + "get_entity_state", Bind(&EntityQueries::OnGetState));
   get_info_.Open(node, prefix + "get_entity_info", Bind(&EntityQueries::OnGetInfo));
+  get_bounds_.Open(node, prefix + "get_entity_bounds", Bind(&EntityQueries::OnGetBounds));
+  set_info_.Open(node, prefix + "set_entity_info", Bind(&EntityQueries::OnSetInfo));
   if (distribution == ros::Distribution::kRolling) {
     get_rolling_spawnables_.Open(node, prefix + "get_spawnables", Bind(&EntityQueries::OnGetRollingSpawnables));
   } else {
@@ -27,6 +30,8 @@ void EntityQueries::Close() {
   get_states_.Close();
   get_state_.Close();
   get_info_.Close();
+  get_bounds_.Close();
+  set_info_.Close();
   get_spawnables_.Close();
   get_rolling_spawnables_.Close();
 }
@@ -53,7 +58,10 @@ void EntityQueries::AnswerMatching(const RosCaller& caller,
     return slot.Respond(caller, response);
   }
   const auto filter = std::make_shared<const EntityFilter>(std::move(made).value());
-  Ask(ControlCommand::kEntities, [caller, filter, &slot, add](EntityQueries& self, const ControlReply& reply) {
+  ControlRequest query;
+  query.command = ControlCommand::kEntities;
+  query.with_boxes = filter->has_bounds();
+  Ask(query, [caller, filter, &slot, add](EntityQueries& self, const ControlReply& reply) {
     dds::WireArena arena;
     Response response{};
     response.result = MakeResult(reply, arena);
@@ -61,7 +69,8 @@ void EntityQueries::AnswerMatching(const RosCaller& caller,
     std::vector<EntityReport> matching;
     for (const EntityReport& entity : reply.entities) {
       const std::string name = self.context().RosNameOf(entity);
-      if (!filter->Matches(name, entity.kind)) continue;
+      const EntityInfo info = self.context().InfoOf(entity);
+      if (!filter->Matches(name, entity, info.category, info.tags)) continue;
       names.push_back(name);
       matching.push_back(entity);
     }
@@ -108,9 +117,51 @@ void EntityQueries::OnGetInfo(const RosCaller& caller,
     dds::WireArena arena;
     simulation_interfaces_srv_dds__GetEntityInfo_Response_ response{};
     response.result = MakeFound(entity, name, arena);
-    response.info.description = arena.Copy(entity != nullptr ? entity->type : "");
-    if (entity != nullptr) response.info.category.category = CategoryOf(entity->kind);
+    const EntityInfo info = entity != nullptr ? self.context().InfoOf(*entity) : EntityInfo();
+    response.info.category.category = info.category;
+    response.info.description = arena.Copy(info.description);
+    arena.FillStrings(response.info.tags, info.tags);
     self.get_info_.Respond(caller, response);
+  });
+}
+
+void EntityQueries::OnSetInfo(const RosCaller& caller,
+                              const simulation_interfaces_srv_dds__SetEntityInfo_Request_& request) {
+  const std::string name = dds::Text(request.entity);
+  const EntityInfo info{request.info.category.category, dds::Text(request.info.description),
+                        dds::Strings(request.info.tags)};
+  FindEntity(name, [caller, name, info](EntityQueries& self, const ControlReply&, const EntityReport* entity) {
+    if (entity != nullptr) self.context().SetInfo(*entity, info);
+    dds::WireArena arena;
+    simulation_interfaces_srv_dds__SetEntityInfo_Response_ response{};
+    response.result = MakeFound(entity, name, arena);
+    self.set_info_.Respond(caller, response);
+  });
+}
+
+void EntityQueries::OnGetBounds(const RosCaller& caller,
+                                const simulation_interfaces_srv_dds__GetEntityBounds_Request_& request) {
+  constexpr std::uint8_t kBox = 1;
+  const std::string ros_name = dds::Text(request.entity);
+  ControlRequest query;
+  query.command = ControlCommand::kEntities;
+  query.with_boxes = true;
+  Ask(query, [caller, ros_name](EntityQueries& self, const ControlReply& reply) {
+    const auto found = std::find_if(reply.entities.begin(), reply.entities.end(), [&](const EntityReport& entity) {
+      return self.context().RosNameOf(entity) == ros_name;
+    });
+    const EntityReport* const entity = found != reply.entities.end() ? &*found : nullptr;
+    dds::WireArena arena;
+    simulation_interfaces_srv_dds__GetEntityBounds_Response_ response{};
+    response.result = MakeFound(entity, ros_name, arena);
+    if (entity != nullptr && entity->box != EntityBox()) {
+      const EntityBox& box = entity->box;
+      response.bounds.type = kBox;
+      auto* corners = arena.Fill(response.bounds.points, 2);
+      corners[0] = {box.max_x, box.max_y, box.max_z};
+      corners[1] = {box.min_x, box.min_y, box.min_z};
+    }
+    self.get_bounds_.Respond(caller, response);
   });
 }
 

@@ -13,7 +13,7 @@ namespace troupe {
 
 class EntityQueries : public ServiceGroup<EntityQueries> {
  public:
-  explicit EntityQueries(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit EntityQueries(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
 
   // `prefix`: of the services' names, with a slash at its end.
   void Open(const ros::RosNode& node, const std::string& prefix, ros::Distribution distribution);
@@ -26,6 +26,9 @@ class EntityQueries : public ServiceGroup<EntityQueries> {
                    const simulation_interfaces_srv_dds__GetEntitiesStates_Request_& request);
   void OnGetState(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__GetEntityState_Request_& request);
   void OnGetInfo(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__GetEntityInfo_Request_& request);
+  void OnGetBounds(const ros::RosCaller& caller,
+                   const simulation_interfaces_srv_dds__GetEntityBounds_Request_& request);
+  void OnSetInfo(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__SetEntityInfo_Request_& request);
   void OnGetSpawnables(const ros::RosCaller& caller,
                        const simulation_interfaces_srv_dds__GetSpawnables_Request_& request);
   void OnGetRollingSpawnables(const ros::RosCaller& caller,
@@ -50,6 +53,12 @@ class EntityQueries : public ServiceGroup<EntityQueries> {
   ServiceSlot<simulation_interfaces_srv_dds__GetEntityInfo_Request_,
               simulation_interfaces_srv_dds__GetEntityInfo_Response_>
       get_info_;
+  ServiceSlot<simulation_interfaces_srv_dds__GetEntityBounds_Request_,
+              simulation_interfaces_srv_dds__GetEntityBounds_Response_>
+      get_bounds_;
+  ServiceSlot<simulation_interfaces_srv_dds__SetEntityInfo_Request_,
+              simulation_interfaces_srv_dds__SetEntityInfo_Response_>
+      set_info_;
   // One of these two is open, by distribution.
   ServiceSlot<simulation_interfaces_srv_dds__GetSpawnables_Request_,
               simulation_interfaces_srv_dds__GetSpawnables_Response_>

@@ -18,6 +18,12 @@ inline std::string ResourcePath(const char* uri) {
   return text.starts_with(kScheme) ? text.substr(kScheme.size()) : text;
 }
 
+// Whether the text of a file has another format than a Stage world or a scenario: XML, as of URDF and SDF.
+inline bool IsOtherText(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == '<';
+}
+
 // Whether a resource that cannot be used has a format other than those with the endings: another ending, or another
 // scheme. A name without an ending, as of a model, has none.
 inline bool HasOtherFormat(const std::string& path, std::initializer_list<std::string_view> endings) {

@@ -16,11 +16,14 @@ constexpr std::uint8_t kStopped = 0;
 constexpr std::uint8_t kPlaying = 1;
 constexpr std::uint8_t kPaused = 2;
 constexpr std::uint8_t kQuitting = 3;
+constexpr std::uint8_t kNoWorld = 4;
 
-// As in SimulatorFeatures: spawning, deleting, categories of entities, getting and setting their states, getting their
-// infos, spawnables; reset of time, of states and of spawned entities; getting and setting the state, pausing; a step,
-// several steps, the action; loading worlds.
-constexpr std::uint16_t kFeatures[] = {0, 1, 8, 10, 11, 12, 14, 20, 21, 22, 23, 24, 25, 26, 31, 32, 33, 40};
+// As in SimulatorFeatures: spawning, deleting, named poses, tags and bounds of entities (box and convex hull), their
+// categories, spawning from a text, getting and setting states and infos, spawnables; reset of time, of states and of
+// spawned entities; getting and setting the state, pausing; a step, several steps, the action; loading worlds, also
+// from a text, unloading, the current and available worlds; spawning several entities.
+constexpr std::uint16_t kFeatures[] = {0,  1,  2,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 20,
+                                       21, 22, 23, 24, 25, 26, 31, 32, 33, 40, 41, 43, 44, 45, 50};
 
 std::uint8_t ToState(RunState state) {
   switch (state) {
@@ -65,6 +68,7 @@ void RunServices::OnGetFeatures(const RosCaller& caller,
 
 // A stopped run is a run that was paused and reset and has not moved since.
 std::uint8_t RunServices::StateOf(const ControlReply& reply) const {
+  if (reply.state != RunState::kOver && !context().has_world()) return kNoWorld;
   const bool stopped = reply.state == RunState::kPaused && reply.edition == stopped_edition_.load() && reply.tick == 0;
   return stopped ? kStopped : ToState(reply.state);
 }

@@ -13,7 +13,7 @@ namespace troupe {
 
 class RunServices : public ServiceGroup<RunServices> {
  public:
-  explicit RunServices(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit RunServices(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
 
   // `prefix`: of the services' names, with a slash at its end.
   void Open(const ros::RosNode& node, const std::string& prefix);

@@ -15,9 +15,9 @@ namespace troupe {
 template <typename Self>
 class ServiceGroup : public std::enable_shared_from_this<Self> {
  protected:
-  explicit ServiceGroup(std::shared_ptr<const SimulationContext> context) : context_(std::move(context)) {}
+  explicit ServiceGroup(std::shared_ptr<SimulationContext> context) : context_(std::move(context)) {}
 
-  const SimulationContext& context() const { return *context_; }
+  SimulationContext& context() const { return *context_; }
 
   // A service's handler that calls a member function of Self.
   template <typename Method>
@@ -53,7 +53,7 @@ class ServiceGroup : public std::enable_shared_from_this<Self> {
   }
 
  private:
-  const std::shared_ptr<const SimulationContext> context_;
+  const std::shared_ptr<SimulationContext> context_;
 };
 
 // Success if the entity was found.

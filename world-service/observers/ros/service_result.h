@@ -19,6 +19,9 @@ enum class ResultCode : std::uint8_t {
   kOperationFailed = 4,
 };
 
+// Of the services about the loaded world.
+inline constexpr std::uint8_t kNoWorldLoaded = 101;
+
 // `code`: of ResultCode, or one that a service adds, from 101 on.
 inline simulation_interfaces_msg_dds__Result_ MakeResult(std::uint8_t code, const std::string& problem,
                                                          dds::WireArena& arena) {

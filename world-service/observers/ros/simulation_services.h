@@ -15,8 +15,10 @@ namespace troupe {
 
 class EntityEdits;
 class EntityQueries;
+class EntitySpawns;
 class RunServices;
 class SimulationContext;
+class WorldQueries;
 class WorldServices;
 
 class SimulationServices {
@@ -39,6 +41,8 @@ class SimulationServices {
   std::shared_ptr<WorldServices> world_;
   std::shared_ptr<EntityQueries> queries_;
   std::shared_ptr<EntityEdits> edits_;
+  std::shared_ptr<EntitySpawns> spawns_;
+  std::shared_ptr<WorldQueries> world_queries_;
   StepAction step_action_;
 };
 

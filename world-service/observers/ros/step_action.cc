@@ -38,7 +38,7 @@ struct StepGoal : ros::ActionGoal {
 // is locked.
 class StepAction::Server : public ServiceGroup<Server> {
  public:
-  explicit Server(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit Server(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
 
   void Open(const ros::RosNode& node, const std::string& name) {
     auto made = std::make_unique<ActionServer>(
@@ -187,8 +187,7 @@ class StepAction::Server : public ServiceGroup<Server> {
   std::unique_ptr<ActionServer> action_;  // while it is open
 };
 
-StepAction::StepAction(const ros::RosNode& node, const std::string& name,
-                       std::shared_ptr<const SimulationContext> context)
+StepAction::StepAction(const ros::RosNode& node, const std::string& name, std::shared_ptr<SimulationContext> context)
     : server_(std::make_shared<Server>(std::move(context))) {
   server_->Open(node, name);
 }

@@ -15,7 +15,7 @@ class SimulationContext;
 class StepAction {
  public:
   // `name`: of the action.
-  StepAction(const ros::RosNode& node, const std::string& name, std::shared_ptr<const SimulationContext> context);
+  StepAction(const ros::RosNode& node, const std::string& name, std::shared_ptr<SimulationContext> context);
   ~StepAction();  // no answer is sent after it returns
 
   // Counts a committed tick, and sends feedback.

@@ -14,7 +14,7 @@ constexpr std::uint8_t kMalformedWorld = 103;
 
 std::uint8_t LoadCode(const ControlReply& reply, const std::string& path) {
   if (reply.done) return static_cast<std::uint8_t>(ResultCode::kOk);
-  if (HasOtherFormat(path, {".world", ".json", ".yaml", ".yml"})) return kUnsupportedWorldFormat;
+  if (!path.empty() && HasOtherFormat(path, {".world", ".json", ".yaml", ".yml"})) return kUnsupportedWorldFormat;
   if (reply.problem_code == ErrorCode::kMalformed) return kMalformedWorld;
   return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
 }
@@ -30,12 +30,14 @@ ControlRequest ResetRequest(std::uint8_t scopes) {
 
 void WorldServices::Open(const ros::RosNode& node, const std::string& prefix) {
   load_.Open(node, prefix + "load_world", Bind(&WorldServices::OnLoad));
+  unload_.Open(node, prefix + "unload_world", Bind(&WorldServices::OnUnload));
   reset_.Open(node, prefix + "reset_simulation", Bind(&WorldServices::OnReset));
   plain_reset_.Open(node, "/reset", Bind(&WorldServices::OnPlainReset));
 }
 
 void WorldServices::Close() {
   load_.Close();
+  unload_.Close();
   reset_.Close();
   plain_reset_.Close();
 }
@@ -55,13 +57,31 @@ void WorldServices::OnLoad(const RosCaller& caller, const simulation_interfaces_
   load.command = ControlCommand::kLoadWorld;
   load.source = ResourcePath(request.uri);
   if (load.source.empty()) {
-    const bool has_text = !dds::Text(request.resource_string).empty();
-    return AnswerLoad(caller, has_text ? kUnsupportedWorldFormat : kNoWorldResource, "found no uri, expected a file",
-                      "", "");
+    load.text = dds::Text(request.resource_string);
+    if (load.text.empty()) return AnswerLoad(caller, kNoWorldResource, "found no uri, expected a file", "", "");
+    if (IsOtherText(load.text)) {
+      return AnswerLoad(caller, kUnsupportedWorldFormat, "found a text of XML, expected a Stage world or a scenario",
+                        "", "");
+    }
   }
   Ask(load, [caller, path = load.source](WorldServices& self, const ControlReply& reply) {
     self.AnswerLoad(caller, LoadCode(reply, path), reply.problem,
                     reply.done ? self.context().scene()->world().name : "", path);
+  });
+}
+
+void WorldServices::OnUnload(const RosCaller& caller, const simulation_interfaces_srv_dds__UnloadWorld_Request_&) {
+  const auto answer = [caller](WorldServices& self, std::uint8_t code, const std::string& problem) {
+    dds::WireArena arena;
+    simulation_interfaces_srv_dds__UnloadWorld_Response_ response{};
+    response.result = MakeResult(code, problem, arena);
+    self.unload_.Respond(caller, response);
+  };
+  if (!context().has_world()) return answer(*this, kNoWorldLoaded, "no world is loaded");
+  ControlRequest unload;
+  unload.command = ControlCommand::kLoadWorld;
+  Ask(unload, [answer](WorldServices& self, const ControlReply& reply) {
+    answer(self, static_cast<std::uint8_t>(CodeOf(reply)), reply.problem);
   });
 }
 

@@ -11,7 +11,7 @@ namespace troupe {
 
 class WorldServices : public ServiceGroup<WorldServices> {
  public:
-  explicit WorldServices(std::shared_ptr<const SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit WorldServices(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
 
   // `prefix`: of the services' names, with a slash at its end.
   void Open(const ros::RosNode& node, const std::string& prefix);
@@ -20,6 +20,7 @@ class WorldServices : public ServiceGroup<WorldServices> {
 
  private:
   void OnLoad(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__LoadWorld_Request_& request);
+  void OnUnload(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__UnloadWorld_Request_& request);
   void OnReset(const ros::RosCaller& caller, const simulation_interfaces_srv_dds__ResetSimulation_Request_& request);
   void OnPlainReset(const ros::RosCaller& caller, const std_srvs_srv_dds__Empty_Request_& request);
 
@@ -28,6 +29,8 @@ class WorldServices : public ServiceGroup<WorldServices> {
 
   ServiceSlot<simulation_interfaces_srv_dds__LoadWorld_Request_, simulation_interfaces_srv_dds__LoadWorld_Response_>
       load_;
+  ServiceSlot<simulation_interfaces_srv_dds__UnloadWorld_Request_, simulation_interfaces_srv_dds__UnloadWorld_Response_>
+      unload_;
   ServiceSlot<simulation_interfaces_srv_dds__ResetSimulation_Request_,
               simulation_interfaces_srv_dds__ResetSimulation_Response_>
       reset_;

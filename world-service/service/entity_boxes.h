@@ -1,0 +1,13 @@
+// The boxes around the entities of a world.
+#pragma once
+
+#include <vector>
+
+#include "common/protocol/messages.h"
+
+namespace troupe {
+
+// Sets the box of each of `entities`, which are of the world. REQUIRES: the state belongs to the world.
+void SetBoxes(const WorldDescription& world, const WorldState& state, std::vector<EntityReport>& entities);
+
+}  // namespace troupe
