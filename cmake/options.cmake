@@ -9,7 +9,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # These have false positives in libstdc++'s own string concatenation, depending on the length of a literal
   # (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105651): they warn, but never fail a build.
   target_compile_options(troupe_options INTERFACE
-    -Wno-error=array-bounds -Wno-error=restrict -Wno-error=stringop-overflow -Wno-error=stringop-overread)
+    -Wno-error=array-bounds -Wno-error=maybe-uninitialized -Wno-error=restrict -Wno-error=stringop-overflow -Wno-error=stringop-overread)
 endif()
 # Most of a compilation goes into headers, so several sources are compiled as one where all of them are compiled anyway:
 # in the presets release and ci. Not in dev, where one changed source is to cost one compilation and a missing include

@@ -52,7 +52,11 @@ void UsePose(const char* frame, const ros::PoseMessage& pose) {
 
 void UseFilters(const simulation_interfaces_msg_dds__EntityFilters_& filters) {
   const Result<EntityFilter> filter = EntityFilter::Make(filters);
-  if (filter.ok()) static_cast<void>(filter.value().Matches("robot_0", EntityKind::kRobot));
+  if (!filter.ok()) return;
+  EntityReport robot;
+  robot.name = "robot_0";
+  robot.kind = EntityKind::kRobot;
+  static_cast<void>(filter.value().Matches(robot.name, robot, 0, {"tag"}));
 }
 
 void UseGoal(const control_msgs_action_dds__GripperCommand_SendGoal_Request_& request) {

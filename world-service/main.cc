@@ -46,7 +46,7 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   PreparedRun& run = prepared.value();
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
-    const Status domains = ros::CheckDomains(loaded.value().world, line.ros, line.network.domain);
+    const Status domains = ros::CheckDomains(run.loaded.world, line.ros, line.network.domain);
     if (!domains.ok()) return fail(domains.error());
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());

@@ -29,7 +29,6 @@ class ReplayedWorld {
   const WorldState& state() const { return state_; }
   const BodyIndex& bodies() const { return bodies_; }  // at state()
   std::uint64_t state_hash() const { return state_hash_; }
-  const std::shared_ptr<const Scene>& original() const { return original_; }  // that a reset restores
   Edition world_edition() const { return world_edition_; }  // the newest that has changed the description
   Edition edition() const { return edition_; }
   Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
