@@ -11,6 +11,7 @@
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/check_ros_options.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/commands/in_process_viewer.h"
 #include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
 #include "launcher/supervise/in_process_run.h"
@@ -47,7 +48,10 @@ int RunCommand(RunOptions options) {
   // Cyclone does not keep two identities in one process apart that are in one domain.
   if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
-  const RunEnd end = options.in_process ? RunInProcess(options) : RunDistributed(options);
+  const MakeViewer make_viewer = [&options](Transport& transport) {
+    return MakeInProcessViewer(transport, options.network.session);
+  };
+  const RunEnd end = options.in_process ? RunInProcess(options, make_viewer) : RunDistributed(options);
   if (end.error) fmt::print(stderr, "{}\n", end.error->ToString());
   if (!end.outcome) return end.exit_status;
   fmt::print("{}", SummaryText(*end.outcome));

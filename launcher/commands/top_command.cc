@@ -1,6 +1,9 @@
 #include "launcher/commands/top_command.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -11,8 +14,10 @@
 #include "common/command_line/exit_status.h"
 #include "common/command_line/network_flags.h"
 #include "common/dds/tools/session_monitor.h"
+#include "common/dds/tools/session_observer.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/session_table.h"
+#include "launcher/commands/session_top.h"
 #include "launcher/process/signal_watch.h"
 
 namespace troupe {
@@ -50,9 +55,31 @@ void PrintUntilStopped(SessionMonitor& monitor, const TopOptions& options, Signa
   }
 }
 
+// Lines of the terminal.
+std::size_t TerminalRows() {
+  winsize size{};
+  constexpr std::size_t kUsual = 40;
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : kUsual;
+}
+
+int ShowRobots(const TopOptions& options, SignalWatch& signals) {
+  SessionTop top;
+  const Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(options.network, top);
+  if (!observer.ok()) return Fail(observer.error());
+  constexpr std::size_t kFooter = 2;
+  while (!signals.ReadStopRequest()) {
+    fmt::print("\033[H\033[J{}: {}\nCtrl-C ends this.\n", options.network.session, top.Text(TerminalRows() - kFooter));
+    std::fflush(stdout);
+    pollfd waited = {signals.descriptor(), POLLIN, 0};
+    poll(&waited, 1, static_cast<int>(1000.0 * kRefreshSeconds));
+  }
+  return kExitDone;
+}
+
 int TopCommand(const TopOptions& options) {
   SignalWatch signals;
   try {
+    if (!options.once && !options.network.session.empty()) return ShowRobots(options, signals);
     SessionMonitor monitor(options.network);
     if (options.once) {
       PrintOnce(monitor, options);
@@ -70,7 +97,7 @@ int TopCommand(const TopOptions& options) {
 void AddTopCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("top", "Show the running sessions, and the robots for which they wait");
   const auto options = std::make_shared<TopOptions>();
-  AddSessionFlag(*command, options->network, "Show this session only (default: all sessions)");
+  AddSessionFlag(*command, options->network, "Show the robots of this session (default: all sessions)");
   AddToolNetworkFlags(*command, options->network);
   command->add_flag("--once", options->once, "Print one table and exit");
   command->final_callback([options, &exit_status] { exit_status = TopCommand(*options); });

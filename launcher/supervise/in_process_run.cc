@@ -218,6 +218,11 @@ class InProcessRun {
         transport_(MakeTransport(faults)),
         new_agents_(*transport_, agent_options_, stop_) {}
 
+  void AddViewer(const MakeViewer& make_viewer) {
+    viewer_ = make_viewer(*transport_);
+    observers_.push_back(viewer_.get());
+  }
+
   // Runs until service and agents have ended, and merges the scans.
   Result<RunSummary> Run(SignalWatch& signals) {
     const int done = eventfd(0, EFD_CLOEXEC);
@@ -258,6 +263,7 @@ class InProcessRun {
   const AgentOptions agent_options_;
   RunObservers observers_;
   const std::unique_ptr<Transport> transport_;
+  std::unique_ptr<RunObserver> viewer_;  // may be null
   std::atomic<bool> stop_ = false;
   NewAgents new_agents_;
 };
@@ -285,7 +291,7 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 
 }  // namespace
 
-RunEnd RunInProcess(const RunOptions& options) {
+RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   std::optional<BranchedRun> branch;
   if (IsRecordingPath(options.file)) {
     Result<BranchedRun> made = BranchRun(options.file, {options.branch.from_tick, options.load.seed,
@@ -325,6 +331,7 @@ RunEnd RunInProcess(const RunOptions& options) {
   for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
+  if (!options.headless) run.AddViewer(make_viewer);
   const Result<RunSummary> summary = run.Run(signals);
   const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
   if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));

@@ -2,11 +2,19 @@
 // every state hash is the same.
 #pragma once
 
+#include <functional>
+#include <memory>
+
+#include "common/protocol/transport.h"
 #include "launcher/supervise/run_end.h"
 #include "launcher/supervise/run_options.h"
+#include "world-service/service/run_observer.h"
 
 namespace troupe {
 
-RunEnd RunInProcess(const RunOptions& options);
+// Makes the viewer of a run; called once, unless the options say headless.
+using MakeViewer = std::function<std::unique_ptr<RunObserver>(Transport& transport)>;
+
+RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer);
 
 }  // namespace troupe

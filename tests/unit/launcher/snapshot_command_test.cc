@@ -207,10 +207,11 @@ TEST_F(SnapshotCommandTest, ReachesTheStateOfARunWithServiceAndAgents) {
   options.file = Path("good.world");
   options.in_process = true;
   options.network.session = "snapshot-test-" + std::to_string(getpid());
+  options.headless = true;
   options.run.speed.emplace(std::nullopt);
   options.run.ticks = 40;
   options.hash_log = Path("hashes");
-  const RunEnd run = RunInProcess(options);
+  const RunEnd run = RunInProcess(options, nullptr);
   ASSERT_EQ(run.exit_status, 0);
 
   Result<Simulation> simulation = Simulation::Load(options.file);

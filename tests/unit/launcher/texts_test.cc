@@ -6,9 +6,11 @@
 
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/session_table.h"
+#include "launcher/commands/session_top.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/summary.h"
 #include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 
 namespace troupe {
 namespace {
@@ -38,6 +40,47 @@ TEST(StatusText, OmitsEmptyParts) {
   StatusMessage status;
   status.tick = 5;
   EXPECT_EQ(StatusText(status), "tick 5, 0.0 s, 0.0 x real time, 0 robots");
+}
+
+TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
+  SmallWorld world;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    world.AddRobot(name, {static_cast<double>(world.world().robots.size()) * 2.0, 0.0, 0.0, 0.0});
+  }
+  SessionTop top;
+  EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
+  SessionMessage session;
+  session.run = 1;
+  session.world = world.world();
+  FrameMessage frame;
+  frame.run = 1;
+  frame.state = PlacedState(session.world);
+  frame.state.robots[0].twist.vx = 0.5;
+  frame.state.robots[1].stalled = true;
+  frame.events = {{0, EventType::kLeft, RobotId(3), {}, {}, {}}};
+  top.OnSession(session);
+  top.OnFrame(frame);
+  StatusMessage status;
+  status.run = 1;
+  status.waiting_for = {"c"};
+  top.OnStatus(status);
+  const std::string text = top.Text(20);
+  const auto place = [&](const std::string& part) {
+    const std::size_t found = text.find(part);
+    EXPECT_NE(found, std::string::npos) << part << " in\n" << text;
+    return found;
+  };
+  EXPECT_LT(place("\nd "), place("\nc "));
+  EXPECT_LT(place("\nc "), place("\nb "));
+  EXPECT_LT(place("\nb "), place("\na "));
+  place("no agent");
+  place("stalled");
+  EXPECT_THAT(top.Text(8), HasSubstr("and "));
+  frame.events = {{0, EventType::kJoined, RobotId(3), {}, {}, {}}};
+  top.OnFrame(frame);
+  EXPECT_THAT(top.Text(20), Not(HasSubstr("no agent")));
+  top.OnServiceGone();
+  EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
 }
 
 RunOutcome SomeOutcome() {

@@ -1,0 +1,137 @@
+#include "launcher/commands/session_top.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/base/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kNoticeable = 1e-9;  // m/s and rad/s
+
+enum class State : std::uint8_t { kLost, kLate, kStalled, kMoving, kIdle };
+
+const char* ToString(State state) {
+  switch (state) {
+    case State::kLost:
+      return "no agent";
+    case State::kLate:
+      return "late";
+    case State::kStalled:
+      return "stalled";
+    case State::kMoving:
+      return "moving";
+    case State::kIdle:
+      return "idle";
+  }
+  return "";
+}
+
+}  // namespace
+
+void SessionTop::OnSession(const SessionMessage& session) {
+  const std::lock_guard lock(mutex_);
+  if (!session_ || session_->run != session.run) {
+    frame_.reset();
+    status_.reset();
+    lost_.clear();
+  }
+  session_ = session;
+}
+
+void SessionTop::OnFrame(const FrameMessage& frame) {
+  const std::lock_guard lock(mutex_);
+  if (!session_ || frame.run != session_->run || frame.world_edition != session_->world_edition) return;
+  for (const Event& event : frame.events) {
+    if (event.robot && event.type == EventType::kLeft) lost_.insert(*event.robot);
+    if (event.robot && event.type == EventType::kJoined) lost_.erase(*event.robot);
+  }
+  frame_ = frame;
+}
+
+void SessionTop::OnStatus(const StatusMessage& status) {
+  const std::lock_guard lock(mutex_);
+  if (session_ && status.run == session_->run) status_ = status;
+}
+
+void SessionTop::OnServiceGone() {
+  const std::lock_guard lock(mutex_);
+  session_.reset();
+  frame_.reset();
+  status_.reset();
+  lost_.clear();
+}
+
+bool SessionTop::IsLate(const std::string& robot) const {
+  return status_ &&
+         std::find(status_->waiting_for.begin(), status_->waiting_for.end(), robot) != status_->waiting_for.end();
+}
+
+std::string SessionTop::RunText(double ticks_per_second) const {
+  const FrameMessage& frame = *frame_;
+  const char* const state = frame.last ? "over" : frame.paused ? "paused" : "playing";
+  std::string text =
+      fmt::format("{} on {}:{}, {}, tick {} ({:.1f} s)", session_->world.name, session_->host, session_->pid, state,
+                  frame.state.tick, static_cast<double>(frame.state.tick) * session_->world.interval_seconds());
+  if (!status_) return text + "\n";
+  text += fmt::format("\n{:.1f} ticks a second, {:.2f} x real time, {} robots, {} agents, {} robots have lost theirs",
+                      ticks_per_second, status_->real_time_factor, status_->robots, status_->agents, lost_.size());
+  if (!status_->waiting_for.empty()) {
+    text += fmt::format("\nthe tick has waited {:.1f} s for {} robots", status_->waiting_seconds,
+                        status_->waiting_for.size());
+  }
+  return text + "\n";
+}
+
+std::string SessionTop::Text(std::size_t rows) {
+  const std::lock_guard lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - counted_at_).count();
+  if (!session_ || !frame_) return "waiting for a run in the session\n";
+  const Tick tick = frame_->state.tick;
+  const double rate =
+      tick >= counted_tick_ && seconds > 0.0 ? static_cast<double>(tick - counted_tick_) / seconds : 0.0;
+  counted_tick_ = tick;
+  counted_at_ = now;
+
+  const WorldDescription& world = session_->world;
+  std::vector<std::pair<State, std::size_t>> robots;
+  for (std::size_t i = 0; i < frame_->state.robots.size() && i < world.robots.size(); ++i) {
+    if (!IsThere(world, RobotId(i))) continue;
+    const RobotState& robot = frame_->state.robots[i];
+    const bool moves = std::abs(robot.twist.vx) + std::abs(robot.twist.vy) + std::abs(robot.twist.wz) > kNoticeable;
+    robots.emplace_back(lost_.contains(RobotId(i))     ? State::kLost
+                        : IsLate(world.robots[i].name) ? State::kLate
+                        : robot.stalled                ? State::kStalled
+                        : moves                        ? State::kMoving
+                                                       : State::kIdle,
+                        i);
+  }
+  // Those that need attention first, the others in the order of their ids.
+  std::stable_sort(robots.begin(), robots.end(), [](const auto& a, const auto& b) {
+    return std::min(a.first, State::kMoving) < std::min(b.first, State::kMoving);
+  });
+  std::string text = RunText(rate);
+  text += fmt::format("\n{:<20} {:<9} {:>9} {:>9} {:>8} {:>7}  {}\n", "ROBOT", "STATE", "X", "Y", "HEADING", "M/S",
+                      "CONTROLLER");
+  std::size_t used = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (++used > rows && i + 1 < robots.size()) {
+      text += fmt::format("and {} more\n", robots.size() - i);
+      break;
+    }
+    const auto& [state, index] = robots[i];
+    const RobotState& robot = frame_->state.robots[index];
+    text += fmt::format("{:<20} {:<9} {:>9.3f} {:>9.3f} {:>8.1f} {:>7.2f}  {}\n", world.robots[index].name,
+                        ToString(state), robot.X_WR.x, robot.X_WR.y, RadiansToDegrees(robot.X_WR.heading),
+                        std::hypot(robot.twist.vx, robot.twist.vy), world.robots[index].controller.name);
+  }
+  return text;
+}
+
+}  // namespace troupe

@@ -1,0 +1,43 @@
+// SessionTop: the robots of one session for `troupe top --session NAME`, the lost, late and stalled ones first.
+//
+// Threads: the handler calls come on one thread, Text on another.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/protocol/transport.h"
+
+namespace troupe {
+
+class SessionTop final : public ObserverHandler {
+ public:
+  // A few lines about the run, then the robots: at most `rows` lines in all. Ticks a second are those since the last
+  // call.
+  std::string Text(std::size_t rows);
+
+  void OnSession(const SessionMessage& session) override;
+  void OnFrame(const FrameMessage& frame) override;
+  void OnStatus(const StatusMessage& status) override;
+  void OnServiceGone() override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string RunText(double ticks_per_second) const;
+  bool IsLate(const std::string& robot) const;
+
+  std::mutex mutex_;  // guards the others
+  std::optional<SessionMessage> session_;
+  std::optional<FrameMessage> frame_;
+  std::optional<StatusMessage> status_;
+  std::set<RobotId> lost_;  // since the first frame that was received
+  Tick counted_tick_ = 0;
+  Clock::time_point counted_at_ = Clock::now();
+};
+
+}  // namespace troupe
