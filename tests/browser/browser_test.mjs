@@ -137,7 +137,7 @@ async function showsTheRunAsItIs() {
     '--scans', path('scans.jsonl'),
   ]);
   const url = await viewed.line('viewer: ');
-  const page = await open(`${url}#robot=anna`);
+  const page = await open(`${url}#robot=anna&smooth=0`);
   const samples = [];
   const sample = async from => samples.push(await look(from, 'anna'));
   const readingsArrive = from => until('readings arrive', async () => (await look(from, 'anna')).readings);
@@ -161,7 +161,7 @@ async function showsTheRunAsItIs() {
   await sample(page);
 
   // Late, and again.
-  const late = await open(`${url}#robot=anna`);
+  const late = await open(`${url}#robot=anna&smooth=0`);
   await readingsArrive(late);
   await sample(late);
   assert.equal((await look(late, 'anna')).state.tick, paused.tick);
@@ -252,7 +252,7 @@ async function editsTheRun() {
 
 async function drivesARobot() {
   const driven = run('driven', ['--ticks', '1000000', '--speed', '1']);
-  const page = await open(`${await driven.line('viewer: ')}#robot=anna`);
+  const page = await open(`${await driven.line('viewer: ')}#robot=anna&smooth=0`);
   const anna = async () => (await look(page, 'anna')).robots.find(robot => robot.name === 'anna');
   const twist = (what, wanted) => until(what, async () => wanted((await anna()).twist));
   await until('anna is selected', async () => (await page.textContent('#panel-name')) === 'anna');
@@ -324,7 +324,7 @@ async function showsThePast() {
     slider.dispatchEvent(new Event('input'));
   }, position);
 
-  const live = await open(await recorded.line('viewer: '));
+  const live = await open(`${await recorded.line('viewer: ')}#smooth=0`);
   const some = await stateOf(live, 'there is a past', state => state.last - state.first >= 20);
   await drag(live, some.first + 5);
   const past = await stateOf(live, 'the past is shown', state => state.past && state.tick < some.tick);
@@ -339,7 +339,7 @@ async function showsThePast() {
   gatewayIsDown = false;
 
   const replayed = new Program(troupe, ['view', path('past.mcap'), '--listen', '127.0.0.1:0']);
-  const page = await open(`${await replayed.line('viewer: ')}#tick=333`);
+  const page = await open(`${await replayed.line('viewer: ')}#tick=333&smooth=0`);
   await sample(page, 333);
   for (const tick of [0, 400, 51, 50, 49, 120]) {
     await drag(page, tick);  // without edits positions are ticks

@@ -7,6 +7,7 @@ export interface Fragment {
   rays?: string;
   tick?: number;  // a past one
   fullQuality?: boolean;
+  smooth?: boolean;  // false: bodies are drawn at the poses received, and not on their way there
 }
 
 export function readFragment(): Fragment {
@@ -17,6 +18,7 @@ export function readFragment(): Fragment {
   if (values.get('rays')) fragment.rays = values.get('rays')!;
   if (/^\d+$/.test(values.get('tick') ?? '')) fragment.tick = Number(values.get('tick'));
   fragment.fullQuality = values.get('quality') === 'full';
+  fragment.smooth = values.get('smooth') !== '0';
   fragment.follow = values.get('follow') === '1';
   return fragment;
 }
@@ -28,6 +30,7 @@ export function writeFragment(fragment: Fragment): void {
   if (fragment.rays) values.set('rays', fragment.rays);
   if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
   if (fragment.follow) values.set('follow', '1');
+  if (fragment.smooth === false) values.set('smooth', '0');
   if (fragment.fullQuality) values.set('quality', 'full');
   const text = values.toString();
   history.replaceState(null, '', text ? `#${text}` : location.pathname + location.search);

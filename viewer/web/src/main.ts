@@ -67,6 +67,7 @@ class Viewer {
     this.wantedTick = fragment.tick;
     this.scene.following = fragment.follow ?? false;
     this.scene.quality.fixed = fragment.fullQuality ?? false;
+    this.scene.motion.enabled = fragment.smooth ?? true;
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
     this.bindButtons();
     this.bindKeys();
@@ -205,6 +206,7 @@ class Viewer {
     writeFragment({
       robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
       fullQuality: this.scene.quality.fixed,
+      smooth: this.scene.motion.enabled,
       tick: this.timeBar.timeline.inPast ? this.run?.tick ?? this.wantedTick : this.wantedTick,
     });
   }

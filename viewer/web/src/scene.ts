@@ -8,6 +8,7 @@ import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies} from './bodies';
 import {Ground} from './ground';
 import {Labels} from './labels';
+import {Motion} from './motion';
 import {Quality} from './quality';
 import {Rays} from './rays';
 import {poseOf, type Entity, type Run} from './run';
@@ -36,6 +37,7 @@ function colorOf(name: string): Color {
 export class WorldScene {
   readonly labels: Labels;
   readonly trails = new Trails();
+  readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
   private readonly renderer: WebGLRenderer;
@@ -55,10 +57,12 @@ export class WorldScene {
   private readonly raycaster = new Raycaster();
   private setting: Setting | null = null;
   private run: Run | null = null;
+  private drawn: Run | null = null;  // with the poses that are drawn
   private selected: Entity | null = null;
   private followed: Vector3 | null = null;  // where the followed robot was
   private dirty = true;
   private preview: Object3D | null = null;
+  private moved = false;  // the bodies are drawn between two states
   readonly quality = new Quality();
 
   constructor(private readonly parent: HTMLElement) {
@@ -91,6 +95,7 @@ export class WorldScene {
     const frame = (now: number): void => {
       requestAnimationFrame(frame);
       if (this.quality.next(now)) this.applyQuality();
+      if (this.motion.moves(now) || this.moved) this.place();
       if (!this.dirty) return;
       this.draw();
       this.quality.drawn(now);
@@ -136,7 +141,7 @@ export class WorldScene {
     this.scene.remove(map.group, bodies.group, ground.group);
     for (const part of [map, bodies, ground]) part.dispose();
     this.setting = null;
-    this.run = null;
+    this.run = this.drawn = null;
     this.labels.clear();
     this.invalidate();
   }
@@ -145,9 +150,20 @@ export class WorldScene {
     if (!this.setting || run.world !== this.setting.world) return;
     this.run = run;
     this.selected = selected;
+    this.motion.update(run, performance.now());
+    this.trails.show(run);
+    this.place();
+  }
+
+  // Puts everything where it is drawn now.
+  private place(): void {
+    if (!this.setting || !this.run) return;
+    const now = performance.now();
+    this.moved = this.motion.moves(now);
+    const run = this.drawn = this.motion.view(this.run, now);
+    const selected = this.selected;
     this.setting.bodies.place(run, selected);
     this.rays.show(run, this.setting.bodies);
-    this.trails.show(run);
     const pose = selected ? poseOf(run, selected) : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {
@@ -263,7 +279,7 @@ export class WorldScene {
   private draw(): void {
     this.dirty = false;
     this.renderer.render(this.scene, this.camera);
-    this.labels.place(this.run, this.bodies, this.camera, this.selected);
+    this.labels.place(this.drawn, this.bodies, this.camera, this.selected);
   }
 
   private applyQuality(): void {
