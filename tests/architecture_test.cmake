@@ -110,8 +110,10 @@ set(may_include_library
   include/troupe/simulation.h robot-agent/controller robot-agent/robot world-service/core)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
+set(may_include_viewer/foxglove
+  common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
-  common/base common/geometry common/model common/picture common/protocol common/sensing common/spatial)
+  common/base common/geometry common/model common/picture common/protocol common/sensing common/spatial viewer/foxglove)
 
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts

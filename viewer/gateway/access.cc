@@ -67,6 +67,12 @@ Access AccessRules::ForSocket(std::string_view host, std::string_view origin, st
   return page;
 }
 
+Access AccessRules::ForProgram(std::string_view host, std::string_view origin, std::string_view given_token) const {
+  const Access page = ForPage(host, given_token);
+  if (page == Access::kGranted && token.empty() && !origin.empty()) return Access::kWrongOrigin;
+  return page;
+}
+
 std::string MakeToken() {
   return fmt::format("{:016x}{:016x}", MakeRandomId(), MakeRandomId());
 }

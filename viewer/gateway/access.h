@@ -26,6 +26,9 @@ struct AccessRules {
   Access ForPage(std::string_view host, std::string_view given_token) const;
   // `origin`: the Origin header; a browser sends it, and it must be the page that this host has served.
   Access ForSocket(std::string_view host, std::string_view origin, std::string_view given_token) const;
+  // For a program that the page did not come from (Foxglove). In a browser it is of another site, which only a token
+  // tells apart from any other.
+  Access ForProgram(std::string_view host, std::string_view origin, std::string_view given_token) const;
 };
 
 // 128 random bits, as 32 hexadecimal digits.

@@ -12,6 +12,7 @@
 #include "common/base/host_name.h"
 #include "viewer/gateway/control_queue.h"
 #include "viewer/gateway/follower.h"
+#include "viewer/gateway/foxglove_client.h"
 #include "viewer/gateway/robot_readings.h"
 #include "viewer/gateway/run_feed.h"
 #include "viewer/gateway/seek_queue.h"
@@ -109,9 +110,13 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   bool HasShownEnd() const override { return shown_end_; }
 
  private:
-  void OnOpened(Viewer viewer) override {
+  void OnOpened(Viewer viewer, std::string_view protocol) override {
     if (viewers_.empty()) server_->SetPeriod(1.0 / kUpdatesPerSecond);
-    viewers_.try_emplace(viewer);
+    ViewerState& state = viewers_[viewer];
+    if (protocol != WebServer::kProtocols[0]) {
+      const std::optional<PastStates::Range> range = recording_ != nullptr ? past_.range() : std::nullopt;
+      state.foxglove = std::make_unique<FoxgloveClient>("Troupe " + options_.session, range);
+    }
     shown_end_ = false;
     if (follower_) follower_->SetWanted(true);
     if (recording_ != nullptr) Seek(viewer, past_.range().value_or(PastStates::Range()).first);
@@ -127,6 +132,7 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   }
 
   bool OnText(Viewer viewer, std::string_view text) override;
+  bool OnBinary(Viewer viewer, std::string_view bytes) override;
   std::optional<WebMessage> NextMessage(Viewer viewer) override;
   void OnPeriod() override;
   void OnWake() override;
@@ -135,6 +141,9 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   void Seek(Viewer viewer, std::uint64_t position);
   void ReturnToLive(ViewerState& viewer);
   void Control(Viewer viewer, PageControl control);
+  bool OnFoxglove(Viewer viewer, const Result<foxglove::ClientMessage>& message);
+  void CallService(Viewer viewer, FoxgloveClient& client, const foxglove::ServiceCall& call);
+  ShownState ShownTo(const ViewerState& viewer) const;
   static std::vector<RobotId> SelectedRobots(const ViewerState& viewer, const WorldDescription& world);
   std::string SessionText() const;
   bool NeedsUpdate(const ViewerState& viewer) const;
@@ -172,11 +181,61 @@ class RunGateway final : public ViewerGateway, private WebHandler {
 void RunGateway::Answer(Viewer viewer, std::string text) {
   const auto known = viewers_.find(viewer);
   if (known == viewers_.end() || known->second.texts.size() >= ViewerState::kMostTexts) return;
+  if (FoxgloveClient* const client = known->second.foxglove.get()) {
+    const nlohmann::json reply = nlohmann::json::parse(text, nullptr, false);
+    client->Reply(reply.value("id", std::uint64_t{0}), reply.value("done", false), reply.value("problem", ""), text);
+    server_->RequestMessage(viewer);
+    return;
+  }
   known->second.texts.push_back(std::move(text));
   server_->RequestMessage(viewer);
 }
 
+// A client of a recording has the time of its timeline, which never goes back.
+ShownState RunGateway::ShownTo(const ViewerState& viewer) const {
+  const auto time = [](std::uint64_t count, const ViewedWorld& world) {
+    return static_cast<foxglove::Time>(count) * static_cast<foxglove::Time>(world.scene->world().interval_ns);
+  };
+  if (viewer.in_past) {
+    if (!viewer.past) return {};
+    const ViewedWorld& world = *viewer.past->world;
+    return {&world, &viewer.past->state, viewer.past->position + 1, time(viewer.past->position, world)};
+  }
+  if (world_ == 0) return {};
+  return {content_.world.get(), &content_.state, update_, time(content_.state.tick, *content_.world)};
+}
+
+bool RunGateway::OnFoxglove(Viewer viewer, const Result<foxglove::ClientMessage>& message) {
+  if (!message.ok()) return false;
+  ViewerState& state = viewers_[viewer];
+  if (const auto* call = std::get_if<foxglove::ServiceCall>(&message.value())) {
+    CallService(viewer, *state.foxglove, *call);
+  } else {
+    state.foxglove->Apply(message.value(), ShownTo(state));
+  }
+  server_->RequestMessage(viewer);
+  return true;
+}
+
+// A service is a request of the page.
+void RunGateway::CallService(Viewer viewer, FoxgloveClient& client, const foxglove::ServiceCall& call) {
+  nlohmann::json object = nlohmann::json::parse(call.json, nullptr, false);
+  if (!object.is_object()) object = nlohmann::json::object();
+  object["type"] = "control";
+  object["id"] = call.call;
+  object["command"] = call.command;
+  client.Expect(call.call, call);
+  Result<PageRequest> request = ParsePageRequest(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (!request.ok()) return Answer(viewer, PageReplyText(call.call, request.error()));
+  Control(viewer, std::move(std::get<PageControl>(request.value())));
+}
+
+bool RunGateway::OnBinary(Viewer viewer, std::string_view bytes) {
+  return OnFoxglove(viewer, foxglove::ParseBinary(bytes));
+}
+
 bool RunGateway::OnText(Viewer viewer, std::string_view text) {
+  if (viewers_[viewer].foxglove) return OnFoxglove(viewer, foxglove::ParseText(text));
   Result<PageRequest> request = ParsePageRequest(text);
   if (!request.ok()) return false;
   if (auto* const select = std::get_if<SelectRequest>(&request.value())) {
@@ -255,6 +314,12 @@ void RunGateway::OnPeriod() {
   }
   bool all_know = true;
   for (auto& [viewer, state] : viewers_) {
+    if (state.foxglove) {
+      const ShownState shown = ShownTo(state);
+      if (const auto position = state.foxglove->PositionToShow(Clock::now(), shown)) Seek(viewer, *position);
+      if (state.foxglove->NeedsMessage(shown)) server_->RequestMessage(viewer);
+      continue;
+    }
     if (session_changed) state.knows_session = false;
     const bool is_behind = !state.knows_session || NeedsUpdate(state);
     if (is_behind) server_->RequestMessage(viewer);
@@ -280,6 +345,7 @@ std::string RunGateway::SessionText() const {
 
 std::optional<WebMessage> RunGateway::NextMessage(Viewer id) {
   ViewerState& viewer = viewers_[id];
+  if (viewer.foxglove) return viewer.foxglove->Next(ShownTo(viewer), content_.events);
   if (!viewer.knows_session) {
     viewer.knows_session = true;
     return WebMessage{std::make_shared<const std::string>(SessionText()), true};

@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <thread>
 #include <utility>
@@ -32,7 +33,7 @@ struct ViewerConnection {
   lws* socket = nullptr;
   std::optional<WebMessage> message;  // on its way
   std::size_t sent = 0;               // bytes of it
-  std::string text;                   // the beginning of one from the viewer
+  std::string message_begin;          // of one from the viewer
 };
 
 std::string Header(lws* socket, lws_token_indexes token) {
@@ -105,7 +106,7 @@ class WebServer::Implementation {
 
   const Options options_;
   WebHandler& handler_;
-  std::array<lws_protocols, 3> protocols_{};
+  std::array<lws_protocols, std::size(kProtocols) + 2> protocols_{};
   lws_retry_bo_t idle_policy_{};
   lws_context* context_ = nullptr;
   lws_vhost* vhost_ = nullptr;
@@ -127,7 +128,9 @@ WebServer::Implementation::~Implementation() {
 Status WebServer::Implementation::Listen() {
   lws_set_log_level(0, nullptr);
   protocols_[0] = {"http", Callback, sizeof(Connection), 2048, 0, this, 0};
-  protocols_[1] = {"troupe", Callback, sizeof(Connection), 4096, 0, this, 0};
+  for (std::size_t i = 0; i < std::size(kProtocols); ++i) {
+    protocols_[i + 1] = {kProtocols[i], Callback, sizeof(Connection), 4096, 0, this, 0};
+  }
   idle_policy_.secs_since_valid_ping = kPingSeconds;
   idle_policy_.secs_since_valid_hangup = kHangUpSeconds;
 
@@ -197,8 +200,8 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
       return connections_ >= kMostConnections ? 1 : 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
       return ConfirmUpgrade(socket, in);
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:  // an upgrade without the protocol of the page
-      return std::strcmp(lws_get_protocol(socket)->name, "troupe") == 0 ? 0 : -1;
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:  // an upgrade without a known protocol
+      return std::strcmp(lws_get_protocol(socket)->name, "http") == 0 ? -1 : 0;
     case LWS_CALLBACK_HTTP:
       return ServeFile(socket, *connection, in);
     case LWS_CALLBACK_HTTP_WRITEABLE:
@@ -216,10 +219,18 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
 
 int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol) {
   if (std::strcmp(protocol, "websocket") != 0) return -1;
-  if (Header(socket, WSI_TOKEN_GET_URI) != "/socket")
+  // Programs know only the address. A client of them names no protocol of the page.
+  const std::string wanted = Header(socket, WSI_TOKEN_PROTOCOL);
+  const bool is_page = wanted.find(kProtocols[0]) != std::string::npos;
+  const std::string path = Header(socket, WSI_TOKEN_GET_URI);
+  if (path != "/socket" && (is_page || path != "/")) {
     return Refuse(socket, HTTP_STATUS_NOT_FOUND, nullptr) < 0 ? -1 : 1;
+  }
+  const std::string host = Header(socket, WSI_TOKEN_HOST);
+  const std::string origin = Header(socket, WSI_TOKEN_ORIGIN);
+  const std::string token = TokenIn(socket);
   const Access access =
-      options_.access.ForSocket(Header(socket, WSI_TOKEN_HOST), Header(socket, WSI_TOKEN_ORIGIN), TokenIn(socket));
+      is_page ? options_.access.ForSocket(host, origin, token) : options_.access.ForProgram(host, origin, token);
   const bool full = viewers_.size() >= kMostViewers;
   if (access == Access::kGranted && !full) return 0;
   const int written = full ? Refuse(socket, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many viewers")
@@ -286,7 +297,7 @@ int WebServer::Implementation::OnViewer(lws* socket, lws_callback_reasons reason
     case LWS_CALLBACK_ESTABLISHED: {
       connection.viewer = ++last_viewer_;
       viewers_[connection.viewer].socket = socket;
-      handler_.OnOpened(connection.viewer);
+      handler_.OnOpened(connection.viewer, lws_get_protocol(socket)->name);
       lws_callback_on_writable(socket);
       return 0;
     }
@@ -301,20 +312,25 @@ int WebServer::Implementation::OnViewer(lws* socket, lws_callback_reasons reason
 }
 
 int WebServer::Implementation::Receive(lws* socket, Connection& connection, std::string_view part) {
-  std::string& text = viewers_[connection.viewer].text;
+  std::string& message = viewers_[connection.viewer].message_begin;
   const auto close = [&](lws_close_status status) {
     lws_close_reason(socket, status, nullptr, 0);
     return -1;
   };
-  if (lws_frame_is_binary(socket) != 0) return close(LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE);
+  const bool is_binary = lws_frame_is_binary(socket) != 0;
+  if (is_binary && std::strcmp(lws_get_protocol(socket)->name, kProtocols[0]) == 0) {
+    return close(LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE);
+  }
   // The announced rest of the frame counts before it is read.
-  if (text.size() + part.size() + lws_remaining_packet_payload(socket) > options_.longest_text) {
+  if (message.size() + part.size() + lws_remaining_packet_payload(socket) > options_.longest_text) {
     return close(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE);
   }
-  text.append(part);
+  message.append(part);
   if (lws_is_final_fragment(socket) == 0 || lws_remaining_packet_payload(socket) > 0) return 0;
-  const std::string whole = std::exchange(text, {});
-  return handler_.OnText(connection.viewer, whole) ? 0 : close(LWS_CLOSE_STATUS_POLICY_VIOLATION);
+  const std::string whole = std::exchange(message, {});
+  const bool accepted =
+      is_binary ? handler_.OnBinary(connection.viewer, whole) : handler_.OnText(connection.viewer, whole);
+  return accepted ? 0 : close(LWS_CLOSE_STATUS_POLICY_VIOLATION);
 }
 
 // A viewer that does not read is not asked for its next message: lws calls this when its socket can take more.

@@ -33,10 +33,13 @@ class WebHandler {
   using Viewer = std::uint64_t;  // never used twice
 
   virtual ~WebHandler() = default;
-  virtual void OnOpened(Viewer viewer) = 0;
+  // `protocol`: one of WebServer::kProtocols.
+  virtual void OnOpened(Viewer viewer, std::string_view protocol) = 0;
   virtual void OnClosed(Viewer viewer) = 0;
   // False closes the connection: the text is none that the page sends.
   virtual bool OnText(Viewer viewer, std::string_view text) = 0;
+  // Likewise. The page sends none.
+  virtual bool OnBinary(Viewer viewer, std::string_view bytes) = 0;
   // The viewer has received all messages before: the next one, if there is one already.
   virtual std::optional<WebMessage> NextMessage(Viewer viewer) = 0;
   virtual void OnPeriod() = 0;  // each period of SetPeriod
@@ -45,6 +48,8 @@ class WebHandler {
 
 class WebServer {
  public:
+  // The page's, then those of other programs (viewer/foxglove/protocol.h).
+  static constexpr const char* kProtocols[] = {"troupe", "foxglove.sdk.v1", "foxglove.websocket.v1"};
   static constexpr int kMostConnections = 100;
   static constexpr int kMostViewers = 40;
   static constexpr int kLongestHeaders = 4096;                   // bytes

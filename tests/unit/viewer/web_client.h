@@ -43,6 +43,9 @@ class WebClient {
   WebClient(const WebClient&) = delete;
   WebClient& operator=(const WebClient&) = delete;
 
+  // Ends this side of the connection.
+  void EndSending() { shutdown(socket_, SHUT_WR); }
+
   bool connected() const { return connected_; }
   std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
 
@@ -63,10 +66,12 @@ class WebClient {
   }
   std::string Get(const std::string& path) { return Get(path, "Host: " + host() + "\r\n"); }
 
-  static std::string UpgradeHeaders(const std::string& host, const std::string& origin) {
+  static std::string UpgradeHeaders(const std::string& host, const std::string& origin,
+                                    const std::string& protocol = "troupe") {
     return "Host: " + host + "\r\nOrigin: " + origin +
            "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-           "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: troupe\r\n";
+           "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: " +
+           protocol + "\r\n";
   }
   // Becomes a viewer.
   void Upgrade(const std::string& path = "/socket") {

@@ -1,0 +1,210 @@
+#include "viewer/foxglove/messages.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "common/spatial/convex_piece.h"
+#include "common/spatial/occupancy_grid.h"
+#include "viewer/foxglove/json_text.h"
+
+namespace troupe::foxglove {
+namespace {
+
+constexpr Time kSecond = 1'000'000'000;
+constexpr double kMapResolution = 0.05;                       // m
+constexpr std::uint64_t kMostCells = std::uint64_t{4} << 20;  // in the message of the map
+constexpr int kUint8 = 1;                                     // of foxglove.PackedElementField
+constexpr int kInfo = 2;                                      // of foxglove.Log
+constexpr int kWarning = 3;
+
+Json PoseOf(const Pose& pose) {
+  const auto [sine, cosine] = SinCos(0.5 * pose.heading);
+  return {{"position", {{"x", pose.x}, {"y", pose.y}, {"z", pose.z}}},
+          {"orientation", {{"x", 0.0}, {"y", 0.0}, {"z", sine}, {"w", cosine}}}};
+}
+
+// The surface of a prism, as a list of triangles.
+Json TrianglesOf(const ConvexPiece& piece, const Color& color) {
+  Json points = Json::array();
+  const auto add = [&](const Vec2& point, double z) {
+    points.push_back({{"x", point.x()}, {"y", point.y()}, {"z", z}});
+  };
+  const std::size_t count = piece.vertices.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec2& a = piece.vertices[i];
+    const Vec2& b = piece.vertices[(i + 1) % count];
+    add(a, piece.z.min);
+    add(b, piece.z.min);
+    add(b, piece.z.max);
+    add(a, piece.z.min);
+    add(b, piece.z.max);
+    add(a, piece.z.max);
+    if (i < 1 || i + 1 >= count) continue;
+    add(piece.vertices[0], piece.z.max);
+    add(a, piece.z.max);
+    add(b, piece.z.max);
+  }
+  return {{"pose", PoseOf({})},
+          {"points", std::move(points)},
+          {"color", {{"r", color.r}, {"g", color.g}, {"b", color.b}, {"a", 1.0}}},
+          {"colors", Json::array()},
+          {"indices", Json::array()}};
+}
+
+Json Entity(const std::string& id, const std::string& frame, Json triangles, Time time) {
+  Json entity = {{"timestamp", TimeOf(time)}, {"frame_id", frame},    {"id", id},
+                 {"lifetime", TimeOf(0)},     {"frame_locked", true}, {"triangles", std::move(triangles)}};
+  for (const char* other : {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines", "texts", "models"}) {
+    entity[other] = Json::array();
+  }
+  return entity;
+}
+
+std::string FrameOf(const WorldDescription& world, ModelId root, const std::optional<JointId>& joint) {
+  const std::string& name = world.model(root).name;
+  return joint ? name + "/" + world.joint(*joint).name : name;
+}
+
+void AddBody(const Scene& scene, BodyId id, ModelId root, Time time, Json& entities) {
+  const WorldDescription& world = scene.world();
+  const Body& body = scene.body(id);
+  std::vector<Json> triangles(body.links.size(), Json::array());
+  for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    triangles[body.piece_links[i]].push_back(TrianglesOf(body.pieces[i], world.model(body.pieces[i].model).color));
+  }
+  for (std::size_t link = 0; link < body.links.size(); ++link) {
+    if (triangles[link].empty()) continue;
+    const std::string frame = FrameOf(world, root, body.links[link].joint);
+    entities.push_back(Entity(frame, frame, std::move(triangles[link]), time));
+  }
+}
+
+void AddStaticMap(const Scene& scene, Time time, Json& entities) {
+  const WorldDescription& world = scene.world();
+  Json triangles = Json::array();
+  for (std::size_t i = 0; i < world.models.size() && triangles.size() < kMostStaticPieces; ++i) {
+    const ModelId model(i);
+    if (scene.body_of(model)) continue;
+    for (const ConvexPiece& piece : MakePieces(world, model, scene.X_LM(model))) {
+      if (triangles.size() >= kMostStaticPieces) break;
+      triangles.push_back(TrianglesOf(piece, world.model(model).color));
+    }
+  }
+  entities.push_back(Entity("map", "map", std::move(triangles), time));
+}
+
+// Calls `visit` with each body of the world, its root and its pose.
+template <typename Visit>
+void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit) {
+  const WorldDescription& world = scene.world();
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (IsThere(world, RobotId(i))) visit(scene.body_of(RobotId(i)), world.robots[i].root, state.robots[i].X_WR);
+  }
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.model(world.objects[i]).removed) continue;
+    visit(scene.body_of(ObjectId(i)), world.objects[i], state.objects[i].X_WO);
+  }
+}
+
+void AppendTransform(const std::string& parent, const std::string& child, const Pose& pose, Time time,
+                     std::string& text) {
+  const auto [sine, cosine] = SinCos(0.5 * pose.heading);
+  text += fmt::format(R"({}{{"timestamp":{{"sec":{},"nsec":{}}},"parent_frame_id":{},"child_frame_id":{},)"
+                      R"("translation":{{"x":{},"y":{},"z":{}}},"rotation":{{"x":0,"y":0,"z":{},"w":{}}}}})",
+                      text.back() == '[' ? "" : ",", time / kSecond, time % kSecond, Dump(parent), Dump(child), pose.x,
+                      pose.y, pose.z, sine, cosine);
+}
+
+std::string Base64(const std::string& bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string SceneText(const Scene& scene, Time time) {
+  const WorldDescription& world = scene.world();
+  Json entities = Json::array();
+  AddStaticMap(scene, time, entities);
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (IsThere(world, RobotId(i))) AddBody(scene, scene.body_of(RobotId(i)), world.robots[i].root, time, entities);
+  }
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.model(world.objects[i]).removed) continue;
+    AddBody(scene, scene.body_of(ObjectId(i)), world.objects[i], time, entities);
+  }
+  // Those of the world before.
+  Json deletions = Json::array({{{"timestamp", TimeOf(time)}, {"type", 1}, {"id", ""}}});
+  return Dump({{"deletions", std::move(deletions)}, {"entities", std::move(entities)}});
+}
+
+std::string TransformsText(const Scene& scene, const WorldState& state, Time time) {
+  const WorldDescription& world = scene.world();
+  std::vector<double> positions;
+  for (const JointState& joint : state.joints) positions.push_back(joint.position);
+  std::vector<Pose> X_BL;
+  std::string text = R"({"transforms":[)";
+  VisitBodies(scene, state, [&](BodyId id, ModelId root, const Pose& X_WB) {
+    AppendTransform("map", FrameOf(world, root, {}), X_WB, time, text);
+    const Body& body = scene.body(id);
+    if (!body.has_joints()) return;
+    scene.ComputeLinkPoses(id, positions, X_BL);
+    for (std::size_t link = 1; link < body.links.size(); ++link) {
+      AppendTransform(FrameOf(world, root, {}), FrameOf(world, root, body.links[link].joint), X_BL[link], time, text);
+    }
+  });
+  return text + "]}";
+}
+
+std::string MapText(const Scene& scene, Time time) {
+  OccupancyGrid grid = MakeOccupancyGrid(scene, kMapResolution, UsualMapHeight(scene));
+  while (grid.occupied.size() > kMostCells) {
+    grid = MakeOccupancyGrid(scene, 2.0 * grid.resolution, UsualMapHeight(scene));
+  }
+  std::string data(grid.occupied.size(), '\0');
+  for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(grid.occupied[i] ? 100 : 0);
+  const Json field = {{"name", "occupancy"}, {"offset", 0}, {"type", kUint8}};
+  return Dump({{"timestamp", TimeOf(time)},
+               {"frame_id", "map"},
+               {"pose", PoseOf({grid.origin_x, grid.origin_y, 0.0, 0.0})},
+               {"column_count", grid.width},
+               {"cell_size", {{"x", grid.resolution}, {"y", grid.resolution}}},
+               {"row_stride", grid.width},
+               {"cell_stride", 1},
+               {"fields", Json::array({field})},
+               {"data", Base64(data)}});
+}
+
+std::string EventText(const std::string& text, bool warning, Time time) {
+  return Dump({{"timestamp", TimeOf(time)},
+               {"level", warning ? kWarning : kInfo},
+               {"message", text},
+               {"name", "troupe"},
+               {"file", ""},
+               {"line", 0}});
+}
+
+std::string ScanText(const RangeScan& scan, const std::string& frame, Time time) {
+  return Dump({{"timestamp", TimeOf(time)},
+               {"frame_id", frame},
+               {"pose", PoseOf(scan.X_RS)},
+               {"start_angle", scan.fan.angle_min()},
+               {"end_angle", scan.fan.angle_max()},
+               {"ranges", scan.ranges},
+               {"intensities", scan.intensities}});
+}
+
+}  // namespace troupe::foxglove

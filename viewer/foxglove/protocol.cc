@@ -1,0 +1,268 @@
+#include "viewer/foxglove/protocol.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "viewer/foxglove/json_text.h"
+
+namespace troupe::foxglove {
+namespace {
+
+constexpr std::size_t kMostSubscriptions = 1000;  // in a message
+
+static_assert(std::endian::native == std::endian::little, "numbers are copied as they are in memory");
+
+struct Service {
+  const char* name;
+  const char* command;
+  const char* request;  // JSON schema
+};
+
+constexpr const char* kNothing = R"({"type":"object","properties":{}})";
+// By id, from 1.
+constexpr std::array<Service, 7> kServices = {
+    {{"/pause", "pause", kNothing},
+     {"/play", "play", kNothing},
+     {"/step", "step", R"({"type":"object","properties":{"ticks":{"type":"integer","minimum":1}}})"},
+     {"/reset", "reset", kNothing},
+     {"/speed", "speed", R"({"type":"object","properties":{"speed":{"type":"number"}}})"},
+     {"/spawn", "spawn",
+      R"({"type":"object","properties":{"source":{"type":"string"},"pose":{"type":"array","items":{"type":"number"}}}})"},
+     {"/delete", "delete", R"({"type":"object","properties":{"name":{"type":"string"}}})"}}};
+constexpr const char* kResponse =
+    R"({"type":"object","properties":{"done":{"type":"boolean"},"state":{"type":"string"},"tick":{"type":"integer"}}})";
+
+enum ServerOpcode : std::uint8_t { kData = 1, kTime = 2, kServiceResponse = 3, kPlaybackState = 5 };
+enum ClientOpcode : std::uint8_t { kClientData = 1, kServiceCall = 2, kPlaybackControl = 3 };
+
+template <typename Number>
+void Append(std::string& bytes, Number value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// Numbers and texts, as long as there are enough bytes.
+class Reader {
+ public:
+  explicit Reader(std::string_view rest) : rest_(rest) {}
+  template <typename Number>
+  Number Read() {
+    Number value{};
+    if (rest_.size() < sizeof value) {
+      failed_ = true;
+      return value;
+    }
+    std::memcpy(&value, rest_.data(), sizeof value);
+    rest_.remove_prefix(sizeof value);
+    return value;
+  }
+  std::string ReadText() {
+    const auto size = Read<std::uint32_t>();
+    if (size > rest_.size()) {
+      failed_ = true;
+      return {};
+    }
+    std::string text(rest_.substr(0, size));
+    rest_.remove_prefix(size);
+    return text;
+  }
+  std::string_view rest() const { return rest_; }
+  bool failed() const { return failed_; }
+
+ private:
+  std::string_view rest_;
+  bool failed_ = false;
+};
+
+Error Malformed(const char* expected) {
+  return {{}, std::string("found a malformed message of a client, expected ") + expected};
+}
+
+std::optional<std::uint32_t> IdIn(const Json& object, const char* key) {
+  if (!object.is_object()) return std::nullopt;
+  const auto member = object.find(key);
+  if (member == object.end() || !member->is_number_unsigned() || *member > 0xffffffffU) return std::nullopt;
+  return member->get<std::uint32_t>();
+}
+
+Result<ClientMessage> ParseSubscribe(const Json& object) {
+  const auto list = object.find("subscriptions");
+  if (list == object.end() || !list->is_array() || list->size() > kMostSubscriptions) return Malformed("subscriptions");
+  Subscribe subscribe;
+  for (const Json& element : *list) {
+    const auto id = IdIn(element, "id");
+    const auto channel = IdIn(element, "channelId");
+    if (!id || !channel) return Malformed("id and channelId");
+    subscribe.subscriptions.push_back({*id, *channel});
+  }
+  return ClientMessage(std::move(subscribe));
+}
+
+Result<ClientMessage> ParseUnsubscribe(const Json& object) {
+  const auto list = object.find("subscriptionIds");
+  if (list == object.end() || !list->is_array() || list->size() > kMostSubscriptions) {
+    return Malformed("subscriptionIds");
+  }
+  Unsubscribe unsubscribe;
+  for (const Json& element : *list) {
+    if (!element.is_number_unsigned()) return Malformed("ids of subscriptions");
+    unsubscribe.ids.push_back(element.get<std::uint32_t>());
+  }
+  return ClientMessage(std::move(unsubscribe));
+}
+
+Result<ClientMessage> ParseServiceCall(Reader reader) {
+  ServiceCall call;
+  call.service = reader.Read<std::uint32_t>();
+  call.call = reader.Read<std::uint32_t>();
+  const std::string encoding = reader.ReadText();
+  if (reader.failed()) return Malformed("a whole service call");
+  if (encoding == "json" && call.service >= 1 && call.service <= kServices.size()) {
+    call.command = kServices[call.service - 1].command;
+  }
+  call.json = reader.rest();
+  return ClientMessage(std::move(call));
+}
+
+Result<ClientMessage> ParsePlaybackControl(Reader reader) {
+  PlaybackControl control;
+  const auto command = reader.Read<std::uint8_t>();
+  control.play = command == 0;
+  control.speed = reader.Read<float>();
+  const bool seeks = reader.Read<std::uint8_t>() != 0;
+  const auto time = reader.Read<Time>();
+  if (seeks) control.seek = time;
+  control.request = reader.ReadText();
+  if (reader.failed() || command > 1 || !(std::isfinite(control.speed) && control.speed >= 0.0F)) {
+    return Malformed("a whole playback control request");
+  }
+  return ClientMessage(std::move(control));
+}
+
+}  // namespace
+
+std::string ServerInfoText(const std::string& name, const std::optional<PlaybackRange>& range) {
+  Json text = {{"op", "serverInfo"},
+               {"name", name},
+               {"capabilities", Json::array({"time"})},
+               {"supportedEncodings", Json::array({"json"})},
+               {"metadata", Json::object()}};
+  if (range) {
+    text["capabilities"].push_back("rangedPlayback");
+    text["dataStartTime"] = TimeOf(range->begin);
+    text["dataEndTime"] = TimeOf(range->end);
+  } else {
+    text["capabilities"].push_back("services");
+  }
+  return Dump(text);
+}
+
+std::string AdvertiseText(const std::vector<Channel>& channels) {
+  Json list = Json::array();
+  for (const Channel& channel : channels) {
+    list.push_back({{"id", channel.id},
+                    {"topic", channel.topic},
+                    {"encoding", "json"},
+                    {"schemaName", SchemaName(channel.kind)},
+                    {"schemaEncoding", "jsonschema"},
+                    {"schema", Schema(channel.kind)}});
+  }
+  return Dump({{"op", "advertise"}, {"channels", std::move(list)}});
+}
+
+std::string UnadvertiseText(const std::vector<Channel>& channels) {
+  Json ids = Json::array();
+  for (const Channel& channel : channels) ids.push_back(channel.id);
+  return Dump({{"op", "unadvertise"}, {"channelIds", std::move(ids)}});
+}
+
+std::string AdvertiseServicesText() {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < kServices.size(); ++i) {
+    const Service& service = kServices[i];
+    const std::string type = std::string("troupe") + service.name;
+    const auto part = [](const std::string& name, const char* schema) {
+      return Json{{"encoding", "json"}, {"schemaName", name}, {"schemaEncoding", "jsonschema"}, {"schema", schema}};
+    };
+    list.push_back({{"id", i + 1},
+                    {"name", service.name},
+                    {"type", type},
+                    {"request", part(type + "_request", service.request)},
+                    {"response", part(type + "_response", kResponse)}});
+  }
+  return Dump({{"op", "advertiseServices"}, {"services", std::move(list)}});
+}
+
+std::string ServiceFailureText(std::uint32_t service, std::uint32_t call, const std::string& problem) {
+  return Dump({{"op", "serviceCallFailure"}, {"serviceId", service}, {"callId", call}, {"message", problem}});
+}
+
+std::string DataMessage(std::uint32_t subscription, Time time, std::string_view content) {
+  std::string bytes;
+  bytes.reserve(13 + content.size());
+  Append(bytes, std::uint8_t{kData});
+  Append(bytes, subscription);
+  Append(bytes, time);
+  bytes += content;
+  return bytes;
+}
+
+std::string TimeMessage(Time time) {
+  std::string bytes;
+  Append(bytes, std::uint8_t{kTime});
+  Append(bytes, time);
+  return bytes;
+}
+
+std::string ServiceResponse(std::uint32_t service, std::uint32_t call, std::string_view json) {
+  constexpr std::string_view kEncoding = "json";
+  std::string bytes;
+  Append(bytes, std::uint8_t{kServiceResponse});
+  Append(bytes, service);
+  Append(bytes, call);
+  Append(bytes, static_cast<std::uint32_t>(kEncoding.size()));
+  bytes += kEncoding;
+  bytes += json;
+  return bytes;
+}
+
+std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, bool did_seek,
+                                 const std::string& request) {
+  std::string bytes;
+  Append(bytes, std::uint8_t{kPlaybackState});
+  Append(bytes, static_cast<std::uint8_t>(status));
+  Append(bytes, time);
+  Append(bytes, speed);
+  Append(bytes, static_cast<std::uint8_t>(did_seek ? 1 : 0));
+  Append(bytes, static_cast<std::uint32_t>(request.size()));
+  bytes += request;
+  return bytes;
+}
+
+Result<ClientMessage> ParseText(std::string_view text) {
+  const Json object = Json::parse(text, nullptr, false);
+  if (!object.is_object()) return Malformed("a JSON object");
+  const auto op = object.find("op");
+  if (op == object.end() || !op->is_string()) return Malformed("an op");
+  if (*op == "subscribe") return ParseSubscribe(object);
+  if (*op == "unsubscribe") return ParseUnsubscribe(object);
+  return ClientMessage(Ignored());
+}
+
+Result<ClientMessage> ParseBinary(std::string_view bytes) {
+  Reader reader(bytes);
+  switch (reader.Read<std::uint8_t>()) {
+    case kServiceCall:
+      return ParseServiceCall(reader);
+    case kPlaybackControl:
+      return ParsePlaybackControl(reader);
+    case kClientData:
+      if (!reader.failed()) return ClientMessage(Ignored());
+      [[fallthrough]];
+    default:
+      return Malformed("a binary message of the protocol");
+  }
+}
+
+}  // namespace troupe::foxglove
