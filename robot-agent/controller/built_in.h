@@ -22,5 +22,8 @@ BuiltInController Wander();
 BuiltInController Expand();
 BuiltInController Script();
 BuiltInController Fetch();
+BuiltInController Follow();
+BuiltInController GoTo();
+BuiltInController Patrol();
 
 }  // namespace troupe

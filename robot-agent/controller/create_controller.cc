@@ -12,8 +12,8 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 5> BuiltIns() {
-  return {Expand(), Fetch(), Idle(), Script(), Wander()};
+std::array<BuiltInController, 8> BuiltIns() {
+  return {Expand(), Fetch(), Follow(), GoTo(), Idle(), Patrol(), Script(), Wander()};
 }
 
 Error UnknownName(const std::string& name) {

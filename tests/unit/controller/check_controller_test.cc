@@ -11,7 +11,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
-  EXPECT_THAT(BuiltInControllers(), ElementsAre("expand", "fetch", "idle", "script", "wander"));
+  EXPECT_THAT(BuiltInControllers(),
+              ElementsAre("expand", "fetch", "follow", "go_to", "idle", "patrol", "script", "wander"));
 }
 
 struct Case {
@@ -41,7 +42,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"./my.so", R"({"anything": [1, 2]})", ""},  //
         Case{"my.so", "{}", ""},
         Case{"fly", "{}",
-             "unknown controller 'fly', expected one of: expand, fetch, idle, script, wander, or the path of a shared "
+             "unknown controller 'fly', expected one of: expand, fetch, follow, go_to, idle, patrol, script, wander, "
+             "or the path of a shared "
              "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
         Case{"idle", "{", "idle: the parameters are not JSON"},
@@ -52,7 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
              "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
              "steering_angle, turn_rate; did you mean 'speed'?"},
         Case{"wandr", "{}",
-             "unknown controller 'wandr', expected one of: expand, fetch, idle, script, wander, or the path of a "
+             "unknown controller 'wandr', expected one of: expand, fetch, follow, go_to, idle, patrol, script, wander, "
+             "or the path of a "
              "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
         Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},

@@ -1,0 +1,168 @@
+// go_to and patrol: drive to places, once or round after round. Both accept goals of users.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/base/deterministic_math.h"
+#include "robot-agent/controller/built_in.h"
+#include "robot-agent/controller/nested_parameters.h"
+#include "robot-agent/controller/steer_to_point.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kHeadingTolerance = 0.02;  // rad
+constexpr double kBackOffTime = 1.0;        // s, after a stall
+
+struct GoToParameters {
+  SteerSettings steer;
+  double tolerance = 0.1;         // m: a waypoint within it is reached
+  std::vector<Vec2> waypoints;    // m, in the frame of the robot's estimate
+  std::optional<double> heading;  // rad, at the last one
+};
+
+std::vector<Vec2> ReadWaypoints(NestedParameters& reader) {
+  std::vector<Vec2> waypoints;
+  for (const nlohmann::json& entry : reader.ReadArray("waypoints")) {
+    const bool is_point = entry.is_array() && entry.size() == 2 && entry[0].is_number() && entry[1].is_number();
+    if (!is_point) {
+      reader.Fail(fmt::format("waypoint {} is not a list [x, y] of two numbers", waypoints.size()));
+      return {};
+    }
+    waypoints.emplace_back(entry[0].get<double>(), entry[1].get<double>());
+    if (waypoints.back().cwiseAbs().maxCoeff() > 1e6) reader.Fail("a waypoint is beyond 1000 km");
+  }
+  if (waypoints.size() > kMostWaypoints) reader.Fail(fmt::format("more than {} waypoints", kMostWaypoints));
+  return waypoints;
+}
+
+Result<GoToParameters> ParseGoTo(const char* name, bool repeats, const std::string& text) {
+  GoToParameters p;
+  NestedParameters reader(name, text);
+  p.waypoints = ReadWaypoints(reader);
+  if (!repeats) p.heading = reader.ReadNumber("heading", {-2.0 * kPi, 2.0 * kPi});
+  p.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.steer.speed);
+  p.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.steer.turn_rate);
+  p.tolerance = reader.ReadNumber("tolerance", {0.001, 100.0}).value_or(p.tolerance);
+  if (repeats && p.waypoints.size() < 2)
+    reader.Fail("'waypoints' has fewer than 2 points, expected [[x, y], [x, y], ...]");
+  if (Status status = reader.Finish(); !status.ok()) return status.error();
+  return p;
+}
+
+class GoToController final : public Controller {
+ public:
+  GoToController(const RobotInfo& info, GoToParameters parameters, bool repeats)
+      : parameters_(std::move(parameters)), drive_(info.robot->drive), repeats_(repeats) {
+    RestartRoute();
+  }
+
+  bool AcceptsGoals() const override { return true; }
+
+  Command Update(const Observation& observation) override {
+    FollowGoal(observation.goal);
+    if (observation.stalled && observation.time >= back_off_until_) {
+      back_off_until_ = observation.time + kBackOffTime;
+      back_off_turn_ = observation.Random(0) < 0.5 ? 1.0 : -1.0;
+    }
+    const Pose& X_ER = observation.pose_estimate;
+    while (next_ < route_.size() &&
+           (route_[next_] - X_ER.translation()).squaredNorm() <= parameters_.tolerance * parameters_.tolerance) {
+      ++next_;
+      if (next_ == route_.size() && repeats_ && !goal_) next_ = 0;
+      if (repeats_ && !goal_) break;  // all of them may be here
+    }
+    if (next_ == route_.size()) return TurnToHeading(X_ER.heading);
+    if (observation.time < back_off_until_) return BackOff();
+    const Vec2 p_R = Transform2(X_ER).InverseTransform(route_[next_]);
+    const bool is_last = next_ + 1 == route_.size() && (goal_ || !repeats_);
+    const double most = is_last ? BrakingSpeed(drive_, std::sqrt(p_R.squaredNorm())) : parameters_.steer.speed;
+    return SteerToPoint(drive_, parameters_.steer, p_R, most);
+  }
+
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<GoToController>(*this); }
+
+ private:
+  // A goal of a user takes the place of the route, which begins again after it is cancelled or has expired.
+  void FollowGoal(const Goal* goal) {
+    if (goal == nullptr) {
+      if (goal_) RestartRoute();
+      return;
+    }
+    if (goal_ == goal->number) return;
+    goal_ = goal->number;
+    route_ = goal->waypoints;
+    heading_ = goal->heading;
+    next_ = 0;
+  }
+
+  void RestartRoute() {
+    goal_.reset();
+    route_ = parameters_.waypoints;
+    heading_ = parameters_.heading;
+    next_ = 0;
+  }
+
+  Command TurnToHeading(double present) const {
+    Command command;
+    if (!heading_ || drive_.type == DriveType::kCar) return command;
+    const double error = WrapAngle(*heading_ - present);
+    if (std::abs(error) <= kHeadingTolerance) return command;
+    command.twist.wz = std::clamp(error, -parameters_.steer.turn_rate, parameters_.steer.turn_rate);
+    return command;
+  }
+
+  Command BackOff() const {
+    Command command;
+    const double speed = -0.5 * parameters_.steer.speed;
+    if (drive_.type == DriveType::kCar) {
+      command.speed = speed;
+      command.steering = drive_.velocity.heading.Clamp(back_off_turn_);
+    } else {
+      command.twist = {speed, 0.0, 0.5 * back_off_turn_ * parameters_.steer.turn_rate};
+    }
+    return command;
+  }
+
+  GoToParameters parameters_;
+  DriveDescription drive_;
+  bool repeats_;
+  std::optional<std::uint32_t> goal_;  // the user's, while there is one
+  std::vector<Vec2> route_;
+  std::optional<double> heading_;
+  std::size_t next_ = 0;         // in route_
+  double back_off_until_ = 0.0;  // s, simulated
+  double back_off_turn_ = 1.0;   // 1: to the left
+};
+
+template <bool kRepeats>
+constexpr const char* kName = kRepeats ? "patrol" : "go_to";
+
+template <bool kRepeats>
+Status CheckGoTo(const std::string& parameters) {
+  const Result<GoToParameters> parsed = ParseGoTo(kName<kRepeats>, kRepeats, parameters);
+  return parsed.ok() ? Status() : parsed.error();
+}
+
+template <bool kRepeats>
+Result<std::unique_ptr<Controller>> CreateGoTo(const RobotInfo& info) {
+  Result<GoToParameters> parameters = ParseGoTo(kName<kRepeats>, kRepeats, info.parameters);
+  if (!parameters.ok()) return parameters.error();
+  return std::unique_ptr<Controller>(std::make_unique<GoToController>(info, std::move(parameters).value(), kRepeats));
+}
+
+}  // namespace
+
+BuiltInController GoTo() {
+  return {kName<false>, CheckGoTo<false>, CreateGoTo<false>};
+}
+
+BuiltInController Patrol() {
+  return {kName<true>, CheckGoTo<true>, CreateGoTo<true>};
+}
+
+}  // namespace troupe

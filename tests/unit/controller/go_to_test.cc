@@ -1,0 +1,171 @@
+// go_to, patrol and follow, each with a robot that moves as its drive allows.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/model/drive_limits.h"
+#include "tests/unit/controller/controlled_robot.h"
+
+namespace troupe {
+namespace {
+
+class DrivingTest : public ::testing::Test {
+ protected:
+  void Make(const std::string& controller, const std::string& parameters, DriveType drive = DriveType::kDifferential) {
+    robot_ = MakeRobot(controller, parameters, {}, drive);
+    robot_.drive.velocity = {{-1.0, 1.0}, {-1.0, 1.0}, {-1.0, 1.0}};
+    robot_.drive.acceleration = {{-0.5, 0.5}, {-0.5, 0.5}, {-1.5, 1.5}};
+    robot_.drive.wheelbase = 0.5;
+    if (controller == "follow") {
+      robot_.sensors.push_back({.name = "finder", .parameters = FiducialParameters{}});
+    }
+    Result<std::unique_ptr<Controller>> made = CreateFor(robot_);
+    ASSERT_TRUE(made.ok()) << made.error().message;
+    controller_ = std::move(made).value();
+  }
+
+  // Until the robot stands and `until` is true, or `most` ticks have passed. True if it did.
+  template <typename Until>
+  bool Drive(int most, Until until) {
+    for (int i = 0; i < most; ++i) {
+      std::vector<SensorReading> readings(robot_.sensors.size());
+      if (!readings.empty()) readings[0] = See();
+      Observation observation = At(tick_++, readings);
+      observation.pose_estimate = pose_;
+      observation.goal = goal_ ? &*goal_ : nullptr;
+      Command command = controller_->Update(observation);
+      if (robot_.drive.type == DriveType::kCar) {
+        command.twist = CarTwist(command.speed, command.steering, robot_.drive.wheelbase);
+      }
+      twist_ = robot_.drive.type == DriveType::kCar ? command.twist
+                                                    : ClampToLimits(robot_.drive, twist_, command.twist, 0.1);
+      pose_ = pose_ * Integrate(twist_, 0.1);
+      if (until()) return true;
+    }
+    return false;
+  }
+  bool StandsAt(const Vec2& point, double within) const {
+    return twist_.IsZero() && (pose_.translation() - point).norm() <= within;
+  }
+
+  // The leader, as the finder of `follow` sees it in its field of view.
+  SensorReading See() const {
+    FiducialReading reading;
+    const Vec2 p_R = Transform2(pose_).InverseTransform(leader_);
+    const double bearing = Atan2(p_R.y(), p_R.x());
+    if (std::abs(bearing) < 0.5 * kPi) {
+      reading.fiducials.push_back({.id = 4, .range = p_R.norm(), .bearing = bearing, .X_SF = {p_R.x(), p_R.y(), 0, 0}});
+    }
+    return {.tick = tick_, .content = reading};
+  }
+
+  RobotDescription robot_;
+  std::unique_ptr<Controller> controller_;
+  Pose pose_;
+  Twist twist_;
+  std::optional<Goal> goal_;
+  Vec2 leader_{0.0, 0.0};
+  Tick tick_ = 0;
+};
+
+TEST_F(DrivingTest, GoesToItsWaypointsInOrderAndTurns) {
+  Make("go_to", R"({"waypoints": [[2, 0], [2, 2], [-1, 1]], "heading": 1.5})");
+  EXPECT_TRUE(Drive(200, [&] { return (pose_.translation() - Vec2(2.0, 0.0)).norm() < 0.1; }));
+  EXPECT_TRUE(Drive(200, [&] { return (pose_.translation() - Vec2(2.0, 2.0)).norm() < 0.1; }));
+  EXPECT_TRUE(Drive(400, [&] { return StandsAt({-1.0, 1.0}, 0.1); }));
+  EXPECT_NEAR(pose_.heading, 1.5, 0.03);
+  Drive(50, [] { return false; });
+  EXPECT_TRUE(StandsAt({-1.0, 1.0}, 0.1));
+}
+
+TEST_F(DrivingTest, BrakesInTime) {
+  Make("go_to", R"({"waypoints": [[3, 0]], "speed": 1.0, "tolerance": 0.05})");
+  double farthest = 0.0;
+  EXPECT_TRUE(Drive(300, [&] {
+    farthest = std::max(farthest, pose_.x);
+    return StandsAt({3.0, 0.0}, 0.12);
+  }));
+  EXPECT_LT(farthest, 3.1);
+}
+
+TEST_F(DrivingTest, OmniAndCarArriveToo) {
+  for (const DriveType drive : {DriveType::kOmni, DriveType::kCar}) {
+    for (const char* point : {"[3, 1]", "[-3, 1]", "[0, 0.7]", "[-0.5, 0]"}) {
+      pose_ = {};
+      twist_ = {};
+      Make("go_to", std::string(R"({"tolerance": 0.2, "waypoints": [)") + point + "]}", drive);
+      EXPECT_TRUE(Drive(600, [&] { return twist_.IsZero() && tick_ > 5; })) << point;
+    }
+  }
+}
+
+TEST_F(DrivingTest, AGoalOfAUserComesFirstAndThenItsOwnRouteAgain) {
+  Make("go_to", R"({"waypoints": [[1, 0]]})");
+  EXPECT_TRUE(controller_->AcceptsGoals());
+  goal_ = Goal{.number = 7, .waypoints = {{0.0, 2.0}}, .heading = 0.0};
+  EXPECT_TRUE(Drive(300, [&] { return StandsAt({0.0, 2.0}, 0.1); }));
+  goal_ = Goal{.number = 8, .waypoints = {{-1.0, 2.0}}};
+  EXPECT_TRUE(Drive(300, [&] { return StandsAt({-1.0, 2.0}, 0.1); }));
+  goal_.reset();
+  EXPECT_TRUE(Drive(300, [&] { return StandsAt({1.0, 0.0}, 0.1); }));
+}
+
+TEST_F(DrivingTest, WithoutAGoalOrWaypointsItStands) {
+  Make("go_to", "{}");
+  EXPECT_FALSE(Drive(20, [&] { return !twist_.IsZero(); }));
+}
+
+TEST_F(DrivingTest, PatrolsRoundAfterRound) {
+  Make("patrol", R"({"waypoints": [[1, 0], [1, 1], [0, 0]]})");
+  for (int round = 0; round < 3; ++round) {
+    for (const Vec2& point : {Vec2(1.0, 0.0), Vec2(1.0, 1.0), Vec2(0.0, 0.0)}) {
+      EXPECT_TRUE(Drive(200, [&] { return (pose_.translation() - point).norm() <= 0.1; })) << round;
+    }
+  }
+}
+
+TEST_F(DrivingTest, FollowsALeaderAtItsDistance) {
+  Make("follow", R"({"distance": 0.8, "id": 4})");
+  leader_ = {3.0, 1.0};
+  EXPECT_TRUE(Drive(300, [&] { return std::abs((pose_.translation() - leader_).norm() - 0.8) < 0.1; }));
+  leader_ = {2.0, 4.0};
+  EXPECT_TRUE(Drive(300, [&] { return std::abs((pose_.translation() - leader_).norm() - 0.8) < 0.1; }));
+}
+
+TEST_F(DrivingTest, SearchesALeaderThatIsBehindAndIgnoresOthers) {
+  Make("follow", "{}");
+  leader_ = {-3.0, -0.5};
+  EXPECT_TRUE(Drive(400, [&] { return std::abs((pose_.translation() - leader_).norm() - 1.0) < 0.1; }));
+  pose_ = {};
+  Make("follow", R"({"id": 5})");
+  leader_ = {3.0, 0.0};
+  Drive(100, [] { return false; });
+  EXPECT_LT(pose_.translation().norm(), 0.2);
+}
+
+TEST_F(DrivingTest, WrongParametersAreNamed) {
+  const struct {
+    const char* controller;
+    const char* parameters;
+    const char* message;
+  } cases[] = {
+      {"go_to", R"({"waypoints": [[1]]})", "waypoint 0 is not a list [x, y] of two numbers"},
+      {"go_to", R"({"waypoints": [[1, 2], [1, "x"]]})", "waypoint 1 is not a list [x, y] of two numbers"},
+      {"go_to", R"({"waypoints": [[1, 2e9]]})", "beyond 1000 km"},
+      {"go_to", R"({"speeed": 1})", "speeed"},
+      {"patrol", R"({"waypoints": [[1, 2]]})", "fewer than 2 points"},
+      {"patrol", R"({"heading": 1, "waypoints": [[1, 2], [3, 4]]})", "heading"},
+      {"follow", R"({"distance": -1})", "distance"},
+  };
+  for (const auto& c : cases) {
+    const Status status = CheckController(c.controller, c.parameters);
+    ASSERT_FALSE(status.ok()) << c.parameters;
+    EXPECT_NE(status.error().message.find(c.message), std::string::npos) << status.error().message;
+  }
+  const Result<std::unique_ptr<Controller>> blind = CreateFor(MakeRobot("follow", "{}"));
+  ASSERT_FALSE(blind.ok());
+  EXPECT_EQ(blind.error().message, "follow: the robot has no fiducial finder, expected one");
+}
+
+}  // namespace
+}  // namespace troupe
