@@ -20,8 +20,8 @@ constexpr std::size_t kRobotWords = 8;
 constexpr std::size_t kJointWords = 3;
 constexpr std::size_t kGripperWords = 3;
 constexpr std::size_t kObjectWords = 8;
-constexpr std::size_t kEventWords = 5;   // and its detail
-constexpr std::size_t kOtherWords = 15;  // of a frame: eight numbers and seven counts
+constexpr std::size_t kEventWords = 5;    // and its detail
+constexpr std::size_t kOtherWords = 15;   // of a frame: eight numbers and seven counts
 constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
@@ -180,8 +180,8 @@ bool ReadCommand(WordReader& words, RobotCommand& command) {
   double heading = 0.0;
   std::size_t count = 0;
   if (!words.Read(robot) || robot >= kAnyId || !words.Read(flags) || !words.ReadFinite(twist.vx) ||
-      !words.ReadFinite(twist.vy) || !words.ReadFinite(twist.wz) || !words.Read(number) ||
-      !words.ReadFinite(heading) || !words.ReadCount(count, kOrderWords)) {
+      !words.ReadFinite(twist.vy) || !words.ReadFinite(twist.wz) || !words.Read(number) || !words.ReadFinite(heading) ||
+      !words.ReadCount(count, kOrderWords)) {
     return false;
   }
   command.robot = RobotId(static_cast<std::size_t>(robot));

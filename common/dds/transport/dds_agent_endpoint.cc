@@ -142,7 +142,8 @@ bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& ser
       case AgentSegment::Outcome::kNothing:
         return true;
       case AgentSegment::Outcome::kFrame:
-        if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) == KnownServices::Verdict::kService) {
+        if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) ==
+            KnownServices::Verdict::kService) {
           handler_->OnFrame(shared_frame_);
         }
         break;
@@ -207,11 +208,9 @@ void DdsAgentEndpoint::DrainAdmissions() {
 void DdsAgentEndpoint::DrainFrames() {
   const std::lock_guard lock(mutex_);
   Inbox<troupe_wire_Frame, FrameMessage>& frames = network_->frames;
-  frames.Drain(
-      [&](const troupe_wire_Frame& frame, const Sender& sender) {
-        return services_.Admits(frames, frame.run, frame.incarnation, sender);
-      },
-      [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
+  frames.Drain([&](const troupe_wire_Frame& frame,
+                   const Sender& sender) { return services_.Admits(frames, frame.run, frame.incarnation, sender); },
+               [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
 }
 
 void DdsAgentEndpoint::DrainHistories() {
