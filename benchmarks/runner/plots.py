@@ -45,7 +45,9 @@ def draw_all(folder):
     drawn = []
     barrier, processes, robots = (report.read(folder, name) for name in ["barrier", "processes", "robots"])
     series = {}
-    for transport, name in [("udp", "plain UDP, answers only"), ("dds", "DDS, answers only")]:
+    for transport, name in [("memory", "plain shared memory, answers only"),
+                            ("sharing", "data sharing, answers only"),
+                            ("udp", "plain UDP, answers only"), ("dds", "DDS, answers only")]:
         rows = [row for row in barrier if row["transport"] == transport]
         if rows:
             series[name] = line(rows, "processes")

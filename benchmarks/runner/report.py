@@ -98,13 +98,18 @@ def targets(folder):
                   for kind, where in kinds.items() if pick(rows, "wall_us", **where)]
         return f"; {', '.join(values)} per robot and tick (processor time)" if values else ""
 
-    cave_us = beside(cave, DDS={"program": "dds"}, Stage={"program": "stage"})
+    cave_us = beside(cave, Troupe={"program": "sharing"}, Stage={"program": "stage"},
+                     **{"without data sharing": {"program": "dds"}})
     cave_one_us = beside(cave, Troupe={"program": "in-process"}, Stage={"program": "stage"})
-    add("cave.world, 100 processes over DDS, against Stage", "at most 0.25",
-        ratios(cave, "wall_us", "program", "dds", "stage"), "", "cave", cave_us)
+    add("cave.world, 100 processes, against Stage", "at most 0.25",
+        ratios(cave, "wall_us", "program", "sharing", "stage"), "", "cave", cave_us)
     add("cave.world in one process, against Stage", "at most 0.05",
         ratios(cave, "wall_us", "program", "in-process", "stage"), "", "cave", cave_one_us)
-    add("lockstep of 100 processes over DDS, against plain UDP", "at most 2",
+    add("lockstep of 100 processes, against plain shared memory", "at most 2",
+        ratios(barrier, "wall_us", "transport", "sharing", "memory", processes=100), "", "barrier",
+        beside([row for row in barrier if row["processes"] == "100"], Troupe={"transport": "sharing"},
+               **{"shared memory": {"transport": "memory"}}))
+    add("lockstep of 100 processes over DDS (--data-sharing off), against plain UDP", "at most 2",
         ratios(barrier, "wall_us", "transport", "dds", "udp", processes=100), "", "barrier",
         beside([row for row in barrier if row["processes"] == "100"], DDS={"transport": "dds"}, UDP={"transport": "udp"}))
     add("ticks per second of 100 processes with 10 reading observers, against none", "at least 0.95",
@@ -113,7 +118,9 @@ def targets(folder):
         "processes")
     add("400 processes from start to first tick", "at most 4 s", pick(processes, "startup_seconds", robots=400), " s",
         "processes")
-    add("memory of a robot's process", "at most 9.5 MiB", pick(cave, "agent_mib", program="dds"), " MiB", "cave",
+    add("1,000 processes from start to first tick", "at most 15 s", pick(processes, "startup_seconds", robots=1000), " s",
+        "processes")
+    add("memory of a robot's process", "at most 9.5 MiB", pick(cave, "agent_mib", program="sharing"), " MiB", "cave",
         " in the cave, the largest of 100")
     add(f"loading a map of 50,000 x 35,000 cells (Stage: {STAGE_MAP_SECONDS} s)", "under 0.5 s",
         pick(site, "seconds", width=50_000), " s", "site_map")
@@ -137,8 +144,11 @@ def targets(folder):
 def growth(folder):
     """Rows (scene, count, wall, processor time) of the growth tables."""
     table = []
-    for name, key, rows in [("barrier over UDP", "processes", [r for r in read(folder, "barrier") if r["transport"] == "udp"]),
-                            ("barrier over DDS", "processes", [r for r in read(folder, "barrier") if r["transport"] == "dds"]),
+    barrier = read(folder, "barrier")
+    for name, key, rows in [("barrier over shared memory", "processes", [r for r in barrier if r["transport"] == "memory"]),
+                            ("barrier by data sharing", "processes", [r for r in barrier if r["transport"] == "sharing"]),
+                            ("barrier over UDP", "processes", [r for r in barrier if r["transport"] == "udp"]),
+                            ("barrier over DDS", "processes", [r for r in barrier if r["transport"] == "dds"]),
                             ("idle robots, a process each", "robots", read(folder, "processes")),
                             ("robots with 12 rays in one process", "robots", read(folder, "robots"))]:
         for count in sorted({int(row[key]) for row in rows}):

@@ -34,15 +34,18 @@ def functions(setting):
 
 
 def barrier(setting):
-    """A service and N processes that only answer: over DDS, and over plain UDP."""
+    """A service and N processes that only answer: by data sharing and over DDS alone; plain shared memory and UDP."""
     if not setting.troupe.has("udp_barrier"):
         return
     counts = [1, 4] if setting.quick else [1, 4, 16, 50, 100, 200]
     for number in range(setting.rounds):
         for count in counts:
             ticks = 50 if setting.quick else max(300, 20_000 // count)
-            for transport in ["udp", "dds"]:
-                row = setting.troupe.json_line(f"{transport}_barrier", count, ticks)
+            for transport, command in [("memory", ["shared_memory_barrier", count, ticks]),
+                                       ("sharing", ["dds_barrier", count, ticks, 0, "on"]),
+                                       ("udp", ["udp_barrier", count, ticks]),
+                                       ("dds", ["dds_barrier", count, ticks, 0, "off"])]:
+                row = setting.troupe.json_line(*command)
                 yield {"round": number, "transport": transport, **row}
 
 
@@ -65,10 +68,11 @@ def processes(setting):
             ticks = 50 if setting.quick else max(300, 20_000 // count)
             yield {"round": number, **setting.troupe.per_robot_and_tick(
                 worlds.write_yard(setting.folder / f"yard{count}", count), ticks)}
-    # Longer than 400 need to start. While so many start, one may be silent for longer than the default lease of 2 s.
+    # While so many start, one may be silent for longer than the default lease of 2 s.
     for number in range(0 if setting.quick else setting.rounds):
-        yield {"round": number, **setting.troupe.per_robot_and_tick(
-            worlds.write_yard(setting.folder / "yard400", 400), 50, "--lease", 10)}
+        for count in [400, 1000]:
+            yield {"round": number, **setting.troupe.per_robot_and_tick(
+                worlds.write_yard(setting.folder / f"yard{count}", count), 50, "--lease", 30, "--start-timeout", 120)}
 
 
 def robots(setting):
@@ -83,18 +87,22 @@ def robots(setting):
 
 
 def cave(setting):
-    """Stage's benchmark: 100 robots, 600 ticks; over DDS, in one process, and Stage in its one process."""
+    """Stage's benchmark: 100 robots, 600 ticks; in 100 processes with and without data sharing, in one, and Stage."""
     if setting.stage_worlds is None:
         return
     ticks = 20 if setting.quick else 600
     packing = ["--robots-per-process", 20] if setting.quick else []
     for number in range(setting.rounds):
         world = setting.cave(60)
-        yield {"round": number, "program": "dds", **setting.troupe.per_robot_and_tick(world, ticks, *packing)}
+        for program, options in [("sharing", []), ("sharing, 2 threads", ["--threads", 2]),
+                                 ("dds", ["--data-sharing", "off"])]:
+            yield {"round": number, "program": program,
+                   **setting.troupe.per_robot_and_tick(world, ticks, *packing, *options)}
         if setting.stage:
             yield {"round": number, "program": "stage", **setting.stage.per_robot_and_tick(setting.cave, 100, ticks)}
-        yield {"round": number, "program": "in-process",
-               **setting.troupe.per_robot_and_tick(world, ticks, "--in-process")}
+        for program, options in [("in-process", []), ("in-process, 1 thread", ["--threads", 1])]:
+            yield {"round": number, "program": program,
+                   **setting.troupe.per_robot_and_tick(world, ticks, "--in-process", *options)}
 
 
 def swarm(setting):
