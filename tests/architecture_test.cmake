@@ -73,7 +73,8 @@ set(may_include_world-service/program
   common/base common/command_line common/model common/protocol common/recording common/ros common/run common/spatial
   common/worldfile common/worldfile/build world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_world-service
-  common/base common/command_line common/dds/binding common/dds/transport common/ros common/run common/security common/spatial world-service/program
+  common/base common/command_line common/dds/binding common/dds/transport common/ros common/ros_dds common/run common/security common/spatial
+  world-service/program
   world-service/observers/ros world-service/observers/status world-service/replay world-service/service)
 
 set(may_include_robot-agent/controller

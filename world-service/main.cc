@@ -1,6 +1,7 @@
 // The program world-service: loads a world and runs it for the agents that join over DDS.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -10,6 +11,8 @@
 #include "common/dds/transport/dds_transport.h"
 #include "common/ros/robot_in_ros.h"
 #include "common/ros/ros_security.h"
+#include "common/ros_dds/discovery_relay.h"
+#include "common/ros_dds/ros_network.h"
 #include "common/security/run_keys_folder.h"
 #include "common/security/session_keys.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
@@ -32,6 +35,19 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
   if (!folder.ok()) return folder.error();
   own_keys = std::move(folder).value();
   return own_keys.path();
+}
+
+// For agents that are too many to discover each other on the loopback interface; null where it is not needed. Without
+// it the run is the same, but its start takes longer.
+std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const LoadedWorld& loaded) {
+  const std::size_t processes = loaded.world.robots.size() / std::max(1U, loaded.settings.robots_per_process);
+  if (!loaded.settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
+  try {
+    return std::make_unique<ros::DiscoveryRelay>(options.domain, ros::IndicesSearched(options.distribution));
+  } catch (const std::exception& exception) {
+    fmt::print(stderr, "warning: ROS: {}\n", exception.what());
+    return {};
+  }
 }
 
 int Run(const ServiceCommandLine& line, Reporter& reporter) {
@@ -73,7 +89,8 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  reporter.Ready(run.loaded, {port, participant});
+  const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run.loaded);
+  reporter.Ready(run.loaded, {port, participant, relay ? relay->port() : std::uint16_t{0}});
   RunObservers observers;
   std::unique_ptr<RunObserver> ros;
   if (options.settings.ros) {

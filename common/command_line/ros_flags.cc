@@ -118,6 +118,9 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
   AddText(app, group, "--ros-names", "robot (default): topics below /ROBOT; plain: /odom, /scan ... of a single robot",
           {"robot", "plain"}, [&options](const std::string& word) { options.plain_names = word == "plain"; });
+  app.add_option("--ros-relay", options.relay_port, "Port of the world service's relay of discovery")
+      ->type_name("PORT")
+      ->group("");
   AddRosMapFlags(app, options, group);
   AddRosSecurityFlags(app, options.security, group);
 }
@@ -143,6 +146,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   if (options.infinite_ranges) {
     arguments.emplace_back(*options.infinite_ranges ? "--ros-no-hit=inf" : "--ros-no-hit=range-max");
   }
+  if (options.relay_port != 0) arguments.push_back("--ros-relay=" + std::to_string(options.relay_port));
   if (options.plain_names) arguments.emplace_back("--ros-names=plain");
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;

@@ -1,6 +1,7 @@
 // RosOptions: the settings of the connection to ROS 2. docs/ros2.md explains each.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@ enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolli
 
 // The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
+
+// More processes than these do not discover each other, because discovery would grow with the square of their number.
+inline constexpr std::size_t kMostMutualProcesses = 10;
 
 // Which other participants are discovered, as ROS_AUTOMATIC_DISCOVERY_RANGE states it.
 enum class DiscoveryRange : std::uint8_t { kOff, kLocalhost, kSubnet, kSystemDefault };
@@ -42,6 +46,7 @@ struct RosOptions {
   // For one of many processes, which need not discover each other: its own announcements do not reach the other
   // processes on this machine; they discover it by theirs. Without effect on the loopback interface.
   bool quiet = false;
+  std::uint16_t relay_port = 0;              // of a DiscoveryRelay on this machine, for a quiet participant; 0: none
   bool map_to_odom = true;                   // publish the true pose of each odom frame in the map
   std::optional<bool> infinite_ranges = {};  // RunSettings::ros_infinite_ranges; nothing: the scenario's
   RosSecurity security = {};

@@ -14,11 +14,6 @@ namespace {
 constexpr const char* kLoopback = "lo";
 constexpr double kLocalAnnouncement = 1.0;  // s
 
-// At the ports of how many participant indices the tools of a distribution look for others on a host.
-std::uint32_t IndicesSearched(Distribution distribution) {
-  return distribution == Distribution::kHumble ? 10 : 33;
-}
-
 bool IsLoopback(const std::string& network_interface) {
   return network_interface == kLoopback || network_interface.starts_with("127.");
 }
@@ -67,6 +62,15 @@ void DiscoverOnThisMachine(dds::DomainConfig& config, const RosOptions& options)
 
 }  // namespace
 
+std::uint32_t IndicesSearched(Distribution distribution) {
+  return distribution == Distribution::kHumble ? 10 : 33;
+}
+
+bool AnnouncesOnLoopback(const RosOptions& options) {
+  return options.discovery == DiscoveryRange::kLocalhost ||
+         (options.discovery != DiscoveryRange::kOff && IsLoopback(options.network_interface));
+}
+
 dds::DomainConfig RosNetwork(const RosOptions& options) {
   dds::DomainConfig config;
   config.domain = options.domain;
@@ -95,6 +99,11 @@ dds::DomainConfig RosNetwork(const RosOptions& options) {
     case DiscoveryRange::kSubnet:
       if (IsLoopback(config.network_interface)) DiscoverOnThisMachine(config, options);
       break;
+  }
+  if (options.quiet && options.relay_port != 0) {
+    config.discovery_multicast = false;
+    config.peers = {"127.0.0.1:" + std::to_string(options.relay_port)};
+    return config;
   }
   if (options.discovery != DiscoveryRange::kSystemDefault) {
     for (const std::string& peer : options.static_peers) AddPeer(config, AddressOf(peer), indices);

@@ -10,4 +10,11 @@ namespace troupe::ros {
 // Throws dds::Exception if a static peer has no address.
 dds::DomainConfig RosNetwork(const RosOptions& options);
 
+// Whether participants of this machine announce themselves on its loopback interface, so that a DiscoveryRelay helps
+// where they are many.
+bool AnnouncesOnLoopback(const RosOptions& options);
+
+// At the ports of how many participant indices the tools of a distribution look for others on a machine.
+std::uint32_t IndicesSearched(Distribution distribution);
+
 }  // namespace troupe::ros

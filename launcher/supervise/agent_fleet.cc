@@ -111,6 +111,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
   options.network.service_participant = ready_.participant;
+  if (options_.hosts.empty()) options.ros.relay_port = ready_.ros_relay;
   options.ros.infinite_ranges = options.ros.infinite_ranges.value_or(ready_.ros_infinite_ranges);
   Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
   if (!security.ok()) return security.error();

@@ -41,6 +41,7 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "port", report.port);
   Get(json, "participant", report.participant);
   Get(json, "ros", report.ros);
+  Get(json, "ros_relay", report.ros_relay);
   Get(json, "ros_infinite_ranges", report.ros_infinite_ranges);
   return report;
 }

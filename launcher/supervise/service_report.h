@@ -25,6 +25,7 @@ struct ReadyReport {
   std::string participant;        // of the service, NetworkSettings::service_participant
   bool ros = false;               // the run uses ROS 2
   bool ros_infinite_ranges = true;
+  std::uint16_t ros_relay = 0;  // RosOptions::relay_port of the agents on the host of the service
 };
 
 // "robots": an edit has added robots that need agents.

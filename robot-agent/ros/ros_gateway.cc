@@ -9,13 +9,11 @@
 namespace troupe {
 namespace {
 
-// More processes than these do not discover each other, because discovery would grow with the square of their number.
-constexpr std::size_t kMostMutualProcesses = 10;
 constexpr int kRepeats = 5;  // in a pause, after a reader has come
 
 // Of the robots of this process in the ROS domain of the run. Assumes that all processes have as many.
 ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, std::size_t robots_of_process) {
-  options.quiet = scene.world().robots.size() > kMostMutualProcesses * robots_of_process;
+  options.quiet = scene.world().robots.size() > ros::kMostMutualProcesses * robots_of_process;
   return options;
 }
 

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "common/dds/binding/wire.h"
+#include "common/ros_dds/discovery_relay.h"
 #include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_network.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
@@ -19,8 +21,9 @@ namespace {
 // Announces its name and records the names that it has discovered.
 class Speaker {
  public:
-  Speaker(std::string name, bool quiet)
-      : participant_(OptionsFor(quiet)),
+  Speaker(std::string name, bool quiet) : Speaker(std::move(name), OptionsFor(quiet)) {}
+  Speaker(std::string name, const ros::RosOptions& options)
+      : participant_(options),
         writer_(ros::MakeNode(participant_, "/", name), "/names", ros::Latched()),
         reader_(ros::MakeNode(participant_, "/", name), "/names", ros::Latched(10)) {
     writer_.Write({name.data()});
@@ -50,6 +53,30 @@ TEST(QuietParticipant, DiscoversToolsButNoOtherQuietOnes) {
   Speaker robot("robot", true);
   Speaker other("other", true);
   Speaker late("late", false);
+  const std::set<std::string> all = {"early", "robot", "other", "late"};
+  for (Speaker* tool : {&early, &late}) {
+    EXPECT_TRUE(test::Eventually([&] { return tool->heard() == all; })) << testing::PrintToString(tool->heard());
+  }
+  for (Speaker* quiet : {&robot, &other}) {
+    EXPECT_TRUE(test::Eventually([&] { return quiet->heard().size() == 3; }));
+    EXPECT_FALSE(quiet->heard().contains(quiet == &robot ? "other" : "robot"));
+  }
+}
+
+ros::RosOptions OnLoopback(std::uint16_t relay_port = 0) {
+  ros::RosOptions options = test::TestRosOptions();
+  options.quiet = relay_port != 0;
+  options.relay_port = relay_port;
+  return options;
+}
+
+TEST(DiscoveryRelay, LetsToolsAndAgentsDiscoverEachOtherOnTheLoopbackInterface) {
+  const ros::RosOptions options = OnLoopback();
+  const ros::DiscoveryRelay relay(options.domain, ros::IndicesSearched(options.distribution));
+  Speaker early("early", options);
+  Speaker robot("robot", OnLoopback(relay.port()));
+  Speaker other("other", OnLoopback(relay.port()));
+  Speaker late("late", options);
   const std::set<std::string> all = {"early", "robot", "other", "late"};
   for (Speaker* tool : {&early, &late}) {
     EXPECT_TRUE(test::Eventually([&] { return tool->heard() == all; })) << testing::PrintToString(tool->heard());

@@ -34,6 +34,7 @@ class LauncherReporter final : public Reporter {
           {"port", contact.port},
           {"participant", contact.participant},
           {"ros", loaded.settings.ros},
+          {"ros_relay", contact.ros_relay},
           {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }

@@ -15,8 +15,9 @@ namespace troupe {
 
 // How agents find a service and know it from others.
 struct ServiceContact {
-  std::uint16_t port = 0;   // UDP; 0: not known
-  std::string participant;  // NetworkSettings::service_participant
+  std::uint16_t port = 0;       // UDP; 0: not known
+  std::string participant;      // NetworkSettings::service_participant
+  std::uint16_t ros_relay = 0;  // RosOptions::relay_port of agents on this host
 };
 
 class Reporter : public RunObserver {
