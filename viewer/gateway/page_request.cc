@@ -19,7 +19,7 @@ struct CommandName {
   ControlCommand command;
 };
 
-constexpr std::array<CommandName, 12> kCommands = {{{"status", ControlCommand::kStatus},
+constexpr std::array<CommandName, 13> kCommands = {{{"status", ControlCommand::kStatus},
                                                     {"pause", ControlCommand::kPause},
                                                     {"play", ControlCommand::kPlay},
                                                     {"step", ControlCommand::kStep},
@@ -30,7 +30,8 @@ constexpr std::array<CommandName, 12> kCommands = {{{"status", ControlCommand::k
                                                     {"spawnables", ControlCommand::kSpawnables},
                                                     {"speed", ControlCommand::kSpeed},
                                                     {"command_robot", ControlCommand::kCommandRobot},
-                                                    {"restore", ControlCommand::kRestore}}};
+                                                    {"restore", ControlCommand::kRestore},
+                                                    {"rewind", ControlCommand::kRewind}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
 
@@ -88,6 +89,11 @@ Result<PageRequest> ParseControl(const Json& object) {
   if (!command) return Malformed("command '" + name + "'", "a command of the page");
   ControlRequest& request = control.request;
   request.command = *command;
+  if (*command == ControlCommand::kRewind) {
+    const auto tick = WholeNumberIn(object, "tick");
+    if (!tick) return Malformed("no tick", "a whole number");
+    request.ticks = *tick;
+  }
   if (*command == ControlCommand::kSpeed) {
     const auto speed = object.find("speed");
     const bool is_number = speed != object.end() && speed->is_number() && std::isfinite(speed->get<double>());
@@ -145,6 +151,14 @@ Result<PageRequest> ParseSelect(const Json& object) {
   return PageRequest(std::move(select));
 }
 
+Result<PageRequest> ParseSeek(const Json& object) {
+  const SeekRequest seek{WholeNumberIn(object, "position"), WholeNumberIn(object, "tick")};
+  if (seek.position.has_value() == seek.tick.has_value()) return Malformed("a seek", "a position or a tick");
+  PageRequest request;
+  request.emplace<SeekRequest>(seek);
+  return request;
+}
+
 }  // namespace
 
 Result<PageRequest> ParsePageRequest(std::string_view text) {
@@ -154,11 +168,11 @@ Result<PageRequest> ParsePageRequest(std::string_view text) {
   const std::string type = TextIn(object, "type");
   if (type == "select") return ParseSelect(object);
   if (type == "control") return ParseControl(object);
-  if (type == "live") return PageRequest(LiveRequest());
-  if (type == "seek") {
-    const SeekRequest seek{WholeNumberIn(object, "position"), WholeNumberIn(object, "tick")};
-    if (seek.position.has_value() == seek.tick.has_value()) return Malformed("a seek", "a position or a tick");
-    return PageRequest(seek);
+  if (type == "seek") return ParseSeek(object);
+  if (type == "live") {
+    PageRequest live;
+    live.emplace<LiveRequest>();
+    return live;
   }
   return Malformed("type '" + type + "'", "select, control, seek or live");
 }

@@ -29,6 +29,9 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
       Control(R"({"type": "control", "id": 1, "command": "spawn", "source": "can", "pose": [0, 0, 0, 0]})");
   EXPECT_EQ(spawn.request.source, "can");
   EXPECT_TRUE(spawn.request.rename);
+  const PageControl rewind = Control(R"({"type": "control", "id": 1, "command": "rewind", "tick": 0})");
+  EXPECT_EQ(rewind.request.command, ControlCommand::kRewind);
+  EXPECT_EQ(rewind.request.ticks, 0u);
   const PageControl restore = Control(
       R"({"type": "control", "id": 1, "command": "restore", "source": "can", "name": "tin", "pose": [0, 0, 0, 0]})");
   EXPECT_EQ(restore.request.command, ControlCommand::kRestore);
@@ -108,6 +111,8 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "control", "id": 1, "command": "step", "ticks": 99999999999})",
       R"({"type": "control", "id": 1, "command": "delete"})",
       R"({"type": "control", "id": 1, "command": "speed"})",
+      R"({"type": "control", "id": 1, "command": "rewind"})",
+      R"({"type": "control", "id": 1, "command": "rewind", "tick": -1})",
       R"({"type": "control", "id": 1, "command": "speed", "speed": 0})",
       R"({"type": "control", "id": 1, "command": "speed", "speed": "fast"})",
       R"({"type": "control", "id": 1, "command": "command_robot", "name": "a", "ticks": 1})",

@@ -1,7 +1,7 @@
 // Timeline: shows past states of a live run, and the states of a recording: by dragging, and playing forwards and backwards
 // at any speed. A state is asked for by its position; the gateway answers with an update of the past.
 import type {Connection} from './connection';
-import {byId} from './dom';
+import {byId, toast} from './dom';
 import {eventColor} from './events';
 import type {Run} from './run';
 
@@ -29,6 +29,7 @@ export class Timeline {
     byId('live').onclick = () => this.returnToLive();
     byId('back').onclick = () => this.play(this.playing < 0 ? 0 : -1);
     byId('step-back').onclick = () => this.step(-1);
+    byId('continue').onclick = () => void this.continueHere();
   }
 
   get inPast(): boolean {
@@ -83,6 +84,14 @@ export class Timeline {
     this.changed();
   }
 
+  // Sets the run back, by its recording.
+  private async continueHere(): Promise<void> {
+    if (!this.run?.past) return;
+    const reply = await this.connection.request('rewind', {tick: this.run.tick});
+    if (reply.done) this.returnToLive();
+    else toast(reply.problem, true);
+  }
+
   show(run: Run): void {
     this.run = run;
     if (run.past) {
@@ -97,6 +106,7 @@ export class Timeline {
       this.slider.value = String(this.past ? Math.round(this.position) : run.last);
     }
     byId('live').hidden = this.recording;
+    byId('continue').hidden = this.recording || !run.past;
     byId('live').classList.toggle('on', !this.past);
     byId('back').hidden = byId('step-back').hidden = !this.past;
     byId('back').classList.toggle('on', this.playing < 0);
