@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint64_t kLast = 1;
 constexpr std::uint64_t kPaused = 2;
+constexpr std::uint64_t kRemembered = 4;
 constexpr std::uint64_t kDrives = 1;  // of a command, like the next two
 constexpr std::uint64_t kHasGoal = 2;
 constexpr std::uint64_t kHasHeading = 4;
@@ -220,6 +221,7 @@ bool ReadAll(WordReader& words, FrameMessage& frame) {
   }
   frame.last = (flags & kLast) != 0;
   frame.paused = (flags & kPaused) != 0;
+  frame.remembered = (flags & kRemembered) != 0;
   frame.edition = static_cast<Edition>(edition);
   frame.world_edition = static_cast<Edition>(world_edition);
   frame.fresh_edition = static_cast<Edition>(fresh_edition);
@@ -254,7 +256,7 @@ void AddFrame(const FrameMessage& frame, WordWriter& words) {
   words.Add(frame.run);
   words.Add(frame.state.tick);
   words.Add(frame.state_hash);
-  words.Add((frame.last ? kLast : 0) | (frame.paused ? kPaused : 0));
+  words.Add((frame.last ? kLast : 0) | (frame.paused ? kPaused : 0) | (frame.remembered ? kRemembered : 0));
   words.Add(std::uint64_t{frame.edition});
   words.Add(std::uint64_t{frame.world_edition});
   words.Add(std::uint64_t{frame.fresh_edition});
