@@ -69,9 +69,10 @@ Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::option
   const std::string& last = flags.controllers.back();
   const std::size_t equals = last.find('=');
   if (flags.controllers.size() > 1 || (equals != std::string::npos && last.find('/') > equals)) {
-    return Error{{}, "option --controller: found '" + last +
-                         "', expected one controller: only a run that continues from a recording has others for some "
-                         "robots"};
+    return Error{{},
+                 "option --controller: found '" + last +
+                     "', expected one controller: only a run that continues from a recording has others for some "
+                     "robots"};
   }
   controller = std::exchange(flags.controllers, {}).front();
   return {};

@@ -125,7 +125,7 @@ Result<std::optional<std::string>> ControllerCheck::Check(const ReplayedWorld& w
 std::optional<std::string> ControllerCheck::Compare(const ReplayedWorld& world, const RecordedTick& next) {
   std::vector<Proposal> decided;
   for (const auto& replica : replicas_) {
-    for (Proposal& proposal : replica->Retrace(world.state())) decided.push_back(std::move(proposal));
+    for (Proposal& proposal : replica->Retrace(world.state(), next.commands)) decided.push_back(std::move(proposal));
   }
   std::sort(decided.begin(), decided.end(), [](const Proposal& a, const Proposal& b) { return a.robot < b.robot; });
   auto recorded = next.proposals.begin();

@@ -175,8 +175,7 @@ std::size_t ThreadsOf(const RunOptions& options) {
   return options.threads.value_or(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded,
-                                  const std::string& world_file) {
+ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded, const std::string& world_file) {
   ServiceOptions service;
   service.settings = loaded.settings;
   options.run.ApplyTo(service.settings);

@@ -96,7 +96,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
 
 Status Replica::MakeRobots(const std::vector<RobotId>& ids) {
   robots_.clear();
-  robots_scene_ = scene_;
+  robots_scenes_ = {scene_};
   for (const RobotId id : ids) {
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id, options_);
     if (!robot.ok()) return robot.error();
@@ -165,6 +165,7 @@ Status Replica::FollowWorld(const Scene& before) {
     Result<std::unique_ptr<Robot>> made = Robot::Create(*scene_, id, options_);
     if (!made.ok()) return made.error();
     robot = std::move(made).value();
+    if (robots_scenes_.back() != scene_) robots_scenes_.push_back(scene_);
   }
   return {};
 }
@@ -179,6 +180,7 @@ Status Replica::AddRobots(const std::vector<std::string>& names) {
     robots_.push_back(std::move(robot).value());
   }
   if (robots_.size() == before.size()) return {};
+  robots_scenes_.push_back(scene_);
   std::sort(robots_.begin(), robots_.end(), [](const auto& a, const auto& b) { return a->id() < b->id(); });
   return MakeNewGateway();
 }
@@ -273,10 +275,13 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   return answer;
 }
 
-std::vector<Proposal> Replica::Retrace(const WorldState& state) {
+std::vector<Proposal> Replica::Retrace(const WorldState& state, std::span<const RobotCommand> commands) {
   std::vector<Proposal> proposals(robots_.size());
+  std::vector<ExternalCommand> external(robots_.size());
+  std::vector<std::string> reported;  // when the run was there
+  if (!commands.empty()) AddCommands(commands, external, reported);
   DecideAll(state, [&](Robot& robot, std::size_t i, const BodyIndex& bodies, TraceLane*) {
-    proposals[i] = robot.Retrace(state, bodies);
+    proposals[i] = robot.Retrace(state, bodies, external[i]);
   });
   return proposals;
 }

@@ -33,8 +33,8 @@ class Replica {
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
-  // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`: of the newest fresh start, for the
-  // scan log. The error is a controller or a gateway that cannot be made.
+  // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`:
+  // of the newest fresh start, for the scan log. The error is a controller or a gateway that cannot be made.
   Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
   // Starts the robots anew in the present world. The error is as above.
   Status Renew(Edition edition);
@@ -62,7 +62,7 @@ class Replica {
 
   // As Decide, for a state of the past, so that the robots remember it: without gateway and scan log.
   // REQUIRES: CheckState(state).ok()
-  std::vector<Proposal> Retrace(const WorldState& state);
+  std::vector<Proposal> Retrace(const WorldState& state, std::span<const RobotCommand> commands = {});
 
   // The answer to a paused `state`: no decisions. Decide may follow for the same state.
   // REQUIRES: CheckState(state).ok()
@@ -97,7 +97,7 @@ class Replica {
 
   // Robots and the gateway hold pointers into the scenes that they were made for.
   std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<const Scene> robots_scene_;
+  std::vector<std::shared_ptr<const Scene>> robots_scenes_;
   std::shared_ptr<const Scene> gateway_scene_;
   std::shared_ptr<const Scene> shown_scene_;  // of the gateway's last ChangeWorld
   RobotOptions options_;

@@ -73,7 +73,8 @@ Status ReplicaTask::Retrace() {
 // As AgentProtocol answers the frames of a run.
 Status ReplicaTask::Retrace(HistoryEntry& entry) {
   const FrameMessage& frame = entry.frame;
-  const bool starts = !made_at || frame.fresh_edition > *made_at;
+  // Robots without a memory may be of a later world, with other ids.
+  const bool starts = !memory || !made_at || frame.fresh_edition > *made_at;
   if (frame.world_edition != world_edition) {
     if (!entry.world) return Error{{}, "a state without its world"};
     if (Status problem = Validate(*entry.world); !problem.ok()) return problem;
@@ -89,13 +90,13 @@ Status ReplicaTask::Retrace(HistoryEntry& entry) {
     }
     if (Status problem = replica->AddRobots(own_robots); !problem.ok()) return problem;
     world_edition = frame.world_edition;
-  } else if (made_at && starts) {
+  } else if (made_at && frame.fresh_edition > *made_at) {
     if (Status problem = replica->Renew(frame.fresh_edition); !problem.ok()) return problem;
   }
   if (Status problem = replica->CheckState(frame.state); !problem.ok()) return problem;
   if (memory && memory->edition != frame.edition) replica->Relocate(frame.state);
   if (entry.step_follows) {
-    replica->Retrace(frame.state);
+    replica->Retrace(frame.state, frame.commands);
   } else {
     replica->Pause(frame.state);
   }

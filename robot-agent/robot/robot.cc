@@ -129,9 +129,9 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const E
   return Propose(state, external);
 }
 
-Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies) {
+Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external) {
   Sense(state, bodies);
-  return Propose(state, {});
+  return Propose(state, external);
 }
 
 void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {

@@ -49,8 +49,8 @@ class Robot {
   Proposal Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {},
                   TraceLane* trace = nullptr);
 
-  // As Decide, for a state of the past, so that the robot remembers it: without external command and scan log.
-  Proposal Retrace(const WorldState& state, const BodyIndex& bodies);
+  // As Decide, for a state of the past, so that the robot remembers it: without scan log.
+  Proposal Retrace(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {});
 
   // The error is a gripper or joint command that the robot cannot execute; nothing is changed.
   Status CheckCommand(const Command& command) const;

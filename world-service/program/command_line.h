@@ -22,7 +22,7 @@ struct ServiceCommandLine {
   std::string file;
   LoadOverrides overrides;
   BranchFlags branch;  // of a recording
-  RunOverrides run;  // of the settings of the file
+  RunOverrides run;    // of the settings of the file
   NetworkSettings network;
   OwnerPermissions permissions;
   ServiceOptions service;  // without the settings

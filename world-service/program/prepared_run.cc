@@ -34,8 +34,8 @@ Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
 }
 
 Result<PreparedRun> Branch(const ServiceCommandLine& line) {
-  Result<BranchedRun> branch = BranchRun(line.file, {line.branch.from_tick, line.overrides.seed, line.branch.controllers,
-                                                     line.run, line.service.start_paused});
+  Result<BranchedRun> branch = BranchRun(line.file, {line.branch.from_tick, line.overrides.seed,
+                                                     line.branch.controllers, line.run, line.service.start_paused});
   if (!branch.ok()) return branch.error();
   PreparedRun run;
   run.loaded = std::move(branch.value().loaded);
@@ -90,8 +90,7 @@ Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
     journal = std::move(opened).value();
   }
   const bool is_branch = IsRecordingPath(line.file);
-  Result<PreparedRun> run =
-      journal ? Resume(std::move(*journal), line) : (is_branch ? Branch(line) : LoadFile(line));
+  Result<PreparedRun> run = journal ? Resume(std::move(*journal), line) : (is_branch ? Branch(line) : LoadFile(line));
   if (!run.ok()) return run;
   ServiceOptions& options = run.value().options;
   options.settings = run.value().loaded.settings;

@@ -17,7 +17,7 @@ struct PreparedRun {
   ServiceOptions options;
   std::shared_ptr<const Scene> scene;                   // of the loaded world
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
-  std::shared_ptr<const RecordedBegin> begin;  // of the recordings; null: they begin with the run
+  std::shared_ptr<const RecordedBegin> begin;           // of the recordings; null: they begin with the run
   Recorders recorders;
   std::unique_ptr<RunHistory> history;  // null: none
 };

@@ -28,8 +28,9 @@ Result<Start> FindStart(const Recording& recording, const std::optional<Tick>& f
   if (from) {
     const std::optional<std::uint64_t> last = places.Last(*from);
     if (!last) {
-      return Error{{recording.name()},
-                   fmt::format("found tick {}, expected at most {}, the last of the recording", *from, places.greatest())};
+      return Error{
+          {recording.name()},
+          fmt::format("found tick {}, expected at most {}, the last of the recording", *from, places.greatest())};
     }
     time = *last;
   }
@@ -53,7 +54,8 @@ Result<Start> FindStart(const Recording& recording, const std::optional<Tick>& f
       applied = Error{{}, "found another state hash than recorded"};
     }
     if (!applied.ok()) {
-      return Error{{recording.name()}, fmt::format("tick {}: {}", tick.tick, applied.error().message), ErrorCode::kFailure};
+      return Error{
+          {recording.name()}, fmt::format("tick {}: {}", tick.tick, applied.error().message), ErrorCode::kFailure};
     }
     if (from && (tick.log_time != time || tick.tick != *from)) continue;
     start.reset();
@@ -75,7 +77,8 @@ Result<WorldChanges> ChangesOf(const BranchOptions& options, const WorldDescript
     if (!change.ok()) return change.error();
     const std::string& name = change.value().robot;
     if (!name.empty() && !FindRobot(world, name)) {
-      return Error{{}, fmt::format("option --controller: found robot '{}', which the world does not have at that tick", name)};
+      return Error{
+          {}, fmt::format("option --controller: found robot '{}', which the world does not have at that tick", name)};
     }
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
       const RobotDescription& robot = world.robots[i];
@@ -112,8 +115,10 @@ Result<ControllerChange> ParseControllerChange(const std::string& text) {
   change.controller.name = equals == std::string::npos ? names : names.substr(equals + 1);
   if (parameters != std::string::npos) change.controller.parameters = text.substr(parameters + 1);
   if (change.controller.name.empty() || equals == 0) {
-    return Error{{}, fmt::format("option --controller: found '{}', expected CONTROLLER or ROBOT=CONTROLLER, with "
-                                 ":{{...}} for parameters", text)};
+    return Error{{},
+                 fmt::format("option --controller: found '{}', expected CONTROLLER or ROBOT=CONTROLLER, with "
+                             ":{{...}} for parameters",
+                             text)};
   }
   if (NamesLibrary(change.controller.name)) {
     change.controller.name = std::filesystem::absolute(change.controller.name).lexically_normal().string();
@@ -160,8 +165,9 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   if (has_own_end) settings.ticks.reset();
   options.run.ApplyTo(settings);
   if (settings.ticks && *settings.ticks <= frame.state.tick) {
-    return Error{{}, fmt::format("option --ticks: found {}, expected more than {}, the tick from which the run continues",
-                                 *settings.ticks, frame.state.tick)};
+    return Error{{},
+                 fmt::format("option --ticks: found {}, expected more than {}, the tick from which the run continues",
+                             *settings.ticks, frame.state.tick)};
   }
   ResumedRun& resumed = branch.resumed;
   resumed.run = MakeRandomId();

@@ -37,7 +37,8 @@ struct ControllerChange {
 };
 Result<ControllerChange> ParseControllerChange(const std::string& text);
 
-// The error is a file that is no recording of this version of the step, a tick that it does not have, or an unknown robot.
+// The error is a file that is no recording of this version of the step, a tick that it does not have, or an unknown
+// robot.
 Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& options);
 
 }  // namespace troupe

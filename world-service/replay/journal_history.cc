@@ -118,6 +118,7 @@ Status JournalHistory::Add(std::vector<HistoryEntry>& entries) {
   entry.frame.world_edition = world_->world_edition();
   entry.frame.fresh_edition = world_->fresh_edition();
   entry.step_follows = next_->is_step();
+  if (entry.step_follows) entry.frame.commands = next_->commands;
   if (world_->scene() != sent_scene_) entry.world = WorldToSend();
   sent_scene_ = world_->scene();
   sent_ = {entry.frame.edition, entry.frame.state.tick, entry.step_follows};

@@ -55,10 +55,10 @@ class JournalHistory final : public RunHistory {
   const Append append_;
   std::unique_ptr<const Recording> recording_;
   std::optional<TickReader> reader_;
-  std::optional<ReplayedWorld> world_;  // at a recorded state
-  std::optional<RecordedTick> next_;    // that follows it
+  std::optional<ReplayedWorld> world_;      // at a recorded state
+  std::optional<RecordedTick> next_;        // that follows it
   std::map<std::string, Edition> changed_;  // by robot: when it got another controller, and was made anew
-  std::optional<MemoryPlace> sent_;     // the entry before the state; nothing: not sent
+  std::optional<MemoryPlace> sent_;         // the entry before the state; nothing: not sent
   std::shared_ptr<const Scene> sent_scene_;
 };
 

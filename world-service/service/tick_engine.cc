@@ -337,8 +337,7 @@ void TickEngine::Publish(const Origin& origin) {
   frame.awaited.clear();
   frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = false;
-  const CommittedTick tick{frame,           origin.proposals, origin.edit,
-                           origin.before,   origin.commands,  origin.is_recorded};
+  const CommittedTick tick{frame, origin.proposals, origin.edit, origin.before, origin.commands, origin.is_recorded};
   Status failure;
   const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;

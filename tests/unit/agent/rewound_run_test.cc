@@ -54,6 +54,13 @@ class Files {
       (std::filesystem::temp_directory_path() / ("rewound-run-" + std::to_string(getpid()))).string();
 };
 
+OutputFiles Record(const std::string& path, std::uint64_t keyframe_interval) {
+  OutputFiles files;
+  files.record = path;
+  files.keyframe_interval = keyframe_interval;
+  return files;
+}
+
 void Rewind(ControlledRun& run, Tick tick) {
   const ControlReply reply = run.Ask(ControlCommand::kRewind, tick);
   ASSERT_TRUE(reply.done) << reply.problem;
@@ -65,6 +72,7 @@ void Rewind(ControlledRun& run, Tick tick) {
 void ExpectSame(ControlledRun& run, const std::vector<std::uint64_t>& hash_of_tick, Tick to) {
   const Tick from = run.frame().state.tick;
   ASSERT_EQ(run.frame().state_hash, hash_of_tick[from]) << "after the rewind to tick " << from;
+  if (from == to) return;
   const std::size_t begin = run.frames().size();
   run.Step(to - from);
   const std::vector<std::uint64_t> hashes = run.Hashes(begin);
@@ -97,8 +105,8 @@ class RewoundWorldTest : public testing::TestWithParam<World> {};
 TEST_P(RewoundWorldTest, ItContinuesAsBeforeFromAnyTick) {
   const Files files;
   {
-    ControlledRun run(GetParam().make(), {.packing = GetParam().packing,
-                                          .outputs = {.record = files.recording(), .keyframe_interval = 25}});
+    const WorldDescription world = GetParam().make();
+    ControlledRun run(world, {.packing = GetParam().packing, .outputs = Record(files.recording(), 25)});
     run.Step(160);
     const std::vector<std::uint64_t> hashes = run.Hashes();
     for (const Tick tick : {60, 159, 1, 0, 100, 160}) {
@@ -109,7 +117,7 @@ TEST_P(RewoundWorldTest, ItContinuesAsBeforeFromAnyTick) {
     Rewind(run, 30);
     run.Step(10);
     Rewind(run, 35);
-    run.ReplaceAgentOf(run.Ask(ControlCommand::kEntities).entities.front().name);
+    run.ReplaceAgentOf(world.robots[0].name);
     const ControlReply future = run.Ask(ControlCommand::kRewind, 36);
     EXPECT_FALSE(future.done);
     EXPECT_THAT(future.problem, HasSubstr("found tick 36, expected at most 35"));
@@ -163,8 +171,7 @@ TEST(RewoundRunTest, FaultsOfTheTransportChangeNoHash) {
 TEST(RewoundRunTest, EditsArePartOfThePast) {
   const Files files;
   {
-    ControlledRun run(CountingYard(), {.outputs = {.record = files.recording(), .keyframe_interval = 10},
-                                       .world_file = files.definitions()});
+    ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10), .world_file = files.definitions()});
     const auto ask = [&](const ControlRequest& request) {
       const ControlReply reply = run.Ask(request);
       ASSERT_TRUE(reply.done) << reply.problem;

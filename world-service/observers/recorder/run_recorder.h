@@ -27,7 +27,7 @@ namespace troupe {
 // The begin of a recording: that of another one.
 struct RecordedBegin {
   std::shared_ptr<const Recording> source;
-  std::uint64_t last_number = 0;           // of its states
+  std::uint64_t last_number = 0;            // of its states
   std::optional<RecordedTick> change = {};  // the edit that follows them
 };
 
@@ -39,7 +39,7 @@ struct RecordingOptions {
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
   std::shared_ptr<const RecordedBegin> begin = {};  // null: the recording begins with the run
-  bool journal_is_optional = false;  // a run whose journal cannot be written continues without it
+  bool journal_is_optional = false;                 // a run whose journal cannot be written continues without it
 };
 
 class RunRecorder final : public RunObserver {
