@@ -102,6 +102,7 @@ Status ControllerCheck::Follow(const ReplayedWorld& world) {
 }
 
 void ControllerCheck::NoteLosses(const WorldDescription& world, const RecordedTick& next) {
+  if (settings_.on_agent_loss == OnAgentLoss::kRebuild) return;  // its memory is restored
   for (const Event& event : next.events) {
     if (!event.robot || event.robot->index() >= world.robots.size()) continue;
     const std::string& name = world.robot(*event.robot).name;

@@ -55,6 +55,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
 void TickEngine::AddMember(Member& member, double now) {
   member.silent_since = now;
   barrier_.AddMember(member.id);
+  if (run_.is_branch() && run_.phase == RunPhase::kGathering) return;  // no event of the tick that it begins with
   for (RobotId robot : member.robots) {
     run_.events.Add(EventType::kJoined, run_.frame.state.tick, robot, Describe(member));
   }
