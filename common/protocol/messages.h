@@ -200,7 +200,7 @@ struct ControlRequest {
   // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
   // and the number of its goal do not count.
   RobotCommand robot_command = {};
-  Twist twist = {};     // kSetTwist, in R
+  Twist twist = {};  // kSetTwist, in R
   // Only in the service's process, not on the wire.
   std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
   std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot
