@@ -54,7 +54,9 @@ class AttackedRun {
  public:
   AttackedRun(const std::string& session, const std::string& security, const std::string& interface = "lo")
       : session_(session),
-        run_(RunPen({"--paused", "--session", session, "--security", security, "--interface", interface})),
+        // Frames and proposals that are shared offer no endpoint to forge them.
+        run_(RunPen({"--paused", "--session", session, "--security", security, "--interface", interface,
+                     "--data-sharing", "off"})),
         owner_(OwnerOf(session, interface)) {
     EXPECT_TRUE(owner_.WaitForService(kSeconds).ok()) << run_.output();
     run_.WaitForLine("ready");

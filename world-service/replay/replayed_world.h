@@ -24,6 +24,7 @@ class ReplayedWorld {
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const WorldDescription& world() const { return scene_->world(); }
+  const std::shared_ptr<const Scene>& original() const { return original_; }  // that a reset restores
   const WorldState& state() const { return state_; }
   const BodyIndex& bodies() const { return bodies_; }  // at state()
   std::uint64_t state_hash() const { return state_hash_; }
