@@ -243,7 +243,8 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
       fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
                   end.ToString());
-  if (started_) {
+  const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
+  if (started_ || (rebuilds_ && !refused)) {
     const auto [before, is_first] = ended_at_.try_emplace(agent.number, tick_);
     if (rebuilds_ && !is_first && std::exchange(before->second, tick_) != tick_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
@@ -253,7 +254,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
     } else {
       TellRestartCommand(agent, text);
     }
-  } else if (end.exit_code == kExitBadInput || end.exit_code == kExitFailed) {
+  } else if (refused) {
     Fail({end.exit_code, std::nullopt, std::nullopt});
   } else {
     Fail(FailedRun(Failure(text + " before the run began")));

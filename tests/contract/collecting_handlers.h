@@ -65,12 +65,14 @@ class CollectingAgent final : public AgentHandler {
     frames.Put(frame);
     if (on_frame) on_frame(frame);
   }
+  void OnHistory(const HistoryMessage& history) override { histories.Put(history); }
   void OnServiceGone() override { service_gone.Put(true); }
 
   std::function<void(const FrameMessage&)> on_frame;  // set before the start
   Inbox<SessionMessage> sessions;
   Inbox<AdmissionMessage> admissions;
   Inbox<FrameMessage> frames;
+  Inbox<HistoryMessage> histories;
   Inbox<bool> service_gone;
 };
 

@@ -126,6 +126,26 @@ TEST_P(TransportContract, JoinArrivesIntact) {
       }));
 }
 
+TEST_P(TransportContract, HistoryArrivesIntact) {
+  CollectingAgent agent;
+  CollectingService service;
+  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
+  service_endpoint->Start(service);
+  service_endpoint->SendSession(SomeSession(77));
+  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
+  agent_endpoint->Start(agent);
+  ASSERT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
+  HistoryMessage sent{77, {5, 6}, MemoryPlace{2, 8, true}, {}};
+  for (Tick tick = 9; tick < 60; ++tick) {
+    sent.entries.push_back({SomeFrame(tick, 200), tick % 7 != 0, {}});
+    sent.entries.back().frame.events.clear();
+  }
+  sent.entries[3].world = BusyWorld();
+  EXPECT_TRUE(SendUntil(
+      agent.histories, [&] { service_endpoint->SendHistory(sent); },
+      [&](const HistoryMessage& came) { return came == sent; }));
+}
+
 TEST_P(TransportContract, AdmissionArrivesIntact) {
   CollectingAgent agent;
   CollectingService service;

@@ -144,6 +144,7 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
   RunOptions options = Parse({"w.world", "--ticks", "9", "--session", "s", "--poses", "p", "--lease", "0.5",
                               "--allow-files", "worlds", "--allow-controllers", "more", "--controller", "./default.so"})
                            .options;
+  ASSERT_TRUE(CheckBranchFlags(options.file, options.branch, options.load.controller).ok());
   std::vector<std::string> service = ServiceArguments(options);
   EXPECT_EQ(service.front(), "w.world");
   EXPECT_THAT(service, testing::IsSupersetOf({"--ticks=9", "--session=s", "--domain=42", "--poses=p", "--lease=0.5",
