@@ -208,7 +208,8 @@ TEST_F(FastDdsClientTest, QueriesAndEditsTheWorldByItsServices) {
   std::vector<json> lines = Lines(client);
   ASSERT_EQ(lines.size(), 10u);
   EXPECT_EQ(lines[0], json({{"topic", "features"},
-                            {"features", {0, 1, 8, 10, 11, 12, 14, 20, 21, 22, 23, 24, 25, 26, 31, 32, 33, 40}},
+                            {"features", {0,  1,  2,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 20,
+                                          21, 22, 23, 24, 25, 26, 31, 32, 33, 40, 41, 43, 44, 45, 50}},
                             {"formats", {"world", "inc", "json"}},
                             {"info", "Troupe: world pen"}}));
   EXPECT_EQ(lines[1], json({{"topic", "spawned"}, {"result", ok}, {"name", "late"}}));

@@ -309,8 +309,9 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
   for (const json& message : messages_["ros_discovery_info"]) {
     for (const json& node : message["nodes"]) {
       if (node["namespace"] != "/anna") continue;
-      EXPECT_EQ(node["readers"], 1 + 2 + 3 + 6) << "cmd_vel, gripper and lift, the action, parameters";
-      EXPECT_EQ(node["writers"], 9 + 2 + 3 + 6) << "topics, the action's, its services, parameters";
+      EXPECT_EQ(node["readers"], 1 + 2 + 3 + 6 + 1) << "cmd_vel, gripper and lift, the action, parameters, types";
+      EXPECT_EQ(node["writers"], 9 + 2 + 3 + 6 + 3) << "topics, the action's, its services, parameters, rosout, "
+                                                       "parameter_events, types";
     }
   }
 }

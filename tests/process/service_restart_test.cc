@@ -210,7 +210,7 @@ TEST_F(ServiceRestartTest, ARunEndsWhoseRecordingCannotBeContinuedForLackOfSpace
   EXPECT_EQ(run.exit_status, 3) << run.output;
   EXPECT_THAT(run.output, HasSubstr("run.mcap.journal-a: error: cannot write: File too large"));
   const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify"}));
-  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  EXPECT_THAT(replay.output, HasSubstr("state hashes are equal"));
 }
 
 TEST_F(ServiceRestartTest, AJournalWithoutARunIsNotContinued) {

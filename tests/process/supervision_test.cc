@@ -79,7 +79,7 @@ TEST(Supervision, CtrlCStopsARunInProcessToo) {
 
 TEST(Supervision, CtrlCBeforeAllRobotsHaveJoinedStopsToo) {
   Program program = RunPen({"--faults", "loss=1,seed=1"});
-  ASSERT_TRUE(Eventually([&] { return ChildrenOf(program.pid()).size() == 5; }));
+  ASSERT_TRUE(Eventually([&] { return ChildrenOf(program.pid()).size() > 1; }));
   std::vector<pid_t> children = ChildrenOf(program.pid());
   program.Signal(SIGINT);
   EXPECT_EQ(program.Wait(), 130);

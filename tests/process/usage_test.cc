@@ -67,8 +67,9 @@ TEST(Usage, AnUnknownControllerIsReportedOnceForAllRobots) {
   const std::vector<BadUsage> cases = {{{"--controller", "dance"}, "dance"},
                                        {{"--controller", "./no-such-library.so"}, "no-such-library.so"}};
   for (const BadUsage& usage : cases) {
-    for (const char* mode : {"--headless", "--in-process"}) {
-      std::vector<std::string> arguments = {"run", folder.Path("two.world"), "--ticks", "5", mode};
+    for (const std::vector<std::string>& mode : {std::vector<std::string>{}, {"--in-process"}}) {
+      std::vector<std::string> arguments = {"run", folder.Path("two.world"), "--ticks", "5", "--headless"};
+      arguments.insert(arguments.end(), mode.begin(), mode.end());
       arguments.insert(arguments.end(), usage.arguments.begin(), usage.arguments.end());
       Finished run = Finish(Troupe(arguments));
       EXPECT_EQ(run.exit_status, 2) << run.output;

@@ -116,7 +116,7 @@ const BadScenario kAgainstTheSchema[] = {
     {"SpeedIsLongWord", Alone("\"speed\": \"maximum\""),
      ":2:10: error: found the string 'maximum', expected a multiple of real time above 0, or 'max'"},
     {"UnknownLossPolicy", Alone("\"on_agent_loss\": \"restart\""),
-     ":2:18: error: found the string 'restart', expected 'freeze', 'pause' or 'abort'"},
+     ":2:18: error: found the string 'restart', expected 'freeze', 'pause', 'abort' or 'rebuild'"},
     {"NoRobotsPerProcess", Alone("\"robots_per_process\": 0"),
      ":2:23: error: found the number 0, expected an integer of at least 1"},
     {"RestartsAreNegative", Alone("\"restart_agents\": -1"),
