@@ -21,7 +21,8 @@ using NamedFile = std::pair<const char*, const std::string*>;
 std::vector<NamedFile> OutputsOf(const RunOptions& options) {
   std::vector<NamedFile> outputs = {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},
                                     {"--scans", &options.scans},       {"--summary", &options.summary},
-                                    {"--record", &options.record},     {"--trace", &options.trace.file}};
+                                    {"--record", &options.record},     {"--trace", &options.trace.file},
+                                    {"--journal", &options.journal}};
   std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
   return outputs;
 }
@@ -94,6 +95,9 @@ Status CheckNotRead(const RunOptions& options, std::vector<NamedFile> outputs) {
 }  // namespace
 
 Status CheckOutputs(const RunOptions& options) {
+  if (!options.journal.empty() && options.record.ends_with(".mcap")) {
+    return Error{{}, "found --journal and a recording (--record), expected one of them: a recording is a journal, too"};
+  }
   const std::vector<NamedFile> outputs = OutputsOf(options);
   if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
   if (Status failure = CheckNotRead(options, outputs); !failure.ok()) return failure;

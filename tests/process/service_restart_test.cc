@@ -213,6 +213,12 @@ TEST_F(ServiceRestartTest, ARunEndsWhoseRecordingCannotBeContinuedForLackOfSpace
   EXPECT_THAT(replay.output, HasSubstr("state hashes are equal"));
 }
 
+TEST_F(ServiceRestartTest, ARecordingAndAnotherJournalAreRefused) {
+  const Finished run = Finish(RunPen({"--record", Path("run.mcap"), "--journal", Path("journal.mcap")}));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.output, HasSubstr("found --journal and a recording"));
+}
+
 TEST_F(ServiceRestartTest, AJournalWithoutARunIsNotContinued) {
   const Finished service =
       Finish(Program({ProgramPath("world-service"), "--resume", "--journal", Path("nothing.mcap")}));

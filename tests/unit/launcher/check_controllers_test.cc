@@ -15,9 +15,10 @@ std::string Fault(const std::string& file, const std::optional<std::string>& con
 TEST(CheckControllers, NamesTheLineOfAScenariosController) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << "{\"robots\": [\n  {\"model\": \"position\", \"controller\": \"wonder\"}]}";
-  EXPECT_EQ(Fault(path), path +
-                             ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, follow, "
-                             "go_to, idle, patrol, script, wander, or the path of a shared library (.so); did you mean 'wander'?");
+  EXPECT_EQ(Fault(path),
+            path +
+                ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, follow, "
+                "go_to, idle, patrol, script, wander, or the path of a shared library (.so); did you mean 'wander'?");
 }
 
 TEST(CheckControllers, ChecksParametersToo) {
