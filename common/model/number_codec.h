@@ -37,7 +37,7 @@ class NumberWriter {
   template <typename T>
   requires std::is_class_v<T>
   void Write(const T& value) {
-    T::VisitFields(value, [this](std::string_view, const auto& part) { Write(part); });
+    T::VisitFields(value, [this](std::string_view, const auto& part) { this->Write(part); });
   }
 
   std::vector<double> TakeNumbers() { return std::move(numbers_); }
@@ -87,7 +87,7 @@ class NumberReader {
   template <typename T>
   requires std::is_class_v<T>
   void Read(T& value) {
-    T::VisitFields(value, [this](std::string_view, auto& part) { Read(part); });
+    T::VisitFields(value, [this](std::string_view, auto& part) { this->Read(part); });
   }
 
  private:

@@ -64,7 +64,7 @@ Status CheckRobotCommand(const WorldDescription& world, const RobotCommand& comm
   if (command.robot.index() >= world.robots.size() || !IsThere(world, command.robot)) {
     return Error{{}, "found a command to a robot that the world does not have"};
   }
-  const Status failure = CheckParts(world, command);
+  Status failure = CheckParts(world, command);
   if (failure.ok()) return failure;
   return Error{{}, "robot " + world.robot(command.robot).name + ": " + failure.error().message};
 }

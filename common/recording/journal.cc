@@ -46,7 +46,7 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
 }
 
 Result<bool> JournalReader::Next(RecordedTick& tick) {
-  const Result<bool> more = reader_.Next(tick);
+  Result<bool> more = reader_.Next(tick);
   if (!more.ok() || more.value()) return more;
   if (next_in_tail_ == journal_.tail.size()) return false;
   tick = journal_.tail[next_in_tail_++];

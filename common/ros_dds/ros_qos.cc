@@ -37,9 +37,9 @@ Qos Service(std::int32_t depth) {
 }
 
 Qos LogLines() {
-  constexpr std::int32_t kDepth = 1000;
+  constexpr std::int32_t kLines = 1000;
   constexpr double kSeconds = 10.0;
-  return Latched(kDepth) << Lifespan{kSeconds};
+  return Latched(kLines) << Lifespan{kSeconds};
 }
 
 Qos Discovery() {

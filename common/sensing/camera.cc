@@ -29,7 +29,7 @@ double Tangent(double angle) {
 }
 
 std::uint8_t Byte(double value) {
-  return static_cast<std::uint8_t>(std::clamp(value, 0.0, 1.0) * 255.0 + 0.5);
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255.0));
 }
 
 Rgb Lit(const Color& color, double light) {

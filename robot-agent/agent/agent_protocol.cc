@@ -95,7 +95,7 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
     Fail(Failure(
         fmt::format("the world service is gone, and has not returned within {} s", options_.session_timeout_seconds)));
   }
-  if (now >= NextRepeat()) {
+  if (replica_ != nullptr && now >= NextRepeat()) {
     replica_->Repeat(*paused_state_);
     repeated_at_ = now;
   }

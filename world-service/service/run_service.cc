@@ -180,11 +180,14 @@ class Driver final : public WorldControl, private ServiceHandler {
       const Incarnation incarnation = coordinator_.frame().incarnation;
       lock.unlock();
       Result<std::vector<HistoryEntry>> entries = ReadHistory(demand.request, run);
+      Status failure;
       if (entries.ok()) {
         endpoint_->SendHistory({run, std::move(demand.agents), demand.after, std::move(entries).value(), incarnation});
+      } else {
+        failure = entries.error();
       }
       lock.lock();
-      if (!entries.ok()) Act([&] { coordinator_.Fail(entries.error(), Now()); });
+      if (!failure.ok()) Act([&] { coordinator_.Fail(failure.error(), Now()); });
     }
   }
 

@@ -247,7 +247,7 @@ class Adder {
     }
     WarnOfPorts(entry, static_cast<std::uint32_t>(names.size()));
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const Status status = SetRosDomain(names[i], entry.first + static_cast<std::uint32_t>(i), entry.where);
+      Status status = SetRosDomain(names[i], entry.first + static_cast<std::uint32_t>(i), entry.where);
       if (!status.ok()) return status;
     }
     return Status();
@@ -275,7 +275,7 @@ class Adder {
       if (Status error = Add(std::move(node), FullName("", name), where); !error.ok()) return error;
       planned.names.push_back(FullName("", name));
     }
-    const Status domains = SetRosDomains(rule, prototype, planned.names);
+    Status domains = SetRosDomains(rule, prototype, planned.names);
     spawns_.push_back(std::move(planned));
     return domains;
   }

@@ -141,7 +141,7 @@ void EntityQueries::OnSetInfo(const RosCaller& caller,
 
 void EntityQueries::OnGetBounds(const RosCaller& caller,
                                 const simulation_interfaces_srv_dds__GetEntityBounds_Request_& request) {
-  constexpr std::uint8_t kBox = 1;
+  constexpr std::uint8_t kTypeBox = 1;
   const std::string ros_name = dds::Text(request.entity);
   ControlRequest query;
   query.command = ControlCommand::kEntities;
@@ -156,7 +156,7 @@ void EntityQueries::OnGetBounds(const RosCaller& caller,
     response.result = MakeFound(entity, ros_name, arena);
     if (entity != nullptr && entity->box != EntityBox()) {
       const EntityBox& box = entity->box;
-      response.bounds.type = kBox;
+      response.bounds.type = kTypeBox;
       auto* corners = arena.Fill(response.bounds.points, 2);
       corners[0] = {box.max_x, box.max_y, box.max_z};
       corners[1] = {box.min_x, box.min_y, box.min_z};
