@@ -101,6 +101,7 @@ class RecordingTest : public testing::Test {
 struct World {
   std::string file;  // in worlds/scenarios, or beside this test
   bool in_process;
+  int ticks = 250;
 };
 
 class RecordedWorld : public RecordingTest, public testing::WithParamInterface<World> {};
@@ -108,7 +109,7 @@ class RecordedWorld : public RecordingTest, public testing::WithParamInterface<W
 TEST_P(RecordedWorld, IsReplayedWithTheSameFiles) {
   const World& world = GetParam();
   const std::string path = world.file.ends_with(".world") ? WorldPath(world.file) : ScenarioPath(world.file);
-  std::vector<std::string> arguments = {path, "--ticks", "250", "--speed", "max"};
+  std::vector<std::string> arguments = {path, "--ticks", std::to_string(world.ticks), "--speed", "max"};
   if (world.in_process) arguments.emplace_back("--in-process");
   Run(arguments);
   ExpectEqualReplay();
@@ -118,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(Worlds, RecordedWorld,
                          testing::Values(World{"demo.json", true}, World{"relay.json", true},
                                          World{"stage_stacking.json", true}, World{"stacking.json", false},
                                          World{"lab.json", false}, World{"pen.world", false},
-                                         World{"sensors.json", false}, World{"hands.world", true}),
+                                         World{"sensors.json", false, 40}, World{"hands.world", true}),
                          [](const testing::TestParamInfo<World>& world) {
                            const std::string& file = world.param.file;
                            return file.substr(0, file.find('.')) + (world.param.in_process ? "InProcess" : "");

@@ -1,5 +1,5 @@
 // PastStates: the states of a run that viewers can go back to, in their order: those that the gateway has seen of a
-// live run (run_history.h), or all of a recording.
+// live run (kept_states.h), or all of a recording.
 //
 // A state is named by its position, which counts the states from the first on: a tick may be repeated after edits.
 #pragma once

@@ -13,7 +13,7 @@
 
 #include "common/protocol/transport.h"
 #include "viewer/gateway/past_state.h"
-#include "viewer/gateway/run_history.h"
+#include "viewer/gateway/kept_states.h"
 
 namespace troupe {
 
@@ -36,7 +36,7 @@ class RunFeed : public ObserverHandler {
   explicit RunFeed(std::size_t history_bytes = std::size_t{128} << 20) : history_(history_bytes) {}
 
   // The states of the run since it has been followed.
-  RunHistory& history() { return history_; }
+  KeptStates& history() { return history_; }
 
   // Copies the content to `content` unless it has the same version already.
   void Read(FeedContent& content) const;
@@ -53,7 +53,7 @@ class RunFeed : public ObserverHandler {
  private:
   void AddEvents(const FrameMessage& frame);
 
-  RunHistory history_;
+  KeptStates history_;
   mutable std::mutex mutex_;  // guards content_ and service_gone_
   FeedContent content_;
   bool service_gone_ = false;

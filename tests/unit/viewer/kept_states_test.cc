@@ -1,4 +1,4 @@
-#include "viewer/gateway/run_history.h"
+#include "viewer/gateway/kept_states.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@ PastState StateAt(Tick tick) {
   return past;
 }
 
-TEST(RunHistoryTest, HasTheStatesInTheirOrder) {
-  RunHistory history(std::size_t{1} << 20);
+TEST(KeptStatesTest, HasTheStatesInTheirOrder) {
+  KeptStates history(std::size_t{1} << 20);
   EXPECT_FALSE(history.range());
   EXPECT_FALSE(history.At(0).ok());
   for (Tick tick = 5; tick < 10; ++tick) EXPECT_EQ(history.Add(StateAt(tick)), tick - 5);
@@ -27,9 +27,9 @@ TEST(RunHistoryTest, HasTheStatesInTheirOrder) {
   EXPECT_EQ(history.PositionOf(4), std::nullopt);
 }
 
-TEST(RunHistoryTest, ItsMemoryIsBounded) {
+TEST(KeptStatesTest, ItsMemoryIsBounded) {
   const std::size_t bytes = SizeOf(StateAt(0));
-  RunHistory history(10 * bytes);
+  KeptStates history(10 * bytes);
   for (Tick tick = 0; tick < 1000; ++tick) history.Add(StateAt(tick));
   EXPECT_EQ(history.range(), (PastStates::Range{990, 999}));
   EXPECT_EQ(history.At(0).value()->position, 990u);

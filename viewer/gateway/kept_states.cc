@@ -1,11 +1,11 @@
-#include "viewer/gateway/run_history.h"
+#include "viewer/gateway/kept_states.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace troupe {
 
-std::uint64_t RunHistory::Add(PastState state) {
+std::uint64_t KeptStates::Add(PastState state) {
   const std::lock_guard lock(mutex_);
   state.position = next_++;
   bytes_ += SizeOf(state);
@@ -17,26 +17,26 @@ std::uint64_t RunHistory::Add(PastState state) {
   return states_.back()->position;
 }
 
-void RunHistory::Clear() {
+void KeptStates::Clear() {
   const std::lock_guard lock(mutex_);
   states_.clear();
   bytes_ = 0;
 }
 
-std::optional<PastStates::Range> RunHistory::range() const {
+std::optional<PastStates::Range> KeptStates::range() const {
   const std::lock_guard lock(mutex_);
   if (states_.empty()) return std::nullopt;
   return Range{states_.front()->position, states_.back()->position};
 }
 
-std::optional<std::uint64_t> RunHistory::PositionOf(Tick tick) const {
+std::optional<std::uint64_t> KeptStates::PositionOf(Tick tick) const {
   const std::lock_guard lock(mutex_);
   const auto found =
       std::find_if(states_.rbegin(), states_.rend(), [&](const auto& past) { return past->state.tick == tick; });
   return found == states_.rend() ? std::nullopt : std::optional((*found)->position);
 }
 
-Result<std::shared_ptr<const PastState>> RunHistory::At(std::uint64_t position) {
+Result<std::shared_ptr<const PastState>> KeptStates::At(std::uint64_t position) {
   const std::lock_guard lock(mutex_);
   if (states_.empty()) return Failure("there is no past state");
   // The positions have no gaps.

@@ -1,4 +1,4 @@
-// RunHistory: the newest states of a live run, in a bounded memory.
+// KeptStates: the newest states of a live run, in a bounded memory.
 //
 // Threads: any; Add on one.
 #pragma once
@@ -13,9 +13,9 @@
 
 namespace troupe {
 
-class RunHistory final : public PastStates {
+class KeptStates final : public PastStates {
  public:
-  explicit RunHistory(std::size_t bytes) : most_bytes_(bytes) {}
+  explicit KeptStates(std::size_t bytes) : most_bytes_(bytes) {}
 
   // Appends a state, whose position is set, and drops the oldest ones that are too many. Returns its position.
   std::uint64_t Add(PastState state);
