@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/protocol/transport.h"
-#include "viewer/gateway/past_state.h"
 #include "viewer/gateway/kept_states.h"
+#include "viewer/gateway/past_state.h"
 
 namespace troupe {
 

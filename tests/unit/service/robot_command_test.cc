@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "tests/unit/service/coordinator_fixture.h"
 
 namespace troupe::test {
@@ -13,10 +15,10 @@ using testing::IsEmpty;
 class RobotCommandTest : public CoordinatorTest {
  protected:
   ControlReply Ask(const ControlRequest& request) {
-    ControlReply reply;
+    const auto reply = std::make_shared<ControlReply>();  // which may follow later
     coordinator->Control(
-        request, [&reply](const ControlReply& made) { reply = made; }, now);
-    return reply;
+        request, [reply](const ControlReply& made) { *reply = made; }, now);
+    return *reply;
   }
   ControlReply Command(const std::string& robot, RobotCommand command, std::uint64_t ticks) {
     ControlRequest request;
