@@ -95,8 +95,8 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
     Fail(Failure(
         fmt::format("the world service is gone, and has not returned within {} s", options_.session_timeout_seconds)));
   }
-  if (replica_ != nullptr && now >= NextRepeat()) {
-    replica_->Repeat(*paused_state_);
+  if (Replica* const replica = replica_.get(); replica != nullptr && now >= NextRepeat()) {
+    replica->Repeat(*paused_state_);
     repeated_at_ = now;
   }
   if (stage_ != Stage::kJoining || now < NextJoin()) return std::nullopt;
