@@ -173,7 +173,7 @@ TEST_F(RosInterfaces, NamesPosesWithTheirTags) {
 TEST_F(RosInterfaces, FiltersEntitiesByTagsAndBounds) {
   EXPECT_EQ(SetInfo("r1", {"red"}), kOk);
   EXPECT_EQ(SetInfo("r2", {"red", "fast"}), kOk);
-  EXPECT_EQ(SetInfo("nobody", {"red"}), kNotFound);
+  EXPECT_EQ(SetInfo("missing", {"red"}), kNotFound);
   dds::WireArena arena;
   simulation_interfaces_msg_dds__EntityFilters_ filters{};
   arena.FillStrings(filters.tags.tags, {"red"});
@@ -209,7 +209,7 @@ TEST_F(RosInterfaces, ReportsTheBoxOfAnEntity) {
     EXPECT_NEAR(upper.z, 0.6, 1e-9);
     EXPECT_NEAR(lower.z, 0.0, 1e-9);
   });
-  request.entity = Text("nobody");
+  request.entity = Text("missing");
   bounds_.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, kNotFound); });
 }
 

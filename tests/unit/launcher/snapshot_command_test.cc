@@ -146,7 +146,7 @@ TEST_F(SnapshotCommandTest, RefusesBadCommandLines) {
       {files + "--meters -3", "found a picture -3 m wide"},
       {files + "--meters wide", "--meters"},
       {files + "--seed x", "found 'x'"},
-      {files + "--camera nobody", "found no robot 'nobody'"},
+      {files + "--camera missing", "found no robot 'missing'"},
       {files + "--camera r0/nose", "found no camera 'r0/nose', expected one of: eye"},
       {files + "--camera r0 --rays", "found --camera beside an option of the world's picture"},
       {files + "--depth", "found --depth, expected --camera beside it"},

@@ -100,7 +100,7 @@ TEST_F(RobotCommandTest, CountsInAPauseFromTheNextTickOn) {
 
 TEST_F(RobotCommandTest, IsRefusedWithTheReason) {
   MakeAndStart(1);
-  EXPECT_THAT(Command("nobody", Drive(1.0), 1).problem, HasSubstr("no robot 'nobody'"));
+  EXPECT_THAT(Command("missing", Drive(1.0), 1).problem, HasSubstr("no robot 'missing'"));
   EXPECT_THAT(Command("r0", Drive(1.0), 0).problem, HasSubstr("0 ticks"));
   RobotCommand grip;
   grip.grippers = {{.gripper = 0, .opening = 0.0}};

@@ -139,7 +139,7 @@ TEST_F(MemoryTest, ARunDoesNotGiveUpWhileAnAgentLearns) {
 
 TEST_F(MemoryTest, AnAgentThatMayNotJoinIsRefusedAtOnce) {
   LoseFirstAgent();
-  JoinMessage join = JoinOf(7, {"nobody"});
+  JoinMessage join = JoinOf(7, {"missing"});
   coordinator->OnJoin(join, now);
   ASSERT_THAT(endpoint.admissions, SizeIs(1));
   EXPECT_FALSE(endpoint.admissions[0].admitted);
