@@ -1,0 +1,103 @@
+"""Hosts of a network as network namespaces of this machine; needs root. For scripts/scale and scripts/kill-test."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def ip(*words, check=True):
+    done = subprocess.run(["ip", *words], capture_output=True, text=True)
+    if check and done.returncode != 0:
+        raise OSError(f"ip {' '.join(words)}: {done.stderr.strip()}")
+    return done.stdout
+
+
+class Network:
+    """Hosts h1, h2, ... as namespaces, each with an interface eth0 that is plugged into one bridge."""
+
+    def __init__(self, hosts, name=""):
+        self.prefix = f"troupe-{os.getpid()}-{name}"
+        self.bridge = self.prefix + "lan"
+        self.hosts = [f"h{i + 1}" for i in range(hosts)]
+        self.spaces = []
+        self.switch = None
+        try:
+            self.build()
+        except BaseException:
+            self.remove()
+            raise
+
+    def space(self, host):
+        return self.prefix + host
+
+    def address(self, host):
+        return f"10.213.77.{self.hosts.index(host) + 1}"
+
+    def add_space(self, name):
+        ip("netns", "add", name)
+        self.spaces.append(name)
+        ip("-n", name, "link", "set", "lo", "up")
+
+    def build(self):
+        self.add_space(self.bridge)
+        ip("-n", self.bridge, "link", "add", "bridge", "type", "bridge", "mcast_snooping", "0")
+        ip("-n", self.bridge, "link", "set", "bridge", "up")
+        for host in self.hosts:
+            space = self.space(host)
+            self.add_space(space)
+            ip("-n", self.bridge, "link", "add", host, "type", "veth", "peer", "name", "eth0", "netns", space)
+            ip("-n", self.bridge, "link", "set", host, "master", "bridge", "up")
+            ip("-n", space, "addr", "add", self.address(host) + "/24", "dev", "eth0")
+            ip("-n", space, "link", "set", "eth0", "up")
+
+    def disturb_by_netem(self, delay_ms, jitter_percent, loss_percent):
+        """Returns whether the kernel supports it."""
+        jitter_ms = delay_ms * jitter_percent / 100
+        for host in self.hosts:
+            try:
+                done = subprocess.run(
+                    ["ip", "netns", "exec", self.space(host), "tc", "qdisc", "replace", "dev", "eth0", "root", "netem",
+                     "limit", "100000", "delay", f"{delay_ms}ms", f"{jitter_ms}ms", "loss", f"{loss_percent}%"],
+                    capture_output=True, text=True)
+            except FileNotFoundError:
+                return False
+            if done.returncode != 0:
+                return False
+        return True
+
+    def disturb_by_switch(self, delay_ms, jitter_percent, loss_percent, seed):
+        for host in self.hosts:
+            ip("-n", self.bridge, "link", "set", host, "nomaster")
+        self.switch = subprocess.Popen(
+            ["ip", "netns", "exec", self.bridge, str(ROOT / "scripts" / "lossy_switch"), *self.hosts,
+             "--delay", str(delay_ms), "--jitter", str(delay_ms * jitter_percent / 100), "--loss", str(loss_percent),
+             "--seed", str(seed)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        if self.switch.stdout.readline().strip() != "ready":
+            raise OSError("scripts/lossy_switch cannot join the hosts")
+
+    def entry(self, host, **more):
+        """The entry of a host in a scenario."""
+        start = f"ip netns exec {self.space(host)} {{command}}"
+        return {"name": host, "address": self.address(host), "start": start} | more
+
+    def bytes(self, host):
+        """The number of bytes sent and received."""
+        link = json.loads(ip("-n", self.space(host), "-s", "-j", "link", "show", "dev", "eth0"))[0]["stats64"]
+        return link["tx"]["bytes"] + link["rx"]["bytes"]
+
+    def remove(self):
+        if self.switch is not None:
+            self.switch.stdin.close()
+            self.switch.wait(10)
+            self.switch = None
+        for space in self.spaces:
+            for pid in ip("netns", "pids", space, check=False).split():
+                try:
+                    os.kill(int(pid), signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+            ip("netns", "del", space, check=False)  # with its interfaces
+        self.spaces = []
