@@ -17,7 +17,7 @@ namespace troupe {
 struct AgentOptions {
   AgentId agent = 0;
   std::vector<std::string> robots;  // names; empty: every robot of the world
-  bool skip_deleted = false;        // leave out the robots that the world does not have; one at least must be there
+  bool skip_deleted = false;        // leave out the robots that the world does not have; without any, the run is over
   std::string scan_log;             // file for the readings of all sensors; empty: none
   bool keep_scan_log = false;       // append to the file
   AllowedPaths libraries = {};      // that may be a robot's controller

@@ -177,6 +177,10 @@ void AgentProtocol::FinishTask(ReplicaTask& task) {
 
 void AgentProtocol::FinishMaking(ReplicaTask& task) {
   if (!task.outcome.ok()) return Fail(task.outcome.error());
+  if (task.replica == nullptr) {
+    stage_ = Stage::kRunOver;
+    return;
+  }
   replica_ = std::move(task.replica);
   world_hash_ = task.world_hash;
   robots_ = replica_->RobotNames();

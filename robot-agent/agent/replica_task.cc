@@ -40,7 +40,7 @@ Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& output
   std::vector<std::string> robots = options.robots;
   if (options.skip_deleted) {
     std::erase_if(robots, [this](const std::string& name) { return !FindRobot(session->world, name); });
-    if (robots.empty()) robots = options.robots;  // the error names the first one
+    if (robots.empty()) return {};
   }
   Result<std::unique_ptr<Replica>> made =
       Replica::Create(std::move(session->world), robots, {outputs.scan_log, options.libraries}, options.threads,

@@ -38,8 +38,8 @@ struct ReplicaTask {
 
   // With the world; null: the world is as before.
   std::unique_ptr<SessionMessage> session;
-  // The replica to change; after a success the result. A replica to be replaced ends first, because the names of its
-  // gateway may be those of the next one.
+  // The replica to change; after a success the result, null if all robots of a new one are deleted. A replica to be
+  // replaced ends first, because the names of its gateway may be those of the next one.
   std::unique_ptr<Replica> replica;
   std::uint64_t world_hash = 0;  // result: of the session's world
   Status outcome;                // result

@@ -375,6 +375,15 @@ TEST_F(AgentProtocolTest, AnAgentWhoseRobotsWereDeletedMeanwhileEnds) {
   EXPECT_TRUE(protocol_.failure().ok());
 }
 
+TEST_F(AgentProtocolTest, AnAgentThatIsStartedAgainAfterItsRobotsWereDeletedEnds) {
+  options_.robots = {"r0"};
+  options_.skip_deleted = true;
+  SendSession(1, Without({"r0"}));
+  PerformTask();
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_TRUE(protocol_.failure().ok());
+}
+
 TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {
   JoinAndRun();
   SendSession(1, Without({"r1"}));
