@@ -14,4 +14,9 @@ WorldState PlacedState(const WorldDescription& world) {
   return state;
 }
 
+std::size_t MemoryOf(const WorldState& state) {
+  return sizeof state + state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
+         state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
+}
+
 }  // namespace troupe

@@ -64,4 +64,7 @@ struct WorldState {
 // InitialState of world-service/core/initial_state.h instead.
 WorldState PlacedState(const WorldDescription& world);
 
+// The bytes that a copy of the state needs in memory, about.
+std::size_t MemoryOf(const WorldState& state);
+
 }  // namespace troupe

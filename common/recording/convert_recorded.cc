@@ -98,6 +98,8 @@ std::vector<std::byte> EditToBytes(const RecordedEdit& edit) {
   if (edit.original) *world = dds::ToWire(*edit.original, arena);
   troupe_wire_Frame* const restored = arena.Fill(wire.restored, edit.restored ? 1 : 0);
   if (edit.restored) *restored = dds::ToWire(*edit.restored, arena);
+  wire.copies = edit.copies;
+  wire.copied_from = edit.copied_from;
   return wire::ToCdr(wire);
 }
 
@@ -118,6 +120,8 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
     if (!description.ok()) return description.error();
     (edit.world ? edit.original : edit.world) = std::move(description).value();
   }
+  edit.copies = wire.copies;
+  edit.copied_from = wire.copied_from;
   if (wire.restored._length > 1) return Broken("recorded edit with several restored states");
   for (const troupe_wire_Frame& frame : dds::Elements(wire.restored)) {
     if (!frame.whole) return Broken("recorded edit with a frame of changes, expected a whole one");

@@ -17,7 +17,7 @@
 
 namespace troupe {
 
-// A journal that this process continues. Nobody else can write it meanwhile.
+// A journal that this process continues. The files are locked for other processes.
 struct Journal {
   Recording recording;                   // its whole chunks; it may have none
   std::vector<RecordedTick> tail;        // the ticks after these

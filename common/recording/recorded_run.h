@@ -30,6 +30,8 @@ struct RecordedEdit {
   std::optional<WorldDescription> world = {};
   std::optional<WorldDescription> original = {};  // kRewind: that a reset restores, if it is not `world`
   std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots begin anew
+  std::uint64_t copies = 0;  // kRewind: number of the states that follow on the way to its tick, copies of earlier ones
+  Edition copied_from = 0;   // kRewind: of `restored`, when the robots began with it the first time
 };
 
 // The edit has a world in place of the one before.

@@ -148,16 +148,25 @@ std::size_t Recording::KeyframeUpTo(Edition edition, Tick tick) const {
   return end == keyframe_chunks_.begin() ? 0 : *std::prev(end);
 }
 
-Status Recording::VisitEdits(std::size_t chunk, const std::function<Status(const RecordedEdit&)>& visit) const {
+Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const {
   for (const std::size_t with_edits : edit_chunks_) {
     if (with_edits >= chunk) break;
     const Result<mcap::Chunk> content = ReadChunk(with_edits);
     if (!content.ok()) return content.error();
+    std::optional<RecordedEdit> edit;  // whose tick follows
     for (const mcap::Message& message : content.value().messages) {
-      if (ChannelOf(message) != RecordingChannel::kEdits) continue;
-      const Result<RecordedEdit> edit = EditFromBytes(message.data);
-      if (!edit.ok()) return ErrorIn(with_edits, edit.error().message);
-      if (Status failure = visit(edit.value()); !failure.ok()) return failure;
+      const std::optional<RecordingChannel> channel = ChannelOf(message);
+      if (channel == RecordingChannel::kEdits) {
+        Result<RecordedEdit> read = EditFromBytes(message.data);
+        if (!read.ok()) return ErrorIn(with_edits, read.error().message);
+        edit = std::move(read).value();
+      } else if (channel == RecordingChannel::kTicks && edit) {
+        RecordedTick tick;
+        if (Status broken = TickFromBytes(message.data, tick); !broken.ok()) {
+          return ErrorIn(with_edits, broken.error().message);
+        }
+        if (Status failure = visit(tick.number, *std::exchange(edit, std::nullopt)); !failure.ok()) return failure;
+      }
     }
   }
   return {};

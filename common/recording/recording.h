@@ -45,9 +45,10 @@ class Recording {
   std::optional<std::size_t> KeyframeBefore(std::uint64_t log_time) const;
   // The last chunk that begins with a keyframe of at most this edition and tick; chunk 0 if there is none.
   std::size_t KeyframeUpTo(Edition edition, Tick tick) const;
-  // Calls `visit` with each edit in the chunks before `chunk`, in their order. The error is a damaged chunk, or that of
-  // `visit`.
-  Status VisitEdits(std::size_t chunk, const std::function<Status(const RecordedEdit&)>& visit) const;
+  // Calls `visit` with each edit in the chunks before `chunk`, in their order, and the number of the state to which it
+  // led. The error is a damaged chunk, or that of `visit`.
+  using EditVisitor = std::function<Status(std::uint64_t number, const RecordedEdit&)>;
+  Status VisitEdits(std::size_t chunk, const EditVisitor& visit) const;
 
  private:
   friend class TickReader;

@@ -80,7 +80,7 @@ Status RecordedStates::Restart(std::uint64_t position) {
     const Result<bool> more = reader_->Next(tick_);
     if (!more.ok()) return more.error();
     if (more.value() && tick_.keyframe && tick_.number <= position) {
-      if (Status failure = world_->Restore(*tick_.keyframe); !failure.ok()) return failure;
+      if (Status failure = world_->Restore(tick_); !failure.ok()) return failure;
       position_ = tick_.number;
       Keep();
       return {};
@@ -98,11 +98,8 @@ Status RecordedStates::Advance() {
   const Result<bool> more = reader_->Next(tick_);
   if (!more.ok()) return more.error();
   if (!more.value()) return Error{{}, "found the end of the recording, expected another tick"};
-  if (Status failure = world_->Apply(tick_); !failure.ok()) return failure;
-  if (world_->state_hash() != tick_.state_hash) {
-    return Error{{},
-                 fmt::format("tick {}: found the state hash {:016x}, expected {:016x} (troupe replay tells more)",
-                             tick_.tick, world_->state_hash(), tick_.state_hash)};
+  if (Status problem = world_->Follow(tick_); !problem.ok()) {
+    return Error{{}, fmt::format("tick {}: {} (troupe replay tells more)", tick_.tick, problem.error().message)};
   }
   position_ = tick_.number;
   Keep();

@@ -15,9 +15,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
 }
 
 std::size_t SizeOf(const PastState& past) {
-  const WorldState& state = past.state;
-  return sizeof past + state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
-         state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
+  return sizeof past - sizeof past.state + MemoryOf(past.state);
 }
 
 }  // namespace troupe

@@ -48,6 +48,29 @@ Result<PreparedRun> Branch(const ServiceCommandLine& line) {
   return run;
 }
 
+// Goes to the end of a rewind within which the service before died.
+Status FinishRewind(ResumedRun& run, RunRecorder& recorder, const std::string& path, RunObservers observers) {
+  const UnfinishedRewind rewind = *std::exchange(run.rewind, std::nullopt);
+  recorder.StartWriting();
+  const std::unique_ptr<JournalHistory> history = MakeRunHistory(&recorder, path);
+  Result<RewoundRun> end = history->FinishRewind(rewind, *run.frame, run.next_number);
+  if (!end.ok()) return end.error();
+  const WorldState before = std::move(run.frame->state);
+  run.frame = std::move(end.value().frame);
+  run.scene = end.value().scene;
+  run.original = end.value().original;
+  run.previous = end.value().previous;
+  run.next_number = rewind.number + rewind.copies + 1;
+  const AppliedEdit edit{rewind.request};
+  const CommittedTick tick{.frame = *run.frame, .proposals = {}, .edit = &edit, .before = &before, .is_recorded = true};
+  observers.push_back(&recorder);
+  for (RunObserver* observer : observers) {
+    observer->OnWorldChange(run.scene, run.frame->edition);
+    if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
+  }
+  return {};
+}
+
 Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   const RecordedRun begin = journal.recording.run();
   const std::string path = line.outputs.journal->recording;
@@ -62,6 +85,11 @@ Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   Result<std::unique_ptr<RunRecorder>> recorder =
       RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(line.outputs, begin.file));
   if (!recorder.ok()) return recorder.error();
+  if (resumed.value().rewind) {
+    if (Status failure = FinishRewind(resumed.value(), *recorder.value(), path, told); !failure.ok()) {
+      return failure.error();
+    }
+  }
   run.recorders.recording = recorder.value().get();
   run.recorders.recording_path = path;
   run.recorders.observers.push_back(std::move(recorder).value());

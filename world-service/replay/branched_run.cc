@@ -35,27 +35,20 @@ Result<Start> FindStart(const Recording& recording, const std::optional<Tick>& f
     time = *last;
   }
   const std::size_t chunk = recording.KeyframeBefore(time).value_or(0);
-  Result<ReplayedWorld> world =
-      chunk == 0 ? Result<ReplayedWorld>(ReplayedWorld(recording)) : ReplayedWorld::At(recording, chunk);
+  Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
   if (!world.ok()) return world.error();
   // The last state of the tick at that time, before another tick begins there.
   TickReader reader(recording, chunk);
   std::optional<Start> start;
   RecordedTick tick;
-  for (bool is_first = true;; is_first = false) {
+  for (;;) {
     const Result<bool> more = reader.Next(tick);
     if (!more.ok()) return more.error();
     if (!more.value() || tick.log_time > time) break;
-    const bool restore = is_first && chunk > 0;
     if (start && start->tick.log_time == time && from && tick.tick != *from) break;
-    Status applied = restore && !tick.keyframe ? Status(Error{{}, "found no keyframe"}) : Status();
-    if (applied.ok()) applied = restore ? world.value().Restore(*tick.keyframe) : world.value().Apply(tick);
-    if (applied.ok() && world.value().state_hash() != tick.state_hash) {
-      applied = Error{{}, "found another state hash than recorded"};
-    }
-    if (!applied.ok()) {
+    if (Status problem = world.value().Follow(tick); !problem.ok()) {
       return Error{
-          {recording.name()}, fmt::format("tick {}: {}", tick.tick, applied.error().message), ErrorCode::kFailure};
+          {recording.name()}, fmt::format("tick {}: {}", tick.tick, problem.error().message), ErrorCode::kFailure};
     }
     if (from && (tick.log_time != time || tick.tick != *from)) continue;
     start.reset();
@@ -137,12 +130,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   const Result<WorldChanges> changes = ChangesOf(options, start.world.world());
   if (!changes.ok()) return changes.error();
 
-  FrameMessage frame;
-  frame.state = start.world.state();
-  frame.state_hash = start.world.state_hash();
-  frame.edition = start.tick.edition;
-  frame.world_edition = start.world.world_edition();
-  frame.fresh_edition = start.world.fresh_edition();
+  FrameMessage frame = start.world.Frame();
   BranchedRun branch;
   auto begin = std::make_shared<RecordedBegin>();
   begin->source = recording;

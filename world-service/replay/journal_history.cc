@@ -14,11 +14,6 @@ namespace {
 constexpr std::size_t kMostEntries = 500;
 constexpr std::size_t kMostBytes = std::size_t{256} << 10;  // estimated
 
-std::size_t SizeOf(const WorldState& state) {
-  return sizeof state + state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
-         state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
-}
-
 }  // namespace
 
 Error JournalHistory::Broken(const std::string& problem) const {
@@ -38,7 +33,7 @@ Status JournalHistory::Open() {
 
 Status JournalHistory::FindChanges() {
   changed_.clear();
-  const Status visited = recording_->VisitEdits(recording_->chunks(), [this](const RecordedEdit& edit) {
+  const Status visited = recording_->VisitEdits(recording_->chunks(), [this](std::uint64_t, const RecordedEdit& edit) {
     if (edit.request.command != ControlCommand::kChange) return Status();
     const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);
     if (!changes.ok()) return Status(changes.error());
@@ -67,9 +62,8 @@ Status JournalHistory::ReadNext() {
 }
 
 Status JournalHistory::ApplyNext() {
-  if (Status refused = world_->Apply(*next_); !refused.ok()) return Broken(refused.error().message);
-  if (world_->state_hash() != next_->state_hash) {
-    return Broken(fmt::format("tick {} has another state than in the run", next_->tick));
+  if (Status problem = world_->Follow(*next_); !problem.ok()) {
+    return Broken(fmt::format("tick {}: {}", next_->tick, problem.error().message));
   }
   return ReadNext();
 }
@@ -84,18 +78,13 @@ Status JournalHistory::Seek(const HistoryRequest& request) {
   } else if (edition > 0) {
     chunk = recording_->KeyframeUpTo(edition - 1, static_cast<Tick>(-1));
   }
-  Result<ReplayedWorld> world =
-      chunk == 0 ? Result<ReplayedWorld>(ReplayedWorld(*recording_)) : ReplayedWorld::At(*recording_, chunk);
+  Result<ReplayedWorld> world = ReplayedWorld::At(*recording_, chunk);
   if (!world.ok()) return Broken(world.error().message);
   world_.emplace(std::move(world).value());
   reader_.emplace(*recording_, chunk);
   if (Status broken = ReadNext(); !broken.ok()) return broken;
   if (!next_) return Broken("it has no state");
-  if (chunk > 0) {
-    if (!next_->keyframe) return Broken("a keyframe is missing");
-    if (Status broken = world_->Restore(*next_->keyframe); !broken.ok()) return Broken(broken.error().message);
-  }
-  if (Status broken = ReadNext(); !broken.ok()) return broken;  // the first is the state itself
+  if (Status broken = ApplyNext(); !broken.ok()) return broken;  // the first is the state itself
   const auto is_before = [&] {
     if (!request.after) return world_->edition() < edition;
     return std::pair(world_->edition(), world_->state().tick) < std::pair(edition, request.after->tick);
@@ -112,11 +101,7 @@ Status JournalHistory::Seek(const HistoryRequest& request) {
 
 Status JournalHistory::Add(std::vector<HistoryEntry>& entries) {
   HistoryEntry& entry = entries.emplace_back();
-  entry.frame.state = world_->state();
-  entry.frame.state_hash = world_->state_hash();
-  entry.frame.edition = world_->edition();
-  entry.frame.world_edition = world_->world_edition();
-  entry.frame.fresh_edition = world_->fresh_edition();
+  entry.frame = world_->Frame();
   entry.step_follows = next_->is_step();
   if (entry.step_follows) entry.frame.commands = next_->commands;
   if (world_->scene() != sent_scene_) entry.world = WorldToSend();
@@ -132,7 +117,7 @@ Result<std::vector<HistoryEntry>> JournalHistory::ReadBatch(const HistoryRequest
   }
   std::size_t bytes = 0;
   while (next_ && entries.size() < kMostEntries && bytes < kMostBytes) {
-    bytes += SizeOf(world_->state());
+    bytes += MemoryOf(world_->state());
     if (Status broken = Add(entries); !broken.ok()) return broken.error();
   }
   return entries;
@@ -150,7 +135,7 @@ Result<std::vector<HistoryEntry>> JournalHistory::Read(const HistoryRequest& req
   return entries;
 }
 
-std::unique_ptr<RunHistory> MakeRunHistory(RunRecorder* recording, const std::string& path) {
+std::unique_ptr<JournalHistory> MakeRunHistory(RunRecorder* recording, const std::string& path) {
   if (recording == nullptr) return nullptr;
   return std::make_unique<JournalHistory>(
       path, [recording] { return recording->Flush(); },
@@ -162,85 +147,96 @@ Result<RewoundRun> JournalHistory::Rewind(const ControlRequest& request, const F
   const Result<Past> past = FindLast(request.ticks);
   if (!past.ok()) return past.error();
   if (Status broken = Seek({{}, past.value().fresh_edition}); !broken.ok()) return broken.error();
-  Result<RewoundRun> rewound = AppendWay(request, newest, past.value().number);
-  world_.reset();  // its editions are those of the past
-  return rewound;
+  Way way{newest.run, world_->edition(), newest.edition + 1};
+  if (next_ && next_->number <= past.value().number) way.copies = past.value().number - next_->number + 1;
+  if (Status failure = AppendBegin(request, newest, way); !failure.ok()) return failure.error();
+  return GoWay(way, 0);
+}
+
+Result<RewoundRun> JournalHistory::FinishRewind(const UnfinishedRewind& rewind, const FrameMessage& newest,
+                                                std::uint64_t next_number) {
+  if (Status broken = Open(); !broken.ok()) return broken.error();
+  if (Status broken = Seek({{}, rewind.copied_from}); !broken.ok()) return broken.error();
+  return GoWay({newest.run, rewind.copied_from, newest.fresh_edition, rewind.copies}, next_number - rewind.number - 1);
 }
 
 Result<JournalHistory::Past> JournalHistory::FindLast(Tick tick) const {
   const std::optional<std::uint64_t> time = recording_->places().Last(tick);
   if (!time) return Error{{}, fmt::format("the recording of the run has no tick {}", tick)};
   const std::size_t chunk = recording_->KeyframeBefore(*time).value_or(0);
-  Result<ReplayedWorld> world =
-      chunk == 0 ? Result<ReplayedWorld>(ReplayedWorld(*recording_)) : ReplayedWorld::At(*recording_, chunk);
+  Result<ReplayedWorld> world = ReplayedWorld::At(*recording_, chunk);
   if (!world.ok()) return Broken(world.error().message);
   TickReader reader(*recording_, chunk);
   RecordedTick next;
   std::optional<Past> found;
-  for (bool is_first = true;; is_first = false) {
+  for (;;) {
     const Result<bool> more = reader.Next(next);
     if (!more.ok()) return Broken(more.error().message);
     if (!more.value() || next.log_time > *time) break;
-    Status applied;
-    if (!is_first || chunk == 0) {
-      applied = world.value().Apply(next);
-    } else if (next.keyframe) {
-      applied = world.value().Restore(*next.keyframe);
-    }
-    if (!applied.ok()) return Broken(applied.error().message);
+    if (Status problem = world.value().Follow(next); !problem.ok()) return Broken(problem.error().message);
     if (next.tick == tick) found = {next.number, world.value().fresh_edition()};
   }
   if (!found) return Broken(fmt::format("tick {} is missing", tick));
   return *found;
 }
 
-Result<RewoundRun> JournalHistory::AppendWay(const ControlRequest& request, const FrameMessage& newest,
-                                             std::uint64_t number) {
-  const Edition begin = world_->edition();
-  // The editions of the way behind the newest one.
-  const auto shifted = [&](Edition edition) { return std::max(edition, begin) - begin + newest.edition + 1; };
+FrameMessage JournalHistory::CopiedFrame(const Way& way) const {
+  FrameMessage frame = world_->Frame();
+  frame.run = way.run;
+  frame.edition = way.Shift(frame.edition);
+  frame.world_edition = way.Shift(frame.world_edition);
+  frame.fresh_edition = way.shifted;
+  return frame;
+}
+
+Status JournalHistory::AppendBegin(const ControlRequest& request, const FrameMessage& newest, const Way& way) {
+  const FrameMessage frame = CopiedFrame(way);
+  RecordedTick tick;
+  tick.tick = frame.state.tick;
+  tick.edition = frame.edition;
+  tick.state_hash = frame.state_hash;
+  RecordedEdit& edit = tick.edit.emplace();
+  edit.before = newest;
+  edit.before.events.clear();
+  edit.request = request;
+  edit.world = world_->world();
+  if (world_->original() != world_->scene()) edit.original = world_->original()->world();
+  edit.restored = frame;
+  edit.copies = way.copies;
+  edit.copied_from = way.begin;
+  return append_(std::move(tick));
+}
+
+Result<RewoundRun> JournalHistory::GoWay(const Way& way, std::uint64_t made) {
   RewoundRun rewound;
-  FrameMessage& frame = rewound.frame;
-  const auto set_frame = [&] {
-    frame.run = newest.run;
-    frame.state = world_->state();
-    frame.state_hash = world_->state_hash();
-    frame.edition = shifted(world_->edition());
-    frame.world_edition = shifted(world_->world_edition());
-    frame.fresh_edition = shifted(begin);
-  };
-  set_frame();
-  RecordedTick edit;
-  edit.tick = frame.state.tick;
-  edit.edition = frame.edition;
-  edit.state_hash = frame.state_hash;
-  RecordedEdit& content = edit.edit.emplace();
-  content.before = newest;
-  content.before.events.clear();
-  content.request = request;
-  content.world = world_->world();
-  if (world_->original() != world_->scene()) content.original = world_->original()->world();
-  content.restored = frame;
-  if (Status failure = append_(std::move(edit)); !failure.ok()) return failure.error();
-  while (next_ && next_->number <= number) {
-    RecordedTick copy = *next_;
-    copy.edition = shifted(copy.edition);
-    copy.keyframe.reset();
-    rewound.previous = {frame.edition, frame.state.tick, copy.is_step()};
-    if (copy.edit) {
-      FrameMessage& before = copy.edit->before;
-      for (Edition* edition : {&before.edition, &before.world_edition, &before.fresh_edition})
-        *edition = shifted(*edition);
-      before.run = newest.run;
-    }
+  for (std::uint64_t i = 0; i < way.copies; ++i) {
+    if (!next_) return Broken("a state on the way of a rewind is missing");
+    rewound.previous = {way.Shift(world_->edition()), world_->state().tick, next_->is_step()};
+    RecordedTick tick = *next_;
     if (Status broken = ApplyNext(); !broken.ok()) return broken.error();
-    set_frame();
-    if (!copy.edit) copy.keyframe = frame;
-    if (Status failure = append_(std::move(copy)); !failure.ok()) return failure.error();
+    if (i < made) continue;
+    if (Status failure = AppendCopy(way, std::move(tick)); !failure.ok()) return failure.error();
   }
+  rewound.frame = CopiedFrame(way);
   rewound.scene = world_->scene();
   rewound.original = world_->original();
+  world_.reset();  // its editions are those of the past
   return rewound;
+}
+
+Status JournalHistory::AppendCopy(const Way& way, RecordedTick copy) {
+  copy.edition = way.Shift(copy.edition);
+  copy.keyframe.reset();
+  if (copy.edit) {
+    FrameMessage& before = copy.edit->before;
+    for (Edition* edition : {&before.edition, &before.world_edition, &before.fresh_edition}) {
+      *edition = way.Shift(*edition);
+    }
+    before.run = way.run;
+  } else {
+    copy.keyframe = CopiedFrame(way);
+  }
+  return append_(std::move(copy));
 }
 
 }  // namespace troupe

@@ -1,6 +1,7 @@
 // JournalHistory: the states of a run, stepped again from its own recording while the run continues.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "common/recording/tick_reader.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/replay/replayed_world.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_history.h"
 
 namespace troupe {
@@ -25,6 +27,9 @@ class JournalHistory final : public RunHistory {
 
   Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override;
   Result<RewoundRun> Rewind(const ControlRequest& request, const FrameMessage& newest) override;
+  // Appends the rest of the way to a run that was restored; `next_number` is that of the next state.
+  Result<RewoundRun> FinishRewind(const UnfinishedRewind& rewind, const FrameMessage& newest,
+                                  std::uint64_t next_number);
 
  private:
   // A state of the past.
@@ -33,8 +38,20 @@ class JournalHistory final : public RunHistory {
     Edition fresh_edition = 0;
   };
   Result<Past> FindLast(Tick tick) const;
-  // Appends the state to which the robots go back, and the way from there to the state of that number.
-  Result<RewoundRun> AppendWay(const ControlRequest& request, const FrameMessage& newest, std::uint64_t number);
+  // The way of a rewind: copies of recorded states, with later editions.
+  struct Way {
+    RunId run = 0;
+    Edition begin = 0;         // of the first state, when it was recorded
+    Edition shifted = 0;       // of its copy
+    std::uint64_t copies = 0;  // states that follow the first
+    Edition Shift(Edition edition) const { return std::max(edition, begin) - begin + shifted; }
+  };
+  FrameMessage CopiedFrame(const Way& way) const;
+  // Appends the state with which the robots begin anew, that of world_, as the result of the request.
+  Status AppendBegin(const ControlRequest& request, const FrameMessage& newest, const Way& way);
+  // Goes the way to its end, and appends the states behind the first `made`, which were.
+  Result<RewoundRun> GoWay(const Way& way, std::uint64_t made);
+  Status AppendCopy(const Way& way, RecordedTick copy);
   Status Open();
   // Goes to the state before the first entry of the answer, or to that entry.
   Status Seek(const HistoryRequest& request);
@@ -63,6 +80,6 @@ class JournalHistory final : public RunHistory {
 };
 
 // Reads the recording of a run; null: it has none. `recording` outlives the history.
-std::unique_ptr<RunHistory> MakeRunHistory(RunRecorder* recording, const std::string& path);
+std::unique_ptr<JournalHistory> MakeRunHistory(RunRecorder* recording, const std::string& path);
 
 }  // namespace troupe

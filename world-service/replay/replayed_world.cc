@@ -1,5 +1,7 @@
 #include "world-service/replay/replayed_world.h"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <utility>
 
@@ -22,24 +24,41 @@ ReplayedWorld::ReplayedWorld(const Recording& recording)
 }
 
 Result<ReplayedWorld> ReplayedWorld::At(const Recording& recording, std::size_t chunk) {
+  if (chunk == 0) return ReplayedWorld(recording);
   ReplayedWorld world(std::make_shared<const Scene>(recording.run().world));
   // Each edit is recorded with the state before it, so that the steps between them need not be repeated.
-  const Status edited = recording.VisitEdits(chunk, [&](const RecordedEdit& edit) {
+  const Status edited = recording.VisitEdits(chunk, [&](std::uint64_t number, const RecordedEdit& edit) {
     if (Status problem = CheckStartState(world.world(), edit.before.state); !problem.ok()) return problem;
+    world.number_ = number;
     return world.Edit(edit, edit.before.edition + 1, edit.before.state);
   });
   if (!edited.ok()) return Error{{recording.name()}, edited.error().message, ErrorCode::kFailure};
+  world.has_state_ = false;  // that after the last edit
   return world;
 }
 
+FrameMessage ReplayedWorld::Frame() const {
+  FrameMessage frame;
+  frame.state = state_;
+  frame.state_hash = state_hash_;
+  frame.edition = edition_;
+  frame.world_edition = world_edition_;
+  frame.fresh_edition = fresh_edition_;
+  return frame;
+}
+
 void ReplayedWorld::SetState(WorldState state) {
+  has_state_ = true;
   state_ = std::move(state);
   state_hash_ = StateHash(state_);
   bodies_.Assign(state_);
 }
 
-Status ReplayedWorld::Restore(const FrameMessage& keyframe) {
+Status ReplayedWorld::Restore(const RecordedTick& tick) {
+  if (!tick.keyframe) return Error{{}, "found no keyframe"};
+  const FrameMessage& keyframe = *tick.keyframe;
   if (Status problem = CheckStartState(world(), keyframe.state); !problem.ok()) return problem;
+  number_ = tick.number;
   SetState(keyframe.state);
   world_edition_ = keyframe.world_edition;
   edition_ = keyframe.edition;
@@ -50,8 +69,15 @@ Status ReplayedWorld::Restore(const FrameMessage& keyframe) {
 
 Status ReplayedWorld::Apply(const RecordedTick& tick) {
   events_.clear();
+  number_ = tick.number;
   if (tick.edit) return Edit(*tick.edit, tick.edition, WorldState(state_));
   return tick.is_step() ? Step(tick) : Status();
+}
+
+Status ReplayedWorld::Follow(const RecordedTick& tick) {
+  if (Status refused = has_state_ ? Apply(tick) : Restore(tick); !refused.ok()) return refused;
+  if (state_.tick == tick.tick && state_hash_ == tick.state_hash) return {};
+  return Error{{}, fmt::format("found the state hash {:016x}, expected {:016x}", state_hash_, tick.state_hash)};
 }
 
 Status ReplayedWorld::Step(const RecordedTick& tick) {
@@ -84,6 +110,7 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
     bodies_ = BodyIndex(*scene_);
   }
   edition_ = edition;
+  if (rewinds) rewound_until_ = number_ + edit.copies;
   if (ReplacesWorld(edit.request.command)) original_ = scene_;
   if (edit.request.command == ControlCommand::kChange) {
     const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);

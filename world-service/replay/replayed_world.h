@@ -17,7 +17,8 @@ class ReplayedWorld {
  public:
   // At the first state of the run.
   explicit ReplayedWorld(const Recording& recording);
-  // As it was at the begin of a chunk. The state is not valid before Restore. The error is a damaged recording.
+  // As it was at the begin of a chunk. The state is not valid before Restore or Follow, but at chunk 0. The error is a
+  // damaged recording.
   static Result<ReplayedWorld> At(const Recording& recording, std::size_t chunk);
   ReplayedWorld(const ReplayedWorld&) = default;
   ReplayedWorld(ReplayedWorld&&) = default;
@@ -31,14 +32,22 @@ class ReplayedWorld {
   Edition world_edition() const { return world_edition_; }  // the newest that has changed the description
   Edition edition() const { return edition_; }
   Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
+  // The state as it was published, without the run's id and events.
+  FrameMessage Frame() const;
+  // The state is on the way of a rewind to its tick, a copy of an earlier one: the run has not published it.
+  bool in_rewind() const { return number_ < rewound_until_; }
   // Of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
 
-  // Sets the state to a recorded one of this world. The error is a state from which no step can start.
-  Status Restore(const FrameMessage& keyframe);
+  // Sets the state to that of a tick with a keyframe. The error is a tick without one, or a state from which no step
+  // can start.
+  Status Restore(const RecordedTick& tick);
   // Steps with the proposals of a recorded tick, or applies its edit. The error is an input that this world refuses;
   // the state is then the one before. REQUIRES: `tick` follows the state.
   Status Apply(const RecordedTick& tick);
+  // Goes to the recorded state: by Apply, or by its keyframe if there is no valid state yet. The error is also another
+  // state than recorded.
+  Status Follow(const RecordedTick& tick);
 
  private:
   explicit ReplayedWorld(std::shared_ptr<const Scene> scene);
@@ -48,9 +57,12 @@ class ReplayedWorld {
 
   std::shared_ptr<const Scene> original_;  // that a reset restores
   std::shared_ptr<const Scene> scene_;
+  bool has_state_ = false;
   WorldState state_;
   std::uint64_t state_hash_ = 0;
   BodyIndex bodies_;
+  std::uint64_t number_ = 0;         // of the state in the recording
+  std::uint64_t rewound_until_ = 0;  // the number of the state with which the newest rewind ended
   Edition edition_ = 0;
   Edition world_edition_ = 0;
   Edition fresh_edition_ = 0;

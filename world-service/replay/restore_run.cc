@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "world-service/replay/replayed_world.h"
@@ -21,54 +22,71 @@ class Restoration {
     if (Status version = CheckStepVersion(recording); !version.ok()) return version.error();
     const std::size_t chunk =
         observers_.empty() ? recording.KeyframeBefore(std::numeric_limits<std::uint64_t>::max()).value_or(0) : 0;
-    if (chunk > 0) {
-      Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
-      if (!world.ok()) return world.error();
-      world_.emplace(std::move(world).value());
-    } else {
-      world_.emplace(recording);
-    }
+    Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
+    if (!world.ok()) return world.error();
+    world_.emplace(std::move(world).value());
+    told_scene_ = world_->scene();
+    // A rewind may have begun before the keyframe.
+    const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
+      NoteRewind(number, edit);
+      return Status();
+    });
+    if (!visited.ok()) return visited.error();
     JournalReader reader(journal_, chunk);
-    for (bool restore = chunk > 0;; restore = false) {
+    for (;;) {
       const Result<bool> more = reader.Next(tick_);
       if (!more.ok()) return more.error();
-      if (!more.value()) break;  // the number of the tick remains
-      if (Status failure = Apply(restore); !failure.ok()) return failure.error();
+      if (!more.value()) break;
+      if (Status failure = Apply(); !failure.ok()) return failure.error();
     }
     return Resumed();
   }
 
  private:
-  Status Apply(bool restore) {
-    const std::shared_ptr<const Scene> scene = world_->scene();
-    const WorldState before = tick_.edit && !observers_.empty() ? world_->state() : WorldState();
-    const Status applied = restore ? Restore() : world_->Apply(tick_);
-    if (!applied.ok()) return Problem(applied.error().message);
-    if (world_->state().tick != tick_.tick || world_->state_hash() != tick_.state_hash) {
-      return Problem(
-          fmt::format("found the state hash {:016x}, expected {:016x}", world_->state_hash(), tick_.state_hash));
+  // An edit of the run, as its observers are told of it.
+  struct ToldEdit {
+    ControlRequest request;
+    std::optional<WorldDescription> world;
+    WorldState before;
+  };
+
+  Status Apply() {
+    // The edits on the way of a rewind are parts of it.
+    if (!world_->in_rewind()) {
+      edit_.reset();
+      if (tick_.edit && !observers_.empty()) {
+        edit_ = ToldEdit{tick_.edit->request, tick_.edit->world, world_->state()};
+      }
     }
-    FrameMessage& frame = frame_.emplace();
-    frame.run = journal_.recording.run().run;
-    frame.state = world_->state();
-    frame.state_hash = world_->state_hash();
-    frame.events = tick_.events;
-    frame.edition = tick_.edition;
-    frame.world_edition = world_->world_edition();
-    frame.fresh_edition = world_->fresh_edition();
-    return Tell(scene, before);
+    if (tick_.edit) NoteRewind(tick_.number, *tick_.edit);
+    const bool was_in_rewind = world_->in_rewind();
+    if (Status problem = world_->Follow(tick_); !problem.ok()) {
+      return Error{{journal_.recording.name()},
+                   fmt::format("tick {}: {}", tick_.tick, problem.error().message),
+                   ErrorCode::kFailure};
+    }
+    frame_ = world_->Frame();
+    frame_->run = journal_.recording.run().run;
+    next_number_ = tick_.number + 1;
+    previous_ = PreviousOf(tick_);
+    if (world_->in_rewind()) return {};
+    rewind_.reset();
+    if (!was_in_rewind) frame_->events = tick_.events;
+    return Tell(was_in_rewind ? std::span<const Proposal>() : tick_.proposals);
   }
 
-  Status Restore() {
-    return tick_.keyframe ? world_->Restore(*tick_.keyframe) : Status(Error{{}, "found no keyframe"});
+  void NoteRewind(std::uint64_t number, const RecordedEdit& edit) {
+    if (edit.request.command != ControlCommand::kRewind) return;
+    rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
   }
 
-  Status Tell(const std::shared_ptr<const Scene>& scene, const WorldState& before) {
+  Status Tell(std::span<const Proposal> proposals) {
     std::optional<AppliedEdit> edit;
-    if (tick_.edit) edit.emplace(AppliedEdit{tick_.edit->request, tick_.edit->world ? &*tick_.edit->world : nullptr});
-    const CommittedTick tick{*frame_, tick_.proposals, edit ? &*edit : nullptr, edit ? &before : nullptr};
+    if (edit_) edit.emplace(AppliedEdit{edit_->request, edit_->world ? &*edit_->world : nullptr});
+    const CommittedTick tick{*frame_, proposals, edit ? &*edit : nullptr, edit ? &edit_->before : nullptr};
+    const bool changed = std::exchange(told_scene_, world_->scene()) != world_->scene();
     for (RunObserver* observer : observers_) {
-      if (world_->scene() != scene) observer->OnWorldChange(world_->scene(), tick_.edition);
+      if (changed) observer->OnWorldChange(world_->scene(), tick_.edition);
       if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
     }
     return {};
@@ -80,31 +98,33 @@ class Restoration {
     run.incarnation = journal_.progress.incarnation + 1;
     run.original = world_->original();
     run.scene = world_->scene();
-    if (frame_) run.next_number = tick_.number + 1;
-    if (frame_) run.previous = PreviousOf(tick_);
+    run.next_number = next_number_;
+    run.previous = previous_;
     run.frame = std::move(frame_);
     run.progress = journal_.progress;
+    run.rewind = std::move(rewind_);
     const auto note = [&run](const RecordedEdit& edit) {
       if (edit.request.command == ControlCommand::kLoadWorld) run.world_file = edit.request.source;
       return Status();
     };
-    if (Status damaged = journal_.recording.VisitEdits(journal_.recording.chunks(), note); !damaged.ok()) {
-      return damaged.error();
-    }
+    const Status damaged = journal_.recording.VisitEdits(
+        journal_.recording.chunks(), [&](std::uint64_t, const RecordedEdit& edit) { return note(edit); });
+    if (!damaged.ok()) return damaged.error();
     for (const RecordedTick& tick : journal_.tail) {
       if (tick.edit) static_cast<void>(note(*tick.edit));
     }
     return run;
   }
 
-  Error Problem(const std::string& problem) const {
-    return {{journal_.recording.name()}, fmt::format("tick {}: {}", tick_.tick, problem), ErrorCode::kFailure};
-  }
-
   const Journal& journal_;
   const RunObservers& observers_;
   std::optional<ReplayedWorld> world_;
+  std::shared_ptr<const Scene> told_scene_;  // that the observers know
   RecordedTick tick_;
+  std::uint64_t next_number_ = 0;
+  std::optional<MemoryPlace> previous_;
+  std::optional<ToldEdit> edit_;
+  std::optional<UnfinishedRewind> rewind_;
   std::optional<FrameMessage> frame_;
 };
 

@@ -96,14 +96,10 @@ Status RunReplay::CloseOutputs() {
 }
 
 Status RunReplay::Start() {
-  if (first_chunk_ == 0) {
-    world_.emplace(recording_);
-    recorded_scene_ = world_->scene();
-    return {};
-  }
   Result<ReplayedWorld> world = ReplayedWorld::At(recording_, first_chunk_);
   if (!world.ok()) return world.error();
   world_.emplace(std::move(world).value());
+  if (first_chunk_ == 0) recorded_scene_ = world_->scene();
   return {};
 }
 
@@ -127,7 +123,7 @@ Status RunReplay::RunTicks() {
     if (!more.ok()) report_.damage = more.error().message;
     if (!more.ok() || !more.value()) break;
     // The agents measured a state when they answered it, which a step follows.
-    if (in_range_ && next.is_step() && scans_) {
+    if (in_range_ && next.is_step() && scans_ && !world_->in_rewind()) {
       if (Status failure = scans_->Write(*world_); !failure.ok()) return failure;
     }
     if (IsPastEnd(next)) return {};
@@ -176,8 +172,7 @@ Result<bool> RunReplay::CheckNext(const RecordedTick& next) {
 
 bool RunReplay::Apply(const RecordedTick& tick) {
   if (!std::exchange(has_state_, true) && first_chunk_ > 0) {
-    const Status restored = tick.keyframe ? world_->Restore(*tick.keyframe) : Status(Error{{}, "found no keyframe"});
-    if (!restored.ok()) {
+    if (const Status restored = world_->Restore(tick); !restored.ok()) {
       report_.damage = fmt::format("tick {}: {}", tick.tick, restored.error().message);
       return false;
     }
@@ -248,7 +243,7 @@ void RunReplay::FindModel(TickReader& reader) {
 }
 
 Status RunReplay::WriteOutputs(const RecordedTick& tick) {
-  if (recorder_ == nullptr) return {};
+  if (recorder_ == nullptr || world_->in_rewind()) return {};
   if (world_->scene() != recorded_scene_) {
     recorded_scene_ = world_->scene();
     recorder_->OnWorldChange(recorded_scene_, tick.edition);

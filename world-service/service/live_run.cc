@@ -18,7 +18,7 @@ void AnnounceSession(const LiveRun& run) {
   session.host = run.options.host;
   session.pid = run.options.pid;
   session.lease_seconds = run.options.lease_seconds;
-  session.begun = run.started_at.has_value() || (run.continues() && !run.is_branch());
+  session.begun = run.started_at.has_value() || run.takes_over();
   session.incarnation = run.options.incarnation;
   session.world = run.world();
   session.world_edition = run.frame.world_edition;

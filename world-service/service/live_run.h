@@ -80,9 +80,11 @@ struct LiveRun {
 
   const WorldDescription& world() const { return scene->world(); }
   bool realtime() const { return options.settings.mode == Mode::kRealtime; }
-  // A run is continued that had begun.
   bool is_branch() const { return options.resumed && options.resumed->is_branch; }
+  // It begins with a state that another run or service has committed.
   bool continues() const { return options.resumed && options.resumed->frame; }
+  // Of a service that has died: its agents will join again.
+  bool takes_over() const { return continues() && !is_branch(); }
   // Agents that join are sent the states that their robots do not remember.
   bool restores_memory() const {
     return options.has_history && (restoring || options.settings.on_agent_loss == OnAgentLoss::kRebuild);

@@ -11,7 +11,9 @@ namespace troupe {
 
 void RestrictRequests(const OwnerPermissions& permissions, const LoadedWorld& loaded, ServiceOptions& options) {
   AllowedPaths files;
-  files.Add(std::filesystem::absolute(options.world_file).parent_path().string());
+  if (!options.world_file.empty()) {  // as in a damaged recording
+    files.Add(std::filesystem::absolute(options.world_file).parent_path().string());
+  }
   for (const std::string& file : loaded.files) files.Add(file);
   if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) files.Add(worlds);
   for (const std::string& path : permissions.files) files.Add(path);

@@ -11,6 +11,14 @@
 
 namespace troupe {
 
+// A rewind within which a service died: some of the states on the way to its tick are missing.
+struct UnfinishedRewind {
+  ControlRequest request;
+  std::uint64_t number = 0;  // of the state with which the robots begin anew
+  Edition copied_from = 0;   // of that state, when the robots began with it the first time
+  std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
+};
+
 struct ResumedRun {
   RunId run = 0;
   bool is_branch = false;                 // a new run, which begins with a state of a recorded one
@@ -21,7 +29,8 @@ struct ResumedRun {
   std::optional<MemoryPlace> previous;    // the state before; nothing: there is none
   std::uint64_t next_number = 0;          // of the state after it, counted from the begin of the run
   RunProgress progress;
-  std::string world_file;  // that was loaded during the run; empty: none
+  std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
+  std::string world_file;                       // that was loaded during the run; empty: none
 };
 
 }  // namespace troupe

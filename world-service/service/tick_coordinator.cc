@@ -154,7 +154,7 @@ void TickCoordinator::Poll(double now) {
 
 void TickCoordinator::PollGathering(double now) {
   if (all_have_joined()) return Begin(now);
-  if (run_.continues() && !run_.is_branch()) return PollRejoining(now);
+  if (run_.takes_over()) return PollRejoining(now);
   const double timeout = run_.options.start_timeout_seconds;
   if (timeout <= 0.0 || now - progress_at_ < timeout) return;
   Fail(Failure("no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
@@ -164,7 +164,7 @@ void TickCoordinator::PollGathering(double now) {
 
 bool TickCoordinator::all_have_joined() const {
   if (run_.members.all_robots_present()) return true;
-  if (!run_.continues() || run_.is_branch()) return false;
+  if (!run_.takes_over()) return false;
   const std::vector<RobotId>& absent_before = run_.options.resumed->progress.absent;
   const std::vector<RobotId> absent = run_.members.AbsentRobots();
   return run_.members.present_members() > 0 &&
@@ -178,7 +178,7 @@ void TickCoordinator::PollRejoining(double now) {
     Announce();
   }
   if (now < RejoinDeadline()) return;
-  if (at_end()) return Begin(now);
+  if (engine_.IsLast(run_.frame.state.tick)) return Begin(now);
   for (const RobotId robot : run_.members.AbsentRobots()) {
     run_.events.Add(EventType::kLeft, run_.frame.state.tick, robot, "its agent has not rejoined the run");
   }
@@ -188,15 +188,10 @@ void TickCoordinator::PollRejoining(double now) {
        now);
 }
 
-// The agents may all have left, because they have seen the last frame.
-bool TickCoordinator::at_end() const {
-  const RunSettings& settings = run_.options.settings;
-  return settings.ticks && run_.frame.state.tick >= *settings.ticks;
-}
-
 double TickCoordinator::RejoinDeadline() const {
   const RunSettings& settings = run_.options.settings;
-  if (at_end()) return run_.created_at + 2.0 * run_.options.lease_seconds;
+  // The agents may all have left, because they have seen the last frame.
+  if (engine_.IsLast(run_.frame.state.tick)) return run_.created_at + 2.0 * run_.options.lease_seconds;
   const double longest =
       settings.agent_deadline_seconds > 0.0 ? settings.agent_deadline_seconds : run_.options.start_timeout_seconds;
   return longest > 0.0 ? progress_at_ + longest : std::numeric_limits<double>::infinity();
@@ -214,7 +209,7 @@ double TickCoordinator::NextPoll() const {
   for (const HistoryDemand& demand : demands_) next = std::min(next, demand.since + kHistoryDelay);
   if (run_.phase != Phase::kGathering) return std::min(next, engine_.NextPoll());
   if (all_have_joined()) return run_.created_at;
-  if (run_.continues() && !run_.is_branch()) return std::min({next, announced_at_ + kAnnouncePeriod, RejoinDeadline()});
+  if (run_.takes_over()) return std::min({next, announced_at_ + kAnnouncePeriod, RejoinDeadline()});
   return next;
 }
 

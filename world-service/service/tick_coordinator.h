@@ -90,7 +90,6 @@ class TickCoordinator {
   bool all_have_joined() const;
   void PollGathering(double now);
   void PollRejoining(double now);
-  bool at_end() const;
   double RejoinDeadline() const;
   void GiveUpNewRobots(double now);
   void OnOtherService(const SessionMessage& other, double now);

@@ -79,6 +79,8 @@ class TickEngine {
   void AwaitAgent(double now) { halted_since_ = now; }
   // A robot has no agent, and no tick can follow.
   bool halted() const;
+  // The run ends with this tick.
+  bool IsLast(Tick tick) const;
   // All observers can accept a tick.
   bool observers_ready() const;
   double observers_waited_seconds() const { return observers_waited_; }  // that ticks have waited for them
@@ -102,7 +104,6 @@ class TickEngine {
   // The observers are told of the first state of a branch.
   void ReportBegin(double now);
   RunProgress Progress() const;
-  bool IsLast(Tick tick) const;
   // The barrier for the next tick.
   void Opened(double now);
   // The inputs that led to a frame: of a step, or an edit.

@@ -172,7 +172,8 @@ TEST(Recording, FindsTheStatesOfATickAndTheKeyframeBefore) {
     EXPECT_LE(time - tick.log_time, 6 * interval) << "a reset sets the ticks back";
     ExpectSame(tick, ticks[tick.number]);
     std::size_t edits = 0;
-    EXPECT_TRUE(recording.VisitEdits(*chunk, [&](const RecordedEdit&) { return ++edits, Status(); }).ok());
+    EXPECT_TRUE(
+        recording.VisitEdits(*chunk, [&](std::uint64_t, const RecordedEdit&) { return ++edits, Status(); }).ok());
     EXPECT_EQ(edits, tick.edition);
   }
 }

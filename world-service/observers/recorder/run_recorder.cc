@@ -116,6 +116,7 @@ Status RunRecorder::WriteBegin(const RecordedBegin& begin) {
 }
 
 void RunRecorder::StartWriting() {
+  if (thread_.joinable()) return;
   thread_ = std::thread([this] {
     try {
       Write();

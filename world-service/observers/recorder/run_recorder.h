@@ -61,7 +61,10 @@ class RunRecorder final : public RunObserver {
   // Appends a state that is not one of the run's own, as if it had followed the newest; its number is computed here.
   // May wait for the disk. No call of OnTick may run meanwhile.
   Status Append(RecordedTick tick);
-  // Waits until all ticks so far can be read from the file. Any thread may call, between OnBegin and OnEnd.
+  // Writes from now on; OnBegin does it, too. REQUIRES: the recorder continues a journal.
+  void StartWriting();
+  // Waits until all ticks so far can be read from the file. Any thread may call, from OnBegin or StartWriting until
+  // OnEnd.
   Status Flush();
   // Writes all ticks, and closes the file.
   Status OnEnd() override;
@@ -69,7 +72,6 @@ class RunRecorder final : public RunObserver {
  private:
   // Writes the begin of the options.
   Status WriteBegin(const RecordedBegin& begin);
-  void StartWriting();
   void Push(RecordedTick tick);
   void Write();
   // The tail need not have the ticks that the recording has.

@@ -8,11 +8,6 @@ namespace {
 
 constexpr std::size_t kMostSpare = 64;
 
-std::size_t SizeOf(const WorldState& state) {
-  return state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
-         state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
-}
-
 // Nearly all of a world is its shapes.
 std::size_t SizeOf(const WorldDescription& world) {
   std::size_t size = world.models.size() * sizeof(ModelDescription) + world.robots.size() * sizeof(RobotDescription);
@@ -24,9 +19,9 @@ std::size_t SizeOf(const RecordedTick& tick) {
   std::size_t size = sizeof tick + tick.proposals.size() * sizeof(Proposal) + tick.events.size() * sizeof(Event);
   for (const Proposal& proposal : tick.proposals) size += proposal.joint_velocities.size() * sizeof(double);
   size += tick.commands.size() * sizeof(RobotCommand);
-  if (tick.keyframe) size += SizeOf(tick.keyframe->state);
+  if (tick.keyframe) size += MemoryOf(tick.keyframe->state);
   if (!tick.edit) return size;
-  size += sizeof(RecordedEdit) + SizeOf(tick.edit->before.state);
+  size += sizeof(RecordedEdit) + MemoryOf(tick.edit->before.state);
   if (tick.edit->world) size += SizeOf(*tick.edit->world);
   return size;
 }

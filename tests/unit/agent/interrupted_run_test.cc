@@ -1,0 +1,134 @@
+// Runs whose world service dies after any of its states: another one restores the newest state, the files of the user,
+// and the memory that agents need. A rewind that was interrupted is finished first.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/recording/journal_tail.h"
+#include "common/recording/recording_writer.h"
+#include "common/recording/tick_reader.h"
+#include "tests/support/controlled_run.h"
+#include "tests/support/yard.h"
+#include "world-service/program/prepared_run.h"
+#include "world-service/replay/restore_run.h"
+
+namespace troupe::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string TextOf(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class InterruptedRunTest : public testing::Test {
+ protected:
+  InterruptedRunTest() {
+    std::string pattern = testing::TempDir() + "troupe-interrupted-XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~InterruptedRunTest() override { fs::remove_all(folder_); }
+  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+
+  // 30 steps, a change of a pose, 10 steps, then a rewind to tick 35.
+  void RunAndRewind() {
+    OutputFiles files;
+    files.record = File("whole.mcap");
+    files.hash_log = File("hashes");
+    files.keyframe_interval = 8;
+    const WorldDescription world = Yard(3);
+    ControlledRun run(world, {.outputs = files});
+    run.Step(30);
+    ControlRequest edit;
+    edit.command = ControlCommand::kSetPose;
+    edit.name = world.robots[0].name;
+    edit.pose = {-3.0, -3.0, 0.0, 0.0};
+    ASSERT_TRUE(run.Ask(edit).done);
+    run.Step(10);
+    ASSERT_TRUE(run.Ask(ControlCommand::kRewind, 35).done);
+    rewound_ = run.frame();
+    ASSERT_TRUE(run.Finish().ok());
+  }
+
+  // The journal of a service that died with that many states. Some are in its recording, the others in the tail.
+  JournalFiles DieWith(std::uint64_t states, std::uint64_t recorded) const {
+    const JournalFiles files = JournalFiles::Of(File(std::to_string(states) + ".mcap"));
+    const Recording whole = Recording::Open(File("whole.mcap")).value();
+    RecordingWriter writer =
+        RecordingWriter::Create(mcap::CreateFileSink(files.recording).value(), whole.run()).value();
+    const std::unique_ptr<JournalTail> tail = JournalTail::Create(files, whole.run().run, JournalSync::kNo).value();
+    TickReader reader(whole);
+    RecordedTick tick;
+    RunProgress progress;
+    progress.ticks_to_pause = 0;
+    while (reader.Next(tick).value() && tick.number < states) {
+      EXPECT_TRUE(tail->Append(&tick, progress).ok());
+      EXPECT_TRUE(tick.number >= recorded || writer.Add(tick).ok());
+    }
+    EXPECT_TRUE(writer.EndChunk().ok());
+    return files;
+  }
+
+  Result<PreparedRun> Resume(const JournalFiles& files, bool with_hashes = true) const {
+    ServiceCommandLine line;
+    line.resume = true;
+    line.outputs.journal = files;
+    if (with_hashes) line.outputs.hash_log = File("resumed-hashes");
+    Result<PreparedRun> run = PrepareRun(line);
+    if (run.ok()) {
+      for (const std::unique_ptr<RunObserver>& observer : run.value().recorders.observers) {
+        if (!observer->OnEnd().ok()) return Error{{}, "a file cannot be closed"};
+      }
+    }
+    return run;
+  }
+
+  fs::path folder_;
+  FrameMessage rewound_;
+};
+
+constexpr std::uint64_t kBeforeRewind = 42;          // 0 to 40, and the edit
+constexpr std::uint64_t kAfterRewind = 42 + 1 + 36;  // tick 0 again, 35 steps and the edit
+constexpr std::uint64_t kEdit = 31;                  // its number
+
+TEST_F(InterruptedRunTest, ARewindIsFinishedWhereverItWasInterrupted) {
+  RunAndRewind();
+  const std::string hashes = TextOf(File("hashes"));
+  for (std::uint64_t states = kBeforeRewind + 1; states <= kAfterRewind; ++states) {
+    SCOPED_TRACE(states);
+    for (const bool with_hashes : {true, false}) {
+      const JournalFiles files = DieWith(states, states - states % 7);
+      const Result<PreparedRun> run = Resume(files, with_hashes);
+      ASSERT_TRUE(run.ok()) << run.error().ToString();
+      const ResumedRun& resumed = *run.value().options.resumed;
+      EXPECT_EQ(resumed.frame->state.tick, 35u);
+      EXPECT_EQ(resumed.frame->state_hash, rewound_.state_hash);
+      EXPECT_EQ(resumed.frame->edition, rewound_.edition);
+      EXPECT_EQ(resumed.frame->fresh_edition, rewound_.fresh_edition);
+      EXPECT_EQ(resumed.frame->world_edition, rewound_.world_edition);
+      EXPECT_EQ(resumed.next_number, kAfterRewind);
+      EXPECT_EQ(resumed.previous, (MemoryPlace{rewound_.edition, 34, true}));
+      EXPECT_TRUE(!with_hashes || TextOf(File("resumed-hashes")) == hashes);
+    }
+  }
+}
+
+TEST_F(InterruptedRunTest, TheStateBeforeTheNewestIsThatOfAnEditOrAStep) {
+  RunAndRewind();
+  const auto previous = [this](std::uint64_t states, std::uint64_t recorded) {
+    return Resume(DieWith(states, recorded)).value().options.resumed->previous;
+  };
+  EXPECT_EQ(previous(kEdit + 1, kEdit), (MemoryPlace{0, 30, false}));
+  EXPECT_EQ(previous(kEdit + 1, kEdit + 1), (MemoryPlace{0, 30, false}));
+  EXPECT_EQ(previous(kEdit + 2, kEdit), (MemoryPlace{1, 30, true}));
+  EXPECT_EQ(previous(kEdit, kEdit), (MemoryPlace{0, 29, true}));
+  EXPECT_EQ(previous(1, 1), std::nullopt);
+}
+
+}  // namespace
+}  // namespace troupe::test
