@@ -41,6 +41,21 @@ TEST_F(MembershipTest, KnowsTheRobotsWithoutAgents) {
   EXPECT_THAT(members_.AbsentRobots(), IsEmpty());
 }
 
+TEST_F(MembershipTest, AReplacementOfAnAgentThatAnsweredBeforeAResetIsNotRefused) {
+  const auto join = [&](AgentId agent, double now) {
+    JoinMessage message = JoinOf(agent, {"r0"});
+    message.world_edition = 1;
+    return members_.Join(message, 6, now).outcome;
+  };
+  Join(1, {"r0"});
+  members_.Find(1)->last_answered = 100;
+  members_.ChangeWorld(world_, 1, true);  // at tick 5, after a rewind
+  EXPECT_EQ(join(2, 0.0), Outcome::kUndecided);
+  EXPECT_EQ(join(2, 1.0), Outcome::kUndecided);
+  members_.Find(1)->last_answered = 7;
+  EXPECT_EQ(join(2, 1.0), Outcome::kRefused);
+}
+
 TEST_F(MembershipTest, RefusesInvalidJoins) {
   Join(1, {"r0"});
   const auto refusal = [&](const JoinMessage& join) {
