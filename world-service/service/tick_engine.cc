@@ -398,8 +398,9 @@ void TickEngine::Poll(double now) {
 
 double TickEngine::ResendDue() const {
   if (run_.phase == RunPhase::kEnding || !barrier_.complete()) return resend_timer_.due();
-  // A lost agent that lives may have answered everything that it received. It rejoins with another answer.
-  if (halted() && !run_.frame.paused) return std::max(committed_at_, resent_at_) + kHaltedResend;
+  // A lost agent that lives may have answered everything that it received, in a pause, too. It rejoins with another
+  // answer.
+  if (halted()) return std::max(committed_at_, resent_at_) + kHaltedResend;
   return kNever;
 }
 

@@ -172,6 +172,22 @@ TEST_F(LossTest, AHaltedRunResendsItsFrameToTheLostAgents) {
   EXPECT_THAT(endpoint.frames.back().awaited, ElementsAre(2));
 }
 
+TEST_F(LossTest, AHaltedRunResendsItsFrameInAPauseToo) {
+  options.settings.on_agent_loss = OnAgentLoss::kRebuild;
+  options.start_paused = true;
+  MakeAndStart(2);
+  for (const AgentId agent : {AgentId{1}, AgentId{2}}) {
+    ProposalMessage answer = ProposalOf(agent, 0.0);
+    answer.paused = true;
+    coordinator->OnProposal(answer, now);
+  }
+  coordinator->OnAgentGone(2, now);
+  const std::size_t sent = frames();
+  for (int i = 0; i < 10; ++i) Wait(coordinator->NextPoll() - now);
+  EXPECT_EQ(frames(), sent + 10);
+  EXPECT_THAT(endpoint.frames.back().awaited, ElementsAre(2));
+}
+
 TEST_F(LossTest, AnotherAgentMayJoinForALostRobot) {
   MakeAndStart(2);
   Propose(1);
