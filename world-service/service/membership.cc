@@ -80,7 +80,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
     for (const RobotId robot : robots) owners_[robot.index()] = member.id;
     member.robots = std::move(robots);
     if (fresh) member.last_answered = 0;  // the tick may be an earlier one
-    member.times_last = 0;  // counted above
+    member.times_last = 0;                // counted above
     member.waited_seconds = 0.0;
     ++present_members_;
     present_robots_ += member.robots.size();
