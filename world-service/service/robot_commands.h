@@ -14,6 +14,9 @@ namespace troupe {
 
 class RobotCommands {
  public:
+  // Goals are numbered from the one after `last_goal` on: the robots of a run that is continued know other numbers.
+  explicit RobotCommands(std::uint32_t last_goal = 0) : goals_(last_goal) {}
+
   // For the next `ticks` ticks. A goal without waypoints cancels the goal.
   // REQUIRES: CheckRobotCommand succeeded, but for that.
   void Add(const RobotCommand& command, std::uint64_t ticks);
@@ -39,7 +42,7 @@ class RobotCommands {
     bool empty() const { return !twist && grippers.empty() && !goal; }
   };
   std::map<RobotId, OfRobot> robots_;
-  std::uint32_t goals_ = 0;  // numbers them
+  std::uint32_t goals_;  // numbers them
 };
 
 }  // namespace troupe

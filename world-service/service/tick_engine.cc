@@ -23,6 +23,11 @@ std::optional<double> SpeedOf(const RunSettings& settings) {
   return settings.speed;
 }
 
+// Spreads the numbers, so that those of two services are not the same.
+std::uint32_t LastGoalBefore(const ResumedRun& resumed) {
+  return static_cast<std::uint32_t>((resumed.next_number + 1) * 0x9E3779B1U + resumed.incarnation);
+}
+
 }  // namespace
 
 TickEngine::TickEngine(LiveRun& run, double now)
@@ -36,6 +41,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
   if (run_.options.start_paused) ticks_to_pause_ = 0;
   if (run_.continues()) {
     const ResumedRun& resumed = *run_.options.resumed;
+    commands_ = RobotCommands(LastGoalBefore(resumed));
     run_.frame = *resumed.frame;
     run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
     // The service before may have ended within a rewind.

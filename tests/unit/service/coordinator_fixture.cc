@@ -53,6 +53,13 @@ ProposalMessage CoordinatorTest::ProposalOf(AgentId agent, double vx, std::optio
   return message;
 }
 
+ControlReply CoordinatorTest::Ask(const ControlRequest& request) {
+  const auto reply = std::make_shared<ControlReply>();  // which may follow later
+  coordinator->Control(
+      request, [reply](const ControlReply& made) { *reply = made; }, now);
+  return *reply;
+}
+
 void CoordinatorTest::Wait(double seconds) {
   now += seconds;
   coordinator->Poll(now);

@@ -34,6 +34,9 @@ class CoordinatorTest : public testing::Test {
   // Proposes for the open tick.
   void Propose(AgentId agent, double vx = 1.0) { coordinator->OnProposal(ProposalOf(agent, vx), now); }
 
+  // The reply, if it follows at once.
+  ControlReply Ask(const ControlRequest& request);
+
   void Wait(double seconds);  // polls only at the end
 
   Tick tick() const { return endpoint.frames.back().state.tick; }

@@ -40,6 +40,7 @@ class ResumedRunTest : public CoordinatorTest {
     resumed.original = resumed.scene = scene;
     resumed.frame = journal_.frame;
     resumed.progress = journal_.progress;
+    resumed.next_number = ++next_number_;
     options.resumed = resumed;
     options.incarnation = resumed.incarnation;
     endpoint = {};
@@ -57,6 +58,7 @@ class ResumedRunTest : public CoordinatorTest {
     coordinator->OnProposal(proposal, now);
   }
 
+  std::uint64_t next_number_ = 0;
   KeptJournal journal_;
 };
 
@@ -91,6 +93,28 @@ TEST_F(ResumedRunTest, IgnoresMessagesForTheServiceBefore) {
   EXPECT_EQ(tick(), 0u);
   ProposeAs(1, 1);
   EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(ResumedRunTest, ANewGoalHasAnotherNumberThanThoseBefore) {
+  const auto next_goal = [this](Incarnation incarnation) {
+    ControlRequest request;
+    request.command = ControlCommand::kCommandRobot;
+    request.name = "r0";
+    request.ticks = 10;
+    request.robot_command.goal = Goal{0, {{1.0, 2.0}}};
+    EXPECT_TRUE(Ask(request).done);
+    ProposeAs(incarnation, 1);
+    return endpoint.frames.back().commands.at(0).goal->number;
+  };
+  Make(1);
+  JoinMessage join = JoinOf(1, {"r0"});
+  join.accept_goals = {"r0"};
+  coordinator->OnJoin(join, now);
+  const std::uint32_t before = next_goal(0);
+  Resume();
+  join.incarnation = 1;
+  coordinator->OnJoin(join, now);
+  EXPECT_NE(next_goal(1), before);
 }
 
 TEST_F(ResumedRunTest, IsPausedIfTheRunWas) {

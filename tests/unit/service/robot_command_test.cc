@@ -14,12 +14,6 @@ using testing::IsEmpty;
 
 class RobotCommandTest : public CoordinatorTest {
  protected:
-  ControlReply Ask(const ControlRequest& request) {
-    const auto reply = std::make_shared<ControlReply>();  // which may follow later
-    coordinator->Control(
-        request, [reply](const ControlReply& made) { *reply = made; }, now);
-    return *reply;
-  }
   ControlReply Command(const std::string& robot, RobotCommand command, std::uint64_t ticks) {
     ControlRequest request;
     request.command = ControlCommand::kCommandRobot;
