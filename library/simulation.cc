@@ -87,6 +87,7 @@ const std::vector<Warning>& Simulation::warnings() const {
 }
 
 void Simulation::Step(Tick ticks) {
+  impl_->reports.clear();
   for (Tick i = 0; i < ticks; ++i) StepOnce();
 }
 
@@ -101,6 +102,7 @@ void Simulation::StepOnce() {
     now.commands[i].command.grippers.clear();
     now.commands[i].command.joints.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
+    if (!robot.report().empty()) impl_->reports.push_back(robot.report());
     const Status status = ValidateProposal(world(), now.state, proposal);
     if (status.ok()) {
       impl_->proposals.push_back(std::move(proposal));
@@ -137,6 +139,10 @@ const std::vector<Event>& Simulation::events() const {
 
 const std::vector<std::string>& Simulation::failures() const {
   return impl_->now.failures;
+}
+
+const std::vector<std::string>& Simulation::reports() const {
+  return impl_->reports;
 }
 
 const Pose& Simulation::pose(RobotId robot) const {

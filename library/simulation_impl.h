@@ -38,7 +38,8 @@ struct Simulation::Impl {
   Snapshot::Content now;
   BodyIndex bodies;  // at now.state between calls
   std::vector<Warning> warnings;
-  std::vector<Proposal> proposals;  // of one step
+  std::vector<Proposal> proposals;   // of one step
+  std::vector<std::string> reports;  // since the last call of Step began
 };
 
 }  // namespace troupe

@@ -77,9 +77,10 @@ set(may_include_world-service
   world-service/program
   world-service/observers/ros world-service/observers/status world-service/replay world-service/service)
 
+set(may_include_robot-agent/navigation common/base common/geometry common/model include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
   common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
-  include/troupe/sensor.h)
+  include/troupe/sensor.h robot-agent/navigation)
 set(may_include_robot-agent/drive common/base common/geometry common/model include/troupe/controller.h)
 set(may_include_robot-agent/gripper common/base common/model include/troupe/controller.h)
 set(may_include_robot-agent/robot

@@ -138,7 +138,7 @@ struct ProposalMessage {
   AgentId agent = 0;
   Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
   std::vector<Proposal> proposals;   // in robot-id order
-  std::vector<std::string> reports;  // failures of controllers, for the log; usually empty
+  std::vector<std::string> reports;  // of controllers, and their failures, for the log; usually empty
   bool paused = false;               // answers a paused frame: no proposals
   Edition edition = 0;               // of the frame that it answers
   Incarnation incarnation = 0;       // of the newest service that the agent knows

@@ -127,6 +127,8 @@ struct Command {
   // gripper or joint is a failure of the controller.
   std::vector<GripperCommand> grippers = {};
   std::vector<JointCommand> joints = {};
+  // A line for the log of the run, for people. Of a long text only the begin is printed, and of many lines only some.
+  std::string report = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -169,7 +171,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 5
+#define TROUPE_CONTROLLER_ABI 6
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

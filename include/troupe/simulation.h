@@ -88,6 +88,8 @@ class Simulation {
   const std::vector<Event>& events() const;
   // One line for each controller that has failed so far; its robot stands still from then on.
   const std::vector<std::string>& failures() const;
+  // What controllers have reported (Command::report) since the last call of Step began; each line names its robot.
+  const std::vector<std::string>& reports() const;
 
   // The robot's pose in the world. REQUIRES: the id is of this world, here and below.
   const Pose& pose(RobotId robot) const;

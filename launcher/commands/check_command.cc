@@ -11,6 +11,7 @@
 #include "common/recording/recording.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
+#include "robot-agent/controller/create_controller.h"
 
 namespace troupe {
 namespace {
@@ -134,7 +135,9 @@ int CheckRecording(const std::string& file) {
 int CheckCommand(const std::string& file) {
   if (IsRecordingPath(file)) return CheckRecording(file);
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
-  const Result<LoadedWorld> loaded = LoadWorld(file);
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;  // also of what a scenario adds to a world
+  const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));
   return kExitDone;

@@ -1,5 +1,6 @@
 #include "launcher/commands/check_controllers.h"
 
+#include "common/worldfile/check_ctrl.h"
 #include "common/worldfile/scenario/scenario.h"
 #include "robot-agent/controller/create_controller.h"
 
@@ -11,10 +12,10 @@ Status CheckControllers(const std::string& file, const std::optional<std::string
       return Error{{}, "option --controller: " + status.error().message};
     }
   }
-  if (!file.ends_with(".json")) return Status();
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  return CheckScenario(file, overrides);
+  if (file.ends_with(".world")) return CheckCtrl(file, overrides);
+  return file.ends_with(".json") ? CheckScenario(file, overrides) : Status();
 }
 
 }  // namespace troupe

@@ -269,6 +269,7 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   });
   for (std::size_t i = 0; i < count; ++i) {
     if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
+    if (!robots_[i]->report().empty()) answer.reports.push_back(robots_[i]->report());
   }
   if (!gateway_) return answer;
   for (std::string& report : gateway_->DrainReports()) answer.reports.push_back(std::move(report));

@@ -55,9 +55,9 @@ class Replica {
   // Applies the poses that an edit has given to the robots. REQUIRES: CheckState(state).ok()
   void Relocate(const WorldState& state);
 
-  // Measures and decides for tick `state.tick` + 1: the proposals in robot-id order, and a report for each controller
-  // that failed in this call. `commands`: from outside, for any robots of the world, in robot-id order; one that the
-  // world refuses is reported. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
+  // Measures and decides for tick `state.tick` + 1: the proposals in robot-id order, and what controllers reported, or
+  // that they failed, in this call. `commands`: from outside, for any robots of the world, in robot-id order; one that
+  // the world refuses is reported. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
   ProposalMessage Decide(const WorldState& state, std::span<const RobotCommand> commands = {});
 
   // As Decide, for a state of the past, so that the robots remember it: without gateway and scan log.

@@ -25,5 +25,14 @@ BuiltInController Fetch();
 BuiltInController Follow();
 BuiltInController GoTo();
 BuiltInController Patrol();
+BuiltInController Fasr();
+BuiltInController Fasr2();
+BuiltInController FasrPlan();
+BuiltInController Source();
+BuiltInController Sink();
+BuiltInController Flocking();
+BuiltInController LaserNoise();
+BuiltInController Rasterize();
+BuiltInController Dynamic();
 
 }  // namespace troupe

@@ -12,8 +12,9 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 8> BuiltIns() {
-  return {Expand(), Fetch(), Follow(), GoTo(), Idle(), Patrol(), Script(), Wander()};
+std::array<BuiltInController, 17> BuiltIns() {
+  return {Dynamic(),    Expand(), Fasr(),     Fasr2(),     FasrPlan(), Fetch(), Follow(), GoTo(),  Idle(),
+          LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(),   Sink(),  Source(), Wander()};
 }
 
 Error UnknownName(const std::string& name) {

@@ -3,7 +3,7 @@
 
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/rays.h"
+#include "robot-agent/navigation/rays.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

@@ -5,7 +5,7 @@
 
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/steer_to_point.h"
+#include "robot-agent/navigation/steer_to_point.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

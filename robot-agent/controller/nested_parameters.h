@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@ class NestedParameters : public Parameters {
   std::vector<nlohmann::json> ReadArray(const char* key);
   // The members of an object, by name; empty if it is missing or wrong.
   std::vector<std::pair<std::string, nlohmann::json>> ReadObject(const char* key);
+  // A value of any kind; nothing if it is missing.
+  std::optional<nlohmann::json> ReadAny(const char* key);
 };
 
 }  // namespace troupe

@@ -147,4 +147,9 @@ std::vector<std::pair<std::string, json>> NestedParameters::ReadObject(const cha
   return members;
 }
 
+std::optional<json> NestedParameters::ReadAny(const char* key) {
+  const json* found = content_->Find(key);
+  return found != nullptr ? std::optional<json>(*found) : std::nullopt;
+}
+
 }  // namespace troupe

@@ -4,7 +4,7 @@
 
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/rays.h"
+#include "robot-agent/navigation/rays.h"
 #include "troupe/parameters.h"
 
 namespace troupe {
@@ -36,9 +36,7 @@ class WanderController final : public Controller {
  public:
   WanderController(const RobotInfo& info, const WanderParameters& parameters)
       : parameters_(parameters), car_(info.robot->drive.type == DriveType::kCar) {
-    ranger_ = FindScanner(info);
-    if (!ranger_) ranger_ = FindSonar(info);
-    if (!ranger_) ranger_ = FindRanger(info);
+    ranger_ = FindBestRanger(info);
     if (ranger_) rays_ = RaysOf(info, *ranger_);
   }
 

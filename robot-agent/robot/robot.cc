@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "common/base/random.h"
@@ -17,6 +18,8 @@ namespace {
 
 // Separates a controller's random numbers from the sensors', whose keys have the same seed and robot.
 constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
+
+constexpr std::size_t kLongestReport = 300;  // bytes
 
 double TimeOf(const WorldDescription& world, Tick tick) {
   return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
@@ -142,6 +145,7 @@ void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {
 Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external) {
   const RobotState& own = state.robots[id_.index()];
   manipulator_.Update(state, sensors_.readings());
+  report_.clear();
   // Called also while an external command overrides it: a controller sees every tick.
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
   if (external.drives) command = external.command;
@@ -196,10 +200,21 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
   Result<Command> command = RunController(observation);
-  if (command.ok()) return std::move(command).value();
+  if (command.ok()) {
+    StoreReport(command.value().report);
+    return std::move(command).value();
+  }
   failure_ = fmt::format("robot {}: controller {} failed at tick {}: {}", description().name,
                          description().controller.name, state.tick, command.error().message);
   return {};
+}
+
+void Robot::StoreReport(const std::string& text) {
+  if (text.empty()) return;
+  std::string line = text.substr(0, kLongestReport);
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
+  report_ = fmt::format("robot {}: {}", description().name, line);
 }
 
 Result<Command> Robot::RunController(const Observation& observation) {

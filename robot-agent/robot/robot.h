@@ -71,6 +71,9 @@ class Robot {
   // Its controller does.
   bool accepts_goals() const { return accepts_goals_; }
 
+  // What the controller reported in the last Decide, on one line that names the robot; empty: nothing.
+  const std::string& report() const { return report_; }
+
   // The failure of the controller; empty while it works. After a failure the robot stands still.
   const std::string& failure() const { return failure_; }
 
@@ -91,6 +94,7 @@ class Robot {
   // it for the controller.
   const Goal* EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_WR);
   Result<Command> RunController(const Observation& observation);
+  void StoreReport(const std::string& text);
 
   const Scene* scene_;
   RobotId id_;
@@ -102,6 +106,7 @@ class Robot {
   bool accepts_goals_ = false;
   std::optional<Goal> goal_;  // in the frame of the pose estimate
   std::string failure_;
+  std::string report_;
 };
 
 }  // namespace troupe

@@ -119,22 +119,74 @@ TEST(Robots, ControllersOfStageMapToOurs) {
   EXPECT_EQ(RobotOf("position( ctrl \"wander\" )").controller.name, "wander");
   EXPECT_EQ(RobotOf("position( ctrl \"expand_pioneer\" )").controller.name, "expand");
   EXPECT_EQ(RobotOf("position( ctrl \"expand_swarm\" )").controller.name, "expand");
-  EXPECT_EQ(RobotOf("position( ctrl [\"fasr\" \"wander\"] )").controller.name, "wander");
+  for (const char* name : {"dynamic", "fasr", "fasr2", "fasr_plan", "follow", "go_to", "idle", "lasernoise", "patrol",
+                           "pioneer_flocking", "rasterize", "sink", "source"}) {
+    EXPECT_EQ(RobotOf(std::string("position( ctrl \"") + name + "\" )").controller.name, name);
+  }
+  EXPECT_EQ(RobotOf("position( ctrl [\"fly\" \"wander\"] )").controller.name, "wander");
+}
+
+TEST(Robots, ArgumentsAfterTheNameAreParameters) {
+  const auto parameters = [](const std::string& text) {
+    return RobotOf("position( ctrl \"" + text + "\" )").controller.parameters;
+  };
+  EXPECT_EQ(parameters("wander"), "{}");
+  EXPECT_EQ(parameters("wander  1 2 "), R"({"min_distance":2,"speed":1})");
+  EXPECT_EQ(parameters("wander turn_rate=0.5 1"), R"({"speed":1,"turn_rate":0.5})");
+  EXPECT_EQ(parameters("expand_swarm 0.3"), R"({"speed":0.3})");
+  EXPECT_EQ(parameters("fasr [1,2] 7"), R"({"sink":7,"source":[1,2]})");
+  EXPECT_EQ(parameters("patrol waypoints=[[1,2],[3,4]]"), R"({"waypoints":[[1,2],[3,4]]})");
+  EXPECT_EQ(parameters("wander fast"), R"({"speed":"fast"})");  // an error of the controller
+  EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"wander 1 2 3\" )"),
+              ElementsAre("w.world:1:16: warning: argument '3' of controller 'wander' is ignored"));
+}
+
+TEST(Robots, BadArgumentsHaveTheirPlace) {
+  const std::string deep(100000, '[');
+  for (const std::string& argument : {std::string("[1,2"), std::string("speed="), std::string("=1"), deep}) {
+    WorldFolder folder;
+    folder.Write("w.world", "position( ctrl \"wander " + argument + "\" )");
+    const std::string error = folder.ErrorOf("w.world");
+    EXPECT_THAT(error, testing::StartsWith("w.world:1:16: error: found argument '")) << argument.substr(0, 10);
+    EXPECT_LT(error.size(), 400u);
+  }
+  LoadOverrides overrides;
+  overrides.check_controller = [](const std::string& name, const std::string& parameters) {
+    return Status(Error{{}, name + " with " + parameters});
+  };
+  WorldFolder folder;
+  folder.Write("w.world", "\nposition( ctrl \"wander 1\" )");
+  const Result<LoadedWorld> loaded = LoadWorld(folder.Path("w.world"), overrides);
+  ASSERT_FALSE(loaded.ok());
+  EXPECT_EQ(loaded.error().ToString(), folder.Path("w.world") + ":2:16: error: wander with {\"speed\":1}");
+}
+
+TEST(Robots, CarriersKnowThePlacesOfSourceAndSink) {
+  const std::string places =
+      "model( name \"source\" pose [1 2 0 0] ctrl \"source\" )\nmodel( name \"sink\" pose [-3 4 0 0] )\n";
+  EXPECT_THAT(WorldFolder().WarningsOf(places), ElementsAre());
+  const auto parameters = [&](const std::string& robot) {
+    return WorldFolder().LoadText(robot + "\n" + places).world.robots[0].controller.parameters;
+  };
+  EXPECT_EQ(parameters("position( pose [9 9 0 0] ctrl \"fasr\" )"), R"({"sink":[-3.0,4.0],"source":[1.0,2.0]})");
+  EXPECT_EQ(parameters("position( pose [9 9 0 0] ctrl \"fasr 5\" )"), R"({"sink":[-3.0,4.0],"source":5})");
+  EXPECT_EQ(parameters("position( pose [9 9 0 0] localization \"odom\" odom_error [0 0 0 0] "
+                       "localization_origin [1 1 0 0] ctrl \"fasr_plan\" )"),
+            R"({"sink":[-4.0,3.0],"source":[0.0,1.0]})");
+  EXPECT_EQ(parameters("position( pose [9 9 0 0] ctrl \"wander\" )"), "{}");
 }
 
 TEST(Robots, UnknownControllerIdlesWithAWarning) {
-  EXPECT_EQ(RobotOf("position( ctrl \"fasr 1 2\" )").controller.name, "idle");
-  EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"fasr 1 2\" )"),
-              ElementsAre("w.world:1:16: warning: controller 'fasr' is not known; the robot has none"));
-  EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"wander fast\" )"),
-              ElementsAre("w.world:1:16: warning: the text after the name of controller 'wander' is ignored"));
+  EXPECT_EQ(RobotOf("position( ctrl \"fly 1 2\" )").controller.name, "idle");
+  EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"fly 1 2\" )"),
+              ElementsAre("w.world:1:16: warning: controller 'fly' is not known; the robot has none"));
 }
 
 TEST(Robots, ControllerOfTheCommandLineIsForRobotsWithoutOne) {
   LoadOverrides overrides;
   overrides.controller = "script";
   const LoadedWorld loaded =
-      WorldFolder().LoadText("position( )\nposition( ctrl \"wander\" )\nposition( ctrl \"fasr\" )\n", overrides);
+      WorldFolder().LoadText("position( )\nposition( ctrl \"wander\" )\nposition( ctrl \"fly\" )\n", overrides);
   EXPECT_EQ(loaded.world.robots[0].controller.name, "script");
   EXPECT_EQ(loaded.world.robots[1].controller.name, "wander");
   EXPECT_EQ(loaded.world.robots[2].controller.name, "script");

@@ -57,6 +57,7 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   BuildContext context(tree, overrides.allowed);
   context.without_bitmaps = options.without_bitmaps;
   context.default_controller = overrides.controller;
+  context.check_controller = overrides.check_controller;
   PropertyReader reader(tree.world, context.units, context.diagnostics);
   context.units = ReadUnits(reader);
   context.world = ReadWorldProperties(reader);

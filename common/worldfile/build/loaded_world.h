@@ -29,7 +29,7 @@ struct LoadedWorld {
 struct LoadOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;  // for robots without one
-  // Checks the name and the parameters of every controller that a scenario names; this library has no controllers.
+  // Checks the name and the parameters of every controller that a file names; this library has no controllers.
   // Nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images

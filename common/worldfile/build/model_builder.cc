@@ -29,6 +29,9 @@ void WarnIfSeenButNotHit(PropertyReader& reader, const ModelDescription& model) 
 }
 
 void WarnIfControlled(PropertyReader& reader) {
+  const std::vector<std::string> controllers = reader.Texts("ctrl");
+  const auto is_place = [](const std::string& text) { return text == "source" || text == "sink"; };
+  if (std::all_of(controllers.begin(), controllers.end(), is_place)) return;  // places for robots, by their names
   if (const Property* control = reader.Use("ctrl")) {
     reader.diagnostics().Warn(control->where, "property 'ctrl' has no effect: only a 'position' has a controller");
   }

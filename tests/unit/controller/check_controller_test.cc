@@ -11,8 +11,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
-  EXPECT_THAT(BuiltInControllers(),
-              ElementsAre("expand", "fetch", "follow", "go_to", "idle", "patrol", "script", "wander"));
+  EXPECT_THAT(BuiltInControllers(), ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "follow",
+                                                "go_to", "idle", "lasernoise", "patrol", "pioneer_flocking",
+                                                "rasterize", "script", "sink", "source", "wander"));
 }
 
 struct Case {
@@ -42,8 +43,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"./my.so", R"({"anything": [1, 2]})", ""},  //
         Case{"my.so", "{}", ""},
         Case{"fly", "{}",
-             "unknown controller 'fly', expected one of: expand, fetch, follow, go_to, idle, patrol, script, wander, "
-             "or the path of a shared "
+             "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, follow, "
+             "go_to, idle, lasernoise, "
+             "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a shared "
              "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
         Case{"idle", "{", "idle: the parameters are not JSON"},
@@ -54,8 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
              "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
              "steering_angle, turn_rate; did you mean 'speed'?"},
         Case{"wandr", "{}",
-             "unknown controller 'wandr', expected one of: expand, fetch, follow, go_to, idle, patrol, script, wander, "
-             "or the path of a "
+             "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, follow, "
+             "go_to, idle, lasernoise, "
+             "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
         Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},

@@ -15,10 +15,12 @@ std::string Fault(const std::string& file, const std::optional<std::string>& con
 TEST(CheckControllers, NamesTheLineOfAScenariosController) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << "{\"robots\": [\n  {\"model\": \"position\", \"controller\": \"wonder\"}]}";
-  EXPECT_EQ(Fault(path),
-            path +
-                ":2:39: error: unknown controller 'wonder', expected one of: expand, fetch, follow, "
-                "go_to, idle, patrol, script, wander, or the path of a shared library (.so); did you mean 'wander'?");
+  EXPECT_EQ(
+      Fault(path),
+      path +
+          ":2:39: error: unknown controller 'wonder', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, "
+          "follow, go_to, idle, lasernoise, patrol, pioneer_flocking, rasterize, script, sink, source, wander, "
+          "or the path of a shared library (.so); did you mean 'wander'?");
 }
 
 TEST(CheckControllers, ChecksParametersToo) {
@@ -26,6 +28,21 @@ TEST(CheckControllers, ChecksParametersToo) {
   std::ofstream(path) << R"({"controller": {"name": "script", "parameters": {"commands": []}}})";
   EXPECT_EQ(Fault(path).substr(path.size()),
             ":1:16: error: script: 'commands' is missing or empty, expected a list of {\"at\": seconds, ...}");
+}
+
+TEST(CheckControllers, NamesTheLineOfAWorldsController) {
+  const std::string path = testing::TempDir() + "check_controllers_test.world";
+  std::ofstream(path) << "define rob position( ctrl \"wander -1\" )\nmodel( )\n";
+  EXPECT_EQ(Fault(path), "");
+  std::ofstream(path) << "define rob position(\n ctrl \"wander -1\" )\nmodel( rob( ) )\n";
+  EXPECT_EQ(Fault(path), path + ":2:7: error: wander: 'speed' is -1, expected a number between 0 and 100");
+  std::ofstream(path) << "position( ctrl [\"fly\" \"fasr tasks=1\"] )\n";
+  EXPECT_EQ(Fault(path).substr(path.size()),
+            ":1:16: error: fasr: unknown parameter \"tasks\", expected one of: clearance, load_time, reach, sink, "
+            "source, speed, turn_rate");
+  // A part of a robot has no controller.
+  std::ofstream(path) << "position( position( ctrl \"wander -1\" ) )\n";
+  EXPECT_EQ(Fault(path), "");
 }
 
 TEST(CheckControllers, ChecksTheOption) {

@@ -1,6 +1,7 @@
 // BuildContext: the world being built, and the input that all readers need.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,8 @@ struct BuildContext {
   const AllowedPaths& allowed;                    // files that maps and bitmaps may open
   bool without_bitmaps = false;                   // a bitmap is an error
   std::optional<std::string> default_controller;  // of robots for which the file names none
+  // Of the controllers that the file names; nothing: they are not checked.
+  std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   Units units;
   Diagnostics diagnostics;
   WorldDescription world;

@@ -1,6 +1,7 @@
 // `position`: a robot, with drive, localization and controller.
 #include "common/base/random.h"
 #include "common/worldfile/build/types/built_in_types.h"
+#include "common/worldfile/build/types/stage_controllers.h"
 #include "common/worldfile/text/quote.h"
 
 namespace troupe {
@@ -21,13 +22,6 @@ TwistBounds ReadBounds(PropertyReader& reader, const std::string& name) {
                                                       " that leave out 0, expected min <= 0 <= max for each pair");
   }
   return bounds;
-}
-
-// Stage's controllers that have a counterpart here.
-std::optional<std::string> BuiltInController(const std::string& stage_name) {
-  if (stage_name == "expand_pioneer" || stage_name == "expand_swarm" || stage_name == "expand") return "expand";
-  if (stage_name == "wander" || stage_name == "idle") return stage_name;
-  return std::nullopt;
 }
 
 DriveDescription ReadDrive(PropertyReader& reader) {
@@ -95,22 +89,26 @@ LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_W
 }
 
 // The controller of the property `ctrl`; nothing if there is none, or none that is known.
-std::optional<ControllerDescription> ReadController(PropertyReader& reader) {
+std::optional<ControllerDescription> ReadController(PropertyReader& reader, const BuildContext& context) {
   std::optional<ControllerDescription> controller;
   for (const std::string& text : reader.Texts("ctrl")) {
-    const std::size_t blank = text.find(' ');
-    const std::string name = text.substr(0, blank);
-    const std::optional<std::string> built_in = BuiltInController(name);
     const SourceLocation& where = reader.Where("ctrl");
-    if (!built_in) {
+    const Result<std::optional<StageController>> read = ReadStageController(text);
+    if (!read.ok()) {
+      reader.diagnostics().Fail(where, read.error().message);
+      return std::nullopt;
+    }
+    const std::string name = text.substr(0, text.find(' '));
+    if (!read.value()) {
       reader.diagnostics().Warn(where, "controller " + Quoted(name) + " is not known; the robot has none");
     } else if (controller) {
       reader.diagnostics().Warn(where, "controller " + Quoted(name) + " is ignored: a robot has one controller");
     } else {
-      controller = ControllerDescription{*built_in, "{}"};
-      if (text.find_first_not_of(' ', blank) != std::string::npos && blank != std::string::npos) {
-        reader.diagnostics().Warn(where, "the text after the name of controller " + Quoted(name) + " is ignored");
-      }
+      for (const std::string& warning : read.value()->warnings) reader.diagnostics().Warn(where, warning);
+      controller = read.value()->description;
+      if (!context.check_controller) continue;
+      const Status checked = context.check_controller(controller->name, controller->parameters);
+      if (!checked.ok()) reader.diagnostics().Fail(where, checked.error().message);
     }
   }
   return controller;
@@ -126,6 +124,16 @@ class PositionReader : public ModelReader {
     }
   }
 
+  // A robot that carries units finds the models "source" and "sink" of its world, as in Stage.
+  void Complete(BuildContext& context) override {
+    if (!own_) return;
+    RobotDescription& robot = context.world.robots[own_->index()];
+    const Pose X_WR = context.world.models[robot.root.index()].X_PM;
+    const bool odometry = robot.localization.type == LocalizationType::kOdometry;
+    const Pose X_EW = odometry ? robot.localization.origin * Inverse(X_WR) : Pose{};
+    AddPlaces(context.world, X_EW, robot.controller);
+  }
+
  private:
   // Checks the properties, which have no effect.
   static void ReadPartOfRobot(PropertyReader& reader, const ModelDraft& draft) {
@@ -136,7 +144,7 @@ class PositionReader : public ModelReader {
     reader.Use("ctrl");
   }
 
-  static RobotId AddRobot(PropertyReader& reader, const ModelDraft& draft, BuildContext& context) {
+  RobotId AddRobot(PropertyReader& reader, const ModelDraft& draft, BuildContext& context) {
     std::vector<RobotDescription>& robots = context.world.robots;
     const RobotId id(robots.size());
     RobotDescription robot;
@@ -144,14 +152,17 @@ class PositionReader : public ModelReader {
     robot.root = draft.id;
     robot.drive = ReadDrive(reader);
     robot.localization = ReadLocalization(reader, draft.model.X_PM, id, context.world.seed);
-    if (const std::optional<ControllerDescription> controller = ReadController(reader)) {
+    if (const std::optional<ControllerDescription> controller = ReadController(reader, context)) {
       robot.controller = *controller;
+      own_ = id;
     } else if (context.default_controller) {
       robot.controller.name = *context.default_controller;
     }
     robots.push_back(std::move(robot));
     return id;
   }
+
+  std::optional<RobotId> own_;  // that has a controller of the file
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "robot-agent/controller/steer_to_point.h"
+#include "robot-agent/navigation/steer_to_point.h"
 
 #include <algorithm>
 #include <cmath>

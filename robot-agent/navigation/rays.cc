@@ -1,4 +1,4 @@
-#include "robot-agent/controller/rays.h"
+#include "robot-agent/navigation/rays.h"
 
 #include "common/base/deterministic_math.h"
 
@@ -61,6 +61,19 @@ std::optional<std::size_t> FindSonar(const RobotInfo& info) {
 std::optional<std::size_t> FindRanger(const RobotInfo& info) {
   for (std::size_t i = 0; i < info.sensors.size(); ++i) {
     if (RangerOf(info.sensors[i]) != nullptr) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> FindBestRanger(const RobotInfo& info) {
+  std::optional<std::size_t> ranger = FindScanner(info);
+  if (!ranger) ranger = FindSonar(info);
+  return ranger ? ranger : FindRanger(info);
+}
+
+std::optional<std::size_t> FindFinder(const RobotInfo& info) {
+  for (std::size_t i = 0; i < info.sensors.size(); ++i) {
+    if (std::holds_alternative<FiducialParameters>(info.sensors[i].description->parameters)) return i;
   }
   return std::nullopt;
 }

@@ -1,4 +1,4 @@
-// The motion towards a point, for controllers that drive to places. Private to this folder.
+// The motion towards a point, for controllers that drive to places.
 #pragma once
 
 #include "troupe/controller.h"

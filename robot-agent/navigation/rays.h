@@ -1,4 +1,5 @@
-// Rays of a ranger in the frame of the robot, for any number and poses of its ray sensors.
+// The sensors with which controllers navigate, and the rays of a ranger in the frame of the robot, for any number and
+// poses of its ray sensors.
 #pragma once
 
 #include <cstddef>
@@ -30,5 +31,11 @@ std::optional<std::size_t> FindSonar(const RobotInfo& info);
 
 // The first ranger.
 std::optional<std::size_t> FindRanger(const RobotInfo& info);
+
+// The scanner-like ranger, else the sonar-like one, else the first one.
+std::optional<std::size_t> FindBestRanger(const RobotInfo& info);
+
+// The first fiducial finder.
+std::optional<std::size_t> FindFinder(const RobotInfo& info);
 
 }  // namespace troupe

@@ -1,0 +1,274 @@
+// fasr, fasr2 and fasr_plan: carry units from sources to sinks. Three ways to the same task: one pair of places with
+// what the sensors see at present; several pairs, in turn; one pair with planned paths on a map of its own.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "robot-agent/controller/built_in.h"
+#include "robot-agent/controller/map_parameters.h"
+#include "robot-agent/controller/nested_parameters.h"
+#include "robot-agent/navigation/clear_steering.h"
+#include "robot-agent/navigation/mapped_route.h"
+
+namespace troupe {
+namespace {
+
+// Where units are loaded or unloaded: a point, or a model that a fiducial finder recognizes.
+struct UnitPlace {
+  std::optional<Vec2> point;  // m, in the frame of the estimate
+  std::int32_t id = 0;        // fiducial_return, where there is no point
+};
+
+struct Task {
+  UnitPlace source;
+  UnitPlace sink;
+};
+
+struct ForageParameters {
+  ClearSteering::Settings motion;
+  std::vector<Task> tasks;
+  double reach = 1.0;      // m: the robot is at a place within it
+  double load_time = 3.0;  // s, that it stands there
+  double patience = 0.0;   // s: it then turns to the next task; 0: never
+  std::optional<MappedRoute::Settings> map;
+};
+
+enum class Variant : std::uint8_t { kOneTask, kTasks, kPlanning };
+
+const char* NameOf(Variant variant) {
+  switch (variant) {
+    case Variant::kOneTask:
+      return "fasr";
+    case Variant::kTasks:
+      return "fasr2";
+    case Variant::kPlanning:
+      return "fasr_plan";
+  }
+  return "";
+}
+
+std::optional<UnitPlace> ParseUnitPlace(const nlohmann::json& value) {
+  if (value.is_number_integer() && value.get<double>() >= 1.0 && value.get<double>() <= 1e9) {
+    return UnitPlace{std::nullopt, value.get<std::int32_t>()};
+  }
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) return std::nullopt;
+  const Vec2 point(value[0].get<double>(), value[1].get<double>());
+  if (!(point.cwiseAbs().maxCoeff() <= 1e6)) return std::nullopt;
+  return UnitPlace{point};
+}
+
+UnitPlace ReadUnitPlace(NestedParameters& reader, const char* key, std::int32_t otherwise) {
+  const std::optional<nlohmann::json> value = reader.ReadAny(key);
+  if (!value) return {std::nullopt, otherwise};
+  const std::optional<UnitPlace> place = ParseUnitPlace(*value);
+  if (!place) reader.Fail(fmt::format("'{}' is no place, expected a point [x, y] or the id of a fiducial", key));
+  return place.value_or(UnitPlace{});
+}
+
+std::vector<Task> ReadTasks(NestedParameters& reader) {
+  std::vector<Task> tasks;
+  for (const nlohmann::json& entry : reader.ReadArray("tasks")) {
+    const bool is_pair = entry.is_array() && entry.size() == 2;
+    const std::optional<UnitPlace> source = is_pair ? ParseUnitPlace(entry[0]) : std::nullopt;
+    const std::optional<UnitPlace> sink = is_pair ? ParseUnitPlace(entry[1]) : std::nullopt;
+    if (!source || !sink) {
+      reader.Fail(
+          fmt::format("task {} is not a list [source, sink] of two places, each a point [x, y] or the id of a "
+                      "fiducial",
+                      tasks.size()));
+      return {};
+    }
+    tasks.push_back({*source, *sink});
+  }
+  if (tasks.size() > 1000) reader.Fail("more than 1000 tasks");
+  return tasks;
+}
+
+template <Variant kVariant>
+Result<ForageParameters> ParseForage(const std::string& text) {
+  ForageParameters p;
+  NestedParameters reader(NameOf(kVariant), text);
+  if (kVariant == Variant::kTasks) p.tasks = ReadTasks(reader);
+  const UnitPlace source = ReadUnitPlace(reader, "source", 1);
+  const UnitPlace sink = ReadUnitPlace(reader, "sink", 2);
+  if (p.tasks.empty()) p.tasks.push_back({source, sink});
+  p.reach = reader.ReadNumber("reach", {0.05, 100.0}).value_or(p.reach);
+  p.load_time = reader.ReadNumber("load_time", {0.0, 3600.0}).value_or(p.load_time);
+  p.motion.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.motion.steer.speed);
+  p.motion.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.motion.steer.turn_rate);
+  p.motion.clearance = reader.ReadNumber("clearance", {0.0, 100.0}).value_or(p.motion.clearance);
+  if (kVariant == Variant::kTasks) p.patience = reader.ReadNumber("patience", {0.0, 1e6}).value_or(60.0);
+  if (kVariant == Variant::kPlanning) p.map = ReadMapSettings(reader, p.motion.clearance);
+  if (Status status = reader.Finish(); !status.ok()) return status.error();
+  return p;
+}
+
+bool NeedsFinder(const UnitPlace& place) {
+  return !place.point;
+}
+
+class ForageController final : public Controller {
+ public:
+  ForageController(const RobotInfo& info, ForageParameters parameters, std::optional<std::size_t> ranger,
+                   std::optional<std::size_t> finder)
+      : parameters_(std::move(parameters)),
+        drive_(info.robot->drive),
+        ranger_(ranger),
+        finder_(finder),
+        steering_(info, ranger, parameters_.motion) {
+    if (parameters_.map && ranger) route_.emplace(info, *ranger, *parameters_.map);
+  }
+
+  std::vector<std::size_t> Subscriptions() const override {
+    std::vector<std::size_t> sensors;
+    if (ranger_) sensors.push_back(*ranger_);
+    if (finder_) sensors.push_back(*finder_);
+    return sensors;
+  }
+
+  Command Update(const Observation& observation) override {
+    NotePlaces(observation);
+    if (route_) route_->Observe(observation);
+    if (parameters_.patience > 0.0 && !carries_ && observation.time - task_since_ > parameters_.patience) {
+      BeginTask((task_ + 1) % parameters_.tasks.size(), observation.time);
+    }
+    const UnitPlace& place = carries_ ? task().sink : task().source;
+    const std::optional<Vec2> goal = GoalOf(place);
+    if (!goal) {
+      handling_since_.reset();
+      return Search(observation);
+    }
+    const Vec2 p_R = Transform2(observation.pose_estimate).InverseTransform(*goal);
+    const double distance = std::sqrt(p_R.squaredNorm());
+    if (distance <= parameters_.reach) return HandleUnit(observation, place);
+    handling_since_.reset();
+    // Half of the reach farther, so that it does not end at the very rim.
+    const double rest = std::max(distance - 0.5 * parameters_.reach, 0.0);
+    const Vec2 next = route_ ? route_->NextPoint(observation, *goal, 0.5 * parameters_.reach).value_or(*goal) : *goal;
+    return steering_.Towards(observation, Transform2(observation.pose_estimate).InverseTransform(next),
+                             BrakingSpeed(drive_, rest));
+  }
+
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<ForageController>(*this); }
+
+ private:
+  const Task& task() const { return parameters_.tasks[task_]; }
+
+  void BeginTask(std::size_t task, double now) {
+    task_ = task;
+    task_since_ = now;
+  }
+
+  // Remembers where recognized places were.
+  void NotePlaces(const Observation& observation) {
+    if (!finder_) return;
+    const SensorReading& reading = observation.sensors[*finder_];
+    const auto* const found = reading.As<FiducialReading>();
+    if (found == nullptr || reading.tick != observation.tick) return;
+    const Transform2 sensor(observation.pose_estimate * found->X_RS);
+    for (const Fiducial& fiducial : found->fiducials) {
+      if (fiducial.id != 0) places_[fiducial.id] = sensor * fiducial.X_SF.translation();
+    }
+  }
+
+  std::optional<Vec2> GoalOf(const UnitPlace& place) const {
+    if (place.point) return place.point;
+    const auto known = places_.find(place.id);
+    return known != places_.end() ? std::optional(known->second) : std::nullopt;
+  }
+
+  Command Search(const Observation& observation) {
+    if (route_) {
+      if (const std::optional<Vec2> next = route_->NextUnknown(observation)) {
+        return steering_.Towards(observation, Transform2(observation.pose_estimate).InverseTransform(*next),
+                                 parameters_.motion.steer.speed);
+      }
+    }
+    return steering_.Roam(observation);
+  }
+
+  bool Sees(const Observation& observation, std::int32_t id) const {
+    const auto* const found = observation.sensors[*finder_].As<FiducialReading>();
+    return found != nullptr && std::any_of(found->fiducials.begin(), found->fiducials.end(),
+                                           [&](const Fiducial& fiducial) { return fiducial.id == id; });
+  }
+
+  // Stands while the unit is loaded or unloaded, which a recognized place allows as long as it shows its mark.
+  Command HandleUnit(const Observation& observation, const UnitPlace& place) {
+    Command command;
+    if (!place.point && !Sees(observation, place.id)) {
+      handling_since_.reset();
+      if (drive_.type != DriveType::kCar) command.twist.wz = 0.5 * parameters_.motion.steer.turn_rate;
+      return command;
+    }
+    if (!handling_since_) handling_since_ = observation.time;
+    if (observation.time - *handling_since_ < parameters_.load_time) return command;
+    handling_since_.reset();
+    carries_ = !carries_;
+    if (carries_) return command;
+    ++delivered_;
+    command.report = fmt::format("{} unit{} delivered", delivered_, delivered_ == 1 ? "" : "s");
+    BeginTask((task_ + 1) % parameters_.tasks.size(), observation.time);
+    return command;
+  }
+
+  ForageParameters parameters_;
+  DriveDescription drive_;
+  std::optional<std::size_t> ranger_;
+  std::optional<std::size_t> finder_;
+  ClearSteering steering_;
+  std::optional<MappedRoute> route_;     // for planning
+  std::map<std::int32_t, Vec2> places_;  // by fiducial, in the frame of the estimate
+  std::size_t task_ = 0;
+  double task_since_ = 0.0;  // s, simulated
+  bool carries_ = false;
+  std::optional<double> handling_since_;  // s, simulated
+  std::uint64_t delivered_ = 0;
+};
+
+template <Variant kVariant>
+Status CheckForage(const std::string& parameters) {
+  const Result<ForageParameters> parsed = ParseForage<kVariant>(parameters);
+  return parsed.ok() ? Status() : parsed.error();
+}
+
+template <Variant kVariant>
+Result<std::unique_ptr<Controller>> CreateForage(const RobotInfo& info) {
+  Result<ForageParameters> parsed = ParseForage<kVariant>(info.parameters);
+  if (!parsed.ok()) return parsed.error();
+  ForageParameters& parameters = parsed.value();
+  const std::optional<std::size_t> ranger = FindBestRanger(info);
+  if (kVariant == Variant::kPlanning && !ranger) return Error{{}, "fasr_plan: the robot has no ranger, expected one"};
+  const std::optional<std::size_t> finder = FindFinder(info);
+  const bool needs_finder = std::any_of(parameters.tasks.begin(), parameters.tasks.end(), [](const Task& task) {
+    return NeedsFinder(task.source) || NeedsFinder(task.sink);
+  });
+  if (needs_finder && !finder) {
+    return Error{{},
+                 fmt::format("{}: the robot has no fiducial finder to look for its source and its sink, expected one, "
+                             "or a point [x, y] for each of them",
+                             NameOf(kVariant))};
+  }
+  return std::unique_ptr<Controller>(std::make_unique<ForageController>(info, std::move(parameters), ranger, finder));
+}
+
+}  // namespace
+
+BuiltInController Fasr() {
+  return {"fasr", CheckForage<Variant::kOneTask>, CreateForage<Variant::kOneTask>};
+}
+
+BuiltInController Fasr2() {
+  return {"fasr2", CheckForage<Variant::kTasks>, CreateForage<Variant::kTasks>};
+}
+
+BuiltInController FasrPlan() {
+  return {"fasr_plan", CheckForage<Variant::kPlanning>, CreateForage<Variant::kPlanning>};
+}
+
+}  // namespace troupe

@@ -1,0 +1,175 @@
+#include "robot-agent/navigation/clear_steering.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+constexpr int kBearings = 72;            // candidates
+constexpr double kLookAhead = 1.5;       // m: obstacles farther away do not matter yet
+constexpr double kCourseWeight = 0.35;   // of a change of course, against the deviation from the point
+constexpr double kBackOffTime = 1.0;     // s, after a stall
+constexpr double kPatience = 10.0;       // s without progress until it roams
+constexpr double kProgress = 0.2;        // m
+constexpr double kRoamTime = 6.0;        // s
+constexpr double kRoamCourseTime = 5.0;  // s, between random changes of course
+constexpr double kSamePlace = 0.5;       // m: a point that moves by less is the same
+
+Vec2 DirectionOf(double bearing) {
+  const SinCosResult direction = SinCos(bearing);
+  return {direction.cos, direction.sin};
+}
+
+}  // namespace
+
+ClearSteering::ClearSteering(const RobotInfo& info, std::optional<std::size_t> ranger, const Settings& settings)
+    : settings_(settings), drive_(info.robot->drive), ranger_(ranger) {
+  if (!ranger_) return;
+  const SensorInfo& sensor = info.sensors[*ranger_];
+  const auto& parameters = std::get<RangerParameters>(sensor.description->parameters);
+  for (const RangerRay& ray : RaysOf(info, *ranger_)) {
+    const Pose X_RS = sensor.X_RM * parameters.ray_sensors[ray.sensor].X_MS;
+    rays_.push_back({ray, X_RS.translation(), DirectionOf(ray.bearing)});
+  }
+}
+
+void ClearSteering::SeeObstacles(const Observation& observation) {
+  obstacles_.clear();
+  if (!ranger_) return;
+  const SensorReading& reading = observation.sensors[*ranger_];
+  for (const PlacedRay& placed : rays_) {
+    const double range = RangeOf(reading, placed.ray);
+    if (range >= placed.ray.max_range) continue;
+    const Vec2 hit = placed.p_RO + range * placed.direction;
+    const double reach = kLookAhead + settings_.clearance;
+    if (hit.squaredNorm() <= reach * reach) obstacles_.push_back(hit);
+  }
+}
+
+std::optional<Command> ClearSteering::Escape(const Observation& observation) {
+  const double now = observation.time;
+  if (observation.stalled && now >= turn_until_) {
+    back_off_until_ = now + kBackOffTime;
+    // A random angle, against an endless sequence of stalls of two robots that give way to the same side.
+    const double angle = 0.25 * kPi + 0.5 * kPi * observation.Random(0);
+    turn_until_ = back_off_until_ + angle / std::max(settings_.steer.turn_rate, 0.1);
+    side_ = observation.Random(1) < 0.5 ? 1.0 : -1.0;
+    last_course_.reset();
+  }
+  if (now < back_off_until_) return Drive(-0.5 * settings_.steer.speed, 0.0);
+  if (now < turn_until_) return TurnAround();
+  return std::nullopt;
+}
+
+bool ClearSteering::IsClear(double bearing, double distance, double clearance) const {
+  const Vec2 direction = DirectionOf(bearing);
+  return std::none_of(obstacles_.begin(), obstacles_.end(), [&](const Vec2& obstacle) {
+    const double along = obstacle.dot(direction);
+    const double across = direction.x() * obstacle.y() - direction.y() * obstacle.x();
+    return along > 0.0 && along < distance && std::abs(across) < clearance;
+  });
+}
+
+std::optional<double> ClearSteering::ClearBearing(double wanted, double distance, double clearance,
+                                                  double heading) const {
+  std::optional<double> best;
+  double least = 0.0;
+  for (int i = -1; i < kBearings; ++i) {
+    // The wanted bearing itself is the first candidate.
+    const double bearing = i < 0 ? wanted : 2.0 * kPi * i / kBearings - kPi;
+    double cost = std::abs(WrapAngle(bearing - wanted));
+    if (last_course_) cost += kCourseWeight * std::abs(WrapAngle(heading + bearing - *last_course_));
+    if (best && cost >= least) continue;
+    if (!IsClear(bearing, distance, clearance)) continue;
+    best = bearing;
+    least = cost;
+  }
+  return best;
+}
+
+double ClearSteering::RoomAhead() const {
+  double room = kLookAhead + settings_.clearance;
+  for (const Vec2& obstacle : obstacles_) {
+    if (obstacle.x() > 0.0 && std::abs(obstacle.y()) < 0.8 * settings_.clearance) room = std::min(room, obstacle.x());
+  }
+  return room;
+}
+
+Command ClearSteering::Steer(const Observation& observation, const Vec2& p_R, double most) {
+  const double distance = std::sqrt(p_R.squaredNorm());
+  const double look = std::clamp(distance, 0.3, kLookAhead);
+  const double wanted = Atan2(p_R.y(), p_R.x());
+  const double heading = observation.pose_estimate.heading;
+  std::optional<double> bearing = ClearBearing(wanted, look, settings_.clearance, heading);
+  // In a narrow place, or beside an obstacle.
+  if (!bearing) bearing = ClearBearing(wanted, 0.5 * look, 0.6 * settings_.clearance, heading);
+  if (!bearing) {
+    last_course_.reset();
+    return TurnAround();
+  }
+  last_course_ = WrapAngle(heading + *bearing);
+  side_ = *bearing >= 0.0 ? 1.0 : -1.0;
+  const double room = RoomAhead() - 0.8 * settings_.clearance;
+  const double speed = std::min(most, std::max(BrakingSpeed(drive_, room), 0.05));
+  return SteerToPoint(drive_, settings_.steer, *bearing == wanted ? p_R : Vec2(look * DirectionOf(*bearing)), speed);
+}
+
+Command ClearSteering::Towards(const Observation& observation, const Vec2& p_R, double most) {
+  SeeObstacles(observation);
+  const double now = observation.time;
+  const Vec2 target = Transform2(observation.pose_estimate) * p_R;
+  const double distance = std::sqrt(p_R.squaredNorm());
+  const bool is_new = (target - best_target_).squaredNorm() > kSamePlace * kSamePlace;
+  if (is_new || distance < best_distance_ - kProgress) {
+    best_target_ = target;
+    best_distance_ = distance;
+    progress_at_ = now;
+    if (is_new) roam_until_ = 0.0;
+  }
+  if (now - progress_at_ > kPatience) {
+    roam_until_ = now + kRoamTime;
+    roam_course_ = 2.0 * kPi * observation.Random(4);
+    new_course_at_ = roam_until_;
+    progress_at_ = roam_until_;
+    best_distance_ = distance;
+  }
+  if (now < roam_until_) return Roam(observation);
+  if (const std::optional<Command> escape = Escape(observation)) return *escape;
+  return Steer(observation, p_R, most);
+}
+
+Command ClearSteering::Roam(const Observation& observation) {
+  SeeObstacles(observation);
+  if (const std::optional<Command> escape = Escape(observation)) return *escape;
+  const double heading = observation.pose_estimate.heading;
+  if (observation.time >= new_course_at_) {
+    roam_course_ = WrapAngle(heading + 0.5 * kPi * (observation.Random(2) - 0.5));
+    new_course_at_ = observation.time + kRoamCourseTime;
+  }
+  const double bearing = WrapAngle(roam_course_ - heading);
+  const Command command = Steer(observation, 2.0 * DirectionOf(bearing), settings_.steer.speed);
+  // It goes on where it found room, and does not push back to the old course.
+  if (last_course_) roam_course_ = *last_course_;
+  return command;
+}
+
+Command ClearSteering::TurnAround() {
+  return Drive(0.0, side_);
+}
+
+// `turn`: 1 to the left, -1 to the right. A car cannot turn on the spot: it turns backwards.
+Command ClearSteering::Drive(double speed, double turn) const {
+  Command command;
+  if (drive_.type == DriveType::kCar) {
+    command.speed = turn != 0.0 ? -0.5 * settings_.steer.speed : speed;
+    command.steering = turn != 0.0 ? drive_.velocity.heading.Clamp(-0.5 * turn) : 0.0;
+  } else {
+    command.twist = {speed, 0.0, turn * settings_.steer.turn_rate};
+  }
+  return command;
+}
+
+}  // namespace troupe

@@ -1,0 +1,186 @@
+// The controllers that Stage's worlds name do their tasks: whole simulations of worlds/foraging.world and
+// worlds/stage_controllers.world.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "troupe/simulation.h"
+
+namespace troupe {
+namespace {
+
+std::string WorldPath(const std::string& name) {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/" + name;
+}
+
+Simulation LoadFile(const std::string& path) {
+  Result<Simulation> loaded = Simulation::Load(path);
+  if (!loaded.ok()) throw std::runtime_error(loaded.error().ToString());
+  return std::move(loaded).value();
+}
+
+Simulation LoadText(const std::string& text) {
+  const std::string path = testing::TempDir() + "stage_tasks_test.world";
+  std::ofstream(path) << text;
+  return LoadFile(path);
+}
+
+// The last number that each robot reported: "robot c1: 3 units delivered".
+std::map<std::string, int> CountsOf(const std::vector<std::string>& reports) {
+  std::map<std::string, int> counts;
+  for (const std::string& report : reports) {
+    const std::size_t colon = report.find(": ");
+    counts[report.substr(6, colon - 6)] = std::atoi(report.c_str() + colon + 2);
+  }
+  return counts;
+}
+
+TEST(StageTasks, CarriersBringUnitsFromTheSourceToTheSink) {
+  Simulation simulation = LoadFile(WorldPath("foraging.world"));
+  EXPECT_THAT(simulation.warnings(), testing::IsEmpty());
+  simulation.Step(6000);
+  EXPECT_THAT(simulation.failures(), testing::IsEmpty());
+  std::map<std::string, int> counts = CountsOf(simulation.reports());
+  int delivered = 0;
+  for (const char* carrier : {"c1", "c2", "c3", "c4"}) {
+    EXPECT_GE(counts[carrier], 4) << carrier;
+    delivered += counts[carrier];
+  }
+  // The stations see the same units with sensors of their own. A unit may be on its way.
+  EXPECT_NEAR(counts["depot"], delivered, 3);
+  EXPECT_GE(counts["mine"], counts["depot"] - 1);
+}
+
+TEST(StageTasks, AStationLowersItsMarkWhileItHasNoUnit) {
+  Simulation simulation = LoadText(R"(
+define station position
+( size [0.5 0.5 0.3]
+  ranger( pose [0 0 -0.2 0] sensor( range [0 4] fov 350 samples 71 ) )
+  actuator( name "mark" type "linear" axis [0 0 1] max_speed 1 max_position 0.4 size [0.2 0.2 0.3] ) )
+station( name "source" pose [0 0 0 0] ctrl "source 10 1" )
+position( name "visitor" size [0.3 0.3 0.3] pose [-1 0 0 0] ctrl "idle" )
+)");
+  ASSERT_EQ(simulation.world().joints.size(), 1u);
+  const auto mark = [&] { return simulation.state().joints[0].position; };
+  simulation.Step(20);
+  EXPECT_NEAR(mark(), 0.4, 1e-9);
+  simulation.Step(20);
+  EXPECT_NEAR(mark(), 0.0, 1e-9);  // the visitor has received the unit
+  simulation.Step(80);
+  EXPECT_NEAR(mark(), 0.4, 1e-9);  // another unit is there, but it is for another visit
+  simulation.Step(100);
+  EXPECT_NEAR(mark(), 0.4, 1e-9);
+}
+
+TEST(StageTasks, RobotsOfAStageWorldKnowTheModelsSourceAndSink) {
+  Simulation simulation = LoadText(R"(
+define zone model ( size [2 2 0.01] obstacle_return 0 ranger_return -1 )
+zone( name "source" pose [-4 0 0 0] ctrl "source" )
+zone( name "sink" pose [4 1 0 0] ctrl "sink" )
+model( name "wall" size [0.2 3 1] pose [0 0.5 0 0] )
+define bot position ( size [0.4 0.4 0.25] ranger( pose [0 0 -0.1 0] sensor( range [0 8] fov 180 samples 91 ) ) )
+bot( name "a" pose [-2 0 0 0] ctrl "fasr reach=1" )
+bot( name "b" pose [2 -2 0 0] localization "odom" odom_error [0 0 0 0] ctrl "fasr_plan" )
+bot( name "c" pose [3 2 0 90] ctrl "fasr2" )
+)");
+  EXPECT_THAT(simulation.warnings(), testing::IsEmpty());
+  simulation.Step(3000);
+  EXPECT_THAT(simulation.failures(), testing::IsEmpty());
+  std::map<std::string, int> counts = CountsOf(simulation.reports());
+  for (const char* robot : {"a", "b", "c"}) EXPECT_GE(counts[robot], 3) << robot;
+}
+
+// An obstacle that opens to the robot catches one that knows only what it sees; a plan leads around it.
+TEST(StageTasks, APlanLeadsOutOfADeadEnd) {
+  Simulation simulation = LoadText(R"(
+define wall model ( )
+wall( size [0.2 6 1] pose [3 0 0 0] )
+wall( size [5 0.2 1] pose [0.6 3 0 0] )
+wall( size [5 0.2 1] pose [0.6 -3 0 0] )
+position( name "r" size [0.4 0.4 0.25] pose [0 0 0 0] ctrl "fasr_plan [6,0] [0,0]"
+  ranger( pose [0 0 -0.1 0] sensor( range [0 8] fov 240 samples 121 ) ) )
+)");
+  simulation.Step(1500);
+  EXPECT_THAT(simulation.failures(), testing::IsEmpty());
+  EXPECT_GE(CountsOf(simulation.reports())["r"], 1);
+}
+
+class StageControllersWorld : public testing::Test {
+ protected:
+  Simulation simulation_ = LoadFile(WorldPath("stage_controllers.world"));
+
+  const Pose& PoseOf(const std::string& robot) const { return simulation_.pose(*simulation_.FindRobot(robot)); }
+};
+
+TEST_F(StageControllersWorld, RobotsFlock) {
+  // The mean of the cosines and sines of the headings: 1 if all are equal.
+  const auto order = [&] {
+    Vec2 sum = Vec2::Zero();
+    for (const char* robot : {"f1", "f2", "f3", "f4"}) {
+      sum += Vec2(std::cos(PoseOf(robot).heading), std::sin(PoseOf(robot).heading));
+    }
+    return sum.norm() / 4.0;
+  };
+  EXPECT_LT(order(), 0.5);
+  double together = 0.0;
+  double aligned = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    simulation_.Step(20);
+    double farthest = 0.0;
+    for (const char* a : {"f1", "f2", "f3", "f4"}) {
+      for (const char* b : {"f1", "f2", "f3", "f4"}) {
+        farthest = std::max(farthest, (PoseOf(a).translation() - PoseOf(b).translation()).norm());
+      }
+    }
+    together += farthest < 5.0 ? 0.01 : 0.0;
+    aligned += 0.01 * order();
+  }
+  EXPECT_GT(together, 0.7);
+  EXPECT_GT(aligned, 0.7);
+}
+
+TEST_F(StageControllersWorld, TheMapIsMadeAndTheNoiseMeasured) {
+  simulation_.Step(4000);
+  EXPECT_THAT(simulation_.failures(), testing::IsEmpty());
+  EXPECT_THAT(simulation_.reports(), testing::Contains(testing::StartsWith("robot mapper: the map is complete: ")));
+  // sqrt(0.0004 m^2) is 0.02 m.
+  EXPECT_THAT(simulation_.reports(),
+              testing::Contains(testing::AllOf(testing::StartsWith("robot meter: 50 readings, 31 of 31 rays"),
+                                               testing::HasSubstr("standard deviation 0.0"))));
+}
+
+TEST_F(StageControllersWorld, TheObstacleMovesToAndFro) {
+  double least = 1e9;
+  double most = -1e9;
+  for (int i = 0; i < 300; ++i) {
+    simulation_.Step(1);
+    least = std::min(least, PoseOf("shuttle").x);
+    most = std::max(most, PoseOf("shuttle").x);
+  }
+  EXPECT_NEAR(least, -2.0, 0.2);  // and a way to brake
+  EXPECT_NEAR(most, 1.0, 0.2);
+}
+
+// A copy of each controller continues as the original.
+TEST(StageTasks, SnapshotsContinueAlike) {
+  for (const char* world : {"foraging.world", "stage_controllers.world"}) {
+    Simulation simulation = LoadFile(WorldPath(world));
+    simulation.Step(300);
+    const Result<Snapshot> saved = simulation.Save();
+    ASSERT_TRUE(saved.ok()) << saved.error().message;
+    simulation.Step(300);
+    const std::uint64_t hash = simulation.state_hash();
+    ASSERT_TRUE(simulation.Restore(saved.value()).ok());
+    simulation.Step(300);
+    EXPECT_EQ(simulation.state_hash(), hash) << world;
+  }
+}
+
+}  // namespace
+}  // namespace troupe
