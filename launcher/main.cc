@@ -10,11 +10,13 @@
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/ctl_command.h"
 #include "launcher/commands/export_map_command.h"
+#include "launcher/commands/goto_command.h"
 #include "launcher/commands/host_command.h"
 #include "launcher/commands/keys_command.h"
 #include "launcher/commands/replay_command.h"
 #include "launcher/commands/run_command.h"
 #include "launcher/commands/snapshot_command.h"
+#include "launcher/commands/teleop_command.h"
 #include "launcher/commands/top_command.h"
 #include "launcher/commands/view_command.h"
 
@@ -31,6 +33,8 @@ int Main(int argc, const char* const* argv) {
   AddCheckCommand(app, exit_status);
   AddTopCommand(app, exit_status);
   AddCtlCommand(app, exit_status);
+  AddGotoCommand(app, exit_status);
+  AddTeleopCommand(app, exit_status);
   AddViewCommand(app, exit_status);
   AddSnapshotCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);

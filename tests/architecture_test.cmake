@@ -126,18 +126,20 @@ set(may_include_launcher/supervise
   common/trace
   common/worldfile common/worldfile/build common/worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/replay world-service/service)
+set(may_include_launcher/driving
+  common/base common/dds/tools common/geometry common/model common/protocol common/run)
 set(may_include_launcher/commands
   common/base common/command_line common/dds/tools common/geometry common/model common/picture common/protocol
   common/recording common/run common/security
   common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
-  common/worldfile/text common/bitmap include/troupe/simulation.h launcher/hosts launcher/process launcher/supervise library
+  common/worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/hosts launcher/process launcher/supervise library
   robot-agent/agent robot-agent/controller viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users
   launcher/commands/ctl_command.cc launcher/commands/find_session.cc launcher/commands/session_table.h
-  launcher/commands/top_command.cc launcher/commands/view_command.cc
+  launcher/commands/top_command.cc launcher/commands/view_command.cc launcher/driving/robot_remote.cc
   robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others
   common/dds/tools/control_client.h common/dds/transport/dds_transport.h common/dds/binding/network_log.h common/dds/tools/session_monitor.h

@@ -1,0 +1,15 @@
+// ParseGoalText: the points of a goal on a command line.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/model/robot_command.h"
+
+namespace troupe {
+
+// Reads "X,Y" of each point, and of the last one "X,Y" or "X,Y,HEADING", in metres and degrees. REQUIRES: not empty
+Result<Goal> ParseGoalText(const std::vector<std::string>& points);
+
+}  // namespace troupe

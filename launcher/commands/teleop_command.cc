@@ -1,0 +1,149 @@
+#include "launcher/commands/teleop_command.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "common/command_line/exit_status.h"
+#include "common/command_line/network_flags.h"
+#include "common/command_line/option_checks.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/commands/find_session.h"
+#include "launcher/driving/raw_terminal.h"
+#include "launcher/driving/robot_remote.h"
+#include "launcher/driving/teleop_keys.h"
+#include "launcher/process/signal_watch.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kCommandPeriod = 0.1;    // s, between two commands
+constexpr double kValid = 0.5;            // s of wall time that a command is in force: it ends soon after the tool
+constexpr std::uint64_t kOrderTicks = 2;  // a gripper keeps what it was ordered
+
+struct TeleopOptions {
+  NetworkSettings network;  // session empty: the only one
+  std::string robot;
+  TeleopSettings settings;
+};
+
+double Now() {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+enum class End : std::uint8_t { kNone, kKey, kSignal };
+
+// Waits for keys until `until`.
+End ReadKeys(TeleopKeys& keys, SignalWatch& signals, double until) {
+  for (;;) {
+    const double left = until - Now();
+    std::array<pollfd, 2> waited = {pollfd{STDIN_FILENO, POLLIN, 0}, pollfd{signals.descriptor(), POLLIN, 0}};
+    const int ready = poll(waited.data(), waited.size(), left > 0.0 ? static_cast<int>(1000.0 * left) + 1 : 0);
+    if (signals.ReadStopRequest()) return End::kSignal;
+    if (ready < 0 && errno != EINTR) return End::kSignal;
+    if (ready > 0 && waited[0].revents != 0) {
+      std::array<char, 256> bytes{};
+      const ssize_t count = read(STDIN_FILENO, bytes.data(), bytes.size());
+      if (count == 0 || (count < 0 && errno != EINTR)) return End::kSignal;  // the terminal is gone
+      if (count > 0 && !keys.Press({bytes.data(), static_cast<std::size_t>(count)}, Now())) return End::kKey;
+    }
+    if (Now() >= until) return End::kNone;
+  }
+}
+
+void Show(const std::string& robot, const Twist& twist, const ControlReply& reply) {
+  const char* const paused = reply.state == RunState::kPaused ? ", paused" : "";
+  fmt::print("\r\033[K{}: ahead {:.2f} m/s, left {:.2f} m/s, turn {:.2f} rad/s (tick {}{})", robot, twist.vx, twist.vy,
+             twist.wz, reply.tick, paused);
+  std::fflush(stdout);
+}
+
+Result<End> Drive(const TeleopOptions& options, RobotRemote& remote, TeleopKeys& keys, SignalWatch& signals) {
+  for (;;) {
+    const double begin = Now();
+    const Twist twist = keys.TwistAt(begin);
+    RobotCommand command;
+    command.twist = twist;
+    const Result<ControlReply> reply = remote.Send(command, remote.TicksIn(kValid));
+    if (!reply.ok()) return reply.error();
+    if (const std::optional<GripperOrder> order = keys.DrainOrder()) {
+      RobotCommand to_gripper;
+      to_gripper.grippers.push_back(*order);
+      if (const auto refused = remote.Send(to_gripper, kOrderTicks); !refused.ok()) return refused.error();
+    }
+    Show(options.robot, twist, reply.value());
+    if (const End end = ReadKeys(keys, signals, begin + kCommandPeriod); end != End::kNone) return end;
+  }
+}
+
+int Teleop(TeleopOptions options) {
+  SignalWatch signals;
+  if (isatty(STDIN_FILENO) == 0) {
+    return Fail({{}, "the standard input is no terminal, expected one for the keys", ErrorCode::kBadInput});
+  }
+  try {
+    if (options.network.session.empty()) {
+      Result<std::string> found = FindSession(options.network);
+      if (!found.ok()) return Fail(found.error());
+      options.network.session = std::move(found).value();
+    }
+    Result<RobotRemote> remote = RobotRemote::Connect(options.network, options.robot);
+    if (!remote.ok()) return Fail(remote.error());
+    fmt::print("driving {} of {}:\n{}", options.robot, options.network.session, TeleopKeys::Help());
+    std::fflush(stdout);
+    TeleopKeys keys(options.settings);
+    Result<End> end = End::kNone;
+    {
+      const Result<std::unique_ptr<RawTerminal>> terminal = RawTerminal::Open(STDIN_FILENO);
+      if (!terminal.ok()) return Fail(terminal.error());
+      end = Drive(options, remote.value(), keys, signals);
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+    if (!end.ok()) return Fail(end.error());
+    // The robot stands for a tick, and its controller continues.
+    RobotCommand stop;
+    stop.twist.emplace();
+    if (const auto stopped = remote.value().Send(stop, 1); !stopped.ok()) return Fail(stopped.error());
+    return end.value() == End::kSignal ? kExitInterrupted : kExitDone;
+  } catch (const std::exception& exception) {
+    return Fail(FailureOf(exception));
+  }
+}
+
+}  // namespace
+
+void AddTeleopCommand(CLI::App& app, int& exit_status) {
+  CLI::App* const command = app.add_subcommand("teleop", "Drive a robot of a live run by the keys of the terminal");
+  const auto options = std::make_shared<TeleopOptions>();
+  command->add_option("ROBOT", options->robot, "Name of the robot")->required();
+  command->add_option("--speed", options->settings.speed, "m/s ahead, back and sideways (default: 0.5)")
+      ->check(NumberFromZero())
+      ->type_name("SPEED");
+  command->add_option("--turn-rate", options->settings.turn_rate, "rad/s of turns (default: 1)")
+      ->check(NumberFromZero())
+      ->type_name("RATE");
+  command
+      ->add_option(
+          "--hold", options->settings.hold_seconds,
+          "Seconds that a key counts after its last repetition, for terminals report no release (default: 0.7)")
+      ->check(PositiveNumber())
+      ->type_name("SECONDS");
+  AddSessionFlag(*command, options->network, "Session of the run (default: the only one in the domain)");
+  AddToolNetworkFlags(*command, options->network);
+  command->footer(std::string("Keys:\n") + TeleopKeys::Help() +
+                  "While the tool runs, the robot stands unless a key moves it; then its controller continues.");
+  command->final_callback([options, &exit_status] { exit_status = Teleop(*options); });
+}
+
+}  // namespace troupe
