@@ -9,6 +9,7 @@
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/ctl_command.h"
+#include "launcher/commands/edit_command.h"
 #include "launcher/commands/export_map_command.h"
 #include "launcher/commands/goto_command.h"
 #include "launcher/commands/host_command.h"
@@ -36,6 +37,7 @@ int Main(int argc, const char* const* argv) {
   AddGotoCommand(app, exit_status);
   AddTeleopCommand(app, exit_status);
   AddViewCommand(app, exit_status);
+  AddEditCommand(app, exit_status);
   AddSnapshotCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);

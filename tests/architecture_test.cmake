@@ -28,6 +28,8 @@ set(may_include_common/worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial
   common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/stage
   common/worldfile/text)
+set(may_include_common/worldfile/edit
+  common/base common/geometry common/worldfile/scenario common/worldfile/stage common/worldfile/text)
 set(may_include_common/worldfile
   common/base common/geometry common/model
   common/worldfile/build common/worldfile/build/types common/worldfile/map common/worldfile/scenario
@@ -117,6 +119,12 @@ set(may_include_viewer/foxglove
 set(may_include_viewer/gateway
   common/base common/geometry common/model common/picture common/protocol common/sensing common/spatial viewer/foxglove)
 
+# The editor shows a file as if it were a paused run, and tests it by the library.
+set(may_include_viewer/editor
+  common/base common/geometry common/model common/protocol common/spatial common/worldfile/build common/worldfile/edit
+  common/worldfile/scenario common/worldfile/stage common/worldfile/text include/troupe/simulation.h
+  robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
+
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run common/worldfile/scenario launcher/process)
@@ -133,7 +141,7 @@ set(may_include_launcher/commands
   common/recording common/run common/security
   common/ros common/sensing common/spatial common/trace common/worldfile common/worldfile/build common/worldfile/scenario
   common/worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/hosts launcher/process launcher/supervise library
-  robot-agent/agent robot-agent/controller viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
@@ -154,7 +162,8 @@ set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
   ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
   ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
-  ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc ${ROOT}/viewer/gateway/*.h ${ROOT}/viewer/gateway/*.cc)
+  ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc ${ROOT}/viewer/gateway/*.h ${ROOT}/viewer/gateway/*.cc
+  ${ROOT}/viewer/editor/*.h ${ROOT}/viewer/editor/*.cc)
 foreach(file IN LISTS files)
   get_filename_component(folder ${file} DIRECTORY)
   if(folder STREQUAL "include/troupe")

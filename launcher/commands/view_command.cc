@@ -1,12 +1,10 @@
 #include "launcher/commands/view_command.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -22,6 +20,7 @@
 #include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/find_session.h"
+#include "launcher/commands/listen_address.h"
 #include "launcher/commands/recorded_states.h"
 #include "launcher/process/signal_watch.h"
 #include "viewer/gateway/access.h"
@@ -41,30 +40,6 @@ struct ViewOptions {
   std::string listen;       // text for ParseListen; empty: the default
   bool view_only = false;
 };
-
-struct ListenAddress {
-  std::string address;
-  std::uint16_t port = 0;
-};
-
-// "ADDRESS:PORT", with an IPv4 address.
-std::optional<ListenAddress> ParseListen(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos) return std::nullopt;
-  ListenAddress listen{text.substr(0, colon)};
-  in_addr address{};
-  const char* const end = text.data() + text.size();
-  const auto port = std::from_chars(text.data() + colon + 1, end, listen.port);
-  const bool good =
-      inet_pton(AF_INET, listen.address.c_str(), &address) == 1 && port.ec == std::errc() && port.ptr == end;
-  return good ? std::optional(listen) : std::nullopt;
-}
-
-std::string CheckListen(const std::string& text) {
-  return ParseListen(text)
-             ? ""
-             : "found '" + text + "', expected ADDRESS:PORT with an IPv4 address, for instance 127.0.0.1:8470";
-}
 
 // A run over DDS, as an observer and an operator of its session.
 class DdsRunLink : public RunLink {
@@ -180,13 +155,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           "Session of the run (default: the only one in the domain), or a recording")
       ->check(CLI::Validator(
           [](std::string& text) { return IsRecordingPath(text) ? std::string() : SessionName()(text); }, ""));
-  command
-      ->add_option("--listen", options->listen,
-                   fmt::format("Where the web server listens (default: 127.0.0.1:{}, or another port if that one is in "
-                               "use)",
-                               kViewerPort))
-      ->check(CLI::Validator(CheckListen, ""))
-      ->type_name("ADDRESS:PORT");
+  AddListenOption(*command, options->listen);
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });

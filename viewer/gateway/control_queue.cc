@@ -17,10 +17,18 @@ ControlQueue::~ControlQueue() {
 }
 
 bool ControlQueue::Add(ViewerId viewer, PageControl control) {
+  return AddTask({viewer, std::move(control)});
+}
+
+bool ControlQueue::Add(ViewerId viewer, EditRequest request) {
+  return AddTask({viewer, std::move(request)});
+}
+
+bool ControlQueue::AddTask(Task task) {
   {
     const std::lock_guard lock(mutex_);
     if (tasks_.size() >= kMostWaiting) return false;
-    tasks_.push_back({viewer, std::move(control)});
+    tasks_.push_back(std::move(task));
   }
   changed_.notify_all();
   return true;
@@ -31,6 +39,12 @@ std::vector<ControlQueue::Answer> ControlQueue::TakeAnswers() {
   return std::exchange(answers_, {});
 }
 
+std::string ControlQueue::Answered(const Task& task) {
+  if (const auto* edit = std::get_if<EditRequest>(&task.request)) return EditReplyText(edit->id, link_.Edit(edit->text));
+  const auto& control = std::get<PageControl>(task.request);
+  return PageReplyText(control.id, link_.Ask(control.request));
+}
+
 void ControlQueue::Run() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -39,7 +53,7 @@ void ControlQueue::Run() {
     const Task task = std::move(tasks_.front());
     tasks_.pop_front();
     lock.unlock();
-    std::string text = PageReplyText(task.control.id, link_.Ask(task.control.request));
+    std::string text = Answered(task);
     lock.lock();
     answers_.push_back({task.viewer, std::move(text)});
     on_answer_();

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "viewer/gateway/page_request.h"
@@ -35,14 +36,17 @@ class ControlQueue {
 
   // False if too many requests wait.
   bool Add(ViewerId viewer, PageControl control);
+  bool Add(ViewerId viewer, EditRequest request);
   std::vector<Answer> TakeAnswers();
 
  private:
   struct Task {
     ViewerId viewer = 0;
-    PageControl control;
+    std::variant<PageControl, EditRequest> request;
   };
 
+  bool AddTask(Task task);
+  std::string Answered(const Task& task);
   void Run();
 
   RunLink& link_;

@@ -1,5 +1,6 @@
 #include "viewer/gateway/page_request.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -151,6 +152,15 @@ Result<PageRequest> ParseSelect(const Json& object) {
   return PageRequest(std::move(select));
 }
 
+Result<PageRequest> ParseEdit(const Json& object, std::string_view text) {
+  const auto id = WholeNumberIn(object, "id");
+  std::string op = TextIn(object, "op");
+  if (!id || op.empty()) return Malformed("an edit", "an id and an op");
+  PageRequest request;
+  request.emplace<EditRequest>(EditRequest{*id, std::move(op), std::string(text)});
+  return request;
+}
+
 Result<PageRequest> ParseSeek(const Json& object) {
   const SeekRequest seek{WholeNumberIn(object, "position"), WholeNumberIn(object, "tick")};
   if (seek.position.has_value() == seek.tick.has_value()) return Malformed("a seek", "a position or a tick");
@@ -161,11 +171,13 @@ Result<PageRequest> ParseSeek(const Json& object) {
 
 }  // namespace
 
-Result<PageRequest> ParsePageRequest(std::string_view text) {
-  if (text.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
+Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest) {
+  if (text.size() > longest) return Malformed("a long text", std::to_string(longest) + " bytes at most");
   const Json object = Json::parse(text, nullptr, false);
   if (!object.is_object()) return Malformed("a text", "a JSON object");
   const std::string type = TextIn(object, "type");
+  if (type == "edit") return ParseEdit(object, text);
+  if (text.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
   if (type == "select") return ParseSelect(object);
   if (type == "control") return ParseControl(object);
   if (type == "seek") return ParseSeek(object);
@@ -180,6 +192,23 @@ Result<PageRequest> ParsePageRequest(std::string_view text) {
 bool IsQuestion(ControlCommand command) {
   return command == ControlCommand::kStatus || command == ControlCommand::kSpawnables ||
          command == ControlCommand::kEntities;
+}
+
+bool IsQuestion(const EditRequest& request) {
+  constexpr std::array<std::string_view, 6> kQuestions = {"document", "text", "palette", "help", "entity", "model"};
+  return std::find(kQuestions.begin(), kQuestions.end(), request.op) != kQuestions.end();
+}
+
+std::string EditReplyText(std::uint64_t id, const Result<std::string>& reply) {
+  Json text = Json::object();
+  if (reply.ok()) text = Json::parse(reply.value(), nullptr, false);
+  if (!text.is_object()) text = Json::object();
+  text["type"] = "reply";
+  text["id"] = id;
+  text["done"] = reply.ok();
+  text["problem"] = reply.ok() ? "" : reply.error().message;
+  if (!reply.ok()) text["conflict"] = reply.error().code == ErrorCode::kNoRoom;
+  return text.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {

@@ -6,6 +6,7 @@
 //   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, ...}: page_robot_command.h
 //   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
 //   {"type": "live"}
+//   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (viewer/editor)
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
 
@@ -22,6 +23,7 @@
 namespace troupe {
 
 inline constexpr std::size_t kLongestPageRequest = 8192;  // bytes
+inline constexpr std::size_t kLongestEditRequest = 1'000'000;  // bytes, of the page of an editor
 inline constexpr std::size_t kMostSelected = 64;          // robots by name
 
 struct SelectRequest {
@@ -46,15 +48,24 @@ struct LiveRequest {
   bool operator==(const LiveRequest&) const = default;
 };
 
-using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest>;
+struct EditRequest {
+  std::uint64_t id = 0;   // repeated in the reply
+  std::string op;
+  std::string text;  // the whole request, for RunLink::Edit
+  bool operator==(const EditRequest&) const = default;
+};
 
-// The error is of the page, or of a stranger: it is not a request.
-Result<PageRequest> ParsePageRequest(std::string_view text);
+using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, EditRequest>;
+
+// The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
+Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);
 
 // True for a request that changes nothing.
 bool IsQuestion(ControlCommand command);
+bool IsQuestion(const EditRequest& request);
 
 // The JSON text of a reply.
 std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply);
+std::string EditReplyText(std::uint64_t id, const Result<std::string>& reply);
 
 }  // namespace troupe

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "common/protocol/transport.h"
@@ -23,6 +25,12 @@ class RunLink {
 
   // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
   virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
+
+  // A request of the editor's page (viewer/editor), and its reply: JSON objects as text. On the thread of Ask.
+  virtual Result<std::string> Edit(std::string_view request) {
+    (void)request;
+    return Failure("this page shows a run; troupe edit FILE edits a file");
+  }
 };
 
 }  // namespace troupe

@@ -92,7 +92,7 @@ class RunGateway final : public ViewerGateway, private WebHandler {
     web.access.loopback_only = IsLoopback(options_.address);
     web.access.token = token_;
     if (!web.access.loopback_only) web.access.names = {HostName()};
-    web.longest_text = kLongestPageRequest;
+    web.longest_text = LongestRequest();
     web.files = options_.files;
     Result<std::unique_ptr<WebServer>> server = WebServer::Create(web, *this);
     if (!server.ok()) return server.error();
@@ -137,7 +137,9 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   void OnPeriod() override;
   void OnWake() override;
 
+  std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void Answer(Viewer viewer, std::string text);
+  void Edit(Viewer viewer, EditRequest request);
   void Seek(Viewer viewer, std::uint64_t position);
   void ReturnToLive(ViewerState& viewer);
   void Control(Viewer viewer, PageControl control);
@@ -236,7 +238,7 @@ bool RunGateway::OnBinary(Viewer viewer, std::string_view bytes) {
 
 bool RunGateway::OnText(Viewer viewer, std::string_view text) {
   if (viewers_[viewer].foxglove) return OnFoxglove(viewer, foxglove::ParseText(text));
-  Result<PageRequest> request = ParsePageRequest(text);
+  Result<PageRequest> request = ParsePageRequest(text, LongestRequest());
   if (!request.ok()) return false;
   if (auto* const select = std::get_if<SelectRequest>(&request.value())) {
     ViewerState& state = viewers_[viewer];
@@ -249,6 +251,8 @@ bool RunGateway::OnText(Viewer viewer, std::string_view text) {
     if (position) Seek(viewer, *position);
   } else if (std::holds_alternative<LiveRequest>(request.value())) {
     ReturnToLive(viewers_[viewer]);
+  } else if (auto* const edit = std::get_if<EditRequest>(&request.value())) {
+    Edit(viewer, std::move(*edit));
   } else {
     Control(viewer, std::move(std::get<PageControl>(request.value())));
   }
@@ -263,6 +267,17 @@ void RunGateway::Control(Viewer viewer, PageControl control) {
     Answer(viewer, PageReplyText(id, Failure("this viewer only shows the run (--view-only)")));
   } else if (!controls_->Add(viewer, std::move(control))) {
     Answer(viewer, PageReplyText(id, Failure("too many requests wait for the run")));
+  }
+}
+
+void RunGateway::Edit(Viewer viewer, EditRequest request) {
+  const std::uint64_t id = request.id;
+  if (!controls_ || !options_.editor) {
+    Answer(viewer, EditReplyText(id, Failure("this page shows a run; troupe edit FILE edits a file")));
+  } else if (options_.view_only && !IsQuestion(request)) {
+    Answer(viewer, EditReplyText(id, Failure("this page only shows the file (--view-only)")));
+  } else if (!controls_->Add(viewer, std::move(request))) {
+    Answer(viewer, EditReplyText(id, Failure("too many requests wait")));
   }
 }
 
@@ -339,6 +354,7 @@ std::string RunGateway::SessionText() const {
                                {"view_only", options_.view_only},
                                {"connected", world_ != 0 || recording_ != nullptr},
                                {"recording", recording_ != nullptr},
+                               {"editor", options_.editor},
                                {"problem", problem_}};
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -23,6 +23,7 @@ struct ViewerGatewayOptions {
   std::uint16_t port = kViewerPort;   // 0: any
   bool any_port = true;               // if the port is in use, another one
   bool view_only = false;             // refuses requests that change the run
+  bool editor = false;                // the page edits a file: requests may be as long as its text
   std::string token = {};             // of the page's address; empty: none on a loopback address, else a random one
   std::span<const PageFile> files = PageFiles();
 };

@@ -113,6 +113,18 @@ Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverr
   return ScenarioWorld{std::move(tree).value(), DefaultController(file.value(), overrides)};
 }
 
+Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& path, const LoadOverrides& overrides) {
+  const ScenarioTools tools;
+  const Result<ScenarioFile> file = ReadText(text, path, overrides, tools);
+  if (!file.ok()) return file.error();
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
+  if (!tree.ok()) return tree;
+  Result<ScenarioPlan> plan =
+      ApplyScenario(file.value(), DefaultController(file.value(), overrides), std::move(tree).value());
+  if (!plan.ok()) return plan.error();
+  return std::move(plan.value().tree);
+}
+
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
   if (!text.ok()) return text.error();

@@ -31,6 +31,11 @@ struct ScenarioWorld {
 };
 Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides = {});
 
+// The tree of the world that a scenario makes, with its own models and robots, and with the spawned ones, which have no
+// place yet. `path` names the text in messages; relative paths start at its folder.
+Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& path,
+                                   const LoadOverrides& overrides = {});
+
 // The machines that a scenario names.
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path);
 

@@ -6,6 +6,7 @@ export interface SessionInfo {
   view_only: boolean;
   connected: boolean;  // the gateway knows the run's state
   recording: boolean;
+  editor: boolean;  // the page edits a file
   problem: string;
 }
 
@@ -15,6 +16,15 @@ export interface Reply {
   state?: string;
   tick?: number;
   entities?: Array<{name: string; type: string}>;
+}
+
+// Of an edit; with the members that viewer/editor gives it.
+export interface EditReply {
+  done: boolean;
+  problem: string;
+  conflict?: boolean;  // the file has changed on disk
+  // eslint-disable-next-line @typescript-eslint/no-explicit-any
+  [member: string]: any;
 }
 
 export interface ConnectionHandler {
@@ -44,14 +54,23 @@ export class Connection {
 
   // A request for the run. The reply of a lost connection says so.
   request(command: string, more: object = {}): Promise<Reply> {
+    return this.ask({type: 'control', command, ...more});
+  }
+
+  private ask(request: object): Promise<Reply> {
     const id = ++this.lastId;
     return new Promise(resolve => {
-      if (!this.send({type: 'control', id, command, ...more})) {
+      if (!this.send({...request, id})) {
         resolve({done: false, problem: 'the viewer is not connected'});
         return;
       }
       this.open.set(id, resolve);
     });
+  }
+
+  // A request of the editor.
+  edit(op: string, more: object = {}): Promise<EditReply> {
+    return this.ask({type: 'edit', op, ...more}) as Promise<EditReply>;
   }
 
   send(value: object): boolean {

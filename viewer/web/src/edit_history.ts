@@ -14,10 +14,12 @@ export class EditHistory {
   private done: Edit[] = [];
   private undone: Edit[] = [];
   private busy = false;
+  off = false;  // a file in editing has its own history
 
   constructor(private readonly onChange: (canUndo: boolean, canRedo: boolean) => void) {}
 
   add(edit: Edit): void {
+    if (this.off) return;
     this.done.push(edit);
     if (this.done.length > MOST) this.done.shift();
     this.undone = [];

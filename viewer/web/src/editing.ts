@@ -37,7 +37,15 @@ export interface EditingHost {
   select(entity: Entity | null): void;
 }
 
+// The edits of a file, in place of those of a run.
+export interface FileEdits {
+  undo(): Promise<void>;
+  redo(): Promise<void>;
+  rename(before: string, after: string): Promise<void>;
+}
+
 export class Editing {
+  private file: FileEdits | null = null;
   private tool: Tool = 'none';
   private adding = {name: '', type: '', heading: 0};
   private drag: Drag | null = null;
@@ -65,8 +73,8 @@ export class Editing {
     byId('send').onclick = () => this.toggle('send');
     byId('add').onclick = () => void this.toggleMenu();
     byId('delete').onclick = () => void this.deleteSelected();
-    byId('undo').onclick = () => void this.history.undo();
-    byId('redo').onclick = () => void this.history.redo();
+    byId('undo').onclick = () => void this.undo();
+    byId('redo').onclick = () => void this.redo();
     byId('panel-name').ondblclick = () => void this.renameSelected();
   }
 
@@ -110,12 +118,31 @@ export class Editing {
     }
     const key = event.key.toLowerCase();
     if (!(event.ctrlKey || event.metaKey) || (key !== 'z' && key !== 'y')) return false;
-    void (key === 'y' || event.shiftKey ? this.history.redo() : this.history.undo());
+    void (key === 'y' || event.shiftKey ? this.redo() : this.undo());
     return true;
   }
 
   forget(): void {
     this.history.clear();
+  }
+
+  // From now on the edits are those of a file, which has its own history and renames by itself.
+  setFile(file: FileEdits): void {
+    this.file = file;
+    this.history.off = true;
+  }
+
+  startAdding(name: string, type: string): void {
+    if (this.tool === 'add') this.cancel();
+    this.toggle('add');
+    this.adding = {name, type, heading: 0};
+  }
+
+  private undo(): Promise<void> {
+    return this.file ? this.file.undo() : this.history.undo();
+  }
+  private redo(): Promise<void> {
+    return this.file ? this.file.redo() : this.history.redo();
   }
 
   async deleteSelected(): Promise<void> {
@@ -138,8 +165,11 @@ export class Editing {
     const entity = this.host.selected();
     if (!run || !entity || byId('delete').hidden) return;
     const before = nameOf(run.world, entity);
-    const after = window.prompt(`New name of ${before}. A robot's controller starts anew.`, before)?.trim();
-    if (!after || after === before || !await this.rename(before, after)) return;
+    const note = this.file ? '' : " A robot's controller starts anew.";
+    const after = window.prompt(`New name of ${before}.${note}`, before)?.trim();
+    if (!after || after === before) return;
+    if (this.file) return this.file.rename(before, after);
+    if (!await this.rename(before, after)) return;
     this.history.add({
       text: `the new name of ${before}`, undo: () => this.rename(after, before), redo: () => this.rename(before, after),
     });

@@ -5,6 +5,7 @@ import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
 import {EntityPanel} from './entity_panel';
 import {EventList} from './events';
+import {FileEditor} from './file_editor';
 import {readFragment, writeFragment} from './fragment';
 import type {Message, RunEvent} from './protocol';
 import {RobotList} from './robot_list';
@@ -24,6 +25,7 @@ class Viewer {
   private allRays = false;
   private online = false;
   private info: SessionInfo | null = null;
+  private file: FileEditor | null = null;  // of `troupe edit`
   private readonly scene = new WorldScene(byId('scene'));
   private readonly systemTheme = matchMedia('(prefers-color-scheme: dark)');
   private readonly connection: Connection;
@@ -81,6 +83,7 @@ class Viewer {
         this.wantedName = name;
         this.selectWanted();
       },
+      file: () => this.file,
     }, this.scene, this.connection);
   }
 
@@ -95,8 +98,24 @@ class Viewer {
     this.driving.setViewOnly(info.view_only);
     this.grippers.setViewOnly(info.view_only);
     byId('view-only').hidden = !info.view_only;
+    if (info.editor) this.editFile(info.view_only);
     this.showConnection();
     this.refresh();
+  }
+
+  private editFile(viewOnly: boolean): void {
+    if (this.file) {
+      void this.file.load();  // after a connection was lost
+      return;
+    }
+    this.file = new FileEditor(this.connection, this.scene, this.editing, {
+      selectName: name => {
+        const entity = this.run ? findEntity(this.run.world, name) : null;
+        this.select(entity);
+        if (entity) this.scene.centerOn(entity);
+        this.file?.select(name);
+      },
+    }, viewOnly);
   }
 
   private onMessage(message: Message): void {
@@ -107,6 +126,7 @@ class Viewer {
       this.selected = null;
       if (name) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
+      this.file?.worldChanged();
       return;
     }
     if (!this.run || message.update.world !== this.run.world.number) return;
@@ -114,6 +134,7 @@ class Viewer {
     this.run.apply(message.update);
     if (first) {
       this.selectWanted();
+      if (this.file && !this.selected) this.wantedName = '';
       if (this.wantedTick !== undefined) this.timeBar.timeline.seekTick(this.wantedTick);
       this.wantedTick = undefined;
     }
@@ -140,6 +161,7 @@ class Viewer {
     if (sameEntity(entity, this.selected)) return;
     this.driving.set(false);
     this.selected = entity;
+    this.file?.select(entity && this.run ? nameOf(this.run.world, entity) : '');
     this.sendSelection();
     if (this.run) this.scene.show(this.run, entity);
     this.remember();
@@ -275,7 +297,9 @@ class Viewer {
 
   private bindKeys(): void {
     window.addEventListener('keydown', event => {
+      if (this.file?.press(event)) return event.preventDefault();
       if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+      if (event.target instanceof HTMLTextAreaElement) return;
       if (this.editing.press(event)) return event.preventDefault();
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (this.driving.press(event)) return event.preventDefault();

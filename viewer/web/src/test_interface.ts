@@ -1,5 +1,8 @@
 // window.troupe: what the page shows, for tests.
-import type {Connection, Reply} from './connection';
+import {Vector3} from 'three';
+import type {Connection, EditReply, Reply} from './connection';
+import type {FileDocument} from './file_client';
+import type {FileEditor} from './file_editor';
 import type {Pose} from './protocol';
 import {findEntity, type Run} from './run';
 import type {WorldScene} from './scene';
@@ -20,6 +23,11 @@ export interface TestInterface {
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
   select(name: string): void;
   request(command: string, more?: object): Promise<Reply>;
+  // Of an editor: its file as last heard of, a request, and the places of points on the window.
+  file(): FileDocument | null;
+  edit(op: string, more?: object): Promise<EditReply>;
+  modelPoint(view: 'top' | 'side', a: number, b: number): {x: number; y: number} | null;
+  groundPoint(x: number, y: number): {x: number; y: number};
   // Where an entity is on the window.
   placeOf(name: string): {x: number; y: number} | null;
 }
@@ -28,6 +36,7 @@ export interface TestHost {
   run(): Run | null;
   connected(): boolean;
   select(name: string): void;
+  file(): FileEditor | null;
 }
 
 export function installTestInterface(host: TestHost, scene: WorldScene, connection: Connection): void {
@@ -63,6 +72,10 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     },
     select: name => host.select(name),
     request: (command, more = {}) => connection.request(command, more),
+    file: () => host.file()?.document ?? null,
+    edit: (op, more = {}) => connection.edit(op, more),
+    modelPoint: (view, a, b) => host.file()?.modelPoint(view, a, b) ?? null,
+    groundPoint: (x, y) => scene.project(new Vector3(x, y, 0)),
     placeOf: name => {
       const run = host.run();
       const entity = run ? findEntity(run.world, name) : null;

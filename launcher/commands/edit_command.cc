@@ -1,0 +1,74 @@
+#include "launcher/commands/edit_command.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/command_line/exit_status.h"
+#include "launcher/commands/command_failure.h"
+#include "launcher/commands/listen_address.h"
+#include "launcher/process/signal_watch.h"
+#include "viewer/editor/edit_link.h"
+#include "viewer/gateway/access.h"
+#include "viewer/gateway/viewer_gateway.h"
+
+namespace troupe {
+namespace {
+
+struct EditOptions {
+  std::string file;
+  std::string listen;  // text for ParseListen; empty: the default
+  bool view_only = false;
+};
+
+int EditCommand(const EditOptions& options) {
+  SignalWatch signals;
+  try {
+    Result<std::unique_ptr<Editor>> editor = Editor::Open(options.file);
+    if (!editor.ok()) return Fail(editor.error());
+    EditLink link(std::move(editor).value());
+    ViewerGatewayOptions gateway_options;
+    gateway_options.session = std::filesystem::path(options.file).filename().string();
+    gateway_options.token = MakeToken();
+    gateway_options.editor = true;
+    gateway_options.view_only = options.view_only;
+    if (const std::optional<ListenAddress> listen = ParseListen(options.listen)) {
+      gateway_options.address = listen->address;
+      gateway_options.port = listen->port;
+      gateway_options.any_port = false;
+    }
+    const Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(gateway_options, link);
+    if (!gateway.ok()) return Fail(gateway.error());
+    fmt::print("editor: {}\n", gateway.value()->Address());
+    std::fflush(stdout);
+    pollfd waited = {signals.descriptor(), POLLIN, 0};
+    while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
+    if (link.is_modified()) fmt::print(stderr, "{}: warning: the last edits were not saved\n", options.file);
+    return kExitDone;
+  } catch (const std::exception& exception) {
+    return Fail(FailureOf(exception));
+  }
+}
+
+}  // namespace
+
+void AddEditCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("edit", "Edit a world, a scenario or models in a browser");
+  const auto options = std::make_shared<EditOptions>();  // lives as long as the command
+  command
+      ->add_option("FILE", options->file,
+                   "A Stage world (.world), models (.inc) or a JSON scenario (.json); a new one if it does not exist")
+      ->required();
+  AddListenOption(*command, options->listen);
+  command->add_flag("--view-only", options->view_only, "Refuse requests that change the file");
+  command->final_callback([options, &exit_status] { exit_status = EditCommand(*options); });
+}
+
+}  // namespace troupe

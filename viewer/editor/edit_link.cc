@@ -1,0 +1,328 @@
+#include "viewer/editor/edit_link.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/host_name.h"
+#include "common/base/random_id.h"
+#include "common/model/state_hash.h"
+#include "robot-agent/drive/twist_command.h"
+#include "viewer/editor/request_values.h"
+#include "viewer/editor/test_world.h"
+#include "world-service/core/initial_state.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostRectangles = 64;      // of a model that is shown as an object
+constexpr double kProbeSpeed = 0.4;              // m/s
+constexpr double kDefaultProbeHeight = 0.3;      // m
+constexpr std::uint64_t kMostStepsAtOnce = 1000;  // of a request
+
+// With the static models as objects; not those of maps, which the scene draws in another way.
+WorldDescription WithAllAsObjects(WorldDescription world) {
+  std::vector<bool> is_robot(world.models.size(), false);
+  for (const RobotDescription& robot : world.robots) is_robot[robot.root.index()] = true;
+  std::vector<std::size_t> roots(world.models.size());
+  std::vector<bool> can_be(world.models.size(), true);
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    roots[i] = model.parent ? roots[model.parent->index()] : i;
+    const Shape& shape = world.shape(model.shape);
+    if (shape.area || shape.rectangles.size() > kMostRectangles || model.removed) can_be[roots[i]] = false;
+  }
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const bool is_object = std::find(world.objects.begin(), world.objects.end(), ModelId(i)) != world.objects.end();
+    if (roots[i] != i || is_robot[i] || is_object || !can_be[i]) continue;
+    world.models[i].gripper_return = true;
+    world.objects.emplace_back(i);
+  }
+  std::sort(world.objects.begin(), world.objects.end());
+  return world;
+}
+
+}  // namespace
+
+class EditLink::Observation final : public RunObservation {
+ public:
+  Observation(EditLink& link, ObserverHandler& handler) : link_(link), handler_(handler) {}
+  ~Observation() override { link_.Forget(handler_); }
+  Observation(const Observation&) = delete;
+  Observation& operator=(const Observation&) = delete;
+
+ private:
+  EditLink& link_;
+  ObserverHandler& handler_;
+};
+
+EditLink::EditLink(std::unique_ptr<Editor> editor) : run_(MakeRandomId()), editor_(std::move(editor)) {
+  session_.run = frame_.run = run_;
+  session_.begun = true;
+  session_.host = HostName();
+  const std::lock_guard lock(mutex_);
+  ShowEdited();
+  thread_ = std::thread([this] { Run(); });
+}
+
+EditLink::~EditLink() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+bool EditLink::is_modified() const {
+  const std::lock_guard lock(mutex_);
+  return editor_->is_modified();
+}
+
+Result<std::unique_ptr<RunObservation>> EditLink::Observe(ObserverHandler& handler) {
+  const std::lock_guard lock(mutex_);
+  handler_ = &handler;
+  PostAll();
+  return std::unique_ptr<RunObservation>(std::make_unique<Observation>(*this, handler));
+}
+
+void EditLink::Forget(ObserverHandler& handler) {
+  const std::lock_guard lock(mutex_);
+  if (handler_ == &handler) handler_ = nullptr;
+}
+
+void EditLink::PostAll() {
+  if (handler_ == nullptr) return;
+  handler_->OnSession(session_);
+  handler_->OnFrame(frame_);
+}
+
+void EditLink::PostWorld(const WorldDescription& world, const WorldState& state) {
+  session_.world = world;
+  session_.world_edition = frame_.world_edition = frame_.edition = ++edition_;
+  frame_.state = state;
+  frame_.state_hash = StateHash(state);
+  frame_.paused = !playing_;
+  frame_.events.clear();
+  PostAll();
+}
+
+void EditLink::PostState(const WorldState& state, const std::vector<Event>& events) {
+  frame_.state = state;
+  frame_.state_hash = StateHash(state);
+  frame_.paused = !playing_;
+  frame_.events = events;
+  if (handler_ != nullptr) handler_->OnFrame(frame_);
+}
+
+void EditLink::ShowEdited() {
+  shown_version_ = editor_->version();
+  WorldDescription world;
+  if (editor_->world() != nullptr) world = WithAllAsObjects(editor_->world()->loaded.world);
+  if (world.name.empty()) world.name = std::filesystem::path(editor_->path()).filename().string();
+  const Scene scene(world);
+  PostWorld(world, InitialState(scene));
+}
+
+void EditLink::ShowTest() {
+  PostWorld(test_->world(), test_->state());
+}
+
+Status EditLink::StartTest(const std::string& model, double probe_height) {
+  if (editor_->world() == nullptr) return Failure("no world is loaded");
+  WorldDescription world = editor_->world()->loaded.world;
+  if (!model.empty()) {
+    Result<LoadedWorld> made = MakeTestWorld(editor_->world()->tree, model, probe_height);
+    if (!made.ok()) return made.error();
+    world = std::move(made.value().world);
+    world.name = "test of " + model;
+  }
+  tested_ = model;
+  test_world_ = std::move(world);
+  return Restart();
+}
+
+Status EditLink::Restart() {
+  Result<Simulation> simulation = Simulation::Create(*test_world_);
+  if (!simulation.ok()) return simulation.error();
+  test_.emplace(std::move(simulation).value());
+  driven_.clear();
+  playing_ = false;
+  if (const auto probe = test_->FindRobot(kProbe); probe && !tested_.empty()) {
+    const DriveDescription& drive = test_->world().robot(*probe).drive;
+    if (Status failure = test_->Drive(*probe, CommandFromTwist({kProbeSpeed, 0.0, 0.0}, drive)); !failure.ok()) {
+      return failure;
+    }
+  }
+  ShowTest();
+  return {};
+}
+
+void EditLink::EndTest() {
+  if (!test_) return;
+  test_.reset();
+  test_world_.reset();
+  playing_ = false;
+  ShowEdited();
+}
+
+void EditLink::StepTest() {
+  test_->Step();
+  for (auto it = driven_.begin(); it != driven_.end();) {
+    if (--it->second.ticks_left > 0) {
+      ++it;
+      continue;
+    }
+    test_->Release(it->first);
+    it = driven_.erase(it);
+  }
+  PostState(test_->state(), test_->events());
+}
+
+void EditLink::Run() {
+  std::unique_lock lock(mutex_);
+  Clock::time_point next = Clock::now();
+  while (!ending_) {
+    if (!playing_ || !test_) {
+      changed_.wait(lock, [this] { return ending_ || (playing_ && test_); });
+      next = Clock::now();
+      continue;
+    }
+    const auto interval = std::chrono::duration<double>(speed_ ? test_->world().interval_seconds() / *speed_ : 1e-4);
+    next = std::max(next + std::chrono::duration_cast<Clock::duration>(interval), Clock::now());
+    changed_.wait_until(lock, next, [this] { return ending_ || !playing_ || !test_; });
+    if (!ending_ && playing_ && test_ && Clock::now() >= next) StepTest();
+  }
+}
+
+Status EditLink::Drive(const ControlRequest& request) {
+  if (!test_) return Failure("a robot is driven in a test: start one");
+  const std::optional<RobotId> robot = test_->FindRobot(request.name);
+  if (!robot) return Error{{}, "found no robot '" + request.name + "'"};
+  RobotCommand order = request.robot_command;
+  order.robot = *robot;
+  if (Status wrong = CheckRobotCommand(test_->world(), order); !wrong.ok()) return wrong;
+  if (order.goal) return Failure("goals are for runs");
+  Command command;
+  if (order.twist) command = CommandFromTwist(*order.twist, test_->world().robot(*robot).drive);
+  for (const GripperOrder& gripper : order.grippers) {
+    command.grippers.push_back({.gripper = gripper.gripper, .lift = gripper.lift, .opening = gripper.opening});
+  }
+  driven_[*robot].ticks_left = request.ticks;
+  return test_->Drive(*robot, std::move(command));
+}
+
+Status EditLink::Apply(const ControlRequest& request, ControlReply& reply) {
+  const auto name_of = [&](const std::string& name, const std::string& type) {
+    EntityReport entity;
+    entity.name = name;
+    entity.type = type;
+    reply.entities.push_back(std::move(entity));
+  };
+  switch (request.command) {
+    case ControlCommand::kStatus:
+      return {};
+    case ControlCommand::kPause:
+      playing_ = false;
+      if (test_) PostState(test_->state(), {});
+      return {};
+    case ControlCommand::kPlay:
+      if (!test_) {
+        if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
+      }
+      playing_ = true;
+      PostState(test_->state(), {});
+      changed_.notify_all();
+      return {};
+    case ControlCommand::kStep:
+      if (!test_) {
+        if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
+      }
+      playing_ = false;
+      for (std::uint64_t i = 0; i < std::min(request.ticks, kMostStepsAtOnce); ++i) StepTest();
+      return {};
+    case ControlCommand::kReset:
+      return test_ ? Restart() : Status();
+    case ControlCommand::kSpeed:
+      speed_ = request.speed;
+      changed_.notify_all();
+      return {};
+    case ControlCommand::kCommandRobot:
+      return Drive(request);
+    case ControlCommand::kSpawnables:
+      if (editor_->world() != nullptr) {
+        for (const PaletteModel& model : PaletteOf(editor_->world()->tree)) name_of(model.name, model.type);
+      }
+      return {};
+    default:
+      break;
+  }
+  if (test_) return Failure("the world is in a test: end the test to edit it");
+  switch (request.command) {
+    case ControlCommand::kSpawn: {
+      const Result<std::string> name = editor_->Add(request.source, request.pose);
+      if (!name.ok()) return name.error();
+      name_of(name.value(), request.source);
+      return {};
+    }
+    case ControlCommand::kDelete:
+      return editor_->Remove(request.name);
+    case ControlCommand::kSetPose:
+      return editor_->SetPose(request.name, request.pose);
+    default:
+      return Failure("a file in editing has no such command");
+  }
+}
+
+Result<ControlReply> EditLink::Ask(const ControlRequest& request) {
+  const std::lock_guard lock(mutex_);
+  ControlReply reply;
+  const Status status = Apply(request, reply);
+  if (!test_ && editor_->version() != shown_version_) ShowEdited();
+  reply.done = status.ok();
+  if (!status.ok()) reply.problem = status.error().where.file.empty() ? status.error().message : status.error().ToString();
+  reply.state = playing_ ? RunState::kPlaying : RunState::kPaused;
+  reply.tick = frame_.state.tick;
+  return reply;
+}
+
+Result<std::string> EditLink::Edit(std::string_view text) {
+  const Json request = Json::parse(text, nullptr, false);
+  if (!request.is_object()) return Error{{}, "found no request"};
+  const std::lock_guard lock(mutex_);
+  const std::string op = TextIn(request, "op");
+  Result<Json> reply = Json::object();
+  if (op == "test") {
+    const double height = NumberIn(request, "probe_height").value_or(kDefaultProbeHeight);
+    if (Status failure = StartTest(TextIn(request, "model"), height); !failure.ok()) {
+      if (!test_) test_world_.reset();
+      reply = failure.error();
+    }
+  } else if (op == "end_test") {
+    EndTest();
+  } else {
+    if (test_ && op != "document" && op != "text" && op != "palette" && op != "help" && op != "entity" && op != "model" &&
+        op != "save") {
+      EndTest();
+    }
+    reply = editor_->Apply(request);
+    if (!test_ && editor_->version() != shown_version_) ShowEdited();
+  }
+  if (!reply.ok()) {
+    const Error& error = reply.error();
+    return Error{{}, error.where.file.empty() ? error.message : error.ToString(), error.code};
+  }
+  if (op == "document") {
+    reply.value()["testing"] = test_.has_value();
+    reply.value()["tested"] = tested_;
+    if (test_ && !test_->failures().empty()) reply.value()["failure"] = test_->failures().back();
+  }
+  return reply.value().dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace troupe

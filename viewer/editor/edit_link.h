@@ -1,0 +1,77 @@
+// EditLink: a file in editing, for the gateway as if it were a run: the edited world is a paused run, whose edits change
+// the file. A test is a simulation in this process, of that world or of one model.
+//
+// In the edited world static models are shown as objects, so that the page can pick and move them.
+//
+// Threads: any.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "troupe/simulation.h"
+#include "viewer/editor/editor.h"
+#include "viewer/gateway/run_link.h"
+
+namespace troupe {
+
+class EditLink final : public RunLink {
+ public:
+  explicit EditLink(std::unique_ptr<Editor> editor);
+  ~EditLink() override;
+  EditLink(const EditLink&) = delete;
+  EditLink& operator=(const EditLink&) = delete;
+
+  Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override;
+  Result<ControlReply> Ask(const ControlRequest& request) override;
+  Result<std::string> Edit(std::string_view request) override;
+
+  bool is_modified() const;
+
+ private:
+  class Observation;
+  struct Driven {
+    std::uint64_t ticks_left = 0;
+  };
+
+  void Forget(ObserverHandler& handler);
+  void Run();
+  // REQUIRES, of all below: mutex_ is held.
+  void ShowEdited();
+  void ShowTest();
+  void PostWorld(const WorldDescription& world, const WorldState& state);
+  void PostState(const WorldState& state, const std::vector<Event>& events);
+  void PostAll();
+  Status StartTest(const std::string& model, double probe_height);
+  Status Restart();
+  void EndTest();
+  void StepTest();
+  Status Drive(const ControlRequest& request);
+  Status Apply(const ControlRequest& request, ControlReply& reply);
+
+  const RunId run_;
+  mutable std::mutex mutex_;  // guards all below but the thread
+  std::condition_variable changed_;
+  std::unique_ptr<Editor> editor_;
+  std::uint64_t shown_version_ = 0;  // of the editor
+  ObserverHandler* handler_ = nullptr;
+  SessionMessage session_;
+  FrameMessage frame_;
+  Edition edition_ = 0;
+  std::optional<WorldDescription> test_world_;  // as at the start of the test
+  std::optional<Simulation> test_;
+  std::string tested_;  // the model; empty: the world
+  std::map<RobotId, Driven> driven_;
+  bool playing_ = false;
+  std::optional<double> speed_ = 1.0;  // multiple of real time; nothing: as fast as possible
+  bool ending_ = false;
+  std::thread thread_;  // last
+};
+
+}  // namespace troupe

@@ -1,0 +1,187 @@
+#include "viewer/editor/edited_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "common/worldfile/build/build_world.h"
+#include "common/worldfile/build/start_overlap.h"
+#include "common/worldfile/edit/text_change.h"
+#include "common/worldfile/scenario/scenario.h"
+#include "common/worldfile/stage/node_names.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/quote.h"
+#include "robot-agent/controller/create_controller.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kShelfGap = 0.6;  // m
+
+bool IsBody(const std::string& type) {
+  return type == "model" || type == "position";
+}
+
+Property NumbersProperty(const std::string& name, const std::vector<double>& numbers, const SourceLocation& where) {
+  std::vector<Value::Scalar> tuple;
+  for (const double number : numbers) tuple.emplace_back(Value::Number{number, PlainNumber(number)});
+  return {name, Value{std::move(tuple), where}, where};
+}
+
+// The width of a model as declared, in the file's units; x: along the shelf.
+double WidthOf(const WorldNode& node, double fallback) {
+  const Property* const size = node.Find("size");
+  const auto* const tuple =
+      size != nullptr ? std::get_if<std::vector<Value::Scalar>>(&size->value.content) : nullptr;
+  double width = 0.0;
+  for (std::size_t i = 0; tuple != nullptr && i < std::min<std::size_t>(tuple->size(), 2); ++i) {
+    if (const auto* number = std::get_if<Value::Number>(&(*tuple)[i])) width = std::max(width, number->value);
+  }
+  return width > 0.0 ? width : fallback;
+}
+
+// An include file is a list of models: each stands beside the one before, at its origin's height.
+void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode*>& shelf) {
+  std::vector<std::pair<SourceLocation, std::string>> defines;
+  for (const auto& [name, define] : tree.defines) {
+    if (define.where.file == path) defines.emplace_back(define.where, name);
+  }
+  std::sort(defines.begin(), defines.end(), [](const auto& a, const auto& b) { return a.first.line < b.first.line; });
+  const double metre = 1.0 / UnitsOf(tree).metres;
+  std::vector<WorldNode> added;
+  double x = 0.0;
+  for (const auto& [where, name] : defines) {
+    Result<WorldNode> made = Instantiate(tree, name, where);
+    if (!made.ok() || !IsBody(made.value().type)) continue;
+    WorldNode node = std::move(made).value();
+    const double width = WidthOf(node, 0.4 * metre);
+    node.Set({"name", Value{name, where}, where});
+    node.Set(NumbersProperty("pose", {x + 0.5 * width, 0.0, 0.0, 0.0}, where));
+    x += width + kShelfGap * metre;
+    added.push_back(std::move(node));
+  }
+  const std::size_t first = tree.world.children.size();
+  for (WorldNode& node : added) tree.world.children.push_back(std::move(node));
+  for (std::size_t i = first; i < tree.world.children.size(); ++i) shelf.insert(&tree.world.children[i]);
+}
+
+struct Names {
+  std::map<std::string, ModelId> models;
+  const WorldDescription& world;
+};
+
+void AddEntities(const WorldNode& parent, const std::string& parent_name, const WorldNode* parent_node, const Pose& X_WP,
+                 const Names& names, const std::set<const WorldNode*>& shelf, EditedWorld& edited) {
+  const std::vector<std::string> given = ChildNames(parent);
+  for (std::size_t i = 0; i < parent.children.size(); ++i) {
+    const WorldNode& node = parent.children[i];
+    if (given[i].empty()) continue;
+    const std::string name = FullName(parent_name, given[i]);
+    const auto found = names.models.find(name);
+    if (found == names.models.end()) continue;
+    const ModelDescription& model = names.world.model(found->second);
+    if (!model.parent) {
+      edited.entities.push_back({name, node.type, node.macros.empty() ? node.type : node.macros.front(), found->second,
+                                 node.where, shelf.contains(&node), &node, parent_node, X_WP});
+    }
+    AddEntities(node, name, &node, PoseInWorld(names.world, found->second), names, shelf, edited);
+  }
+}
+
+}  // namespace
+
+Result<EditedKind> KindOf(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending == ".world") return EditedKind::kWorld;
+  if (ending == ".inc") return EditedKind::kInclude;
+  if (ending == ".json") return EditedKind::kScenario;
+  return Error{{path},
+               "found a file ending in " + Quoted(ending) + ", expected .world, .inc (models) or .json (scenario)"};
+}
+
+const EditedEntity* EditedWorld::Find(const std::string& name) const {
+  const auto found = std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
+  return found != entities.end() ? &*found : nullptr;
+}
+
+FileUnits UnitsOf(const WorldTree& tree) {
+  const auto text = [&](const char* name) -> std::string {
+    const Property* const property = tree.world.Find(name);
+    const std::string* value = property != nullptr ? std::get_if<std::string>(&property->value.content) : nullptr;
+    return value != nullptr ? *value : "";
+  };
+  const std::string length = text("unit_length");
+  return {length == "cm" ? 0.01 : length == "mm" ? 0.001 : 1.0,
+          text("unit_angle") == "radians" ? 1.0 : std::numbers::pi / 180.0};
+}
+
+Pose PoseInWorld(const WorldDescription& world, ModelId id) {
+  const ModelDescription& model = world.model(id);
+  return model.parent ? PoseInWorld(world, *model.parent) * model.X_PM : model.X_PM;
+}
+
+Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
+                                                     const std::string& path) {
+  auto edited = std::make_unique<EditedWorld>();
+  std::set<const WorldNode*> shelf;
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  if (kind == EditedKind::kScenario) {
+    Result<LoadedWorld> loaded = LoadScenarioText(text, path, overrides);
+    if (!loaded.ok()) return loaded.error();
+    Result<WorldTree> tree = ReadScenarioTree(text, path, overrides);
+    if (!tree.ok()) return tree.error();
+    edited->loaded = std::move(loaded).value();
+    edited->tree = std::move(tree).value();
+  } else {
+    Result<WorldTree> tree = ParseStageText(text, path);
+    if (!tree.ok()) return tree.error();
+    edited->tree = std::move(tree).value();
+    if (kind == EditedKind::kInclude) AddShelf(edited->tree, path, shelf);
+    Result<LoadedWorld> loaded = BuildWorld(edited->tree);
+    if (!loaded.ok()) return loaded.error();
+    edited->loaded = std::move(loaded).value();
+  }
+  const WorldDescription& world = edited->loaded.world;
+  if (kind != EditedKind::kInclude) {
+    for (const std::string& message : FindStartOverlaps(world)) edited->loaded.warnings.push_back({{path}, message});
+  }
+  Names names{{}, world};
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    if (!world.models[i].removed) names.models.emplace(world.models[i].name, ModelId(i));
+  }
+  AddEntities(edited->tree.world, "", nullptr, Pose{}, names, shelf, *edited);
+  return edited;
+}
+
+std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
+  std::vector<PaletteModel> found;
+  for (const auto& [name, define] : tree.defines) {
+    const Result<WorldNode> node = Instantiate(tree, name, {});
+    if (node.ok() && IsBody(node.value().type)) found.push_back({name, node.value().type, define.where});
+  }
+  for (const char* type : {"model", "position"}) found.push_back({type, type, {}});
+  return found;
+}
+
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model) {
+  Result<WorldNode> node = Instantiate(tree, model, {});
+  if (!node.ok()) return node.error();
+  if (!IsBody(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
+  WorldTree alone;
+  alone.defines = tree.defines;
+  alone.files = tree.files;
+  alone.directory = tree.directory;
+  alone.world = tree.world;
+  alone.world.children.clear();
+  WorldNode made = std::move(node).value();
+  made.Set({"name", Value{model, {}}, {}});
+  made.Set(NumbersProperty("pose", {0.0, 0.0, 0.0, 0.0}, {}));
+  alone.world.children.push_back(std::move(made));
+  return BuildWorld(alone);
+}
+
+}  // namespace troupe

@@ -1,0 +1,68 @@
+// EditedWorld: the world that a text in editing makes, and for each entity of it the place in the text.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/worldfile/build/loaded_world.h"
+#include "common/worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+enum class EditedKind : std::uint8_t {
+  kWorld,     // .world
+  kInclude,   // .inc: its models are shown side by side
+  kScenario,  // .json
+};
+
+// The error names a file of another kind.
+Result<EditedKind> KindOf(const std::string& path);
+
+// A model without a parent in the world: the unit of edits.
+struct EditedEntity {
+  std::string name;     // full
+  std::string type;     // base type
+  std::string written;  // the type or define that the file names
+  ModelId model;
+  SourceLocation where;  // of its statement, in any file
+  bool on_shelf = false; // of an include file: stands for its define
+  const WorldNode* node = nullptr;    // with the properties of its macros
+  const WorldNode* parent = nullptr;  // null: the world
+  Pose X_WP;                          // the parent's, at load
+};
+
+struct EditedWorld {
+  WorldTree tree;
+  LoadedWorld loaded;
+  std::vector<EditedEntity> entities;  // in the order of the world's models
+
+  const EditedEntity* Find(const std::string& name) const;
+};
+
+// `path` names the text in messages, and is where its relative paths start. The tree of the result does not move.
+Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path);
+
+// The types and defines that give models, and the models themselves, one alone in a world.
+struct PaletteModel {
+  std::string name;
+  std::string type;
+  SourceLocation where;  // of the define; no file: a type
+};
+std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model);
+
+// The factors from the units of the tree's files to metres and radians.
+struct FileUnits {
+  double metres = 1.0;
+  double radians = 1.0;
+};
+FileUnits UnitsOf(const WorldTree& tree);
+
+// The pose of a model in the world, at load.
+Pose PoseInWorld(const WorldDescription& world, ModelId model);
+
+}  // namespace troupe

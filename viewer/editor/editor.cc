@@ -1,0 +1,306 @@
+#include "viewer/editor/editor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
+
+#include "common/worldfile/edit/json_syntax.h"
+#include "common/worldfile/edit/stage_edit.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/quote.h"
+#include "viewer/editor/editor_place.h"
+#include "viewer/editor/request_values.h"
+
+namespace troupe {
+namespace {
+
+constexpr int kPoseDecimals = 4;     // of metres: a tenth of a millimetre
+constexpr int kHeadingDecimals = 2;  // of degrees
+constexpr int kRadianDecimals = 5;
+
+std::string PlaceText(const SourceLocation& where) {
+  return fmt::format("{}:{}", where.file, where.line);
+}
+
+double WrappedDegrees(double degrees) {
+  degrees = std::remainder(degrees, 360.0);
+  return degrees <= -180.0 ? degrees + 360.0 : degrees;
+}
+
+// The numbers of a property of the node, as in the file.
+std::vector<Value::Number> NumbersOf(const WorldNode& node, const std::string& name) {
+  std::vector<Value::Number> numbers;
+  const Property* const property = node.Find(name);
+  const auto* const tuple =
+      property != nullptr ? std::get_if<std::vector<Value::Scalar>>(&property->value.content) : nullptr;
+  for (std::size_t i = 0; tuple != nullptr && i < tuple->size(); ++i) {
+    const auto* const number = std::get_if<Value::Number>(&(*tuple)[i]);
+    numbers.push_back(number != nullptr ? *number : Value::Number{0.0, "0"});
+  }
+  return numbers;
+}
+
+const char* InitialText(EditedKind kind) {
+  return kind == EditedKind::kScenario ? "{\n}\n" : "";
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path) {
+  const Result<EditedKind> kind = KindOf(path);
+  if (!kind.ok()) return kind.error();
+  Result<EditedFile> file = EditedFile::Open(path, InitialText(kind.value()));
+  if (!file.ok()) return file.error();
+  std::unique_ptr<Editor> editor(new Editor(std::move(file).value(), kind.value()));
+  editor->Load();
+  return editor;
+}
+
+void Editor::Load() {
+  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text(), path());
+  error_.reset();
+  if (!world.ok()) {
+    error_ = world.error();
+    return;
+  }
+  world_ = std::move(world).value();
+  ++version_;
+}
+
+Status Editor::CheckText() const {
+  if (error_) return Error{{}, "the text has an error, which is to be corrected first: " + error_->ToString()};
+  if (world_ == nullptr) return Failure("no world is loaded");
+  return {};
+}
+
+Status Editor::Commit(std::string text, const std::string& label, const std::string& model) {
+  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text, path());
+  if (!world.ok()) return world.error();
+  if (!model.empty()) {
+    if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model); !built.ok()) return built.error();
+  }
+  file_.Change(std::move(text), label);
+  world_ = std::move(world).value();
+  error_.reset();
+  ++version_;
+  return {};
+}
+
+Result<const EditedEntity*> Editor::FindEntity(const std::string& name) const {
+  if (Status broken = CheckText(); !broken.ok()) return broken.error();
+  const EditedEntity* const entity = world_->Find(name);
+  if (entity == nullptr) return Error{{}, "found no " + Quoted(name) + " in the world"};
+  return entity;
+}
+
+Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
+  const auto elsewhere = [&](const std::string& what) {
+    return Error{{}, fmt::format("{} is {} at {}; edit it there", Quoted(entity.name), what, PlaceText(entity.where))};
+  };
+  if (entity.where.file != path()) return elsewhere("in another file,");
+  Place place;
+  if (kind_ == EditedKind::kScenario) {
+    Result<JsonItem> json = ReadJsonSyntax(text(), path());
+    if (!json.ok()) return json.error();
+    place.json = std::move(json).value();
+    const auto chain = FindJsonAt(place.json, OffsetOf(text(), entity.where.line, entity.where.column));
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      if (chain[i]->key == "spawn") return elsewhere("made by a spawn rule,");
+      const bool is_list = chain[i]->key == "models" || chain[i]->key == "robots" || chain[i]->key == "children";
+      if (!is_list || i + 1 >= chain.size()) continue;
+      place.holder = chain[i];
+      place.entry = chain[i + 1];
+    }
+    if (place.entry == nullptr) return elsewhere("not an entry of the scenario,");
+    return place;
+  }
+  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  if (!syntax.ok()) return syntax.error();
+  place.stage = std::make_unique<StageSyntax>(std::move(syntax).value());
+  const auto chain = FindStatement(*place.stage, entity.where.line, entity.where.column);
+  if (chain.empty()) return elsewhere("not found,");
+  if (chain.front()->kind == StatementKind::kDefine && !entity.on_shelf) return elsewhere("a part of a model");
+  place.statement = chain.back();
+  return place;
+}
+
+std::string Editor::FreeName(const std::string& prefix) const {
+  for (std::size_t number = 1;; ++number) {
+    std::string name = prefix + std::to_string(number);
+    if (world_->Find(name) == nullptr) return name;
+  }
+}
+
+// In the frame and the units of the file, each number in its old form where it has not changed.
+WrittenValue Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
+  const FileUnits units = UnitsOf(world_->tree);
+  const Pose before = PoseInWorld(world_->loaded.world, entity.model);
+  const Pose X_PM = Inverse(Pose{entity.X_WP.x, entity.X_WP.y, 0.0, entity.X_WP.heading}) * pose;
+  std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
+  old.resize(4, Value::Number{0.0, "0"});
+  const double turn = units.radians == 1.0 ? 2.0 * std::numbers::pi : 360.0;
+  const double heading = units.radians == 1.0 ? X_PM.heading : WrappedDegrees(X_PM.heading / units.radians);
+  const double numbers[] = {X_PM.x / units.metres, X_PM.y / units.metres,
+                            old[2].value + (pose.z - before.z) / units.metres, heading};
+  std::vector<WrittenScalar> tuple;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool is_angle = i == 3;
+    const int decimals = !is_angle ? kPoseDecimals : units.radians == 1.0 ? kRadianDecimals : kHeadingDecimals;
+    double change = numbers[i] - old[i].value;
+    if (is_angle) change = std::remainder(change, turn);
+    const bool is_same = std::abs(change) < 0.5 * std::pow(10.0, -decimals);
+    tuple.emplace_back(WrittenNumber{is_same ? old[i].text : PlainNumber(numbers[i], decimals)});
+  }
+  return {std::move(tuple)};
+}
+
+Status Editor::SetPose(const std::string& name, const Pose& pose) {
+  const Result<const EditedEntity*> found = FindEntity(name);
+  if (!found.ok()) return found.error();
+  const EditedEntity& entity = *found.value();
+  if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
+  if (entity.on_shelf) return Error{{}, "the models of an include file have no place; they only stand side by side"};
+  if (kind_ == EditedKind::kScenario) return SetScenarioPose(entity, pose);
+  const Result<Place> place = PlaceOf(entity);
+  if (!place.ok()) return place.error();
+  return Commit(WithProperty(text(), BodyOf(*place.value().statement), "pose", PoseValue(entity, pose)),
+                "the move of " + name);
+}
+
+// Scenarios are in metres and degrees, whatever the units of their world.
+Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
+  const std::string label = "the move of " + entity.name;
+  const double degrees = WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
+  const auto number = [](double value, int decimals) { return PlainNumber(value, decimals); };
+  const std::string x = number(pose.x, kPoseDecimals);
+  const std::string y = number(pose.y, kPoseDecimals);
+  const std::string z = number(pose.z, kPoseDecimals);
+  const std::string heading = number(degrees, kHeadingDecimals);
+  const std::string flat = fmt::format("[{}, {}, {}]", x, y, heading);
+  const std::string raised = fmt::format("[{}, {}, {}, {}]", x, y, z, heading);
+  const Pose before = PoseInWorld(world_->loaded.world, entity.model);
+  const bool keeps_z = std::abs(pose.z - before.z) < 0.5 * std::pow(10.0, -kPoseDecimals);
+  if (entity.where.file == path()) {
+    const Result<Place> place = PlaceOf(entity);
+    if (!place.ok()) return place.error();
+    if (entity.parent != nullptr) return Error{{}, "a child of a scenario's model is moved by its properties"};
+    const JsonItem* const old = place.value().entry->Find("pose");
+    const bool is_raised = (old != nullptr && old->items.size() == 4) || !keeps_z;
+    return Commit(WithMember(text(), *place.value().entry, "pose", is_raised ? raised : flat), label);
+  }
+  // Of the world file: the scenario moves it.
+  if (entity.parent != nullptr) {
+    return Error{{}, fmt::format("{} is a part of a model at {}", Quoted(entity.name), PlaceText(entity.where))};
+  }
+  const Result<JsonItem> read = ReadJsonSyntax(text(), path());
+  if (!read.ok()) return read.error();
+  const JsonItem& root = read.value();
+  const auto is_called = [&](const JsonItem* value) {
+    return value != nullptr && nlohmann::json::parse(value->span.Of(text()), nullptr, false) == entity.name;
+  };
+  const std::string name = nlohmann::json(entity.name).dump();
+  if (entity.type == "position") {
+    if (const JsonItem* const robots = root.Find("robots")) {
+      for (const JsonItem& robot : robots->items) {
+        if (is_called(robot.Find("name"))) return Commit(WithMember(text(), robot, "pose", keeps_z ? flat : raised), label);
+      }
+      return Commit(WithElement(text(), *robots, fmt::format("{{\"name\": {}, \"pose\": {}}}", name, flat)), label);
+    }
+    return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)), label);
+  }
+  const FileUnits units = UnitsOf(world_->tree);
+  const double factor = 1.0 / units.metres;
+  std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
+  old.resize(4, Value::Number{0.0, "0"});
+  const std::string in_file = fmt::format(
+      "[{}, {}, {}, {}]", number(pose.x * factor, kPoseDecimals), number(pose.y * factor, kPoseDecimals),
+      number(old[2].value + (pose.z - before.z) * factor, kPoseDecimals),
+      units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
+  if (const JsonItem* const overrides = root.Find("override")) {
+    for (const JsonItem& rule : overrides->items) {
+      const JsonItem* const match = rule.Find("match");
+      const JsonItem* const properties = rule.Find("properties");
+      if (match == nullptr || properties == nullptr || match->items.size() != 1 || !is_called(match->Find("name"))) continue;
+      return Commit(WithMember(text(), *properties, "pose", in_file), label);
+    }
+  }
+  const std::string rule = fmt::format(R"({{"match": {{"name": {}}}, "properties": {{"pose": {}}}}})", name, in_file);
+  if (const JsonItem* const overrides = root.Find("override")) return Commit(WithElement(text(), *overrides, rule), label);
+  return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
+}
+
+// An entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and form.
+Status Editor::AddWritten(WrittenModel model, const std::string& label) {
+  if (kind_ != EditedKind::kScenario) {
+    const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+    if (!syntax.ok()) return syntax.error();
+    return Commit(WithEntry(text(), syntax.value().body(), model), label);
+  }
+  const Result<JsonItem> root = ReadJsonSyntax(text(), path());
+  if (!root.ok()) return root.error();
+  const Result<WorldNode> node = Instantiate(world_->tree, model.type, {});
+  const char* const list = node.ok() && node.value().type == "position" ? "robots" : "models";
+  const std::string entry = ToScenarioEntry(model);
+  if (const JsonItem* const holder = root.value().Find(list)) return Commit(WithElement(text(), *holder, entry), label);
+  return Commit(WithMember(text(), root.value(), list, "[\n    " + entry + "\n  ]"), label);
+}
+
+Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
+  if (Status broken = CheckText(); !broken.ok()) return broken.error();
+  if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
+  const std::vector<PaletteModel> palette = PaletteOf(world_->tree);
+  if (std::none_of(palette.begin(), palette.end(), [&](const auto& known) { return known.name == model; })) {
+    return Error{{}, "found " + Quoted(model) + ", expected a model of the file or of its includes"};
+  }
+  const bool is_scenario = kind_ == EditedKind::kScenario;
+  const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree);
+  const double heading = !is_scenario && units.radians == 1.0
+                             ? pose.heading
+                             : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
+  WrittenModel written{model, {}, {}};
+  std::string name = FreeName(model);
+  written.Set("name", Text(name));
+  std::vector<double> numbers{pose.x / units.metres, pose.y / units.metres, pose.z / units.metres, heading};
+  if (is_scenario && pose.z == 0.0) numbers.erase(numbers.begin() + 2);
+  written.Set("pose", Tuple(numbers));
+  if (Status failure = AddWritten(std::move(written), "the addition of " + name); !failure.ok()) return failure.error();
+  return name;
+}
+
+Status Editor::Remove(const std::string& name) {
+  const Result<const EditedEntity*> entity = FindEntity(name);
+  if (!entity.ok()) return entity.error();
+  const Result<Place> found = PlaceOf(*entity.value());
+  if (!found.ok()) return found.error();
+  const Place& place = found.value();
+  if (place.statement != nullptr) {
+    return Commit(WithoutStatement(text(), *place.statement), "the deletion of " + name);
+  }
+  const auto index = static_cast<std::size_t>(place.entry - place.holder->items.data());
+  return Commit(WithoutItem(text(), *place.holder, index), "the deletion of " + name);
+}
+
+Status Editor::Rename(const std::string& before, const std::string& after) {
+  const Result<const EditedEntity*> entity = FindEntity(before);
+  if (!entity.ok()) return entity.error();
+  if (Status wrong = CheckName(after); !wrong.ok()) return wrong;
+  if (entity.value()->on_shelf) return Error{{}, "the name of a define is changed in the text, with its uses"};
+  if (world_->Find(after) != nullptr) return Error{{}, "found the name " + Quoted(after) + " in use, expected another"};
+  const Result<Place> found = PlaceOf(*entity.value());
+  if (!found.ok()) return found.error();
+  const Place& place = found.value();
+  const std::string label = "the new name of " + before;
+  if (place.entry != nullptr) {
+    return Commit(WithMember(text(), *place.entry, "name", nlohmann::json(after).dump()), label);
+  }
+  // Of a child the name counts below its parent, unless it begins with a slash.
+  const std::string written = entity.value()->parent != nullptr ? "/" + after : after;
+  return Commit(WithProperty(text(), BodyOf(*place.statement), "name", Text(written)), label);
+}
+
+}  // namespace troupe

@@ -1,0 +1,34 @@
+// The values of a request of the page, checked. Private to this folder.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/pose.h"
+#include "common/worldfile/edit/written_model.h"
+
+namespace troupe {
+
+// Empty without one.
+std::string TextIn(const nlohmann::json& object, const char* key);
+// Finite and within the bounds of world files; nothing: none of that kind.
+std::optional<double> NumberIn(const nlohmann::json& object, const char* key);
+std::optional<std::vector<double>> NumbersIn(const nlohmann::json& object, const char* key, std::size_t count);
+// [x, y, z, heading] in m and rad.
+std::optional<Pose> PoseIn(const nlohmann::json& object, const char* key);
+
+// The "blocks" of a request: [{"outline": [[x, y], ...], "z": [min, max]}], in metres. Up to 200 of up to 1000 corners.
+struct DrawnBlock {
+  std::vector<Vec2> outline;
+  double z_min = 0.0;
+  double z_max = 0.0;
+};
+Result<std::vector<DrawnBlock>> BlocksIn(const nlohmann::json& object, double metres_per_unit);
+
+// A name that fits between quotes on a line of both languages.
+Status CheckName(const std::string& name);
+
+}  // namespace troupe

@@ -1,0 +1,398 @@
+// FileEditor: the page of `troupe edit`: the entities of the file, its models, properties, problems and text. The gateway
+// holds the file; each edit is a request, and the world that follows comes as that of a run.
+import type {Connection} from './connection';
+import {Drawing, roomBetween, wallBetween, type DrawTool, type Point} from './drawing';
+import {byId, make, setText, toast} from './dom';
+import type {Editing} from './editing';
+import {
+  FileClient, placeText, type EntityReport, type FileDocument, type HelpRow, type PaletteRow,
+} from './file_client';
+import {ModelEditor} from './model_editor';
+import {drawPicture} from './model_picture';
+import {showProperties} from './property_rows';
+import type {WorldScene} from './scene';
+import {SpawnRegions} from './spawn_regions';
+
+export interface FileEditorHost {
+  selectName(name: string): void;  // an entity of the scene, if it is one
+}
+
+const WALL_COLOR = '"gray60"';
+
+export class FileEditor {
+  document: FileDocument | null = null;
+  private readonly client: FileClient;
+  private readonly drawing: Drawing;
+  private readonly models: ModelEditor;
+  private readonly regions: SpawnRegions;
+  private help: HelpRow[] = [];
+  private schema: Record<string, {description?: string}> = {};
+  private palette: PaletteRow[] = [];
+  private selected = '';
+  private paletteVersion = -1;
+  private refreshing = false;
+  private again = false;
+
+  constructor(
+      connection: Connection, private readonly scene: WorldScene, private readonly editing: Editing,
+      private readonly host: FileEditorHost, private readonly viewOnly: boolean) {
+    this.client = new FileClient(connection);
+    this.drawing = new Drawing(scene, {drawn: (tool, from, to) => void this.drawn(tool, from, to)});
+    this.models = new ModelEditor(this.client, {
+      help: () => this.help,
+      models: () => this.palette.map(row => row.name),
+      changed: () => void this.refresh(),
+      test: (model, probeHeight) => this.test(model, probeHeight),
+    });
+    this.regions = new SpawnRegions(scene, this.client, {
+      models: () => this.palette.filter(row => row.name !== 'model').map(row => row.name),
+      changed: () => void this.refresh(),
+    });
+    document.body.classList.add('file');
+    byId('file-tools').hidden = byId('file-entities').hidden = false;
+    editing.setFile({
+      undo: () => this.step('undo'),
+      redo: () => this.step('redo'),
+      rename: (before, after) => this.rename(before, after),
+    });
+    this.bind();
+    void this.load();
+  }
+
+  async load(): Promise<void> {
+    const reply = await this.client.ask('help');
+    this.help = reply.properties ?? [];
+    this.schema = reply.schema?.properties ?? {};
+    await this.refresh();
+  }
+
+  // The gateway has another world.
+  worldChanged(): void {
+    void this.refresh();
+  }
+
+  select(name: string): void {
+    if (name === this.selected) return;
+    this.selected = name;
+    void this.showPanel();
+    this.showEntities();
+  }
+
+  // True if the key belongs to the editor.
+  press(event: KeyboardEvent): boolean {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 's') {
+      void this.save();
+      return true;
+    }
+    if (event.key === 'Escape') this.drawing.set('none');
+    return false;
+  }
+
+  modelPoint(view: 'top' | 'side', a: number, b: number): {x: number; y: number} {
+    return this.models.clientPoint(view, a, b);
+  }
+
+  private bind(): void {
+    const bind = (id: string, action: () => void): void => {
+      byId(id).onclick = action;
+    };
+    bind('file-save', () => void this.save());
+    bind('file-text', () => void this.openText());
+    bind('text-close', () => (byId('text-editor').hidden = true));
+    bind('text-apply', () => void this.applyText());
+    bind('file-model', () => this.models.openNew());
+    bind('file-test', () => void (this.document?.testing ? this.endTest() : this.test('', 0)));
+    for (const tool of ['wall', 'room', 'region'] as const) bind(`file-${tool}`, () => this.draw(tool));
+    bind('file-rename', () => void this.renameSelected());
+    bind('file-delete', () => void this.deleteSelected());
+    byId('entity-search').oninput = () => this.showEntities();
+    // The page's keys are not for a text that is typed here.
+    byId('text-editor').addEventListener('keydown', event => event.stopPropagation());
+    window.addEventListener('beforeunload', event => {
+      if (this.document?.modified) event.preventDefault();
+    });
+    if (this.viewOnly) {
+      for (const id of ['file-save', 'file-wall', 'file-room', 'file-region', 'file-model', 'file-test', 'text-apply']) {
+        byId(id).hidden = true;
+      }
+    }
+  }
+
+  private draw(tool: DrawTool): void {
+    this.editing.cancel();
+    this.drawing.set(this.drawing.tool === tool ? 'none' : tool);
+  }
+
+  // One after another, the last one always after the newest change.
+  async refresh(): Promise<void> {
+    this.again = true;
+    if (this.refreshing) return;
+    this.refreshing = true;
+    while (this.again) {
+      this.again = false;
+      const reply = await this.client.ask('document');
+      if (!reply.done) break;
+      this.document = reply as unknown as FileDocument;
+      if (this.paletteVersion !== this.document.version) await this.loadPalette(this.document.version);
+      this.showDocument(this.document);
+    }
+    this.refreshing = false;
+  }
+
+  private async loadPalette(version: number): Promise<void> {
+    const reply = await this.client.ask('palette');
+    if (!reply.done) return;
+    this.paletteVersion = version;
+    this.palette = reply.models;
+    this.showPalette();
+  }
+
+  private showDocument(shown: FileDocument): void {
+    document.body.classList.toggle('testing', shown.testing);
+    document.title = `${shown.modified ? '• ' : ''}${shown.file.split('/').pop()} · Troupe`;
+    const state = byId('file-state');
+    state.hidden = false;
+    setText(state, shown.testing ? `test${shown.tested ? ` of ${shown.tested}` : ''}` : shown.error ? 'error' : shown.modified ? 'not saved' : 'saved');
+    state.className = `badge ${shown.error ? 'lost' : shown.testing ? 'holding' : shown.modified ? 'stalled' : 'moving'}`;
+    setText(byId('file-test'), shown.testing ? 'End test' : 'Test');
+    byId('file-region').hidden = shown.kind !== 'scenario' || this.viewOnly;
+    byId('file-model').hidden = shown.kind === 'scenario' || this.viewOnly;
+    for (const [id, label] of [['undo', shown.undo], ['redo', shown.redo]] as const) {
+      const button = byId<HTMLButtonElement>(id);
+      button.disabled = !label;
+      button.title = label ? `${id === 'undo' ? 'Undo' : 'Redo'} ${label}` : '';
+    }
+    this.regions.show(shown.testing ? [] : shown.regions, this.viewOnly);
+    this.showEntities();
+    this.showProblems(shown);
+    void this.showPanel();
+  }
+
+  private showProblems(shown: FileDocument): void {
+    const problems = [shown.error, shown.failure ?? '', ...shown.warnings].filter(text => text !== '');
+    byId('file-problems').hidden = problems.length === 0;
+    setText(byId('problem-count'), String(problems.length));
+    byId('problem-list').replaceChildren(
+      ...problems.map((text, i) => make('div', i === 0 && shown.error ? 'problem error-text' : 'problem', text)));
+    setText(byId('text-error'), shown.error);
+  }
+
+  private showEntities(): void {
+    const search = byId<HTMLInputElement>('entity-search').value.toLowerCase();
+    const entities = this.document?.entities ?? [];
+    setText(byId('entity-count'), String(entities.length));
+    byId('entity-list').replaceChildren(
+      ...entities.filter(({name, model}) => `${name} ${model}`.toLowerCase().includes(search)).slice(0, 500).map(entity => {
+        const row = make('button', `entity${entity.here ? '' : ' elsewhere'}${entity.name === this.selected ? ' selected' : ''}`);
+        row.append(make('span', '', entity.name), make('span', 'faint', entity.model));
+        row.title = placeText(entity.where);
+        row.onclick = () => {
+          this.select(entity.name);
+          this.host.selectName(entity.name);
+        };
+        return row;
+      }));
+  }
+
+  private showPalette(): void {
+    byId('palette').replaceChildren(...this.palette.map(row => {
+      const line = make('div', 'palette-line');
+      const button = make('button', 'palette-row') as HTMLButtonElement;
+      button.dataset.model = row.name;
+      const canvas = document.createElement('canvas');
+      canvas.width = 88;
+      canvas.height = 68;
+      drawPicture(canvas, row.picture ?? []);
+      button.append(canvas, make('span', '', row.name));
+      button.title = row.where.file ? `${row.type}, ${placeText(row.where)}` : `the type ${row.type}`;
+      button.disabled = this.viewOnly;
+      button.onclick = () => {
+        this.drawing.set('none');
+        this.editing.startAdding(row.name, row.type);
+      };
+      line.append(button);
+      if (row.where.file) {
+        const edit = make('button', 'plain', '✎');
+        edit.title = row.here ? `Edit the model ${row.name}` : `Look at the model ${row.name}`;
+        edit.onclick = () => void this.models.openModel(row.name);
+        line.append(edit);
+      }
+      return line;
+    }));
+  }
+
+  // The properties of the selected entity, or of the file.
+  private async showPanel(): Promise<void> {
+    const panel = byId('file-panel');
+    panel.hidden = false;
+    const entity = this.document?.entities.find(each => each.name === this.selected);
+    byId('file-panel-buttons').hidden = !entity || this.viewOnly;
+    if (!entity) return this.showFilePanel();
+    const reply = await this.client.ask('entity', {name: entity.name});
+    if (!reply.done || this.selected !== entity.name) return;
+    const report = reply as unknown as EntityReport;
+    const locked = report.refusal !== '' || this.viewOnly;
+    setText(byId('file-panel-name'), report.name);
+    setText(byId('file-panel-type'), report.model);
+    setText(byId('file-panel-place'), report.refusal || placeText(report.where));
+    const model = this.palette.find(row => row.name === report.model && row.where.file !== '');
+    const edit = byId('file-edit-model');
+    edit.hidden = !model;
+    edit.onclick = () => void this.models.openModel(report.model);
+    byId('file-rename').hidden = byId('file-delete').hidden = locked || report.shelf;
+    showProperties(
+      byId('file-properties'),
+      report.properties.map(({name, value, own, where}) => ({name, value, own, from: placeText(where)})), this.help, {
+        types: ['*', report.type], locked,
+        set: async (property, value) => {
+          const done = await this.client.edit('set_property', {name: report.name, property, value});
+          if (done.done && property === 'name' && value) this.select(value.replace(/"/g, ''));
+          await this.refresh();
+        },
+      });
+  }
+
+  private showFilePanel(): void {
+    const shown = this.document;
+    if (!shown) return;
+    setText(byId('file-panel-name'), shown.file.split('/').pop() ?? '');
+    setText(byId('file-panel-type'), shown.kind);
+    setText(byId('file-panel-place'), shown.file);
+    const box = byId('file-properties');
+    if (shown.kind !== 'scenario') {
+      showProperties(box, shown.properties.map(each => ({...each, own: true})), this.help, {
+        types: ['world'], locked: this.viewOnly,
+        set: async (property, value) => {
+          await this.client.edit('set_property', {property, value});
+          await this.refresh();
+        },
+      });
+      return;
+    }
+    // The plain members of a scenario, with the help of its schema.
+    const rows = Object.entries(this.schema).filter(([key]) => key !== '$schema').map(([key, {description}]): HelpRow => ({
+      type: 'scenario', name: key, form: '', unit: '', initial: '', help: description ?? '',
+    }));
+    const members = Object.entries(shown.members).map(([name, value]) => ({name, value: JSON.stringify(value), own: true}));
+    showProperties(box, members, rows, {
+      types: ['scenario'], locked: this.viewOnly,
+      set: async (key, text) => {
+        let value: unknown = null;
+        if (text !== null) {
+          try {
+            value = JSON.parse(text);
+          } catch {
+            value = text;
+          }
+        }
+        await this.client.edit('set_member', {key, value});
+        await this.refresh();
+      },
+    });
+  }
+
+  private async step(op: 'undo' | 'redo'): Promise<void> {
+    const reply = await this.client.edit(op);
+    if (reply.done) toast(`${reply.label} is ${op === 'undo' ? 'undone' : 'redone'}`);
+    await this.refresh();
+  }
+
+  private async rename(before: string, after: string): Promise<void> {
+    const reply = await this.client.edit('rename', {name: before, to: after});
+    if (!reply.done) return;
+    this.selected = after;
+    await this.refresh();
+    this.host.selectName(after);
+  }
+
+  private async renameSelected(): Promise<void> {
+    const after = window.prompt(`New name of ${this.selected}.`, this.selected)?.trim();
+    if (after && after !== this.selected) await this.rename(this.selected, after);
+  }
+
+  async deleteSelected(): Promise<void> {
+    if (!this.selected) return;
+    const reply = await this.client.edit('delete', {name: this.selected});
+    if (!reply.done) return;
+    toast(`${this.selected} is deleted`);
+    this.selected = '';
+    await this.refresh();
+  }
+
+  private async save(): Promise<void> {
+    let reply = await this.client.edit('save');
+    if (reply.conflict && window.confirm(`${reply.problem}.\n\nReplace it by the edited file?`)) {
+      reply = await this.client.edit('save', {overwrite: true});
+    } else if (reply.conflict && window.confirm('Read the file from the disk again? Undo returns to the edits.')) {
+      reply = await this.client.edit('reload');
+      if (reply.done) toast('The file is read again');
+      return this.refresh();
+    }
+    if (reply.done) toast('The file is saved');
+    await this.refresh();
+  }
+
+  private async drawn(tool: DrawTool, from: Point, to: Point): Promise<void> {
+    if (tool === 'region') {
+      this.drawing.set('none');
+      return this.regions.add(from, to);
+    }
+    const {thickness, height, door} = this.drawing;
+    const model = tool === 'wall' ? wallBetween(from, to, thickness, height) : roomBetween(from, to, thickness, height, door);
+    const {x, y, z, heading} = model.pose;
+    await this.client.edit('add_model', {
+      name: tool, pose: [x, y, z, heading], blocks: model.blocks, properties: {color: WALL_COLOR},
+    });
+    await this.refresh();
+  }
+
+  private async test(model: string, probeHeight: number): Promise<void> {
+    const reply = await this.client.edit('test', {model, probe_height: probeHeight});
+    if (reply.done) byId('play').click();
+    this.scene.home();
+    await this.refresh();
+  }
+
+  private async endTest(): Promise<void> {
+    await this.client.edit('end_test');
+    await this.refresh();
+    this.scene.home();
+  }
+
+  private async openText(): Promise<void> {
+    const reply = await this.client.edit('text');
+    if (!reply.done) return;
+    const area = byId<HTMLTextAreaElement>('text-area');
+    const text = reply.text as string;
+    area.value = text;
+    area.dataset.end = text.includes('\r\n') ? '\r\n' : '\n';
+    setText(byId('text-name'), this.document?.file ?? '');
+    byId('text-editor').hidden = false;
+    const place = this.document?.error_place;
+    const entity = this.document?.entities.find(each => each.name === this.selected && each.here);
+    const line = place?.line || entity?.where.line || 1;
+    this.showLine(area, line);
+  }
+
+  private showLine(area: HTMLTextAreaElement, line: number): void {
+    const lines = area.value.split('\n');
+    const start = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
+    area.focus();
+    area.setSelectionRange(start, start + (lines[line - 1]?.length ?? 0));
+    area.scrollTop = Math.max(0, (line - 6) * 18);
+  }
+
+  private async applyText(): Promise<void> {
+    const area = byId<HTMLTextAreaElement>('text-area');
+    const text = area.dataset.end === '\r\n' ? area.value.replace(/\n/g, '\r\n') : area.value;
+    const reply = await this.client.edit('set_text', {text});
+    await this.refresh();
+    if (!reply.done) return;
+    if (!reply.error) {
+      toast('The text is applied');
+      return;
+    }
+    const place = this.document?.error_place;
+    if (place && place.file === this.document?.file && place.line > 0) this.showLine(area, place.line);
+  }
+}
