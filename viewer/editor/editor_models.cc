@@ -295,7 +295,7 @@ Result<Editor::Place> Editor::PlaceOfPart(const Json& request) const {
 }
 
 // {"model", "part": [indices], "action": "set", "property", "value": text or null}
-// {"model", "part": of the parent, "action": "add", "type", "properties": {...}, "sensor": {...}}
+// {"model", "part": of the parent, "action": "add", "kind": type, "properties": {...}, "sensor": {...}}
 // {"model", "part", "action": "remove"}
 Result<Json> Editor::ChangePart(const Json& request) {
   const Result<Place> found = PlaceOfPart(request);
@@ -308,7 +308,7 @@ Result<Json> Editor::ChangePart(const Json& request) {
     if (place.statement->kind == StatementKind::kDefine) return Error{{}, "found no part"};
     status = Commit(WithoutStatement(text(), *place.statement), "the deletion of a part of " + name, name);
   } else if (action == "add") {
-    const std::string type = TextIn(request, "type");
+    const std::string type = TextIn(request, "kind");
     if (!IsWord(type)) return Error{{}, "found the part " + Quoted(type) + ", expected a type of model"};
     Result<std::vector<std::pair<std::string, WrittenValue>>> properties = PropertiesIn(request);
     if (!properties.ok()) return properties.error();

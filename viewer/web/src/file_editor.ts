@@ -45,7 +45,9 @@ export class FileEditor {
       test: (model, probeHeight) => this.test(model, probeHeight),
     });
     this.regions = new SpawnRegions(scene, this.client, {
-      models: () => this.palette.filter(row => row.name !== 'model').map(row => row.name),
+      // Robots first: those are spawned most.
+      models: () => [...this.palette].sort((a, b) => Number(b.type === 'position') - Number(a.type === 'position'))
+        .map(row => row.name),
       changed: () => void this.refresh(),
     });
     document.body.classList.add('file');
@@ -243,7 +245,7 @@ export class FileEditor {
     showProperties(
       byId('file-properties'),
       report.properties.map(({name, value, own, where}) => ({name, value, own, from: placeText(where)})), this.help, {
-        types: ['*', report.type], locked,
+        types: ['*', report.type], locked, of: report.name,
         set: async (property, value) => {
           const done = await this.client.edit('set_property', {name: report.name, property, value});
           if (done.done && property === 'name' && value) this.select(value.replace(/"/g, ''));
@@ -261,7 +263,7 @@ export class FileEditor {
     const box = byId('file-properties');
     if (shown.kind !== 'scenario') {
       showProperties(box, shown.properties.map(each => ({...each, own: true})), this.help, {
-        types: ['world'], locked: this.viewOnly,
+        types: ['world'], locked: this.viewOnly, of: shown.file,
         set: async (property, value) => {
           await this.client.edit('set_property', {property, value});
           await this.refresh();
@@ -275,7 +277,7 @@ export class FileEditor {
     }));
     const members = Object.entries(shown.members).map(([name, value]) => ({name, value: JSON.stringify(value), own: true}));
     showProperties(box, members, rows, {
-      types: ['scenario'], locked: this.viewOnly,
+      types: ['scenario'], locked: this.viewOnly, of: shown.file,
       set: async (key, text) => {
         let value: unknown = null;
         if (text !== null) {

@@ -151,7 +151,7 @@ export class ModelEditor {
       const {properties, own} = this.report;
       const shown = Object.keys(properties).map(name => ({name, value: own[name] ?? properties[name], own: name in own}));
       showProperties(byId('model-properties'), shown, this.host.help(), {
-        types: ['*', type], locked,
+        types: ['*', type], locked, of: this.report.name,
         set: (name, value) => this.change({part: [], action: 'set', property: name, value}),
       });
     } else {
@@ -207,7 +207,7 @@ export class ModelEditor {
     const properties = make('div', '');
     const types = part.type === 'sensor' ? ['sensor'] : ['*', part.type];
     showProperties(properties, Object.entries(part.properties).map(([name, value]) => ({name, value, own: true})), this.host.help(), {
-      types, locked, set: (name, value) => this.change({part: path, action: 'set', property: name, value}),
+      types, locked, of: path.join('.'), set: (name, value) => this.change({part: path, action: 'set', property: name, value}),
     });
     row.append(title, properties, ...(part.parts ?? []).map(inner => this.partRow(inner, [...path, inner.index])));
     return row;
@@ -222,7 +222,7 @@ export class ModelEditor {
 
   private addPart(part: number[], type: string): Promise<void> {
     const {properties, sensor} = PARTS[type];
-    return this.change({part, action: 'add', type, properties, sensor});
+    return this.change({part, action: 'add', kind: type, properties, sensor});
   }
 
   private async reload(): Promise<void> {

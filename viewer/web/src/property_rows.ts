@@ -12,6 +12,7 @@ export interface ShownProperty {
 export interface PropertyTarget {
   types: string[];  // of the help that applies, for instance ['*', 'position']
   locked: boolean;
+  of: string;  // whose properties they are
   set(name: string, value: string | null): Promise<void>;  // null: remove it
 }
 
@@ -33,6 +34,12 @@ export function asWritten(row: HelpRow | undefined, text: string): string {
 }
 
 export function showProperties(parent: HTMLElement, shown: ShownProperty[], help: HelpRow[], target: PropertyTarget): void {
+  // What a user types is not replaced by what the file had before, and an unchanged form stays as it is.
+  const active = document.activeElement;
+  if (active instanceof HTMLInputElement && parent.contains(active) && active.value !== active.dataset.shown) return;
+  const signature = JSON.stringify([shown, target.types, target.locked, help.length]);
+  if (parent.dataset.signature === signature && parent.dataset.of === target.of) return;
+  Object.assign(parent.dataset, {signature, of: target.of});
   const known = help.filter(row => target.types.includes(row.type));
   const rowOf = (name: string): HelpRow | undefined => known.find(row => row.name === name.replace(/\[\d+\]$/, ''));
   const rows = shown.map(property => {
@@ -44,7 +51,11 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
     input.disabled = target.locked;
     input.dataset.property = property.name;
     input.setAttribute('aria-label', property.name);
-    input.onchange = () => void target.set(property.name, asWritten(rowOf(property.name), input.value));
+    input.dataset.shown = property.value;
+    input.onchange = () => {
+      input.dataset.shown = input.value;
+      void target.set(property.name, asWritten(rowOf(property.name), input.value));
+    };
     line.append(label, input);
     if (property.own && !target.locked) {
       const remove = make('button', 'plain', '✕');
@@ -71,7 +82,7 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
   select.onchange = () => {
     const row = rowOf(select.value);
     input.hidden = !row;
-    input.value = row?.initial ?? '';
+    input.value = input.dataset.shown = row?.initial ?? '';
     input.placeholder = row?.form ?? '';
     input.title = helpText(row);
     input.focus();

@@ -1,0 +1,206 @@
+// Edits of Stage files change the bytes that they concern, and no others.
+#include "common/worldfile/edit/stage_edit.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/worldfile/stage/stage_parser.h"
+#include "tests/support/stage_worlds.h"
+
+namespace troupe {
+namespace {
+
+const char* const kYard = R"(# A yard.
+include "things.inc"   # all of them
+
+define crate model      # a kind of model
+(
+  size [0.5 0.5 0.4]    # metres
+  color "brown"
+)
+
+crate( name "left" pose [ 1.0 2.000 0 30 ] )  # the first one
+crate( pose [3 2 0 0] color "blue" )
+
+model
+(
+  # inside
+  name "gate"	pose [0 0 0 0]
+  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] )
+)
+)";
+
+StageSyntax Read(const std::string& text) {
+  Result<StageSyntax> syntax = ReadStageSyntax(text, "yard.world");
+  EXPECT_TRUE(syntax.ok()) << (syntax.ok() ? "" : syntax.error().ToString());
+  return syntax.ok() ? std::move(syntax).value() : StageSyntax{};
+}
+
+const Statement& Entry(const StageSyntax& syntax, std::size_t index) {
+  for (const Statement& statement : syntax.statements) {
+    if (statement.kind == StatementKind::kEntry && index-- == 0) return statement;
+  }
+  ADD_FAILURE() << "no such entry";
+  return syntax.statements.front();
+}
+
+WrittenValue Value(const std::string& text) {
+  Result<WrittenValue> value = ReadValueText(text);
+  EXPECT_TRUE(value.ok()) << text;
+  return value.ok() ? value.value() : Text("");
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(StageEditTest, OneTokenOfATupleChangesAlone) {
+  const StageSyntax syntax = Read(kYard);
+  const std::string moved = WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2.5 0.0 30]"));
+  EXPECT_EQ(moved, Replaced(kYard, "[ 1.0 2.000 0 30 ]", "[ 1.0 2.5 0 30 ]"));
+}
+
+TEST(StageEditTest, AValueThatIsTheSameChangesNothing) {
+  const StageSyntax syntax = Read(kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2 0 30.0]")), kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "name", Value("\"left\"")), kYard);
+}
+
+TEST(StageEditTest, ANewPropertyFollowsTheOthersOfItsLine) {
+  const StageSyntax syntax = Read(kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 1)), "name", Value("\"right\"")),
+            Replaced(kYard, "color \"blue\" )", "color \"blue\" name \"right\" )"));
+}
+
+TEST(StageEditTest, ANewPropertyOfSeveralLinesHasALineOfItsOwnBehindTheComment) {
+  const StageSyntax syntax = Read(kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "gripper_return", Value("1")),
+            Replaced(kYard, "  color \"brown\"\n", "  color \"brown\"\n  gripper_return 1\n"));
+  const std::string commented = "model\n(\n  size [1 1 1] # big\n)\n";
+  EXPECT_EQ(WithProperty(commented, BodyOf(Entry(Read(commented), 0)), "color", Value("\"red\"")),
+            "model\n(\n  size [1 1 1] # big\n  color \"red\"\n)\n");
+}
+
+TEST(StageEditTest, AnEmptyBodyReceivesItsFirstProperty) {
+  for (const auto& [before, after] : std::vector<std::pair<std::string, std::string>>{
+           {"model()", "model( color \"red\" )"},
+           {"model( )", "model( color \"red\" )"},
+           {"model\n(\n)\n", "model\n(\n  color \"red\"\n)\n"},
+           {"model\r\n(\r\n)\r\n", "model\r\n(\r\n  color \"red\"\r\n)\r\n"},
+           {"model( # nothing\n)\n", "model( # nothing\n  color \"red\"\n)\n"}}) {
+    EXPECT_EQ(WithProperty(before, BodyOf(Entry(Read(before), 0)), "color", Value("\"red\"")), after);
+  }
+}
+
+TEST(StageEditTest, TheLastOfTwoPropertiesCounts) {
+  const std::string twice = "model( size [1 1 1] size [2 2 2] )\n";
+  EXPECT_EQ(WithProperty(twice, BodyOf(Entry(Read(twice), 0)), "size", Value("[2 2 3]")),
+            "model( size [1 1 1] size [2 2 3] )\n");
+}
+
+TEST(StageEditTest, RemovalLeavesTheCommentsOfTheLine) {
+  const StageSyntax syntax = Read(kYard);
+  EXPECT_EQ(WithoutProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "color"),
+            Replaced(kYard, "  color \"brown\"\n", ""));
+  EXPECT_EQ(WithoutStatement(kYard, Entry(syntax, 0)),
+            Replaced(kYard, "crate( name \"left\" pose [ 1.0 2.000 0 30 ] )  # the", "# the"));
+  EXPECT_EQ(WithoutStatement(kYard, Entry(syntax, 1)), Replaced(kYard, "crate( pose [3 2 0 0] color \"blue\" )\n", ""));
+}
+
+TEST(StageEditTest, AddedEntriesAndDefinesLoad) {
+  WrittenModel crate{"crate", {}, {}};
+  crate.Set("name", Text("new"));
+  crate.Set("pose", Tuple({1.25, -2.0, 0.0, 90.0}));
+  const std::string text = Replaced(kYard, "include \"things.inc\"   # all of them\n", "");
+  const std::string added = WithEntry(text, Read(text).body(), crate);
+  EXPECT_EQ(added, text + "crate( name \"new\" pose [1.25 -2 0 90] )\n");
+
+  WrittenModel shelf{"crate", {}, {WrittenBlock({{0, 0}, {1, 0}, {1, 0.5}, {0, 0.5}}, 0.4, 0.6)}};
+  shelf.Set("size", Tuple({1, 0.5, 0.2}));
+  const std::string defined = WithDefine(added, Read(added), "shelf", shelf);
+  const Result<WorldTree> tree = ParseStageText(defined, "yard.world");
+  ASSERT_TRUE(tree.ok()) << tree.error().ToString();
+  EXPECT_TRUE(tree.value().defines.contains("shelf"));
+  // Before the first entry, behind the defines that it is made from.
+  EXPECT_LT(defined.find("define shelf crate"), defined.find("crate( name \"left\""));
+  EXPECT_GT(defined.find("define shelf crate"), defined.find("define crate"));
+}
+
+TEST(StageEditTest, BlocksChangeOneByOne) {
+  const std::string text = R"(define step model
+(
+  # the lower one
+  block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0 0.5] )  # kept
+  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0.5 1] )
+)
+)";
+  const std::vector<Vec2> triangle{{0, 0}, {1, 0}, {1, 1}};
+  const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  const auto edited = [&](const std::vector<WrittenModel>& blocks) {
+    Result<std::string> result = WithBlocks(text, "step.inc", "step", blocks);
+    EXPECT_TRUE(result.ok());
+    return result.ok() ? result.value() : "";
+  };
+  EXPECT_EQ(edited({WrittenBlock(square, 0, 0.5), WrittenBlock(triangle, 0.5, 1)}), text);
+  EXPECT_EQ(edited({WrittenBlock(square, 0, 0.75), WrittenBlock(triangle, 0.5, 1)}),
+            Replaced(text, "z [0 0.5] )  # kept", "z [0 0.75] )  # kept"));
+  // A corner less.
+  EXPECT_EQ(edited({WrittenBlock(triangle, 0, 0.5), WrittenBlock(triangle, 0.5, 1)}),
+            Replaced(Replaced(text, "points 4", "points 3"), " point[3] [0 1]", ""));
+  // A block less, and one more.
+  EXPECT_EQ(edited({WrittenBlock(square, 0, 0.5)}),
+            Replaced(text, "  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0.5 1] )\n", ""));
+  const std::string more = edited({WrittenBlock(square, 0, 0.5), WrittenBlock(triangle, 0.5, 1), WrittenBlock(triangle, 1, 2)});
+  EXPECT_EQ(more, Replaced(text, "z [0.5 1] )\n", "z [0.5 1] )\n  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 2] )\n"));
+}
+
+TEST(StageEditTest, BrokenTextHasItsPlace) {
+  const Result<StageSyntax> syntax = ReadStageSyntax("model(\n  pose [0 0\n)", "bad.world");
+  ASSERT_FALSE(syntax.ok());
+  EXPECT_EQ(syntax.error().where.line, 2);
+}
+
+TEST(StageEditTest, ValuesAreOneValue) {
+  for (const char* bad : {"", "red", "1 2", "[1 2] 3", "1 # c", "1\nname \"x\"", "( )", "\"a\" ) model(", "1e5"}) {
+    EXPECT_FALSE(ReadValueText(bad).ok()) << bad;
+  }
+  EXPECT_EQ(ToJson(Value("[.5 +1 -.25 \"a\"]")), "[0.5, 1, -0.25, \"a\"]");
+}
+
+// Files that people have written: each is read to its end, and one pose that changes is one token that changes.
+TEST(StageEditTest, StageWorldsChangeByOneToken) {
+  namespace fs = std::filesystem;
+  const std::string folder = test::StageWorldsFolder();
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no Stage worlds at " << folder;
+  int changed_files = 0;
+  for (const auto& file : fs::recursive_directory_iterator(folder)) {
+    if (file.path().extension() != ".world" && file.path().extension() != ".inc") continue;
+    std::ostringstream content;
+    content << std::ifstream(file.path(), std::ios::binary).rdbuf();
+    const std::string text = content.str();
+    const Result<StageSyntax> syntax = ReadStageSyntax(text, file.path().string());
+    if (!syntax.ok()) continue;  // of a version of the language that is not read
+    for (const Statement& statement : syntax.value().statements) {
+      if (statement.kind != StatementKind::kEntry) continue;
+      const Statement* const pose = FindProperty(BodyOf(statement), "pose");
+      if (pose == nullptr || pose->elements.size() != 4) continue;
+      std::string tuple = "[";
+      for (std::size_t i = 0; i < 4; ++i) tuple += " " + (i == 1 ? "123.5" : std::string(pose->elements[i].Of(text)));
+      const std::string after = WithProperty(text, BodyOf(statement), "pose", Value(tuple + " ]"));
+      const TextSpan& token = pose->elements[1];
+      EXPECT_EQ(after, text.substr(0, token.begin) + "123.5" + text.substr(token.end)) << file.path();
+      EXPECT_TRUE(ReadStageSyntax(after, "after").ok());
+      ++changed_files;
+      break;
+    }
+  }
+  EXPECT_GE(changed_files, 3);
+}
+
+}  // namespace
+}  // namespace troupe
