@@ -11,7 +11,7 @@ std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, co
   std::vector<ScanFan> fans;
   for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
     for (const std::unique_ptr<const Sensor>& sensor : MakeSensors(scene, RobotId(i))) {
-      const SensorReading reading = sensor->Measure({scene, bodies}, state.tick);
+      const SensorReading reading = sensor->Measure({scene, bodies, &state}, state.tick);
       const RangerReading* const ranger = reading.ranger();
       if (ranger == nullptr) continue;  // other kinds have no fans
       for (const RangeScan& scan : ranger->scans) {
@@ -33,7 +33,7 @@ std::vector<Mark> MeasureMarks(const Scene& scene, const BodyIndex& bodies, cons
   for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
     if (!IsThere(scene.world(), RobotId(i))) continue;
     for (const std::unique_ptr<const Sensor>& sensor : MakeSensors(scene, RobotId(i))) {
-      const SensedWorld world{scene, bodies};
+      const SensedWorld world{scene, bodies, &state};
       if (std::holds_alternative<RangerParameters>(sensor->description().parameters)) continue;  // it has fans
       sensor->AddMarks(world, sensor->Measure(world, state.tick), marks);
     }

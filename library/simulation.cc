@@ -101,6 +101,7 @@ void Simulation::StepOnce() {
     Proposal proposal = robot.Decide(now.state, impl_->bodies, now.commands[i]);
     now.commands[i].command.grippers.clear();
     now.commands[i].command.joints.clear();
+    now.commands[i].command.messages.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
     const Status status = ValidateProposal(world(), now.state, proposal);
@@ -160,7 +161,7 @@ std::vector<std::optional<ModelId>> Simulation::HeldObjects(RobotId robot) const
 }
 
 SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
-  return impl_->now.robots[robot.index()]->Measure(sensor, tick(), impl_->bodies);
+  return impl_->now.robots[robot.index()]->Measure(sensor, state(), impl_->bodies);
 }
 
 Status Simulation::Drive(RobotId robot, Command command) {

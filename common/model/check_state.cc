@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/model/radio_limits.h"
+
 namespace troupe {
 namespace {
 
@@ -44,6 +46,13 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
     known = known && IsBelow(object.holder, world.grippers.size()) && IsBelow(object.support, world.models.size());
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
       return StateError("found an object that is held without a holder, or has a holder without being held");
+    }
+  }
+  for (const RadioTransmission& transmission : state.transmissions) {
+    known = known && transmission.from.index() < world.robots.size() && IsBelow(transmission.message.to, world.robots.size()) &&
+            FindRadio(world.robot(transmission.from), transmission.message.radio) != nullptr;
+    if (transmission.due < state.tick || transmission.sent > state.tick) {
+      return StateError("found a radio message that is not on its way");
     }
   }
   if (!finite) return StateError("found a number that is not finite in a state");

@@ -5,6 +5,7 @@
 
 #include "common/base/ids.h"
 #include "common/geometry/pose.h"
+#include "common/model/radio_message.h"
 
 namespace troupe {
 
@@ -14,6 +15,7 @@ struct Proposal {
   // By the robot's joints, in id order: m/s or rad/s, constant during the tick or until the joint's limit. Empty: none
   // moves. A finger that closes grips the object that both pads touch; a finger that opens releases it.
   std::vector<double> joint_velocities = {};
+  std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
   bool operator==(const Proposal&) const = default;
 };
 

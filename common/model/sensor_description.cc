@@ -144,6 +144,24 @@ std::string CameraParameters::Summary() const {
   return Pixels(width, height);
 }
 
+Status RadioParameters::Check() const {
+  if (range < 0.0) return SensorProblem("its range is negative");
+  if (bandwidth < 0.0) return SensorProblem("its bandwidth is negative");
+  if (!(delay >= 0.0 && delay <= kLongestRadioDelay)) return SensorProblem("its delay is not 0 to 60 s");
+  for (const double probability : {loss, range_loss}) {
+    if (!(probability >= 0.0 && probability <= 1.0)) return SensorProblem("a loss of messages is not 0 to 1");
+  }
+  if (!(path_loss_exponent > 0.0)) return SensorProblem("its path loss exponent is not above 0");
+  if (wall_loss < 0.0 || body_loss < 0.0) return SensorProblem("a loss by walls or bodies is negative");
+  if (range_noise < 0.0 || bearing_noise < 0.0) return SensorProblem("a noise is negative");
+  return {};
+}
+
+std::string RadioParameters::Summary() const {
+  return "up to " + Metres(range) + ", channel " + std::to_string(channel) +
+         (range_and_bearing ? ", range and bearing" : "");
+}
+
 std::string_view TypeOf(const SensorParameters& parameters) {
   return std::visit([](const auto& kind) { return kind.kType; }, parameters);
 }
@@ -193,7 +211,7 @@ Status CheckParameters(const SensorParameters& parameters) {
     const bool usable = std::all_of(field.numbers.begin(), field.numbers.end(),
                                     [](double number) { return std::abs(number) <= kMaxMagnitude; });
     // Ids, such as keys, are no magnitudes.
-    if (!usable && field.name != "key")
+    if (!usable && field.name != "key" && field.name != "channel")
       return SensorProblem("its field '" + field.name + "' has a number that is not finite or too large");
   }
   return std::visit([](const auto& kind) { return kind.Check(); }, parameters);

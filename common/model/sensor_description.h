@@ -23,6 +23,7 @@ inline constexpr std::uint32_t kMaxRaySamples = 100'000;   // of one ray sensor,
 inline constexpr std::uint32_t kMaxRays = 4'000'000;       // of one ray sensor, in all its planes
 inline constexpr std::uint32_t kMaxImageSide = 4096;       // pixels
 inline constexpr std::uint32_t kMaxBumpers = 1000;         // segments of one bumper
+inline constexpr double kLongestRadioDelay = 60.0;         // s
 inline constexpr double kMaxElevation = 85.0 / 180 * kPi;  // rad, of a ray of a scanner or the edge of an image
 
 // One fan of rays, or several one above another. Frame S: the sensor; rays leave from its origin.
@@ -204,8 +205,53 @@ struct CameraParameters {
   }
 };
 
+// A radio: sends messages of the robot, and receives those of other radios of its channel. Frame S: the antenna. How far
+// a message reaches follows from the sender's parameters: its strength falls with the distance d as
+// power - 10 path_loss_exponent log10(d / 1 m), and by `wall_loss` and `body_loss` for each wall and body between the
+// antennas; it is received if it is as strong as without them at the distance `range`.
+struct RadioParameters {
+  static constexpr std::string_view kType = "radio";
+  Pose X_MS = {};
+  std::int32_t channel = 0;
+  double range = 10.0;        // m, between the antennas, without walls
+  double bandwidth = 10e3;    // bytes/s that it can send
+  double delay = 0.0;         // s until a message arrives, rounded up to whole ticks
+  double loss = 0.0;          // the probability that a receiver in range loses a message
+  double range_loss = 0.0;    // the probability of another loss, at `range`; in proportion to the distance
+  double power = 20.0;        // dBm, at 1 m
+  double path_loss_exponent = 2.0;  // 2: as in free space
+  double wall_loss = 10.0;    // dB, of each wall between the antennas
+  double body_loss = 3.0;     // dB, of each robot or object between them
+  // It measures the ranges and bearings of the senders of the messages that it receives, with these standard deviations
+  // in m and rad.
+  bool range_and_bearing = false;
+  double range_noise = 0.0;
+  double bearing_noise = 0.0;
+
+  Status Check() const;
+  std::string Summary() const;
+  bool operator==(const RadioParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("channel", self.channel);
+    visit("range", self.range);
+    visit("bandwidth", self.bandwidth);
+    visit("delay", self.delay);
+    visit("loss", self.loss);
+    visit("range_loss", self.range_loss);
+    visit("power", self.power);
+    visit("path_loss_exponent", self.path_loss_exponent);
+    visit("wall_loss", self.wall_loss);
+    visit("body_loss", self.body_loss);
+    visit("range_and_bearing", self.range_and_bearing);
+    visit("range_noise", self.range_noise);
+    visit("bearing_noise", self.bearing_noise);
+  }
+};
+
 using SensorParameters = std::variant<RangerParameters, BreakBeamParameters, FiducialParameters, BumperParameters,
-                                      ContactParameters, BlobfinderParameters, CameraParameters>;
+                                      ContactParameters, BlobfinderParameters, CameraParameters, RadioParameters>;
 
 struct SensorDescription {
   std::string name = {};           // unique on its robot: the model's name without the robot's, "ranger:0"

@@ -1,5 +1,7 @@
 #include "common/model/state_hash.h"
 
+#include <string_view>
+
 #include "common/base/hash.h"
 
 namespace troupe {
@@ -39,6 +41,17 @@ std::uint64_t StateHash(const WorldState& state) {
     hasher.Add(object.fall_speed);
     add_id(object.holder);
     add_id(implied ? std::nullopt : object.support);
+  }
+  // Only where there are any, so that worlds without radios keep their hashes.
+  for (const RadioTransmission& transmission : state.transmissions) {
+    hasher.Add(std::uint64_t{transmission.from.index()});
+    hasher.Add(transmission.sent);
+    hasher.Add(transmission.due);
+    hasher.Add(std::uint64_t{transmission.number});
+    hasher.Add(std::uint64_t{transmission.message.radio});
+    add_id(transmission.message.to);
+    const std::vector<std::uint8_t>& bytes = transmission.message.bytes;
+    hasher.Add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
   return hasher.value();
 }

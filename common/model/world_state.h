@@ -6,6 +6,7 @@
 
 #include "common/base/ids.h"
 #include "common/geometry/pose.h"
+#include "common/model/radio_message.h"
 #include "common/model/world_description.h"
 
 namespace troupe {
@@ -57,6 +58,8 @@ struct WorldState {
   std::vector<JointState> joints;      // by JointId
   std::vector<GripperState> grippers;  // by GripperId
   std::vector<ObjectState> objects;    // by ObjectId
+  // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
+  std::vector<RadioTransmission> transmissions = {};
   bool operator==(const WorldState&) const = default;
 };
 

@@ -23,6 +23,9 @@ namespace troupe {
 struct SensedWorld {
   const Scene& scene;
   const BodyIndex& bodies;
+  // The state that `bodies` holds, for kinds of sensors that measure more of it than bodies, such as the radio; null:
+  // as a state without it.
+  const WorldState* state = nullptr;
 };
 
 // The place of a sensor in the world: number `index` of the sensors of `robot` (MountedSensors).

@@ -10,6 +10,7 @@
 #include "common/sensing/camera.h"
 #include "common/sensing/contact.h"
 #include "common/sensing/fiducial.h"
+#include "common/sensing/radio.h"
 #include "common/sensing/ranger.h"
 
 namespace troupe {
@@ -23,6 +24,7 @@ constexpr std::array<SensorKind, std::variant_size_v<SensorParameters>> kKinds =
     {ContactParameters::kType, MakeContactSensor},
     {BlobfinderParameters::kType, MakeBlobfinder},
     {CameraParameters::kType, MakeCamera},
+    {RadioParameters::kType, MakeRadio},
 }};
 
 }  // namespace

@@ -22,7 +22,8 @@ constexpr std::size_t kJointWords = 3;
 constexpr std::size_t kGripperWords = 3;
 constexpr std::size_t kObjectWords = 8;
 constexpr std::size_t kEventWords = 5;    // and its detail
-constexpr std::size_t kOtherWords = 15;   // of a frame: eight numbers and seven counts
+constexpr std::size_t kTransmissionWords = 7;  // and its bytes
+constexpr std::size_t kOtherWords = 16;   // of a frame: eight numbers and eight counts
 constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
@@ -63,6 +64,16 @@ void AddState(const WorldState& state, WordWriter& words) {
     words.Add(object.holder);
     words.Add(object.support);
   }
+  words.Add(state.transmissions.size());
+  for (const RadioTransmission& transmission : state.transmissions) {
+    words.Add(std::uint64_t{transmission.from.index()});
+    words.Add(transmission.sent);
+    words.Add(transmission.due);
+    words.Add(std::uint64_t{transmission.number});
+    words.Add(std::uint64_t{transmission.message.radio});
+    words.Add(transmission.message.to);
+    words.Add(transmission.message.bytes);
+  }
 }
 
 bool Read(WordReader& words, Pose& pose) {
@@ -93,6 +104,20 @@ bool Read(WordReader& words, ObjectState& object, std::size_t grippers) {
   return words.Read(object.support, kAnyId) && (object.mode == ObjectMode::kHeld) == object.holder.has_value();
 }
 
+bool Read(WordReader& words, RadioTransmission& transmission, std::size_t robots) {
+  std::uint64_t from = 0;
+  std::uint64_t number = 0;
+  std::uint64_t radio = 0;
+  if (!words.Read(from) || from >= robots || !words.Read(transmission.sent) || !words.Read(transmission.due) ||
+      !words.Read(number) || !words.Read(radio) || radio >= kAnyId) {
+    return false;
+  }
+  transmission.from = RobotId(static_cast<std::size_t>(from));
+  transmission.number = static_cast<std::size_t>(number);
+  transmission.message.radio = static_cast<std::size_t>(radio);
+  return words.Read(transmission.message.to, robots) && words.Read(transmission.message.bytes, kMostRadioBytes);
+}
+
 bool ReadState(WordReader& words, WorldState& state) {
   std::size_t count = 0;
   if (!words.ReadCount(count, kRobotWords)) return false;
@@ -118,6 +143,11 @@ bool ReadState(WordReader& words, WorldState& state) {
   }
   for (const GripperState& gripper : state.grippers) {
     if (gripper.clamped && gripper.clamped->index() >= count) return false;
+  }
+  if (!words.ReadCount(count, kTransmissionWords)) return false;
+  state.transmissions.resize(count);
+  for (RadioTransmission& transmission : state.transmissions) {
+    if (!Read(words, transmission, state.robots.size())) return false;
   }
   return true;
 }
@@ -275,6 +305,9 @@ std::size_t CountFrameWords(const FrameMessage& frame) {
   std::size_t count = kOtherWords + kRobotWords * state.robots.size() + kJointWords * state.joints.size() +
                       kGripperWords * state.grippers.size() + kObjectWords * state.objects.size() +
                       frame.awaited.size() + kEventWords * frame.events.size();
+  for (const RadioTransmission& transmission : state.transmissions) {
+    count += kTransmissionWords + (transmission.message.bytes.size() + sizeof(Word) - 1) / sizeof(Word);
+  }
   for (const Event& event : frame.events) count += (event.detail.size() + sizeof(Word) - 1) / sizeof(Word);
   for (const RobotCommand& command : frame.commands) {
     count += kCommandWords + kOrderWords * command.grippers.size() +

@@ -3,9 +3,17 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kProposalWords = 5;          // at least
+constexpr std::size_t kMessageWords = 3;           // of radio, and its bytes
+constexpr std::size_t kProposalWords = 6;          // at least
 constexpr std::size_t kLongestReport = 1'000'000;  // bytes
 constexpr std::uint64_t kMostRobots = std::uint64_t{1} << 32;
+
+bool Read(WordReader& words, RadioMessage& message) {
+  std::uint64_t radio = 0;
+  if (!words.Read(radio) || radio >= kMostRobots || !words.Read(message.to, kMostRobots)) return false;
+  message.radio = static_cast<std::size_t>(radio);
+  return words.Read(message.bytes, kMostRadioBytes);
+}
 
 bool ReadAll(WordReader& words, ProposalMessage& message) {
   std::uint64_t edition = 0;
@@ -33,6 +41,12 @@ bool ReadAll(WordReader& words, ProposalMessage& message) {
     for (double& velocity : proposal.joint_velocities) {
       if (!words.Read(velocity)) return false;
     }
+    std::size_t messages = 0;
+    if (!words.ReadCount(messages, kMessageWords)) return false;
+    proposal.messages.resize(messages);
+    for (RadioMessage& radio_message : proposal.messages) {
+      if (!Read(words, radio_message)) return false;
+    }
   }
   if (!words.ReadCount(count, 1)) return false;
   message.reports.resize(count);
@@ -59,6 +73,12 @@ void AddProposal(const ProposalMessage& message, WordWriter& words) {
     words.Add(proposal.twist.wz);
     words.Add(proposal.joint_velocities.size());
     for (const double velocity : proposal.joint_velocities) words.Add(velocity);
+    words.Add(proposal.messages.size());
+    for (const RadioMessage& radio_message : proposal.messages) {
+      words.Add(std::uint64_t{radio_message.radio});
+      words.Add(radio_message.to);
+      words.Add(radio_message.bytes);
+    }
   }
   words.Add(message.reports.size());
   for (const std::string& report : message.reports) words.Add(report);

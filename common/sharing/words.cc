@@ -6,11 +6,11 @@
 
 namespace troupe {
 
-void WordWriter::Add(const std::string& text) {
-  Add(static_cast<std::uint64_t>(text.size()));
-  for (std::size_t i = 0; i < text.size(); i += sizeof(Word)) {
+void WordWriter::AddBytes(const void* bytes, std::size_t size) {
+  Add(static_cast<std::uint64_t>(size));
+  for (std::size_t i = 0; i < size; i += sizeof(Word)) {
     std::uint64_t value = 0;
-    std::memcpy(&value, text.data() + i, std::min(sizeof(value), text.size() - i));
+    std::memcpy(&value, static_cast<const char*>(bytes) + i, std::min(sizeof(value), size - i));
     Add(value);
   }
 }
@@ -26,17 +26,21 @@ bool WordReader::Read(bool& value) {
   return word <= 1;
 }
 
-bool WordReader::Read(std::string& text, std::size_t longest) {
+template <typename Bytes>
+bool WordReader::ReadBytes(Bytes& bytes, std::size_t longest) {
   std::uint64_t size = 0;
   if (!Read(size) || size > longest || (size + sizeof(Word) - 1) / sizeof(Word) > remaining()) return false;
-  text.resize(static_cast<std::size_t>(size));
-  for (std::size_t i = 0; i < text.size(); i += sizeof(Word)) {
+  bytes.resize(static_cast<std::size_t>(size));
+  for (std::size_t i = 0; i < bytes.size(); i += sizeof(Word)) {
     std::uint64_t value = 0;
     if (!Read(value)) return false;
-    std::memcpy(text.data() + i, &value, std::min(sizeof(value), text.size() - i));
+    std::memcpy(bytes.data() + i, &value, std::min(sizeof(value), bytes.size() - i));
   }
   return true;
 }
+
+template bool WordReader::ReadBytes(std::string& bytes, std::size_t longest);
+template bool WordReader::ReadBytes(std::vector<std::uint8_t>& bytes, std::size_t longest);
 
 bool WordReader::ReadCount(std::size_t& count, std::size_t words) {
   std::uint64_t value = 0;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace troupe {
 
@@ -28,7 +29,8 @@ class WordWriter {
     ++count_;
   }
   void Add(double value) { Add(std::bit_cast<std::uint64_t>(value)); }
-  void Add(const std::string& text);
+  void Add(const std::string& text) { AddBytes(text.data(), text.size()); }
+  void Add(const std::vector<std::uint8_t>& bytes) { AddBytes(bytes.data(), bytes.size()); }
   template <typename Id>
   void Add(const std::optional<Id>& id) {
     Add(id ? static_cast<std::uint64_t>(id->index()) : kNone);
@@ -41,6 +43,8 @@ class WordWriter {
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
 
  private:
+  void AddBytes(const void* bytes, std::size_t size);
+
   std::span<Word> words_;
   std::size_t count_ = 0;
 };
@@ -64,7 +68,8 @@ class WordReader {
   bool ReadFinite(double& value);
   bool Read(bool& value);
   // At most `longest` bytes.
-  bool Read(std::string& text, std::size_t longest);
+  bool Read(std::string& text, std::size_t longest) { return ReadBytes(text, longest); }
+  bool Read(std::vector<std::uint8_t>& bytes, std::size_t longest) { return ReadBytes(bytes, longest); }
   // An id below `count`, or none.
   template <typename Id>
   bool Read(std::optional<Id>& id, std::uint64_t count) {
@@ -81,6 +86,9 @@ class WordReader {
   std::size_t remaining() const { return words_.size() - next_; }
 
  private:
+  template <typename Bytes>
+  bool ReadBytes(Bytes& bytes, std::size_t longest);
+
   std::span<const Word> words_;
   std::size_t next_ = 0;
 };

@@ -23,6 +23,7 @@
 #include "common/base/ids.h"
 #include "common/base/random.h"
 #include "common/geometry/pose.h"
+#include "common/model/radio_limits.h"
 #include "common/model/robot_command.h"
 #include "common/model/world_description.h"
 #include "troupe/parameters.h"
@@ -129,6 +130,10 @@ struct Command {
   std::vector<JointCommand> joints = {};
   // A line for the log of the run, for people. Of a long text only the begin is printed, and of many lines only some.
   std::string report = {};
+  // To be sent in this tick, in order, by the robot's radios; without a delay they arrive in the observations of the
+  // next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that is no
+  // radio is a failure of the controller.
+  std::vector<RadioMessage> messages = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -139,6 +144,7 @@ struct SensorInfo {
 
 // The knowledge of a controller about its robot before the first tick.
 struct RobotInfo {
+  RobotId id = {};                                   // as other robots see it, for instance in RadioReception::from
   const RobotDescription* robot = nullptr;           // never null; lives as long as the controller
   std::string parameters = "{}";                     // a JSON object
   std::vector<SensorInfo> sensors = {};              // RobotDescription::sensors, then the break beams of grippers

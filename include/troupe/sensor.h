@@ -9,7 +9,8 @@
 //                 ├─ BumperReading: the segments of a bumper, pressed or not
 //                 ├─ ContactReading: the contacts of all parts of the robot
 //                 ├─ BlobfinderReading: blobs of one colour
-//                 └─ CameraReading: an image of colours, depths and models
+//                 ├─ CameraReading: an image of colours, depths and models
+//                 └─ RadioReading: the messages that a radio receives
 //
 // The descriptions of sensors (SensorDescription, RangerParameters, ...) come with this header.
 //
@@ -188,11 +189,37 @@ struct CameraReading {
   bool operator==(const CameraReading&) const = default;
 };
 
+// A message that a radio receives.
+struct RadioReception {
+  // Of the sender's antenna, from the receiver's.
+  struct Place {
+    double range = 0.0;      // m
+    double bearing = 0.0;    // rad, in S
+    double elevation = 0.0;  // rad, above the horizontal
+    bool operator==(const Place&) const = default;
+  };
+  RobotId from = {};
+  bool to_all = false;  // else to this robot alone
+  std::vector<std::uint8_t> bytes = {};
+  double rssi = 0.0;              // dBm, the strength with which it arrives
+  Tick tick = 0;                  // in which it was sent
+  std::optional<Place> place = {};  // of a radio with range_and_bearing
+  bool operator==(const RadioReception&) const = default;
+};
+
+// Of a radio: the messages that arrive at the tick of the reading.
+struct RadioReading {
+  Pose X_RS = {};
+  double range = 0.0;                           // m, of the messages that it sends
+  std::vector<RadioReception> receptions = {};  // by tick, then by sender, then in the order of sending
+  bool operator==(const RadioReading&) const = default;
+};
+
 struct SensorReading {
   Tick tick = 0;  // of the measurement; a sensor with a long period keeps its last reading
   // By kind of sensor; std::monostate: never measured.
   std::variant<std::monostate, RangerReading, BreakBeamReading, FiducialReading, BumperReading, ContactReading,
-               BlobfinderReading, CameraReading>
+               BlobfinderReading, CameraReading, RadioReading>
       content = {};
 
   bool empty() const { return std::holds_alternative<std::monostate>(content); }

@@ -75,7 +75,7 @@ Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& 
   if (!camera.ok()) return camera.error();
   const std::unique_ptr<const Sensor> sensor =
       std::move(MakeSensors(scene, camera.value().robot)[camera.value().sensor]);
-  const SensorReading reading = sensor->Measure({scene, bodies}, state.tick);
+  const SensorReading reading = sensor->Measure({scene, bodies, &state}, state.tick);
   return SaveView(*reading.As<CameraReading>(), options.output,
                   options.depths ? CameraImage::kDepths : CameraImage::kColors);
 }

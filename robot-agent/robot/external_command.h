@@ -9,7 +9,7 @@
 namespace troupe {
 
 struct ExternalCommand {
-  // Commands to grippers and joints are applied after the controller's. REQUIRES: they are valid for the robot.
+  // Commands to grippers, joints and radios are applied after the controller's. REQUIRES: they are valid for the robot.
   Command command = {};
   bool drives = false;            // the motion in `command` overrides the controller's
   std::optional<Goal> goal = {};  // for a controller that accepts goals

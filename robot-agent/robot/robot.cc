@@ -73,9 +73,23 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
 
 Status Robot::CheckCommand(const Command& command) const {
   Manipulator trial = manipulator_;
-  const Status status = trial.Apply(command);
+  Status status = trial.Apply(command);
+  if (status.ok()) status = CheckReceivers(command);
   if (status.ok()) return {};
   return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
+}
+
+Status Robot::CheckReceivers(const Command& command) const {
+  for (const RadioMessage& message : command.messages) {
+    if (FindRadio(description(), message.radio) == nullptr) {
+      return Error{{}, fmt::format("sends a message by sensor {}, expected a radio of the robot", message.radio)};
+    }
+    const std::size_t robots = scene_->world().robots.size();
+    if (message.to && message.to->index() >= robots) {
+      return Error{{}, fmt::format("sends a message to robot {}, expected one of {}", message.to->index(), robots)};
+    }
+  }
+  return {};
 }
 
 void Robot::ChangeWorld(const Scene& scene) {
@@ -88,7 +102,8 @@ const RobotDescription& Robot::description() const {
 }
 
 Status Robot::StartController(const AllowedPaths& libraries) {
-  RobotInfo info{.robot = &description(),
+  RobotInfo info{.id = id_,
+                 .robot = &description(),
                  .parameters = description().controller.parameters,
                  .sensors = {},
                  .joints = manipulator_.joints(),
@@ -127,7 +142,7 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const E
                        TraceLane* trace) {
   Enter(trace, TickPhase::kSense, state.tick + 1, id_);
   Sense(state, bodies);
-  if (scan_log_ != nullptr) LogReadings(state.tick, bodies);
+  if (scan_log_ != nullptr) LogReadings(state, bodies);
   Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
   return Propose(state, external);
 }
@@ -139,7 +154,7 @@ Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies, const 
 
 void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {
   odometry_.Update(state.robots[id_.index()].X_WR);
-  sensors_.Update({*scene_, bodies}, state.tick);
+  sensors_.Update({*scene_, bodies, &state}, state.tick);
 }
 
 Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external) {
@@ -148,22 +163,25 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
   report_.clear();
   // Called also while an external command overrides it: a controller sees every tick.
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
+  std::vector<RadioMessage> messages = std::move(command.messages);
+  messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
   // After a failure the joints stay, and grippers keep their objects.
-  return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{}};
+  return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{},
+          WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages))};
 }
 
-const SensorReading& Robot::Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies) {
-  return sensors_.Measure(sensor, {*scene_, bodies}, tick);
+const SensorReading& Robot::Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies) {
+  return sensors_.Measure(sensor, {*scene_, bodies, &state}, state.tick);
 }
 
 // Sensors without a subscription are measured for the log alone: the controller decides the same with and without it.
-void Robot::LogReadings(Tick tick, const BodyIndex& bodies) {
+void Robot::LogReadings(const WorldState& state, const BodyIndex& bodies) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const Sensor& sensor = sensors_.sensor(i);
-    if (sensor.IsDueAt(tick)) scan_log_->Write(sensor.JsonLines(scene_->world(), Measure(i, tick, bodies)));
+    if (sensor.IsDueAt(state.tick)) scan_log_->Write(sensor.JsonLines(scene_->world(), Measure(i, state, bodies)));
   }
 }
 
@@ -221,6 +239,7 @@ Result<Command> Robot::RunController(const Observation& observation) {
   try {
     Command command = controller_->Update(observation);
     if (const Status status = manipulator_.Apply(command); !status.ok()) return status.error();
+    if (const Status status = CheckReceivers(command); !status.ok()) return status.error();
     return command;
   } catch (const std::exception& exception) {
     return Error{{}, exception.what()};

@@ -52,7 +52,7 @@ class Robot {
   // As Decide, for a state of the past, so that the robot remembers it: without scan log.
   Proposal Retrace(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {});
 
-  // The error is a gripper or joint command that the robot cannot execute; nothing is changed.
+  // The error is a command to a gripper, a joint or a radio that the robot cannot execute; nothing is changed.
   Status CheckCommand(const Command& command) const;
 
   // Applies the pose that an edit has given to the robot: odometry does not count it as a motion.
@@ -62,10 +62,10 @@ class Robot {
 
   const Pose& pose_estimate() const { return odometry_.estimate(); }
 
-  // The reading of a sensor in the state that `bodies` holds, with or without a subscription of the controller. Valid
+  // The reading of a sensor in a state, which `bodies` holds, with or without a subscription of the controller. Valid
   // until the next call of this or of Decide.
   // REQUIRES: `sensor` < sensor_count(); the state is that of the last Decide, or of another tick.
-  const SensorReading& Measure(std::size_t sensor, Tick tick, const BodyIndex& bodies);
+  const SensorReading& Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies);
   std::size_t sensor_count() const { return sensors_.size(); }
 
   // Its controller does.
@@ -81,11 +81,12 @@ class Robot {
   Robot(const Scene& scene, RobotId id, ScanLog* scan_log);
 
   const RobotDescription& description() const;
+  Status CheckReceivers(const Command& command) const;  // of its radio messages
   // Makes the controller and subscribes to its sensors.
   Status StartController(const AllowedPaths& libraries);
   Status Subscribe();
   void Sense(const WorldState& state, const BodyIndex& bodies);
-  void LogReadings(Tick tick, const BodyIndex& bodies);
+  void LogReadings(const WorldState& state, const BodyIndex& bodies);
   // Decides with the readings of Sense.
   Proposal Propose(const WorldState& state, const ExternalCommand& external);
   // Stores the controller's failure, if it fails.

@@ -74,7 +74,7 @@ const std::string& RobotReadings::Of(RobotId robot) {
   writer.WriteCount(suite.size());
   for (std::size_t i = 0; i < suite.size(); ++i) {
     writer.WriteText(suite.sensor(i).description().name);
-    std::visit(ContentWriter{writer}, suite.Measure(i, {*scene_, *bodies_}, state_->tick).content);
+    std::visit(ContentWriter{writer}, suite.Measure(i, {*scene_, *bodies_, state_}, state_->tick).content);
   }
   return encoded_.emplace(robot, writer.TakeBytes()).first->second;
 }

@@ -119,6 +119,9 @@ void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
       state.joints[joint.index()].velocity = 0.0;
       state.joints[joint.index()].blocked = false;
     }
+    std::erase_if(state.transmissions, [&](const RadioTransmission& transmission) {
+      return transmission.from == *robot || transmission.message.to == *robot;
+    });
   }
   if (const std::optional<ObjectId> object = scene.object_of(root)) {
     const Pose X_WO = state.objects[object->index()].X_WO;
@@ -358,7 +361,10 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     edited.state = InitialState(*edited.scene);
     edited.state.tick = state.tick;
   }
-  if (scopes.time) edited.state.tick = 0;
+  if (scopes.time) {
+    edited.state.tick = 0;
+    edited.state.transmissions.clear();
+  }
   return edited;
 }
 

@@ -12,6 +12,7 @@
 #include "world-service/core/grip.h"
 #include "world-service/core/motion.h"
 #include "world-service/core/step_workspace.h"
+#include "world-service/core/transmit.h"
 
 namespace troupe {
 namespace {
@@ -114,9 +115,10 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace) {
+StepResult Finish(StepWorkspace& workspace, std::span<const Proposal> proposals) {
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
+  Transmit(workspace.world(), proposals, workspace.next);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
@@ -147,7 +149,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
     const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  StepResult result = Finish(workspace);
+  StepResult result = Finish(workspace, proposals);
   bodies = std::move(memory.bodies);
   return result;
 }
@@ -184,7 +186,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   for (std::vector<Event>& of_thread : events) {
     std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
   }
-  StepResult result = Finish(workspace);
+  StepResult result = Finish(workspace, proposals);
   indices_.front() = std::move(memory.bodies);
   return result;
 }

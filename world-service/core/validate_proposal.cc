@@ -7,6 +7,7 @@
 
 #include "common/base/check.h"
 #include "common/model/drive_limits.h"
+#include "common/model/radio_limits.h"
 
 namespace troupe {
 namespace {
@@ -39,6 +40,15 @@ Status CheckJointVelocities(const WorldDescription& world, const Proposal& propo
                      " joints, expected none or those of the robot's " + std::to_string(number));
 }
 
+Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposal) {
+  for (const RadioMessage& message : proposal.messages) {
+    if (!message.to || message.to->index() < world.robots.size()) continue;
+    return BadProposal("found a radio message to robot " + std::to_string(message.to->index()) + ", expected one of " +
+                       std::to_string(world.robots.size()) + " robots");
+  }
+  return CheckMessages(world.robot(proposal.robot), world.interval_seconds(), proposal.messages);
+}
+
 }  // namespace
 
 Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
@@ -57,7 +67,8 @@ Status ValidateProposal(const WorldDescription& world, const WorldState& state, 
                        ", expected one within the drive's bounds: " +
                        ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
   }
-  return CheckJointVelocities(world, proposal);
+  if (Status problem = CheckJointVelocities(world, proposal); !problem.ok()) return problem;
+  return CheckRadioMessages(world, proposal);
 }
 
 }  // namespace troupe

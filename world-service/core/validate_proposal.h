@@ -8,7 +8,7 @@
 namespace troupe {
 
 // Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,
-// from the velocity that it has in `state`, acceleration) and of its joints. The error is for an event.
+// from the velocity that it has in `state`, acceleration) of its joints and of its radios. The error is for an event.
 Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal);
 
 }  // namespace troupe

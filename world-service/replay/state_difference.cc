@@ -107,13 +107,23 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
     comparison.Reference("support", a.support, b.support, same_model);
     return comparison.first();
   };
+  const auto transmissions = [&](std::size_t, const RadioTransmission& a,
+                                 const RadioTransmission& b) -> std::optional<StateDifference> {
+    if (a == b) return std::nullopt;
+    const std::string name = b.from.index() < world.robots.size() ? world.robot(b.from).name : "a robot";
+    const auto text = [](const RadioTransmission& transmission) {
+      return std::to_string(transmission.message.bytes.size()) + " bytes of tick " + std::to_string(transmission.sent);
+    };
+    return StateDifference{name, "radio message", text(a), text(b)};
+  };
   if (found.tick != expected.tick) {
     return StateDifference{"the world", "tick", std::to_string(found.tick), std::to_string(expected.tick)};
   }
   if (auto difference = CompareAll("robots", found.robots, expected.robots, robots)) return difference;
   if (auto difference = CompareAll("joints", found.joints, expected.joints, joints)) return difference;
   if (auto difference = CompareAll("grippers", found.grippers, expected.grippers, grippers)) return difference;
-  return CompareAll("objects", found.objects, expected.objects, objects);
+  if (auto difference = CompareAll("objects", found.objects, expected.objects, objects)) return difference;
+  return CompareAll("radio messages", found.transmissions, expected.transmissions, transmissions);
 }
 
 }  // namespace troupe

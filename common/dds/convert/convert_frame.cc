@@ -301,6 +301,64 @@ bool SameLength(const First& first, const Others&... others) {
   return (... && (others.size() == first.size()));
 }
 
+void TransmissionsToWire(const std::vector<RadioTransmission>& transmissions, troupe_wire_Frame& wire,
+                         WireArena& arena) {
+  const std::size_t count = transmissions.size();
+  if (count == 0) return;
+  std::size_t bytes = 0;
+  for (const RadioTransmission& transmission : transmissions) bytes += transmission.message.bytes.size();
+  std::uint32_t* from = arena.Fill(wire.message_from, count);
+  std::uint64_t* sent = arena.Fill(wire.message_sent, count);
+  std::uint64_t* due = arena.Fill(wire.message_due, count);
+  std::uint32_t* number = arena.Fill(wire.message_number, count);
+  std::uint32_t* radio = arena.Fill(wire.message_radio, count);
+  std::int32_t* to = arena.Fill(wire.message_to, count);
+  std::uint32_t* length = arena.Fill(wire.message_length, count);
+  std::uint8_t* content = arena.Fill(wire.message_bytes, bytes);
+  for (const RadioTransmission& transmission : transmissions) {
+    *from++ = static_cast<std::uint32_t>(transmission.from.index());
+    *sent++ = transmission.sent;
+    *due++ = transmission.due;
+    *number++ = static_cast<std::uint32_t>(transmission.number);
+    *radio++ = static_cast<std::uint32_t>(transmission.message.radio);
+    *to++ = ToWire(transmission.message.to);
+    *length++ = static_cast<std::uint32_t>(transmission.message.bytes.size());
+    content = std::copy(transmission.message.bytes.begin(), transmission.message.bytes.end(), content);
+  }
+}
+
+Status TransmissionsFromWire(const troupe_wire_Frame& wire, WorldState& state) {
+  const auto from = Elements(wire.message_from);
+  const auto sent = Elements(wire.message_sent);
+  const auto due = Elements(wire.message_due);
+  const auto number = Elements(wire.message_number);
+  const auto radio = Elements(wire.message_radio);
+  const auto to = Elements(wire.message_to);
+  const auto length = Elements(wire.message_length);
+  auto bytes = Elements(wire.message_bytes);
+  if (!SameLength(from, sent, due, number, radio, to, length)) {
+    return Error{{}, "frame with columns of radio messages of different lengths, expected one row for each"};
+  }
+  state.transmissions.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (from[i] >= state.robots.size() || !IsIdBelow(to[i], state.robots.size()) || length[i] > bytes.size()) {
+      return Error{{}, "frame with a radio message of unknown robots, or of more bytes than it has"};
+    }
+    RadioTransmission& transmission = state.transmissions[i];
+    transmission.from = RobotId(from[i]);
+    transmission.sent = sent[i];
+    transmission.due = due[i];
+    transmission.number = number[i];
+    transmission.message.radio = radio[i];
+    transmission.message.to = FromWire<RobotId>(to[i]);
+    const auto own = bytes.first(length[i]);
+    transmission.message.bytes.assign(own.begin(), own.end());
+    bytes = bytes.subspan(length[i]);
+  }
+  if (!bytes.empty()) return Error{{}, "frame with more bytes of radio messages than their lengths say"};
+  return {};
+}
+
 void EventsToWire(const std::vector<Event>& events, troupe_wire_Frame& wire, WireArena& arena) {
   const std::size_t count = events.size();
   std::uint8_t* type = arena.Fill(wire.event_type, count);
@@ -391,6 +449,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
              [&](auto& visitor) { VisitGrippers(wire, now.objects.size(), visitor); });
   RowsToWire(now.objects, of(&WorldState::objects), wire.object_row, arena,
              [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
+  TransmissionsToWire(now.transmissions, wire, arena);
   EventsToWire(message.events, wire, arena);
   CommandsToWire(message.commands, wire, arena);
   return wire;
@@ -419,6 +478,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   const auto awaited = Elements(wire.awaited);
   message.awaited.assign(awaited.begin(), awaited.end());
   Status problem = StateFromWire(wire, message.state);
+  if (problem.ok()) problem = TransmissionsFromWire(wire, message.state);
   if (problem.ok()) problem = EventsFromWire(wire, message.state.robots.size(), message.events);
   if (problem.ok()) problem = CommandsFromWire(wire, message.state.robots.size(), message.commands);
   if (!problem.ok()) message = {};  // changes since it would have no base

@@ -53,8 +53,8 @@ class SameReadingsTest : public ::testing::TestWithParam<const char*> {
     std::string lines;
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
       for (const auto& sensor : sensors_[i]) {
-        const SensorReading reading = sensor->Measure({*scene_, *bodies_}, state.tick);
-        EXPECT_EQ(robots_[i]->Measure(sensor->index(), state.tick, *bodies_), reading);
+        const SensorReading reading = sensor->Measure({*scene_, *bodies_, &state}, state.tick);
+        EXPECT_EQ(robots_[i]->Measure(sensor->index(), state, *bodies_), reading);
         if (sensor->IsDueAt(state.tick)) lines += sensor->JsonLines(scene_->world(), reading);
       }
     }
@@ -68,7 +68,7 @@ class SameReadingsTest : public ::testing::TestWithParam<const char*> {
     auto fan = fans.begin();
     for (const auto& of_robot : sensors_) {
       for (const auto& sensor : of_robot) {
-        const SensorReading reading = sensor->Measure({*scene_, *bodies_}, state.tick);
+        const SensorReading reading = sensor->Measure({*scene_, *bodies_, &state}, state.tick);
         if (reading.ranger() == nullptr) continue;
         for (const RangeScan& scan : reading.ranger()->scans) {
           ASSERT_NE(fan, fans.end());

@@ -12,7 +12,7 @@ inline SensorReading MeasureSensor(const WorldDescription& world, const WorldSta
   const Scene scene(world);
   BodyIndex bodies(scene);
   bodies.Assign(state);
-  return MakeSensors(scene, robot).at(sensor)->Measure({scene, bodies}, state.tick);
+  return MakeSensors(scene, robot).at(sensor)->Measure({scene, bodies, &state}, state.tick);
 }
 
 inline RangerReading Measure(const WorldDescription& world, const WorldState& state, RobotId robot,

@@ -17,7 +17,10 @@ std::size_t SizeOf(const WorldDescription& world) {
 
 std::size_t SizeOf(const RecordedTick& tick) {
   std::size_t size = sizeof tick + tick.proposals.size() * sizeof(Proposal) + tick.events.size() * sizeof(Event);
-  for (const Proposal& proposal : tick.proposals) size += proposal.joint_velocities.size() * sizeof(double);
+  for (const Proposal& proposal : tick.proposals) {
+    size += proposal.joint_velocities.size() * sizeof(double);
+    for (const RadioMessage& message : proposal.messages) size += sizeof message + message.bytes.size();
+  }
   size += tick.commands.size() * sizeof(RobotCommand);
   if (tick.keyframe) size += MemoryOf(tick.keyframe->state);
   if (!tick.edit) return size;

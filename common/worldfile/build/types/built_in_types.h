@@ -15,6 +15,7 @@ ModelType ContactType();
 ModelType FiducialType();
 ModelType GripperType();
 ModelType PositionType();
+ModelType RadioType();
 ModelType RangerType();
 
 // Bodies, without properties of their own.

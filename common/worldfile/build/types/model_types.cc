@@ -16,7 +16,7 @@ namespace {
 const auto& ModelTypes() {
   static const std::array types{
       PlainModelType(), PositionType(), RangerType(),  ActuatorType(), BlinkenlightType(), BlobfinderType(),
-      BumperType(),     CameraType(),   ContactType(), FiducialType(), GripperType(),      LightIndicatorType(),
+      BumperType(),     CameraType(),   ContactType(), FiducialType(), GripperType(),      LightIndicatorType(), RadioType(),
   };
   return types;
 }

@@ -1,0 +1,172 @@
+#include "common/sensing/radio.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/deterministic_math.h"
+#include "common/base/random.h"
+#include "common/model/radio_limits.h"
+#include "common/sensing/fan_marks.h"
+#include "common/sensing/radio_path.h"
+#include "common/sensing/reading_json.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::uint64_t kRadioStream = 0x726164696f;  // "radio"
+
+enum class RadioDraw : std::uint64_t { kLoss = 0, kRange = 1, kBearing = 2 };
+
+AntennaPlace PlaceOf(const Pose& X_WS) {
+  return {X_WS.translation(), X_WS.z};
+}
+
+std::string Hexadecimal(const std::vector<std::uint8_t>& bytes) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  text.reserve(2 * bytes.size());
+  for (const std::uint8_t byte : bytes) {
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
+class Radio final : public Sensor {
+ public:
+  explicit Radio(const SensorMount& mount) : Sensor(mount) {}
+
+  std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
+    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"received\":[";
+    for (const RadioReception& reception : std::get<RadioReading>(reading.content).receptions) {
+      if (line.back() != '[') line += ',';
+      line += "{\"from\":" + JsonString(world.robot(reception.from).name) +
+              ",\"to_all\":" + (reception.to_all ? "true" : "false") + ",\"bytes\":\"" + Hexadecimal(reception.bytes) +
+              "\",\"rssi\":" + JsonNumber(reception.rssi) + ",\"tick\":" + std::to_string(reception.tick);
+      if (reception.place) {
+        line += ",\"range\":" + JsonNumber(reception.place->range) +
+                ",\"bearing\":" + JsonNumber(reception.place->bearing) +
+                ",\"elevation\":" + JsonNumber(reception.place->elevation);
+      }
+      line += '}';
+    }
+    return line + "]}\n";
+  }
+
+  void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {
+    const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
+    marks.push_back(SectorMark(X_WS, 2.0 * kPi, parameters().range));
+    for (const RadioReception& reception : std::get<RadioReading>(reading.content).receptions) {
+      const Vec2 from = world.bodies.X_WB(world.scene.body_of(reception.from)).translation();
+      marks.push_back({MarkShape::kLine, MarkRole::kFound, X_WS.z, {X_WS.translation(), from}});
+    }
+  }
+
+ private:
+  const RadioParameters& parameters() const { return std::get<RadioParameters>(description().parameters); }
+
+  void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
+    reading.tick = tick;
+    RadioReading& content = ContentOf<RadioReading>(reading);
+    content.X_RS = MountAt(world) * parameters().X_MS;
+    content.range = parameters().range;
+    content.receptions.clear();
+    if (world.state == nullptr) return;
+    const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
+    for (const RadioTransmission& transmission : world.state->transmissions) {
+      if (transmission.due != tick) continue;
+      const RadioParameters* const sender = SenderOf(world, transmission);
+      if (sender == nullptr) continue;
+      const ModelId antenna = world.scene.world().robot(transmission.from).sensors[transmission.message.radio].model;
+      const Pose X_WT = world.bodies.X_WM(antenna) * sender->X_MS;
+      if (std::optional<double> rssi = Strength(world, transmission, *sender, X_WS, X_WT)) {
+        content.receptions.push_back({.from = transmission.from,
+                                      .to_all = !transmission.message.to,
+                                      .bytes = transmission.message.bytes,
+                                      .rssi = *rssi,
+                                      .tick = transmission.sent,
+                                      .place = PlaceIn(world, transmission, X_WS, X_WT)});
+      }
+    }
+  }
+
+  // The radio that sent the message; null if this one cannot receive it, wherever the two are.
+  const RadioParameters* SenderOf(const SensedWorld& world, const RadioTransmission& transmission) const {
+    const WorldDescription& description = world.scene.world();
+    const std::optional<RobotId>& to = transmission.message.to;
+    if (transmission.from == robot() || (to && *to != robot()) || !IsThere(description, transmission.from)) {
+      return nullptr;
+    }
+    const RadioParameters* const radio =
+        FindRadio(description.robot(transmission.from), transmission.message.radio);
+    return radio != nullptr && radio->channel == parameters().channel ? radio : nullptr;
+  }
+
+  double Random(const SensedWorld& world, const RadioTransmission& transmission, RadioDraw draw) const {
+    return RandomUniform({kRadioStream, world.scene.world().seed, transmission.from.index(),
+                          transmission.message.radio, robot().index(), index(), transmission.sent, transmission.number,
+                          static_cast<std::uint64_t>(draw)});
+  }
+
+  double Noise(const SensedWorld& world, const RadioTransmission& transmission, RadioDraw draw) const {
+    return RandomNormal({kRadioStream, world.scene.world().seed, transmission.from.index(), transmission.message.radio,
+                         robot().index(), index(), transmission.sent, transmission.number,
+                         static_cast<std::uint64_t>(draw)});
+  }
+
+  // Nothing if the message is not received.
+  std::optional<double> Strength(const SensedWorld& world, const RadioTransmission& transmission,
+                                 const RadioParameters& sender, const Pose& X_WS, const Pose& X_WT) const {
+    const double height = X_WT.z - X_WS.z;
+    const double distance = std::sqrt((X_WT.translation() - X_WS.translation()).squaredNorm() + height * height);
+    if (distance > sender.range) return std::nullopt;
+    const double by_distance = sender.range > 0.0 ? sender.range_loss * (distance / sender.range) : 0.0;
+    const double received = (1.0 - sender.loss) * (1.0 - by_distance);
+    if (Random(world, transmission, RadioDraw::kLoss) >= received) return std::nullopt;
+    if (sender.wall_loss == 0.0 && sender.body_loss == 0.0) return RadioStrength(sender, distance, 0.0);
+    RadioPaths paths(world, robot(), PlaceOf(X_WS), distance);
+    const RadioObstacles obstacles = paths.To(transmission.from, PlaceOf(X_WT));
+    const double losses = sender.wall_loss * static_cast<double>(obstacles.walls) +
+                          sender.body_loss * static_cast<double>(obstacles.bodies);
+    const double rssi = RadioStrength(sender, distance, losses);
+    if (losses > 0.0 && rssi < RadioStrength(sender, sender.range, 0.0)) return std::nullopt;
+    return rssi;
+  }
+
+  std::optional<RadioReception::Place> PlaceIn(const SensedWorld& world, const RadioTransmission& transmission,
+                                               const Pose& X_WS, const Pose& X_WT) const {
+    if (!parameters().range_and_bearing) return std::nullopt;
+    const Pose X_ST = Inverse(X_WS) * X_WT;
+    const double across = std::sqrt(X_ST.x * X_ST.x + X_ST.y * X_ST.y);
+    RadioReception::Place place{.range = std::sqrt(across * across + X_ST.z * X_ST.z),
+                                .bearing = Atan2(X_ST.y, X_ST.x),
+                                .elevation = Atan2(X_ST.z, across)};
+    if (parameters().range_noise > 0.0) {
+      const double noise = parameters().range_noise * Noise(world, transmission, RadioDraw::kRange);
+      place.range = std::max(0.0, place.range + noise);
+    }
+    if (parameters().bearing_noise > 0.0) {
+      place.bearing =
+          WrapAngle(place.bearing + parameters().bearing_noise * Noise(world, transmission, RadioDraw::kBearing));
+    }
+    return place;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<const Sensor> MakeRadio(const SensorMount& mount) {
+  return std::make_unique<Radio>(mount);
+}
+
+double RadioStrength(const RadioParameters& radio, double distance, double losses) {
+  static constexpr double kNearest = 0.01;  // m
+  const double decades = Log(std::max(distance, kNearest)) / Log(10.0);
+  return radio.power - 10.0 * radio.path_loss_exponent * decades - losses;
+}
+
+}  // namespace troupe
