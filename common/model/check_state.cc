@@ -49,7 +49,8 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
     }
   }
   for (const RadioTransmission& transmission : state.transmissions) {
-    known = known && transmission.from.index() < world.robots.size() && IsBelow(transmission.message.to, world.robots.size()) &&
+    known = known && transmission.from.index() < world.robots.size() &&
+            IsBelow(transmission.message.to, world.robots.size()) &&
             FindRadio(world.robot(transmission.from), transmission.message.radio) != nullptr;
     if (transmission.due < state.tick || transmission.sent > state.tick) {
       return StateError("found a radio message that is not on its way");

@@ -69,12 +69,13 @@ Status CheckMessages(const RobotDescription& robot, double interval_seconds, std
   for (const RadioMessage& message : messages) {
     const RadioParameters* const radio = FindRadio(robot, message.radio);
     if (radio == nullptr) {
-      return Error{{}, "found a message of sensor " + std::to_string(message.radio) + ", expected a radio of the robot"};
+      return Error{{},
+                   "found a message of sensor " + std::to_string(message.radio) + ", expected a radio of the robot"};
     }
     if (budget.Use(message)) continue;
     return Error{{},
-                 "found a radio message of " + std::to_string(message.bytes.size()) + " bytes beyond the bandwidth of '" +
-                     robot.sensors[message.radio].name + "', expected at most " +
+                 "found a radio message of " + std::to_string(message.bytes.size()) +
+                     " bytes beyond the bandwidth of '" + robot.sensors[message.radio].name + "', expected at most " +
                      std::to_string(BytesPerTick(*radio, interval_seconds)) + " bytes in a tick"};
   }
   return {};

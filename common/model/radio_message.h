@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostRadioMessages = 64;   // that one robot sends 
 
 // A message that a robot is to send in its next tick.
 struct RadioMessage {
-  std::size_t radio = 0;          // of the robot: in RobotInfo::sensors, as in RobotDescription::sensors
+  std::size_t radio = 0;           // of the robot: in RobotInfo::sensors, as in RobotDescription::sensors
   std::optional<RobotId> to = {};  // the only robot that may receive it; nothing: all in range
   std::vector<std::uint8_t> bytes = {};
   bool operator==(const RadioMessage&) const = default;
@@ -25,8 +25,8 @@ struct RadioMessage {
 // A message on its way.
 struct RadioTransmission {
   RobotId from;
-  Tick sent = 0;            // the tick in which it was sent
-  Tick due = 0;             // the tick in which it arrives, not before `sent`
+  Tick sent = 0;           // the tick in which it was sent
+  Tick due = 0;            // the tick in which it arrives, not before `sent`
   std::size_t number = 0;  // among the robot's messages of that tick
   RadioMessage message = {};
   bool operator==(const RadioTransmission&) const = default;

@@ -205,23 +205,23 @@ struct CameraParameters {
   }
 };
 
-// A radio: sends messages of the robot, and receives those of other radios of its channel. Frame S: the antenna. How far
-// a message reaches follows from the sender's parameters: its strength falls with the distance d as
-// power - 10 path_loss_exponent log10(d / 1 m), and by `wall_loss` and `body_loss` for each wall and body between the
-// antennas; it is received if it is as strong as without them at the distance `range`.
+// A radio: sends messages of the robot, and receives those of other radios of its channel. Frame S: the antenna. How
+// far a message reaches follows from the sender's parameters: its strength falls with the distance d as power - 10
+// path_loss_exponent log10(d / 1 m), and by `wall_loss` and `body_loss` for each wall and body between the antennas; it
+// is received if it is as strong as without them at the distance `range`.
 struct RadioParameters {
   static constexpr std::string_view kType = "radio";
   Pose X_MS = {};
   std::int32_t channel = 0;
-  double range = 10.0;        // m, between the antennas, without walls
-  double bandwidth = 10e3;    // bytes/s that it can send
-  double delay = 0.0;         // s until a message arrives, rounded up to whole ticks
-  double loss = 0.0;          // the probability that a receiver in range loses a message
-  double range_loss = 0.0;    // the probability of another loss, at `range`; in proportion to the distance
-  double power = 20.0;        // dBm, at 1 m
+  double range = 10.0;              // m, between the antennas, without walls
+  double bandwidth = 10e3;          // bytes/s that it can send
+  double delay = 0.0;               // s until a message arrives, rounded up to whole ticks
+  double loss = 0.0;                // the probability that a receiver in range loses a message
+  double range_loss = 0.0;          // the probability of another loss, at `range`; in proportion to the distance
+  double power = 20.0;              // dBm, at 1 m
   double path_loss_exponent = 2.0;  // 2: as in free space
-  double wall_loss = 10.0;    // dB, of each wall between the antennas
-  double body_loss = 3.0;     // dB, of each robot or object between them
+  double wall_loss = 10.0;          // dB, of each wall between the antennas
+  double body_loss = 3.0;           // dB, of each robot or object between them
   // It measures the ranges and bearings of the senders of the messages that it receives, with these standard deviations
   // in m and rad.
   bool range_and_bearing = false;

@@ -91,13 +91,16 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
     if (ranger == nullptr) {
       const std::string type(TypeOf(robot.sensors[r].parameters));
       const bool is_camera = type == CameraParameters::kType;
-      if (!is_camera && type != BumperParameters::kType && type != ContactParameters::kType) continue;
+      const bool is_radio = type == RadioParameters::kType;
+      if (!is_camera && !is_radio && type != BumperParameters::kType && type != ContactParameters::kType) continue;
       const std::string kind_base = IsAutomatic(robot.sensors[r].name) ? type : RosName(robot.sensors[r].name);
       std::string topic = names.Reserve(kind_base);
       if (is_camera) {
         std::string frame = frames.Reserve(kind_base);
         frames.Reserve(frame + "_optical");
         topics.cameras.push_back({r, std::move(topic), std::move(frame)});
+      } else if (is_radio) {
+        topics.radios.push_back({r, std::move(topic), ""});
       } else {
         topics.touches.push_back({r, std::move(topic), ""});
       }

@@ -56,7 +56,8 @@ struct CloudTopic {
 };
 
 // A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a bumper and a contact
-// sensor have one that says whether they are pressed. Other kinds have none.
+// sensor have one that says whether they are pressed; a radio has "<topic>/send" and "<topic>/received". Other kinds
+// have none.
 struct KindTopic {
   std::size_t sensor = 0;  // in RobotDescription::sensors
   std::string topic;
@@ -69,6 +70,7 @@ struct SensorTopics {
   std::vector<CloudTopic> clouds;
   std::vector<KindTopic> cameras;
   std::vector<KindTopic> touches;
+  std::vector<KindTopic> radios;
 };
 
 // A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if

@@ -101,14 +101,13 @@ class Radio final : public Sensor {
     if (transmission.from == robot() || (to && *to != robot()) || !IsThere(description, transmission.from)) {
       return nullptr;
     }
-    const RadioParameters* const radio =
-        FindRadio(description.robot(transmission.from), transmission.message.radio);
+    const RadioParameters* const radio = FindRadio(description.robot(transmission.from), transmission.message.radio);
     return radio != nullptr && radio->channel == parameters().channel ? radio : nullptr;
   }
 
   double Random(const SensedWorld& world, const RadioTransmission& transmission, RadioDraw draw) const {
-    return RandomUniform({kRadioStream, world.scene.world().seed, transmission.from.index(),
-                          transmission.message.radio, robot().index(), index(), transmission.sent, transmission.number,
+    return RandomUniform({kRadioStream, world.scene.world().seed, transmission.from.index(), transmission.message.radio,
+                          robot().index(), index(), transmission.sent, transmission.number,
                           static_cast<std::uint64_t>(draw)});
   }
 

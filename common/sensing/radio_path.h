@@ -31,8 +31,8 @@ class RadioPaths {
   // `robot`: that has the antenna. `reach`: m, of the longest line. REQUIRES: the world stays as it is.
   RadioPaths(const SensedWorld& world, RobotId robot, const AntennaPlace& from, double reach);
 
-  // To an antenna of another robot. Bodies of the two robots, objects that they hold, and bodies that rangers do not see
-  // do not count; on a vertical line none does.
+  // To an antenna of another robot. Bodies of the two robots, objects that they hold, and bodies that rangers do not
+  // see do not count; on a vertical line none does.
   RadioObstacles To(RobotId robot, const AntennaPlace& to);
 
  private:

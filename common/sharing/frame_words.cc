@@ -21,10 +21,10 @@ constexpr std::size_t kRobotWords = 8;
 constexpr std::size_t kJointWords = 3;
 constexpr std::size_t kGripperWords = 3;
 constexpr std::size_t kObjectWords = 8;
-constexpr std::size_t kEventWords = 5;    // and its detail
+constexpr std::size_t kEventWords = 5;         // and its detail
 constexpr std::size_t kTransmissionWords = 7;  // and its bytes
-constexpr std::size_t kOtherWords = 16;   // of a frame: eight numbers and eight counts
-constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
+constexpr std::size_t kOtherWords = 16;        // of a frame: eight numbers and eight counts
+constexpr std::size_t kCommandWords = 9;       // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
 

@@ -201,8 +201,8 @@ struct RadioReception {
   RobotId from = {};
   bool to_all = false;  // else to this robot alone
   std::vector<std::uint8_t> bytes = {};
-  double rssi = 0.0;              // dBm, the strength with which it arrives
-  Tick tick = 0;                  // in which it was sent
+  double rssi = 0.0;                // dBm, the strength with which it arrives
+  Tick tick = 0;                    // in which it was sent
   std::optional<Place> place = {};  // of a radio with range_and_bearing
   bool operator==(const RadioReception&) const = default;
 };

@@ -61,9 +61,7 @@ class View final : public RobotView {
   const RobotState& state() const override { return state_.robots[robot_.id().index()]; }
   const WorldState& world_state() const override { return state_; }
   const Pose& pose_estimate() const override { return robot_.pose_estimate(); }
-  const SensorReading& Measure(std::size_t sensor) const override {
-    return robot_.Measure(sensor, state_, bodies_);
-  }
+  const SensorReading& Measure(std::size_t sensor) const override { return robot_.Measure(sensor, state_, bodies_); }
 
  private:
   Robot& robot_;

@@ -43,16 +43,18 @@ class ScriptController final : public Controller {
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<ScriptController>(*this); }
 
  private:
-  // Commands to grippers and joints stay valid, so each is given once: those due since the last call, in order. After a
-  // late start, those of one whole round at most.
+  // Commands to grippers and joints stay valid, and messages are sent once, so each is given once: those due since the
+  // last call, in order. After a late start, those of one whole round at most.
   void Manipulate(std::uint64_t due, Command& command) {
     command.grippers.clear();
     command.joints.clear();
+    command.messages.clear();
     const std::uint64_t count = commands_.size();
     for (std::uint64_t i = std::max(given_, due > count ? due - count : 0); i < due; ++i) {
       const Command& given = commands_[i % count].command;
       command.grippers.insert(command.grippers.end(), given.grippers.begin(), given.grippers.end());
       command.joints.insert(command.joints.end(), given.joints.begin(), given.joints.end());
+      command.messages.insert(command.messages.end(), given.messages.begin(), given.messages.end());
     }
     given_ = due;
   }
@@ -153,6 +155,12 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     const Result<JointCommand> found = ResolveJoint(info, joint);
     if (!found.ok()) return found.error();
     resolved.command.joints.push_back(found.value());
+  }
+  if (command.send) {
+    std::size_t radio = 0;
+    while (radio < info.sensors.size() && FindRadio(*info.robot, radio) == nullptr) ++radio;
+    if (radio == info.sensors.size()) return ScriptError("the robot has no radio");
+    resolved.command.messages.push_back({.radio = radio, .bytes = {command.send->begin(), command.send->end()}});
   }
   return resolved;
 }

@@ -80,6 +80,7 @@ ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, doub
   command.at = at.value_or(0.0);
   ReadMotion(reader, command);
   ReadManipulation(reader, command);
+  command.send = reader.ReadText("send");
   if (number > 1 && command.at <= earliest) {
     reader.Fail(
         fmt::format("'at' is {}, expected a time after that of the command before it, {}", command.at, earliest));
@@ -111,8 +112,9 @@ Result<ScriptParameters> ParseScript(const std::string& text) {
   }
   if (repeat) p.period = period;
   if (repeat && period == shortest && !p.commands.empty() &&
-      !(p.commands.back().grippers.empty() && p.commands.back().joints.empty())) {
-    reader.Fail("the last command only marks the end and is never done, expected none for grippers or joints in it");
+      !(p.commands.back().grippers.empty() && p.commands.back().joints.empty() && !p.commands.back().send)) {
+    reader.Fail(
+        "the last command only marks the end and is never done, expected none for grippers, joints or radios in it");
   }
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;

@@ -29,6 +29,7 @@ struct ScriptCommand {
   bool for_others = false;  // it gives vx, vy or wz
   std::vector<ScriptGripper> grippers;
   std::vector<ScriptJoint> joints;
+  std::optional<std::string> send;  // a text, by the robot's first radio to all in range
 };
 
 struct ScriptParameters {

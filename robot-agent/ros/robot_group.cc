@@ -64,7 +64,8 @@ struct RobotGroup::Member {
       : node(node_of_robot),
         input(node, options, scene.world().robot(robot.id), scene.world().interval_seconds()),
         output(node, options, scene, robot.id, robot.in_ros),
-        manipulator(node, scene, robot.id) {
+        manipulator(node, scene, robot.id),
+        radios(node, scene, robot.id) {
     if (options.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
     if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
     parameters =
@@ -79,6 +80,7 @@ struct RobotGroup::Member {
   CommandInput input;
   RobotOutput output;
   ManipulatorPort manipulator;
+  RadioPort radios;
   std::unique_ptr<Transforms> transforms;  // null where robots share them
   // Null where there are many robots.
   std::unique_ptr<ros::ParameterServices> parameters;
@@ -124,6 +126,7 @@ ExternalCommand RobotGroup::CommandFor(RobotId id, Tick tick) {
   ExternalCommand external;
   if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
   external.command = robot.manipulator.WithCommands(tick, std::move(external.command));
+  robot.radios.AddMessages(external.command.messages);
   return external;
 }
 
@@ -132,6 +135,7 @@ void RobotGroup::PublishActions(const RobotView& robot) {
   if (member == nullptr) return;
   member->output.AddMotion(robot);
   member->manipulator.PublishActions(robot.world_state());
+  member->radios.Publish(robot);
 }
 
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
@@ -154,10 +158,14 @@ void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
 
 void RobotGroup::ChangeWorld(const Scene& scene) {
   if (map_) map_->ChangeWorld(scene);
+  for (const auto& robot : members_) robot->radios.ChangeWorld(scene);
 }
 
 void RobotGroup::Restart() {
-  for (const auto& robot : members_) robot->input.Restart();
+  for (const auto& robot : members_) {
+    robot->input.Restart();
+    robot->radios.Restart();
+  }
 }
 
 std::vector<std::string> RobotGroup::DrainReports() {
@@ -167,6 +175,7 @@ std::vector<std::string> RobotGroup::DrainReports() {
     const std::size_t logged = reports.size();
     if (std::optional<std::string> report = robot->input.DrainReport()) reports.push_back(*std::move(report));
     for (std::string& report : robot->manipulator.DrainReports()) reports.push_back(std::move(report));
+    for (std::string& report : robot->radios.DrainReports()) reports.push_back(std::move(report));
     Log(*robot, reports, logged);
   }
   return reports;

@@ -17,6 +17,7 @@
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/ros/command_input.h"
 #include "robot-agent/ros/manipulator_port.h"
+#include "robot-agent/ros/radio_port.h"
 #include "robot-agent/ros/robot_output.h"
 
 namespace troupe {

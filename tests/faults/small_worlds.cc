@@ -5,15 +5,27 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 
 namespace troupe::faults {
 namespace {
 
+// A radio that loses a few messages, with a delay or without.
+void AddRadio(WorldDescription& world, RobotId robot, std::size_t index) {
+  RadioParameters radio;
+  radio.loss = 0.2;
+  radio.delay = 0.1 * static_cast<double>(index % 3);
+  test::AddSensor(world, robot, {0.0, 0.0, 0.4, 0.0}, radio);
+}
+
 void AddRobot(SmallWorld& world, const std::string& name, std::size_t index, bool memory) {
   const double angle = 1.7 * static_cast<double>(index);
   const RobotId robot = world.AddRobot(name, {1.2 * std::cos(angle), 1.2 * std::sin(angle), 0.0, 0.7 * angle});
-  if (memory && index % 4 == 1) return world.SetController(robot, kCountingController);
+  if (memory && index % 6 != 5 && index % 2 == 1) {
+    AddRadio(world.world(), robot, index);
+    return world.SetController(robot, kCountingController);
+  }
   if (memory && index % 2 == 0) {
     world.AddRanger(robot, {}, {OneRay(2.0)});
     return world.SetController(robot, "wander");

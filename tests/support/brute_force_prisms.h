@@ -1,6 +1,7 @@
 // BruteForcePrisms: single rays in space against every block of a world.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -65,6 +66,46 @@ class BruteForcePrisms {
       }
     }
     return nearest;
+  }
+
+  // The parts of the ray from 0 to `most` inside of the prisms, each with its model; parts of one prism that touch may
+  // be several.
+  struct Stretch {
+    long double enter;
+    long double leave;
+    ModelId model;
+  };
+  std::vector<Stretch> Stretches(const SpaceRay& ray, long double most) const {
+    std::vector<Stretch> stretches;
+    for (const Prism& prism : prisms_) {
+      // Between two neighbouring crossings of faces the ray is inside or outside all along.
+      std::vector<long double> crossings = {0.0L, most};
+      const auto add = [&](long double t) {
+        if (t > 0.0L && t < most) crossings.push_back(t);
+      };
+      for (const long double face : {prism.min_z, prism.max_z}) {
+        if (ray.climb != 0.0) add((face - ray.z) / ray.climb);
+      }
+      for (std::size_t i = 0; i < prism.outline.size(); ++i) {
+        const Point& a = prism.outline[i];
+        const Point& b = prism.outline[(i + 1) % prism.outline.size()];
+        const long double ex = b.x - a.x;
+        const long double ey = b.y - a.y;
+        const long double denominator = ray.direction.x() * ey - ray.direction.y() * ex;
+        if (denominator == 0.0L) continue;
+        add(((a.x - ray.origin.x()) * ey - (a.y - ray.origin.y()) * ex) / denominator);
+      }
+      std::sort(crossings.begin(), crossings.end());
+      for (std::size_t i = 1; i < crossings.size(); ++i) {
+        const long double middle = 0.5L * (crossings[i - 1] + crossings[i]);
+        const long double at = ray.z + middle * ray.climb;
+        if (at >= prism.min_z && at < prism.max_z &&
+            Contains(prism, ray.origin.x() + middle * ray.direction.x(), ray.origin.y() + middle * ray.direction.y())) {
+          stretches.push_back({crossings[i - 1], crossings[i], prism.model});
+        }
+      }
+    }
+    return stretches;
   }
 
   // True if a ray that is turned or raised by a hair has another hit: which one counts is a matter of rounding.

@@ -46,7 +46,7 @@ class SensedScene {
 
   const Scene& scene() const { return *scene_; }
   const WorldState& state() const { return state_; }
-  SensedWorld world() const { return {*scene_, bodies_}; }
+  SensedWorld world() const { return {*scene_, bodies_, &state_}; }
 
   SensorReading Measure(RobotId robot, std::size_t sensor) const {
     return MakeSensors(*scene_, robot).at(sensor)->Measure(world(), state_.tick);

@@ -172,5 +172,46 @@ TEST(Sensors, WrongValuesAreRefusedAtTheirPlaces) {
   EXPECT_THAT(ErrorOf("camera( pantilt [0 80] )"), HasSubstr("within 85 degrees"));
 }
 
+TEST(Sensors, ARadioHasDefaults) {
+  const SensorDescription sensor = SensorOf("size [0.4 0.4 0.3] radio( )");
+  EXPECT_EQ(sensor.name, "radio:0");
+  EXPECT_EQ(sensor.period_ticks, 1u);
+  EXPECT_EQ(std::get<RadioParameters>(sensor.parameters), RadioParameters{});
+}
+
+TEST(Sensors, ARadioIsRead) {
+  const auto radio = ParametersOf<RadioParameters>(
+      "radio( name \"wifi\" origin [0 0 10 0] channel 6 range 3000 bandwidth 1200 delay 0.25 loss 0.1 range_loss 0.5 "
+      "power 15 path_loss_exponent 3 wall_loss 8 body_loss 2 range_and_bearing 1 range_noise 2 bearing_noise 3 )",
+      "unit_length \"cm\"\n");
+  EXPECT_EQ(radio.X_MS.z, 0.1);
+  EXPECT_EQ(radio.channel, 6);
+  EXPECT_EQ(radio.range, 30.0);
+  EXPECT_EQ(radio.bandwidth, 1200.0);
+  EXPECT_EQ(radio.delay, 0.25);
+  EXPECT_EQ(radio.loss, 0.1);
+  EXPECT_EQ(radio.range_loss, 0.5);
+  EXPECT_EQ(radio.power, 15.0);
+  EXPECT_EQ(radio.path_loss_exponent, 3.0);
+  EXPECT_EQ(radio.wall_loss, 8.0);
+  EXPECT_EQ(radio.body_loss, 2.0);
+  EXPECT_TRUE(radio.range_and_bearing);
+  EXPECT_NEAR(radio.range_noise, 0.02, 1e-15);
+  EXPECT_NEAR(radio.bearing_noise, 3.0 * kDegree, 1e-15);
+}
+
+TEST(Sensors, ARadioReceivesInEveryTick) {
+  EXPECT_EQ(SensorOf("radio( update_interval 1000 )").period_ticks, 1u);
+  EXPECT_THAT(WorldFolder().WarningsOf("position( radio( update_interval 1000 ) )"),
+              ElementsAre(HasSubstr("a radio receives in every tick")));
+}
+
+TEST(Sensors, ABadRadioIsRefused) {
+  EXPECT_THAT(ErrorOf("radio( loss 1.5 )"), HasSubstr("'loss'"));
+  EXPECT_THAT(ErrorOf("radio( range -1 )"), HasSubstr("found a negative 'range'"));
+  EXPECT_THAT(ErrorOf("radio( delay 61 )"), HasSubstr("'delay'"));
+  EXPECT_THAT(ErrorOf("radio( bandwidth \"fast\" )"), HasSubstr("'bandwidth'"));
+}
+
 }  // namespace
 }  // namespace troupe

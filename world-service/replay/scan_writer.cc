@@ -30,7 +30,8 @@ Status ScanWriter::Write(const ReplayedWorld& world) {
       file_.Append("{\"edition\":" + std::to_string(fresh_edition_) + "}");
       if (Status failure = file_.EndLine(); !failure.ok()) return failure;
     }
-    std::string lines = sensor->JsonLines(description, sensor->Measure({*scene_, world.bodies(), &world.state()}, tick));
+    std::string lines =
+        sensor->JsonLines(description, sensor->Measure({*scene_, world.bodies(), &world.state()}, tick));
     if (lines.empty()) continue;
     lines.pop_back();  // the last line end
     file_.Append(lines);

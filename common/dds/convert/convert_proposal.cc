@@ -48,7 +48,8 @@ Status MessagesFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>&
     if (proposal == proposals.end() || proposal->robot.index() != robot[i] || to[i] < -1) {
       return Error{{}, "proposal with a radio message of or to a robot that it does not have"};
     }
-    if (length[i] > bytes.size()) return Error{{}, "proposal with fewer bytes of radio messages than their lengths say"};
+    if (length[i] > bytes.size())
+      return Error{{}, "proposal with fewer bytes of radio messages than their lengths say"};
     const auto own = bytes.first(length[i]);
     bytes = bytes.subspan(length[i]);
     RadioMessage& message = proposal->messages.emplace_back();

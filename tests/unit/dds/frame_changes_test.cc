@@ -65,6 +65,12 @@ class Changes {
       object.holder.reset();
       if (object.mode == ObjectMode::kHeld) object.holder = GripperId(Below(state.grippers.size()));
     }
+    state.transmissions.resize(Chance(0.5) ? 0 : Below(4));
+    for (RadioTransmission& transmission : state.transmissions) {
+      transmission.from = RobotId(Below(state.robots.size()));
+      transmission.due = state.tick + Below(3);
+      transmission.message.bytes.assign(Below(9), 7);
+    }
   }
 
  private:

@@ -74,7 +74,7 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
 // Of any kind but break beams, which belong to grippers.
 SensorParameters RandomMessages::RandomSensor() {
   const auto pixels = [this] { return 1 + static_cast<std::uint32_t>(Below(kMaxImageSide)); };
-  switch (Below(6)) {
+  switch (Below(7)) {
     case 0: {
       RangerParameters ranger;
       ranger.ray_sensors.resize(Below(4));
@@ -103,6 +103,17 @@ SensorParameters RandomMessages::RandomSensor() {
       finder.colors.resize(Below(3));
       for (Color& color : finder.colors) color = {Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0), 1.0};
       return finder;
+    }
+    case 5: {
+      RadioParameters radio{
+          .X_MS = RandomPose(), .channel = static_cast<std::int32_t>(Bits()), .range = Number(0.0, 9.0)};
+      for (double* number :
+           {&radio.bandwidth, &radio.delay, &radio.loss, &radio.range_loss, &radio.power, &radio.path_loss_exponent,
+            &radio.wall_loss, &radio.body_loss, &radio.range_noise, &radio.bearing_noise}) {
+        *number = Number(0.1, 1.0);
+      }
+      radio.range_and_bearing = Coin();
+      return radio;
     }
     default:
       return CameraParameters{
@@ -242,6 +253,13 @@ void RandomMessages::FillManipulation(WorldState& state) {
   }
 }
 
+RadioMessage RandomMessages::RandomMessage(std::size_t robots) {
+  RadioMessage message{.radio = Below(9), .to = MaybeId<RobotId>(robots)};
+  message.bytes.resize(Below(40));
+  for (std::uint8_t& byte : message.bytes) byte = static_cast<std::uint8_t>(Below(256));
+  return message;
+}
+
 FrameMessage RandomMessages::Frame() {
   FrameMessage frame;
   frame.run = Bits();
@@ -251,6 +269,11 @@ FrameMessage RandomMessages::Frame() {
     robot = {RandomPose(), {Number(), Number(), Number()}, Coin()};
   }
   FillManipulation(frame.state);
+  if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
+  for (RadioTransmission& transmission : frame.state.transmissions) {
+    const std::size_t robots = frame.state.robots.size();
+    transmission = {RobotId(Below(robots)), Bits(), Bits(), Below(64), RandomMessage(robots)};
+  }
   frame.state_hash = Bits();
   frame.last = Coin();
   frame.paused = Coin();

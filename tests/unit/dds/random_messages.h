@@ -50,6 +50,7 @@ class RandomMessages {
   }
   void FillManipulation(WorldState& state);
   std::optional<MemoryPlace> RandomPlace();
+  RadioMessage RandomMessage(std::size_t robots);
 
   std::mt19937_64 engine_;
 };

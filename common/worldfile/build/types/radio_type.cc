@@ -26,7 +26,8 @@ class RadioReader : public ModelReader {
     radio.range_noise = ReadDistance(reader, "range_noise", radio.range_noise);
     radio.bearing_noise = ReadAngle(reader, "bearing_noise", radio.bearing_noise);
     if (const Property* const period = reader.Use("update_interval")) {
-      reader.diagnostics().Warn(period->where, "property 'update_interval' has no effect: a radio receives in every tick");
+      reader.diagnostics().Warn(period->where,
+                                "property 'update_interval' has no effect: a radio receives in every tick");
     }
     AddSensor(reader, draft, "radio", radio, context);
     if (draft.robot) context.world.robots[draft.robot->index()].sensors.back().period_ticks = 1;
