@@ -36,14 +36,20 @@ WorldDescription CaveWithSensors(const SensorParameters& parameters) {
 // `samples`: of one measurement, for the rate.
 void Measure(benchmark::State& state, const SensorParameters& parameters, double samples) {
   const Scene scene(CaveWithSensors(parameters));
-  const WorldState world_state = PlacedState(scene.world());
+  WorldState world_state = PlacedState(scene.world());
+  if (std::holds_alternative<RadioParameters>(parameters)) {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) {
+      world_state.transmissions.push_back(
+          {.from = RobotId(robot), .message = {.radio = 0, .bytes = std::vector<std::uint8_t>(32)}});
+    }
+  }
   BodyIndex bodies(scene);
   bodies.Assign(world_state);
   std::vector<std::unique_ptr<const Sensor>> sensors;
   for (std::size_t i = 0; i < kRobots; ++i) sensors.push_back(std::move(MakeSensors(scene, RobotId(i))[0]));
   std::size_t i = 0;
   for (auto _ : state) {
-    SensorReading reading = sensors[i++ % kRobots]->Measure({scene, bodies}, 0);
+    SensorReading reading = sensors[i++ % kRobots]->Measure({scene, bodies, &world_state}, 0);
     benchmark::DoNotOptimize(reading);
   }
   state.counters["samples"] =
@@ -87,6 +93,12 @@ void BM_Bumper(benchmark::State& state) {
   Measure(state, bumper, 4.0);
 }
 BENCHMARK(BM_Bumper)->Unit(benchmark::kMicrosecond);
+
+// All robots send to all, in each tick. Argument: range, m. A tick of the 100 robots needs 100 of these measurements.
+void BM_Radio(benchmark::State& state) {
+  Measure(state, RadioParameters{.range = static_cast<double>(state.range(0))}, kRobots - 1.0);
+}
+BENCHMARK(BM_Radio)->Arg(2)->Arg(5)->Arg(20)->Unit(benchmark::kMicrosecond);
 
 void BM_Contact(benchmark::State& state) {
   Measure(state, ContactParameters{}, 1.0);

@@ -21,10 +21,6 @@ constexpr std::uint64_t kRadioStream = 0x726164696f;  // "radio"
 
 enum class RadioDraw : std::uint64_t { kLoss = 0, kRange = 1, kBearing = 2 };
 
-AntennaPlace PlaceOf(const Pose& X_WS) {
-  return {X_WS.translation(), X_WS.z};
-}
-
 std::string Hexadecimal(const std::vector<std::uint8_t>& bytes) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string text;
@@ -69,29 +65,55 @@ class Radio final : public Sensor {
  private:
   const RadioParameters& parameters() const { return std::get<RadioParameters>(description().parameters); }
 
+  // A message that arrives unless there is too much in its way.
+  struct Candidate {
+    const RadioTransmission* transmission;
+    const RadioParameters* sender;
+    Pose X_WT;        // of the sender's antenna
+    double distance;  // m
+  };
+
   void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
     reading.tick = tick;
     RadioReading& content = ContentOf<RadioReading>(reading);
     content.X_RS = MountAt(world) * parameters().X_MS;
     content.range = parameters().range;
     content.receptions.clear();
-    if (world.state == nullptr) return;
+    if (world.state == nullptr || world.state->transmissions.empty()) return;
     const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
+    std::vector<Candidate> candidates;
+    std::vector<Antenna> antennas;
     for (const RadioTransmission& transmission : world.state->transmissions) {
       if (transmission.due != tick) continue;
-      const RadioParameters* const sender = SenderOf(world, transmission);
-      if (sender == nullptr) continue;
-      const ModelId antenna = world.scene.world().robot(transmission.from).sensors[transmission.message.radio].model;
-      const Pose X_WT = world.bodies.X_WM(antenna) * sender->X_MS;
-      if (std::optional<double> rssi = Strength(world, transmission, *sender, X_WS, X_WT)) {
-        content.receptions.push_back({.from = transmission.from,
-                                      .to_all = !transmission.message.to,
-                                      .bytes = transmission.message.bytes,
-                                      .rssi = *rssi,
-                                      .tick = transmission.sent,
-                                      .place = PlaceIn(world, transmission, X_WS, X_WT)});
-      }
+      const std::optional<Candidate> candidate = FindCandidate(world, transmission, X_WS);
+      if (!candidate) continue;
+      candidates.push_back(*candidate);
+      antennas.push_back({transmission.from, candidate->X_WT.translation(), candidate->X_WT.z});
     }
+    if (candidates.empty()) return;
+    RadioPaths paths(world, {robot(), X_WS.translation(), X_WS.z}, antennas);
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const auto& [transmission, sender, X_WT, distance] = candidates[i];
+      if (!Passes(*sender, distance, paths.AtLeast(i))) continue;
+      const RadioObstacles obstacles = paths.All(i);
+      if (!Passes(*sender, distance, obstacles)) continue;
+      content.receptions.push_back({.from = transmission->from,
+                                    .to_all = !transmission->message.to,
+                                    .bytes = transmission->message.bytes,
+                                    .rssi = RadioStrength(*sender, distance, LossBy(*sender, obstacles)),
+                                    .tick = transmission->sent,
+                                    .place = PlaceIn(world, *transmission, X_WS, X_WT)});
+    }
+  }
+
+  static double LossBy(const RadioParameters& sender, const RadioObstacles& obstacles) {
+    return sender.wall_loss * static_cast<double>(obstacles.walls) +
+           sender.body_loss * static_cast<double>(obstacles.bodies);
+  }
+
+  static bool Passes(const RadioParameters& sender, double distance, const RadioObstacles& obstacles) {
+    const double loss = LossBy(sender, obstacles);
+    return loss == 0.0 || RadioStrength(sender, distance, loss) >= RadioStrength(sender, sender.range, 0.0);
   }
 
   // The radio that sent the message; null if this one cannot receive it, wherever the two are.
@@ -117,23 +139,32 @@ class Radio final : public Sensor {
                          static_cast<std::uint64_t>(draw)});
   }
 
-  // Nothing if the message is not received.
-  std::optional<double> Strength(const SensedWorld& world, const RadioTransmission& transmission,
-                                 const RadioParameters& sender, const Pose& X_WS, const Pose& X_WT) const {
+  // Nothing if it is out of range, or lost.
+  std::optional<Candidate> FindCandidate(const SensedWorld& world, const RadioTransmission& transmission,
+                                         const Pose& X_WS) const {
+    const RadioParameters* const sender = SenderOf(world, transmission);
+    if (sender == nullptr) return std::nullopt;
+    const ModelId model = world.scene.world().robot(transmission.from).sensors[transmission.message.radio].model;
+    if (IsSurelyFar(world, transmission.from, model, *sender, X_WS.translation())) return std::nullopt;
+    const Pose X_WT = world.bodies.X_WM(model) * sender->X_MS;
     const double height = X_WT.z - X_WS.z;
     const double distance = std::sqrt((X_WT.translation() - X_WS.translation()).squaredNorm() + height * height);
-    if (distance > sender.range) return std::nullopt;
-    const double by_distance = sender.range > 0.0 ? sender.range_loss * (distance / sender.range) : 0.0;
-    const double received = (1.0 - sender.loss) * (1.0 - by_distance);
-    if (Random(world, transmission, RadioDraw::kLoss) >= received) return std::nullopt;
-    if (sender.wall_loss == 0.0 && sender.body_loss == 0.0) return RadioStrength(sender, distance, 0.0);
-    RadioPaths paths(world, robot(), PlaceOf(X_WS), distance);
-    const RadioObstacles obstacles = paths.To(transmission.from, PlaceOf(X_WT));
-    const double losses = sender.wall_loss * static_cast<double>(obstacles.walls) +
-                          sender.body_loss * static_cast<double>(obstacles.bodies);
-    const double rssi = RadioStrength(sender, distance, losses);
-    if (losses > 0.0 && rssi < RadioStrength(sender, sender.range, 0.0)) return std::nullopt;
-    return rssi;
+    if (distance > sender->range) return std::nullopt;
+    const double by_distance = sender->range > 0.0 ? sender->range_loss * (distance / sender->range) : 0.0;
+    const double received = (1.0 - sender->loss) * (1.0 - by_distance);
+    if (received < 1.0 && Random(world, transmission, RadioDraw::kLoss) >= received) return std::nullopt;
+    return Candidate{&transmission, sender, X_WT, distance};
+  }
+
+  // From the pose of the robot alone, which is quicker than that of its antenna.
+  static bool IsSurelyFar(const SensedWorld& world, RobotId robot, ModelId model, const RadioParameters& radio,
+                          const Vec2& from) {
+    const BodyId body = world.scene.body_of(robot);
+    if (world.scene.link_of(model) != 0) return false;
+    const double offset = std::sqrt(world.scene.X_LM(model).translation().squaredNorm()) +
+                          std::sqrt(radio.X_MS.translation().squaredNorm());
+    const double reach = (radio.range + offset) * (1.0 + 1e-9);
+    return (world.bodies.X_WB(body).translation() - from).squaredNorm() > reach * reach;
   }
 
   std::optional<RadioReception::Place> PlaceIn(const SensedWorld& world, const RadioTransmission& transmission,

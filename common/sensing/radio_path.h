@@ -1,8 +1,11 @@
-// The bodies between two antennas: those that the straight line between them crosses, at its heights. Private to this
-// folder.
+// The bodies between antennas: those that the straight line between two of them crosses, at its heights. Private to
+// this folder.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/vec2.h"
@@ -19,26 +22,31 @@ struct RadioObstacles {
 };
 inline constexpr double kWallGap = 0.05;  // m
 
-// A point in W.
-struct AntennaPlace {
+// An antenna of a robot, in W.
+struct Antenna {
+  RobotId robot;
   Vec2 at{0.0, 0.0};  // m
   double z = 0.0;     // m
 };
 
-// The lines from one antenna.
+// The lines from one antenna to several of other robots. A line ends where it enters the other robot; bodies of its own
+// robot, objects that either robot holds, and bodies that rangers do not see do not count; on a vertical line none does.
 class RadioPaths {
  public:
-  // `robot`: that has the antenna. `reach`: m, of the longest line. REQUIRES: the world stays as it is.
-  RadioPaths(const SensedWorld& world, RobotId robot, const AntennaPlace& from, double reach);
+  // REQUIRES: the world stays as it is; `ends` outlive the paths.
+  RadioPaths(const SensedWorld& world, const Antenna& from, std::span<const Antenna> ends);
 
-  // To an antenna of another robot. Bodies of the two robots, objects that they hold, and bodies that rangers do not
-  // see do not count; on a vertical line none does.
-  RadioObstacles To(RobotId robot, const AntennaPlace& to);
+  // Obstacles that line i has at the least: all, if it has none. Quick.
+  RadioObstacles AtLeast(std::size_t i) const { return first_[i]; }
+  RadioObstacles All(std::size_t i);
 
  private:
   const SensedWorld& world_;
-  AntennaPlace from_;
-  ColumnCaster caster_;
+  Antenna from_;
+  std::span<const Antenna> ends_;
+  std::vector<RadioObstacles> first_;  // by end
+  std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
+  std::optional<ColumnCaster> caster_;
   std::vector<ColumnCut> cuts_;
 };
 

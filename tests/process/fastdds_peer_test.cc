@@ -276,6 +276,31 @@ void FastDdsPeerTest::CheckPosesOfBen(Tick tick, const Frames& frames) const {
   }
 }
 
+// The peer speaks through the radios of two robots, and hears what they receive: also from the robots' own controllers.
+TEST_F(FastDdsPeerTest, ExchangesMessagesByRadio) {
+  Run("../../../worlds/scenarios/radio.json", {"cleo=0.02,0.05", "dora=-0.05,0.1"});
+  // By tick and sender, as the scan log of cleo has them.
+  std::map<std::pair<Tick, std::string>, std::vector<json>> logged;
+  std::istringstream lines(folder_.Read("scans"));
+  for (std::string line; std::getline(lines, line);) {
+    const json reading = json::parse(line);
+    if (reading["robot"] != "cleo" || reading["sensor"] != "radio") continue;
+    for (const json& received : reading["received"]) {
+      logged[{received["tick"].get<Tick>(), received["from"]}].push_back(received);
+    }
+  }
+  std::set<std::string> texts;
+  EXPECT_GT(messages_["/cleo/radio/received"].size(), 50u);
+  for (const json& message : messages_["/cleo/radio/received"]) {
+    json received = json::parse(message["data"].get<std::string>());
+    texts.insert(received["text"]);
+    received.erase("text");
+    const std::vector<json>& expected = logged[{received["tick"].get<Tick>(), received["from"]}];
+    EXPECT_THAT(expected, testing::Contains(received));
+  }
+  EXPECT_THAT(texts, testing::IsSupersetOf({"a peer speaks for dora", "here is dora"}));
+}
+
 // Two robots with grippers at once. The frames connect the map with every link and sensor, each of them once. Those of
 // ben, which has gps, agree with the poses of ben and its joints in --poses.
 TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {

@@ -156,6 +156,8 @@ struct Drive {
   const std::atomic<int>* scans = nullptr;
   DataWriter* writer = nullptr;
   geometry_msgs::msg::dds_::Twist_ twist;
+  DataWriter* radio = nullptr;
+  std_msgs::msg::dds_::String_ message;
 };
 
 int Run(int argc, char** argv) {
@@ -178,6 +180,7 @@ int Run(int argc, char** argv) {
     Read<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(peer, robot + "/sonar/points");
     Read<sensor_msgs::msg::dds_::JointState_PubSubType>(peer, robot + "/joint_states");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
+    Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/radio/received");
     Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/robot_description", true);
     Drive drive;
@@ -188,12 +191,17 @@ int Run(int argc, char** argv) {
     std::sscanf(argument.c_str() + argument.find('=') + 1, "%lf,%lf", &vx, &wz);
     drive.twist.linear().x(vx);
     drive.twist.angular().z(wz);
+    drive.radio = peer.Write<std_msgs::msg::dds_::String_PubSubType>(robot + "/radio/send");
+    drive.message.data("{\"text\": \"a peer speaks for " + robot.substr(1) + "\"}");
     drives.push_back(drive);
   }
   Print({{"topic", "ready"}});
   bool said = false;
   for (const pid_t parent = getppid(); getppid() == parent; usleep(50'000)) {
-    for (Drive& drive : drives) drive.writer->write(&drive.twist);
+    for (Drive& drive : drives) {
+      drive.writer->write(&drive.twist);
+      drive.radio->write(&drive.message);
+    }
     if (!said &&
         std::all_of(drives.begin(), drives.end(), [=](const Drive& drive) { return *drive.scans >= enough; })) {
       Print({{"topic", "enough"}});
