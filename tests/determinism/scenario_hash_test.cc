@@ -51,6 +51,12 @@ TEST(ScenarioHash, ScenariosWithGrippersAreTheSameAsEver) {
   EXPECT_EQ(StateHash(StateAfter("relay.json", 1400)), 0x9de39134a2e3a6a5u);
 }
 
+TEST(ScenarioHash, RobotsThatTalkByRadioAreTheSameAsEver) {
+  const WorldState state = StateAfter("radio.json", 300);
+  EXPECT_FALSE(state.transmissions.empty());
+  EXPECT_EQ(StateHash(state), 0x9d832c5eec8218c3u);
+}
+
 // Stage's benchmark with walls that can be hit, which its map file turns off.
 TEST(SolidCave, NoRobotIsEverInsideAWallOrAnotherRobot) {
   const std::string worlds = test::StageWorldsFolder();
