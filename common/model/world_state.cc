@@ -15,8 +15,9 @@ WorldState PlacedState(const WorldDescription& world) {
 }
 
 std::size_t MemoryOf(const WorldState& state) {
-  std::size_t size = sizeof state + state.robots.size() * sizeof(RobotState) + state.joints.size() * sizeof(JointState) +
-                     state.grippers.size() * sizeof(GripperState) + state.objects.size() * sizeof(ObjectState);
+  std::size_t size = sizeof state + state.robots.size() * sizeof(RobotState) +
+                     state.joints.size() * sizeof(JointState) + state.grippers.size() * sizeof(GripperState) +
+                     state.objects.size() * sizeof(ObjectState);
   for (const RadioTransmission& transmission : state.transmissions) {
     size += sizeof transmission + transmission.message.bytes.size();
   }

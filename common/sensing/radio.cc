@@ -194,7 +194,7 @@ std::unique_ptr<const Sensor> MakeRadio(const SensorMount& mount) {
 }
 
 double RadioStrength(const RadioParameters& radio, double distance, double losses) {
-  static constexpr double kNearest = 0.01;  // m
+  static constexpr double kNearest = 0.01;                 // m
   static constexpr double kDecade = 2.302585092994045684;  // ln 10
   const double decades = Log(std::max(distance, kNearest)) / kDecade;
   return radio.power - 10.0 * radio.path_loss_exponent * decades - losses;

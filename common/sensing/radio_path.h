@@ -30,7 +30,8 @@ struct Antenna {
 };
 
 // The lines from one antenna to several of other robots. A line ends where it enters the other robot; bodies of its own
-// robot, objects that either robot holds, and bodies that rangers do not see do not count; on a vertical line none does.
+// robot, objects that either robot holds, and bodies that rangers do not see do not count; on a vertical line none
+// does.
 class RadioPaths {
  public:
   // REQUIRES: the world stays as it is; `ends` outlive the paths.

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -31,9 +30,8 @@ Files FilesOf(std::vector<std::string> arguments) {
 
 // A run of a world with radios.
 Files RunOf(const std::vector<std::string>& options) {
-  std::vector<std::string> arguments = {"run",       WorldPath("../../../worlds/scenarios/radio.json"),
-                                        "--domain",  std::to_string(TestDomain()),
-                                        "--headless"};
+  std::vector<std::string> arguments = {"run", WorldPath("../../../worlds/scenarios/radio.json"), "--domain",
+                                        std::to_string(TestDomain()), "--headless"};
   arguments.insert(arguments.end(), options.begin(), options.end());
   return FilesOf(std::move(arguments));
 }

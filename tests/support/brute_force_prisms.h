@@ -77,7 +77,7 @@ class BruteForcePrisms {
   };
   std::vector<Stretch> Stretches(const SpaceRay& ray, long double most) const {
     std::vector<Stretch> stretches;
-    for (const Prism& prism : prisms_) {
+    for (const ExactPrism& prism : prisms_) {
       // Between two neighbouring crossings of faces the ray is inside or outside all along.
       std::vector<long double> crossings = {0.0L, most};
       const auto add = [&](long double t) {
@@ -87,8 +87,8 @@ class BruteForcePrisms {
         if (ray.climb != 0.0) add((face - ray.z) / ray.climb);
       }
       for (std::size_t i = 0; i < prism.outline.size(); ++i) {
-        const Point& a = prism.outline[i];
-        const Point& b = prism.outline[(i + 1) % prism.outline.size()];
+        const ExactPoint& a = prism.outline[i];
+        const ExactPoint& b = prism.outline[(i + 1) % prism.outline.size()];
         const long double ex = b.x - a.x;
         const long double ey = b.y - a.y;
         const long double denominator = ray.direction.x() * ey - ray.direction.y() * ex;
@@ -100,7 +100,7 @@ class BruteForcePrisms {
         const long double middle = 0.5L * (crossings[i - 1] + crossings[i]);
         const long double at = ray.z + middle * ray.climb;
         if (at >= prism.min_z && at < prism.max_z &&
-            Contains(prism, ray.origin.x() + middle * ray.direction.x(), ray.origin.y() + middle * ray.direction.y())) {
+            prism.Contains({ray.origin.x() + middle * ray.direction.x(), ray.origin.y() + middle * ray.direction.y()})) {
           stretches.push_back({crossings[i - 1], crossings[i], prism.model});
         }
       }

@@ -20,9 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostRectangles = 64;      // of a model that is shown as an object
-constexpr double kProbeSpeed = 0.4;              // m/s
-constexpr double kDefaultProbeHeight = 0.3;      // m
+constexpr std::size_t kMostRectangles = 64;       // of a model that is shown as an object
+constexpr double kProbeSpeed = 0.4;               // m/s
+constexpr double kDefaultProbeHeight = 0.3;       // m
 constexpr std::uint64_t kMostStepsAtOnce = 1000;  // of a request
 
 // With the static models as objects; not those of maps, which the scene draws in another way.
@@ -285,7 +285,8 @@ Result<ControlReply> EditLink::Ask(const ControlRequest& request) {
   const Status status = Apply(request, reply);
   if (!test_ && editor_->version() != shown_version_) ShowEdited();
   reply.done = status.ok();
-  if (!status.ok()) reply.problem = status.error().where.file.empty() ? status.error().message : status.error().ToString();
+  if (!status.ok())
+    reply.problem = status.error().where.file.empty() ? status.error().message : status.error().ToString();
   reply.state = playing_ ? RunState::kPlaying : RunState::kPaused;
   reply.tick = frame_.state.tick;
   return reply;
@@ -306,8 +307,8 @@ Result<std::string> EditLink::Edit(std::string_view text) {
   } else if (op == "end_test") {
     EndTest();
   } else {
-    if (test_ && op != "document" && op != "text" && op != "palette" && op != "help" && op != "entity" && op != "model" &&
-        op != "save") {
+    if (test_ && op != "document" && op != "text" && op != "palette" && op != "help" && op != "entity" &&
+        op != "model" && op != "save") {
       EndTest();
     }
     reply = editor_->Apply(request);

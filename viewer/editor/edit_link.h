@@ -1,5 +1,5 @@
-// EditLink: a file in editing, for the gateway as if it were a run: the edited world is a paused run, whose edits change
-// the file. A test is a simulation in this process, of that world or of one model.
+// EditLink: a file in editing, for the gateway as if it were a run: the edited world is a paused run, whose edits
+// change the file. A test is a simulation in this process, of that world or of one model.
 //
 // In the edited world static models are shown as objects, so that the page can pick and move them.
 //

@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 Error CannotWrite(const std::string& path, const char* what) {
-  return {{path}, fmt::format("cannot {}: {}; the file is as it was", what, std::strerror(errno)),
+  return {{path},
+          fmt::format("cannot {}: {}; the file is as it was", what, std::strerror(errno)),
           ErrorCode::kOutputFailed};
 }
 
@@ -86,7 +87,9 @@ Status EditedFile::Save(bool overwrite) {
     const Result<std::optional<std::string>> now = ReadIfThere(path_);
     if (!now.ok()) return now.error();
     if (now.value() != on_disk_) {
-      const char* const what = !now.value() ? "was deleted" : on_disk_ ? "was changed by another program" : "was created";
+      const char* const what = !now.value() ? "was deleted"
+                               : on_disk_   ? "was changed by another program"
+                                            : "was created";
       return Error{{path_}, fmt::format("the file {} since it was read; it is not saved", what), ErrorCode::kNoRoom};
     }
   }
@@ -109,7 +112,7 @@ Status ReplaceFile(const std::string& named, const std::string& text) {
   const fs::path path = fs::exists(named, error) ? fs::canonical(named, error) : fs::path(named);
   if (error) return Error{{named}, "cannot find the file: " + error.message(), ErrorCode::kOutputFailed};
   mode_t mode = 0644;
-  if (struct stat status {}; stat(path.c_str(), &status) == 0) {
+  if (struct stat status{}; stat(path.c_str(), &status) == 0) {
     if (access(path.c_str(), W_OK) != 0) return CannotWrite(named, "write the file");
     mode = status.st_mode & 07777;
   }

@@ -34,8 +34,7 @@ Property NumbersProperty(const std::string& name, const std::vector<double>& num
 // The width of a model as declared, in the file's units; x: along the shelf.
 double WidthOf(const WorldNode& node, double fallback) {
   const Property* const size = node.Find("size");
-  const auto* const tuple =
-      size != nullptr ? std::get_if<std::vector<Value::Scalar>>(&size->value.content) : nullptr;
+  const auto* const tuple = size != nullptr ? std::get_if<std::vector<Value::Scalar>>(&size->value.content) : nullptr;
   double width = 0.0;
   for (std::size_t i = 0; tuple != nullptr && i < std::min<std::size_t>(tuple->size(), 2); ++i) {
     if (const auto* number = std::get_if<Value::Number>(&(*tuple)[i])) width = std::max(width, number->value);
@@ -73,8 +72,8 @@ struct Names {
   const WorldDescription& world;
 };
 
-void AddEntities(const WorldNode& parent, const std::string& parent_name, const WorldNode* parent_node, const Pose& X_WP,
-                 const Names& names, const std::set<const WorldNode*>& shelf, EditedWorld& edited) {
+void AddEntities(const WorldNode& parent, const std::string& parent_name, const WorldNode* parent_node,
+                 const Pose& X_WP, const Names& names, const std::set<const WorldNode*>& shelf, EditedWorld& edited) {
   const std::vector<std::string> given = ChildNames(parent);
   for (std::size_t i = 0; i < parent.children.size(); ++i) {
     const WorldNode& node = parent.children[i];
@@ -103,7 +102,8 @@ Result<EditedKind> KindOf(const std::string& path) {
 }
 
 const EditedEntity* EditedWorld::Find(const std::string& name) const {
-  const auto found = std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
+  const auto found =
+      std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
   return found != entities.end() ? &*found : nullptr;
 }
 
@@ -114,7 +114,9 @@ FileUnits UnitsOf(const WorldTree& tree) {
     return value != nullptr ? *value : "";
   };
   const std::string length = text("unit_length");
-  return {length == "cm" ? 0.01 : length == "mm" ? 0.001 : 1.0,
+  return {length == "cm"   ? 0.01
+          : length == "mm" ? 0.001
+                           : 1.0,
           text("unit_angle") == "radians" ? 1.0 : std::numbers::pi / 180.0};
 }
 

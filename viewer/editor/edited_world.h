@@ -28,8 +28,8 @@ struct EditedEntity {
   std::string type;     // base type
   std::string written;  // the type or define that the file names
   ModelId model;
-  SourceLocation where;  // of its statement, in any file
-  bool on_shelf = false; // of an include file: stands for its define
+  SourceLocation where;               // of its statement, in any file
+  bool on_shelf = false;              // of an include file: stands for its define
   const WorldNode* node = nullptr;    // with the properties of its macros
   const WorldNode* parent = nullptr;  // null: the world
   Pose X_WP;                          // the parent's, at load

@@ -207,30 +207,34 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   if (entity.type == "position") {
     if (const JsonItem* const robots = root.Find("robots")) {
       for (const JsonItem& robot : robots->items) {
-        if (is_called(robot.Find("name"))) return Commit(WithMember(text(), robot, "pose", keeps_z ? flat : raised), label);
+        if (is_called(robot.Find("name")))
+          return Commit(WithMember(text(), robot, "pose", keeps_z ? flat : raised), label);
       }
       return Commit(WithElement(text(), *robots, fmt::format("{{\"name\": {}, \"pose\": {}}}", name, flat)), label);
     }
-    return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)), label);
+    return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)),
+                  label);
   }
   const FileUnits units = UnitsOf(world_->tree);
   const double factor = 1.0 / units.metres;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
   old.resize(4, Value::Number{0.0, "0"});
-  const std::string in_file = fmt::format(
-      "[{}, {}, {}, {}]", number(pose.x * factor, kPoseDecimals), number(pose.y * factor, kPoseDecimals),
-      number(old[2].value + (pose.z - before.z) * factor, kPoseDecimals),
-      units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
+  const std::string in_file =
+      fmt::format("[{}, {}, {}, {}]", number(pose.x * factor, kPoseDecimals), number(pose.y * factor, kPoseDecimals),
+                  number(old[2].value + (pose.z - before.z) * factor, kPoseDecimals),
+                  units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
   if (const JsonItem* const overrides = root.Find("override")) {
     for (const JsonItem& rule : overrides->items) {
       const JsonItem* const match = rule.Find("match");
       const JsonItem* const properties = rule.Find("properties");
-      if (match == nullptr || properties == nullptr || match->items.size() != 1 || !is_called(match->Find("name"))) continue;
+      if (match == nullptr || properties == nullptr || match->items.size() != 1 || !is_called(match->Find("name")))
+        continue;
       return Commit(WithMember(text(), *properties, "pose", in_file), label);
     }
   }
   const std::string rule = fmt::format(R"({{"match": {{"name": {}}}, "properties": {{"pose": {}}}}})", name, in_file);
-  if (const JsonItem* const overrides = root.Find("override")) return Commit(WithElement(text(), *overrides, rule), label);
+  if (const JsonItem* const overrides = root.Find("override"))
+    return Commit(WithElement(text(), *overrides, rule), label);
   return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
 }
 
@@ -259,9 +263,8 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   }
   const bool is_scenario = kind_ == EditedKind::kScenario;
   const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree);
-  const double heading = !is_scenario && units.radians == 1.0
-                             ? pose.heading
-                             : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
+  const double heading =
+      !is_scenario && units.radians == 1.0 ? pose.heading : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
   WrittenModel written{model, {}, {}};
   std::string name = FreeName(model);
   written.Set("name", Text(name));

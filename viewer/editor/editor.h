@@ -1,5 +1,5 @@
-// Editor: the edits of a file that the page asks for. An edit that the file does not load with is refused, with the place
-// in the file; only the text pane may leave an error in the text.
+// Editor: the edits of a file that the page asks for. An edit that the file does not load with is refused, with the
+// place in the file; only the text pane may leave an error in the text.
 //
 // Threads: one at a time.
 #pragma once

@@ -49,8 +49,8 @@ Bounds BoundsOf(const std::vector<DrawnBlock>& blocks) {
   return bounds;
 }
 
-// Blocks are fitted to the model's size and centred on its origin: with the size of their own box, and the origin at the
-// middle of it, they are where they were drawn.
+// Blocks are fitted to the model's size and centred on its origin: with the size of their own box, and the origin at
+// the middle of it, they are where they were drawn.
 struct FittedBody {
   WrittenValue size;
   WrittenValue origin;
@@ -79,7 +79,8 @@ Result<std::vector<std::pair<std::string, WrittenValue>>> PropertiesIn(const Jso
   if (given == request.end()) return properties;
   if (!given->is_object() || given->size() > kMostProperties) return Error{{}, "found no object of properties"};
   for (const auto& [name, text] : given->items()) {
-    if (!IsPropertyName(name) || !text.is_string()) return Error{{}, "found the property " + Quoted(name) + ", expected a text"};
+    if (!IsPropertyName(name) || !text.is_string())
+      return Error{{}, "found the property " + Quoted(name) + ", expected a text"};
     Result<WrittenValue> value = ReadValueText(text.get<std::string>());
     if (!value.ok()) return Error{{}, Quoted(name) + ": " + value.error().message};
     properties.emplace_back(name, std::move(value).value());
@@ -162,8 +163,11 @@ Result<Json> Editor::ModelReport(const std::string& name) const {
   const WorldDescription& world = alone.value().world;
   const FileUnits units = UnitsOf(world_->tree);
   const bool here = kind_ != EditedKind::kScenario && define->second.where.file == path();
-  Json report = {{"name", name}, {"base", define->second.base}, {"here", here},
-                 {"metres", units.metres}, {"radians", units.radians},
+  Json report = {{"name", name},
+                 {"base", define->second.base},
+                 {"here", here},
+                 {"metres", units.metres},
+                 {"radians", units.radians},
                  {"where", {{"file", define->second.where.file}, {"line", define->second.where.line}}}};
   const ModelDescription& root = world.models.front();
   WorldDescription only_root = world;
@@ -198,7 +202,8 @@ Result<Json> Editor::SetModel(const Json& request) {
     return Error{{}, "a scenario has no models of its own: edit the .inc or .world file that it names"};
   }
   const std::string name = TextIn(request, "name");
-  if (!IsWord(name)) return Error{{}, "found the name " + Quoted(name) + ", expected a letter, then letters, digits, . - _"};
+  if (!IsWord(name))
+    return Error{{}, "found the name " + Quoted(name) + ", expected a letter, then letters, digits, . - _"};
   const FileUnits units = UnitsOf(world_->tree);
   std::vector<DrawnBlock> drawn;
   if (request.contains("blocks")) {
@@ -212,7 +217,8 @@ Result<Json> Editor::SetModel(const Json& request) {
   if (!syntax.ok()) return syntax.error();
   const auto known = world_->tree.defines.find(name);
   if (const std::string base = TextIn(request, "base"); !base.empty()) {
-    if (known != world_->tree.defines.end()) return Error{{}, "found the model " + Quoted(name) + " in use, expected another name"};
+    if (known != world_->tree.defines.end())
+      return Error{{}, "found the model " + Quoted(name) + " in use, expected another name"};
     if (!IsWord(base)) return Error{{}, "found the base " + Quoted(base) + ", expected a model"};
     WrittenModel model{base, {}, {}};
     if (!drawn.empty()) {

@@ -22,8 +22,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostPictures = 300;   // of the palette
-constexpr std::size_t kMostWarnings = 200;   // in a reply
+constexpr std::size_t kMostPictures = 300;  // of the palette
+constexpr std::size_t kMostWarnings = 200;  // in a reply
 
 const char* KindText(EditedKind kind) {
   return kind == EditedKind::kWorld ? "world" : kind == EditedKind::kInclude ? "include" : "scenario";
@@ -43,7 +43,8 @@ Result<Json> Editor::Apply(const Json& request) {
   };
   if (op == "document") return Document();
   if (op == "text") {
-    if (FindInvalidUtf8(text()) != std::string::npos) return Error{{}, "the file is not UTF-8; edit its text elsewhere"};
+    if (FindInvalidUtf8(text()) != std::string::npos)
+      return Error{{}, "the file is not UTF-8; edit its text elsewhere"};
     return Json{{"text", text()}};
   }
   if (op == "set_text") return SetText(request);
@@ -65,8 +66,12 @@ Result<Json> Editor::Apply(const Json& request) {
   if (op == "help") {
     Json table = Json::array();
     for (const PropertyHelp& row : PropertyTable()) {
-      table.push_back({{"type", row.type}, {"name", row.name}, {"form", row.form}, {"unit", row.unit},
-                       {"initial", row.initial}, {"help", row.help}});
+      table.push_back({{"type", row.type},
+                       {"name", row.name},
+                       {"form", row.form},
+                       {"unit", row.unit},
+                       {"initial", row.initial},
+                       {"help", row.help}});
     }
     return Json{{"properties", std::move(table)}, {"schema", Json::parse(kScenarioSchemaText, nullptr, false)}};
   }
@@ -89,7 +94,10 @@ Result<Json> Editor::Apply(const Json& request) {
 }
 
 Result<Json> Editor::Document() const {
-  Json document = {{"file", path()}, {"kind", KindText(kind_)}, {"modified", file_.is_modified()}, {"version", version_},
+  Json document = {{"file", path()},
+                   {"kind", KindText(kind_)},
+                   {"modified", file_.is_modified()},
+                   {"version", version_},
                    {"error", error_ ? error_->ToString() : ""}};
   if (error_) document["error_place"] = WhereJson(error_->where);
   document["undo"] = file_.undo_label().value_or("");
@@ -107,8 +115,11 @@ Result<Json> Editor::Document() const {
       if (warnings.size() < kMostWarnings) warnings.push_back(warning.ToString());
     }
     for (const EditedEntity& entity : world_->entities) {
-      entities.push_back({{"name", entity.name}, {"type", entity.type}, {"model", entity.written},
-                          {"here", entity.where.file == path()}, {"where", WhereJson(entity.where)}});
+      entities.push_back({{"name", entity.name},
+                          {"type", entity.type},
+                          {"model", entity.written},
+                          {"here", entity.where.file == path()},
+                          {"where", WhereJson(entity.where)}});
     }
   }
   if (kind_ == EditedKind::kScenario) {
@@ -138,7 +149,9 @@ Result<Json> Editor::Palette() const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json models = Json::array();
   for (const PaletteModel& model : PaletteOf(world_->tree)) {
-    Json row = {{"name", model.name}, {"type", model.type}, {"here", model.where.file == path()},
+    Json row = {{"name", model.name},
+                {"type", model.type},
+                {"here", model.where.file == path()},
                 {"where", WhereJson(model.where)}};
     if (models.size() < kMostPictures) {
       const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name);
@@ -154,8 +167,11 @@ Result<Json> Editor::EntityReport(const std::string& name) const {
   if (!found.ok()) return found.error();
   const EditedEntity& entity = *found.value();
   const Result<Place> place = PlaceOf(entity);
-  Json report = {{"name", entity.name}, {"type", entity.type}, {"model", entity.written},
-                 {"where", WhereJson(entity.where)}, {"shelf", entity.on_shelf}};
+  Json report = {{"name", entity.name},
+                 {"type", entity.type},
+                 {"model", entity.written},
+                 {"where", WhereJson(entity.where)},
+                 {"shelf", entity.on_shelf}};
   report["refusal"] = place.ok() ? "" : place.error().message;
   Json properties = Json::array();
   for (const Property& property : entity.node->properties) {
@@ -167,7 +183,9 @@ Result<Json> Editor::EntityReport(const std::string& name) const {
       const bool here = property.where.file == path() && property.where.line > 0;
       own = here && span.Contains(OffsetOf(text(), property.where.line, property.where.column));
     }
-    properties.push_back({{"name", property.name}, {"value", ValueText(property.value)}, {"own", own},
+    properties.push_back({{"name", property.name},
+                          {"value", ValueText(property.value)},
+                          {"own", own},
                           {"where", WhereJson(property.where)}});
   }
   report["properties"] = std::move(properties);
@@ -238,7 +256,8 @@ Result<Json> Editor::SetProperty(const Json& request) {
       const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
       if (!syntax.ok()) return syntax.error();
       const StageBody body = syntax.value().body();
-      status = Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property), label);
+      status =
+          Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property), label);
     }
   }
   if (!status.ok()) return status.error();
@@ -335,7 +354,8 @@ Result<Json> Editor::SetRegion(const Json& request) {
     changed = WithMember(changed, now.value().Find("spawn")->items[at], key,
                          member.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
-  if (Status failure = Commit(std::move(changed), "the change of a spawn region"); !failure.ok()) return failure.error();
+  if (Status failure = Commit(std::move(changed), "the change of a spawn region"); !failure.ok())
+    return failure.error();
   return Json::object();
 }
 

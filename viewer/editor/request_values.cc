@@ -61,7 +61,8 @@ Result<std::vector<DrawnBlock>> BlocksIn(const Json& object, double metres_per_u
     const auto z = NumbersIn(each, "z", 2);
     if (outline.size() < 3 || outline.size() > kMostCorners || !z) return malformed;
     DrawnBlock block{{}, (*z)[0] / metres_per_unit, (*z)[1] / metres_per_unit};
-    if (block.z_max <= block.z_min) return Error{{}, "found a block without height, expected its top above its underside"};
+    if (block.z_max <= block.z_min)
+      return Error{{}, "found a block without height, expected its top above its underside"};
     for (const Json& corner : outline) {
       if (!corner.is_array() || corner.size() != 2) return malformed;
       const auto x = NumberOf(corner[0]);

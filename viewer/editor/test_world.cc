@@ -13,10 +13,10 @@
 namespace troupe {
 namespace {
 
-constexpr double kWall = 0.1;         // m, thickness and a part of the height of the room's walls
-constexpr double kWallHeight = 0.5;   // m
-constexpr double kLeastHalf = 3.0;    // m, half the width of the room
-constexpr double kProbeWidth = 0.3;   // m
+constexpr double kWall = 0.1;        // m, thickness and a part of the height of the room's walls
+constexpr double kWallHeight = 0.5;  // m
+constexpr double kLeastHalf = 3.0;   // m, half the width of the room
+constexpr double kProbeWidth = 0.3;  // m
 
 class TreeBuilder {
  public:
@@ -38,7 +38,8 @@ class TreeBuilder {
   }
   void SetPose(WorldNode& node, const std::vector<double>& pose) const {
     std::vector<Value::Scalar> tuple;
-    for (std::size_t i = 0; i < pose.size(); ++i) tuple.push_back(Number(pose[i] / (i == 3 ? units_.radians : units_.metres)));
+    for (std::size_t i = 0; i < pose.size(); ++i)
+      tuple.push_back(Number(pose[i] / (i == 3 ? units_.radians : units_.metres)));
     node.Set({"pose", Value{std::move(tuple), {}}, {}});
   }
 
@@ -81,7 +82,8 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
   children.push_back(builder.Make("model", "wall:north", {side, kWall, kWallHeight}, {0, middle, 0, 0}, "gray60"));
   children.push_back(builder.Make("model", "wall:south", {side, kWall, kWallHeight}, {0, -middle, 0, 0}, "gray60"));
   children.push_back(builder.Make("model", "wall:east", {kWall, 2.0 * half, kWallHeight}, {middle, 0, 0, 0}, "gray60"));
-  children.push_back(builder.Make("model", "wall:west", {kWall, 2.0 * half, kWallHeight}, {-middle, 0, 0, 0}, "gray60"));
+  children.push_back(
+      builder.Make("model", "wall:west", {kWall, 2.0 * half, kWallHeight}, {-middle, 0, 0, 0}, "gray60"));
   WorldNode tested = std::move(made).value();
   const bool is_robot = tested.type == "position";
   TreeBuilder::SetText(tested, "name", model == kProbe ? "model" : model);
@@ -92,7 +94,8 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
     children.push_back(builder.Make("model", "box:1", {0.4, 0.4, 0.4}, {0.6 * half, 0.5 * half, 0, 0}, "tan"));
     children.push_back(builder.Make("model", "box:2", {0.4, 0.4, 0.4}, {-0.5 * half, -0.6 * half, 0, 0.5}, "tan"));
   } else {
-    children.push_back(builder.Make("position", kProbe, {kProbeWidth, kProbeWidth, std::clamp(probe_height, 0.01, 100.0)},
+    children.push_back(builder.Make("position", kProbe,
+                                    {kProbeWidth, kProbeWidth, std::clamp(probe_height, 0.01, 100.0)},
                                     {-half + kProbeWidth, 0, 0, 0}, "SteelBlue"));
   }
   return BuildWorld(test);

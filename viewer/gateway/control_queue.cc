@@ -40,7 +40,8 @@ std::vector<ControlQueue::Answer> ControlQueue::TakeAnswers() {
 }
 
 std::string ControlQueue::Answered(const Task& task) {
-  if (const auto* edit = std::get_if<EditRequest>(&task.request)) return EditReplyText(edit->id, link_.Edit(edit->text));
+  if (const auto* edit = std::get_if<EditRequest>(&task.request))
+    return EditReplyText(edit->id, link_.Edit(edit->text));
   const auto& control = std::get<PageControl>(task.request);
   return PageReplyText(control.id, link_.Ask(control.request));
 }

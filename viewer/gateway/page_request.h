@@ -22,9 +22,9 @@
 
 namespace troupe {
 
-inline constexpr std::size_t kLongestPageRequest = 8192;  // bytes
+inline constexpr std::size_t kLongestPageRequest = 8192;       // bytes
 inline constexpr std::size_t kLongestEditRequest = 1'000'000;  // bytes, of the page of an editor
-inline constexpr std::size_t kMostSelected = 64;          // robots by name
+inline constexpr std::size_t kMostSelected = 64;               // robots by name
 
 struct SelectRequest {
   bool all = false;
@@ -49,7 +49,7 @@ struct LiveRequest {
 };
 
 struct EditRequest {
-  std::uint64_t id = 0;   // repeated in the reply
+  std::uint64_t id = 0;  // repeated in the reply
   std::string op;
   std::string text;  // the whole request, for RunLink::Edit
   bool operator==(const EditRequest&) const = default;

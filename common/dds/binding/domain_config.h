@@ -27,7 +27,7 @@ struct DomainConfig {
   std::vector<std::string> peers;               // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   double lease_seconds = 10.0;                  // others forget a participant that is silent for longer
-  double announce_seconds = 30.0;               // from one announcement to the next, if the lease is longer
+  double announce_seconds = 30.0;               // from one announcement to the next, at most; or 0.4 of the lease
   std::string tag;                              // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.

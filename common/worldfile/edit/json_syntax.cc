@@ -80,8 +80,8 @@ std::string Appended(const std::string& text, const JsonItem& holder, const std:
     const std::size_t at = holder.items.back().member.end;
     // Items that begin lines of their own.
     const std::size_t first = holder.items.front().member.begin;
-    const bool own_lines = text.find_first_not_of(" \t", LineStart(text, first)) == first &&
-                           LineStart(text, first) > holder.span.begin;
+    const bool own_lines =
+        text.find_first_not_of(" \t", LineStart(text, first)) == first && LineStart(text, first) > holder.span.begin;
     return ApplyChanges(text, {{{at, at}, own_lines ? "," + end_of_line + IndentOf(text, first) + what : ", " + what}});
   }
   const std::size_t inside = holder.span.begin + 1;

@@ -15,16 +15,16 @@ enum class StatementKind : std::uint8_t { kProperty, kEntry, kDefine, kInclude }
 
 struct Statement {
   StatementKind kind = StatementKind::kProperty;
-  std::string name;                    // of the property or the define; type of the entry; path of the include
-  std::string base;                    // of a define
-  int line = 0;                        // of the name, as in messages and in WorldNode::where
-  int column = 0;                      // in bytes, from 1
-  TextSpan name_span;                  // the word that is the name
-  TextSpan span;                       // the whole statement, up to its closing bracket
-  TextSpan value;                      // of a property, with quotes or brackets
-  std::vector<TextSpan> elements;      // of a tuple
-  TextSpan body;                       // between the brackets of an entry or a define
-  std::vector<Statement> statements;   // in there
+  std::string name;                   // of the property or the define; type of the entry; path of the include
+  std::string base;                   // of a define
+  int line = 0;                       // of the name, as in messages and in WorldNode::where
+  int column = 0;                     // in bytes, from 1
+  TextSpan name_span;                 // the word that is the name
+  TextSpan span;                      // the whole statement, up to its closing bracket
+  TextSpan value;                     // of a property, with quotes or brackets
+  std::vector<TextSpan> elements;     // of a tuple
+  TextSpan body;                      // between the brackets of an entry or a define
+  std::vector<Statement> statements;  // in there
 };
 
 // What is between the brackets of an entry or a define, or a whole file.

@@ -1,9 +1,9 @@
 // Edits of JSON text change the bytes that they concern, and no others.
-#include "common/worldfile/edit/json_syntax.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+
+#include "common/worldfile/edit/json_syntax.h"
 
 namespace troupe {
 namespace {
@@ -64,9 +64,13 @@ TEST(JsonEditTest, MembersAndElementsAreAddedInTheFormOfTheOthers) {
 
 TEST(JsonEditTest, RemovalKeepsTheTextValid) {
   const JsonItem root = ReadJson(kScenario);
-  for (const auto& [holder, index] : std::vector<std::pair<const JsonItem*, std::size_t>>{
-           {&root, 0}, {&root, 1}, {&root, 3}, {root.Find("robots"), 0}, {root.Find("robots"), 1},
-           {&root.Find("robots")->items[0], 0}}) {
+  for (const auto& [holder, index] :
+       std::vector<std::pair<const JsonItem*, std::size_t>>{{&root, 0},
+                                                            {&root, 1},
+                                                            {&root, 3},
+                                                            {root.Find("robots"), 0},
+                                                            {root.Find("robots"), 1},
+                                                            {&root.Find("robots")->items[0], 0}}) {
     const std::string after = WithoutItem(kScenario, *holder, index);
     EXPECT_TRUE(nlohmann::json::accept(after)) << after;
     EXPECT_EQ(ReadJson(after).items.size() + (holder == &root ? 1 : 0), root.items.size());

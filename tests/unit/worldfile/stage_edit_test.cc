@@ -155,8 +155,10 @@ TEST(StageEditTest, BlocksChangeOneByOne) {
   // A block less, and one more.
   EXPECT_EQ(edited({WrittenBlock(square, 0, 0.5)}),
             Replaced(text, "  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0.5 1] )\n", ""));
-  const std::string more = edited({WrittenBlock(square, 0, 0.5), WrittenBlock(triangle, 0.5, 1), WrittenBlock(triangle, 1, 2)});
-  EXPECT_EQ(more, Replaced(text, "z [0.5 1] )\n", "z [0.5 1] )\n  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 2] )\n"));
+  const std::string more =
+      edited({WrittenBlock(square, 0, 0.5), WrittenBlock(triangle, 0.5, 1), WrittenBlock(triangle, 1, 2)});
+  EXPECT_EQ(more, Replaced(text, "z [0.5 1] )\n",
+                           "z [0.5 1] )\n  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 2] )\n"));
 }
 
 TEST(StageEditTest, BrokenTextHasItsPlace) {
