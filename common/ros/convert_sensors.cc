@@ -1,5 +1,7 @@
 #include "common/ros/convert_sensors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -30,6 +32,20 @@ ImageMessage MakeImage(const Time& stamp, const std::string& frame, const Camera
   std::uint8_t* const bytes = arena.Fill(image.data, size);
   if (size > 0) std::memcpy(bytes, data, size);
   return image;
+}
+
+// One class, for certain, at an exact pose.
+template <typename Detection>
+void AddHypothesis(const std::string& class_id, const Pose& pose, Detection& detection, dds::WireArena& arena) {
+  auto* const result = arena.Fill(detection.results, 1);
+  result->hypothesis = {arena.Copy(class_id), 1.0};
+  result->pose.pose = ToMessage(pose);
+  for (std::size_t i = 0; i < 6; ++i) result->pose.covariance[7 * i] = kLeastVariance;
+}
+
+std::string HexOf(const Color& color) {
+  const auto byte = [](double share) { return static_cast<int>(std::clamp(share, 0.0, 1.0) * 255.0 + 0.5); };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(color.r), byte(color.g), byte(color.b));
 }
 
 }  // namespace
@@ -98,6 +114,47 @@ PointCloud2 MakeScanCloud(const Time& stamp, const std::string& frame, const Ran
   if (!values.empty()) std::memcpy(bytes, values.data(), cloud.row_step);
   cloud.is_dense = true;
   return cloud;
+}
+
+Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& frame, const WorldDescription& world,
+                                        const FiducialReading& reading, dds::WireArena& arena) {
+  Detection3dArray array{};
+  array.header = MakeHeader(stamp, frame, arena);
+  auto* detection = arena.Fill(array.detections, reading.fiducials.size());
+  for (const Fiducial& fiducial : reading.fiducials) {
+    *detection = {};
+    detection->header = MakeHeader(stamp, frame, arena);
+    AddHypothesis(std::to_string(fiducial.id), fiducial.X_SF, *detection, arena);
+    Pose middle = fiducial.X_SF;
+    middle.z += 0.5 * fiducial.size_z;  // a model stands on its origin
+    detection->bbox.center = ToMessage(middle);
+    detection->bbox.size = {fiducial.size_x, fiducial.size_y, fiducial.size_z};
+    detection->id = arena.Copy(world.model(fiducial.model).name);
+    ++detection;
+  }
+  return array;
+}
+
+Detection2dArray MakeBlobDetections(const Time& stamp, const std::string& frame, const BlobfinderReading& reading,
+                                    dds::WireArena& arena) {
+  Detection2dArray array{};
+  array.header = MakeHeader(stamp, frame, arena);
+  auto* detection = arena.Fill(array.detections, reading.blobs.size());
+  for (const Blob& blob : reading.blobs) {
+    *detection = {};
+    detection->header = MakeHeader(stamp, frame, arena);
+    const double x = 0.5 * (double{1} * blob.left + blob.right);
+    const double y = 0.5 * (double{1} * blob.top + blob.bottom);
+    const SinCosResult direction = SinCos(reading.fov * (0.5 - x / reading.width));
+    AddHypothesis(HexOf(blob.color), {blob.range * direction.cos, blob.range * direction.sin, 0.0, 0.0}, *detection,
+                  arena);
+    detection->bbox.center = {{x, y}, 0.0};
+    detection->bbox.size_x = blob.right - blob.left;
+    detection->bbox.size_y = blob.bottom - blob.top;
+    detection->id = arena.Copy("");
+    ++detection;
+  }
+  return array;
 }
 
 }  // namespace troupe::ros

@@ -1,9 +1,10 @@
-// Pure functions from the readings of cameras and of scanners with several planes to ROS messages.
+// Pure functions from the readings of cameras, finders and scanners with several planes to ROS messages.
 #pragma once
 
 #include <string>
 
 #include "common/dds/binding/wire.h"
+#include "common/model/world_description.h"
 #include "common/ros/messages.h"
 #include "troupe/sensor.h"
 
@@ -27,5 +28,15 @@ TransformStamped MakeOpticalTransform(const Time& stamp, const std::string& came
 
 // The hits of a scan in its own frame, with their intensities: fields x, y, z and intensity.
 PointCloud2 MakeScanCloud(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena);
+
+// The fiducials in the finder's frame: of each a box of its model's size, its id as the class, and the name of the
+// model as the id for tracking.
+Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& frame, const WorldDescription& world,
+                                        const FiducialReading& reading, dds::WireArena& arena);
+
+// The blobs in pixels: of each its colour as the class, "#rrggbb", and the place at its range in the direction of its
+// middle as the pose, in the blobfinder's frame.
+Detection2dArray MakeBlobDetections(const Time& stamp, const std::string& frame, const BlobfinderReading& reading,
+                                    dds::WireArena& arena);
 
 }  // namespace troupe::ros

@@ -7,6 +7,7 @@
 #include "idl/ros/navigation.h"
 #include "idl/ros/sensors.h"
 #include "idl/ros/std.h"
+#include "idl/ros/vision.h"
 #include "idl/ros/visualization.h"
 
 namespace troupe::ros {
@@ -31,6 +32,8 @@ using ImageMessage = sensor_msgs_msg_dds__Image_;
 using CameraInfo = sensor_msgs_msg_dds__CameraInfo_;
 using PointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using JointStateMessage = sensor_msgs_msg_dds__JointState_;
+using Detection2dArray = vision_msgs_msg_dds__Detection2DArray_;
+using Detection3dArray = vision_msgs_msg_dds__Detection3DArray_;
 using Marker = visualization_msgs_msg_dds__Marker_;
 using MarkerArray = visualization_msgs_msg_dds__MarkerArray_;
 

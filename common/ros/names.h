@@ -55,13 +55,13 @@ struct CloudTopic {
   std::string frame;
 };
 
-// A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a bumper and a contact
-// sensor have one that says whether they are pressed; a radio has "<topic>/send" and "<topic>/received". Other kinds
-// have none.
+// A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a fiducial finder and a
+// blobfinder have "<topic>/detections"; a bumper and a contact sensor have one that says whether they are pressed; a radio
+// has "<topic>/send" and "<topic>/received". Other kinds have none.
 struct KindTopic {
   std::size_t sensor = 0;  // in RobotDescription::sensors
   std::string topic;
-  std::string frame;  // of a camera, looking along x; its images are in "<frame>_optical"
+  std::string frame;  // looking along x; the images of a camera are in "<frame>_optical". "": none
 };
 
 struct SensorTopics {
@@ -69,6 +69,8 @@ struct SensorTopics {
   std::vector<SonarTopic> sonars;
   std::vector<CloudTopic> clouds;
   std::vector<KindTopic> cameras;
+  std::vector<KindTopic> finders;  // of fiducials
+  std::vector<KindTopic> blobfinders;
   std::vector<KindTopic> touches;
   std::vector<KindTopic> radios;
 };

@@ -3,6 +3,17 @@
 #include "common/model/model_poses.h"
 
 namespace troupe::ros {
+namespace {
+
+// The pose of a sensor's frame on its model; of a ranger, that of one of its ray sensors.
+Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
+  if (const auto* const camera = std::get_if<CameraParameters>(&description.parameters)) return camera->X_MS;
+  if (const auto* const finder = std::get_if<FiducialParameters>(&description.parameters)) return finder->X_MS;
+  if (const auto* const finder = std::get_if<BlobfinderParameters>(&description.parameters)) return finder->X_MS;
+  return std::get<RangerParameters>(description.parameters).ray_sensors[ray_sensor].X_MS;
+}
+
+}  // namespace
 
 RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& names) {
   const Body& body = scene.body(scene.body_of(robot));
@@ -20,16 +31,15 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
   }
   const auto add_sensor = [&](std::size_t ranger, std::size_t sensor, const std::string& frame) {
     const SensorDescription& description = scene.world().robot(robot).sensors[ranger];
-    const auto* const camera = std::get_if<CameraParameters>(&description.parameters);
-    const Pose X_MS =
-        camera != nullptr ? camera->X_MS : std::get<RangerParameters>(description.parameters).ray_sensors[sensor].X_MS;
-    const Pose X_LS = scene.X_LM(description.model) * X_MS;
+    const Pose X_LS = scene.X_LM(description.model) * PoseOnModel(description, sensor);
     frames.fixed.push_back({frames.links[scene.link_of(description.model)], names.prefix + frame, X_LS});
   };
   const SensorTopics sensors = SensorTopicsOf(scene.world().robot(robot));
   for (const LaserTopic& laser : sensors.lasers) add_sensor(laser.ranger, laser.sensor, laser.frame);
   for (const CloudTopic& cloud : sensors.clouds) add_sensor(cloud.ranger, cloud.sensor, cloud.frame);
   for (const KindTopic& camera : sensors.cameras) add_sensor(camera.sensor, 0, camera.frame);
+  for (const KindTopic& finder : sensors.finders) add_sensor(finder.sensor, 0, finder.frame);
+  for (const KindTopic& finder : sensors.blobfinders) add_sensor(finder.sensor, 0, finder.frame);
   for (const SonarTopic& sonar : sensors.sonars) {
     for (const SonarTopic::Sensor& sensor : sonar.sensors) add_sensor(sonar.ranger, sensor.index, sensor.frame);
   }

@@ -61,6 +61,8 @@ TROUPE_DDS_TYPE(std_msgs_msg_dds__String_);
 TROUPE_DDS_TYPE(tf2_msgs_msg_dds__TFMessage_);
 TROUPE_DDS_TYPE(type_description_interfaces_srv_dds__GetTypeDescription_Request_);
 TROUPE_DDS_TYPE(type_description_interfaces_srv_dds__GetTypeDescription_Response_);
+TROUPE_DDS_TYPE(vision_msgs_msg_dds__Detection2DArray_);
+TROUPE_DDS_TYPE(vision_msgs_msg_dds__Detection3DArray_);
 TROUPE_DDS_TYPE(visualization_msgs_msg_dds__MarkerArray_);
 
 // Types of Humble with another layout under the same DDS name.

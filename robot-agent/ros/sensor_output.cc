@@ -40,9 +40,17 @@ SensorOutput::SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId
     clouds_.push_back({topic, std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points",
                                                                                  ros::Stream(kImageDepth))});
   }
+  const dds::Qos stream = ros::Stream(kSensorDepth);
+  for (const ros::KindTopic& topic : topics.finders) {
+    finders_.push_back(
+        {topic, std::make_unique<ros::RosWriter<ros::Detection3dArray>>(node, topic.topic + "/detections", stream)});
+  }
+  for (const ros::KindTopic& topic : topics.blobfinders) {
+    blobfinders_.push_back(
+        {topic, std::make_unique<ros::RosWriter<ros::Detection2dArray>>(node, topic.topic + "/detections", stream)});
+  }
   for (const ros::KindTopic& topic : topics.touches) {
-    touches_.push_back(
-        {topic, std::make_unique<ros::RosWriter<ros::Bool>>(node, topic.topic, ros::Stream(kSensorDepth))});
+    touches_.push_back({topic, std::make_unique<ros::RosWriter<ros::Bool>>(node, topic.topic, stream)});
   }
 }
 
@@ -60,6 +68,19 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
     dds::WireArena arena;
     cloud.writer->Write(ros::MakeScanCloud(stamp, prefix_ + cloud.topic.frame,
                                            std::get<RangerReading>(reading.content).scans[cloud.topic.sensor], arena));
+  }
+  for (Finder& finder : finders_) {
+    if (!finder.writer->wanted() || !Due(tick, finder.topic.sensor)) continue;
+    const auto& reading = std::get<FiducialReading>(robot.Measure(finder.topic.sensor).content);
+    dds::WireArena arena;
+    finder.writer->Write(
+        ros::MakeFiducialDetections(stamp, prefix_ + finder.topic.frame, scene_->world(), reading, arena));
+  }
+  for (BlobOutput& finder : blobfinders_) {
+    if (!finder.writer->wanted() || !Due(tick, finder.topic.sensor)) continue;
+    const auto& reading = std::get<BlobfinderReading>(robot.Measure(finder.topic.sensor).content);
+    dds::WireArena arena;
+    finder.writer->Write(ros::MakeBlobDetections(stamp, prefix_ + finder.topic.frame, reading, arena));
   }
   for (TouchOutput& touch : touches_) {
     if (!touch.writer->wanted() || !Due(tick, touch.topic.sensor)) continue;

@@ -1,5 +1,5 @@
-// SensorOutput: the topics of a robot's cameras, of its scanners with several planes, and of its bumpers and contact
-// sensors. A message is made only if its topic has a reader and the sensor is due.
+// SensorOutput: the topics of a robot's cameras, fiducial finders and blobfinders, of its scanners with several planes,
+// and of its bumpers and contact sensors. A message is made only if its topic has a reader and the sensor is due.
 #pragma once
 
 #include <memory>
@@ -35,6 +35,14 @@ class SensorOutput {
     ros::CloudTopic topic;
     std::unique_ptr<ros::RosWriter<ros::PointCloud2>> writer;
   };
+  struct Finder {
+    ros::KindTopic topic;
+    std::unique_ptr<ros::RosWriter<ros::Detection3dArray>> writer;
+  };
+  struct BlobOutput {
+    ros::KindTopic topic;
+    std::unique_ptr<ros::RosWriter<ros::Detection2dArray>> writer;
+  };
   struct TouchOutput {
     ros::KindTopic topic;
     std::unique_ptr<ros::RosWriter<ros::Bool>> writer;
@@ -49,6 +57,8 @@ class SensorOutput {
   std::string prefix_;  // of frames
   std::vector<Camera> cameras_;
   std::vector<Cloud> clouds_;
+  std::vector<Finder> finders_;
+  std::vector<BlobOutput> blobfinders_;
   std::vector<TouchOutput> touches_;
 };
 

@@ -341,6 +341,65 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
   }
 }
 
+// The lines of --scans that have `key`, by tick and robot.
+std::map<std::pair<Tick, std::string>, json> LinesWith(const std::string& scans, const char* key) {
+  std::map<std::pair<Tick, std::string>, json> found;
+  std::istringstream lines(scans);
+  for (std::string text; std::getline(lines, text);) {
+    const json line = json::parse(text);
+    if (line.contains(key)) found[{line["tick"], line["robot"]}] = line[key];
+  }
+  return found;
+}
+
+TEST_F(FastDdsPeerTest, ReadsTheDetectionsOfFindersAsTheRunLogsThem) {
+  Run("seen.world", {"r0=0.05,0.5", "r1=0,-0.6"});
+  const std::string log = folder_.Read("scans");
+  const auto fiducials = LinesWith(log, "fiducials");
+  const auto blobs = LinesWith(log, "blobs");
+  std::size_t found = 0;
+  std::size_t colors = 0;
+  for (const std::string robot : {"r0", "r1"}) {
+    EXPECT_GT(messages_["/" + robot + "/fiducial/detections"].size(), 50u);
+    for (const json& message : messages_["/" + robot + "/fiducial/detections"]) {
+      ASSERT_EQ(message["frame"], robot + "/fiducial");
+      const json& logged = fiducials.at({TickOf(message), robot});
+      ASSERT_EQ(message["detections"].size(), logged.size());
+      for (std::size_t i = 0; i < logged.size(); ++i, ++found) {
+        const json& seen = message["detections"][i];
+        const json& pose = logged[i]["pose"];
+        ASSERT_EQ(seen["class"], std::to_string(logged[i]["id"].get<int>()));
+        ASSERT_EQ(seen["id"], logged[i]["model"]);
+        ASSERT_EQ(seen["position"], json({pose[0], pose[1], pose[2]}));
+        ASSERT_NEAR(seen["orientation"][2].get<double>(), std::sin(0.5 * pose[3].get<double>()), 1e-12);
+        ASSERT_EQ(seen["size"], logged[i]["size"]);
+        ASSERT_NEAR(seen["center"][2].get<double>(), pose[2].get<double>() + 0.5 * logged[i]["size"][2].get<double>(),
+                    1e-12);
+      }
+    }
+    EXPECT_GT(messages_["/" + robot + "/blobfinder/detections"].size(), 50u);
+    for (const json& message : messages_["/" + robot + "/blobfinder/detections"]) {
+      ASSERT_EQ(message["frame"], robot + "/blobfinder");
+      const json& logged = blobs.at({TickOf(message), robot});
+      ASSERT_EQ(message["detections"].size(), logged.size());
+      for (std::size_t i = 0; i < logged.size(); ++i, ++colors) {
+        const double width = logged[i]["right"].get<double>() - logged[i]["left"].get<double>();
+        ASSERT_EQ(message["detections"][i]["box"][0].get<double>(), logged[i]["left"].get<double>() + 0.5 * width);
+        ASSERT_EQ(message["detections"][i]["box"][2].get<double>(), width);
+        ASSERT_THAT(message["detections"][i]["class"].get<std::string>(),
+                    testing::AnyOf("#ff0000", "#0000ff", "#008000"));
+      }
+    }
+  }
+  EXPECT_GT(found, 50u);
+  EXPECT_GT(colors, 50u);
+  bool has_frame = false;
+  for (const json& message : messages_["/tf_static"]) {
+    for (const json& transform : message["transforms"]) has_frame |= transform["child"] == "r0/blobfinder";
+  }
+  EXPECT_TRUE(has_frame);
+}
+
 TEST_F(FastDdsPeerTest, ReadsTheMapTheBlocksAndTheRobots) {
   Run();
   ASSERT_EQ(messages_["/map"].size(), 1u);

@@ -14,6 +14,7 @@
 #include "peer.h"
 #include "sensorsPubSubTypes.h"
 #include "stdPubSubTypes.h"
+#include "visionPubSubTypes.h"
 #include "visualizationPubSubTypes.h"
 
 namespace {
@@ -95,6 +96,40 @@ void Add(json& out, const sensor_msgs::msg::dds_::PointCloud2_& message) {
     out["fields"].push_back({field.name(), field.offset(), field.datatype(), field.count()});
   }
   out["data"] = message.data();
+}
+void AddDetection(json& out, const std::string& id,
+                  const std::vector<vision_msgs::msg::dds_::ObjectHypothesisWithPose_>& results) {
+  out["id"] = id;
+  for (const auto& result : results) {
+    out["class"] = result.hypothesis().class_id();
+    out["score"] = result.hypothesis().score();
+    out["position"] = ToJson(result.pose().pose().position());
+    out["orientation"] = ToJson(result.pose().pose().orientation());
+  }
+}
+void Add(json& out, const vision_msgs::msg::dds_::Detection3DArray_& message) {
+  Add(out, message.header());
+  out["detections"] = json::array();
+  for (const auto& detection : message.detections()) {
+    json one;
+    Add(one, detection.header());
+    AddDetection(one, detection.id(), detection.results());
+    one["center"] = ToJson(detection.bbox().center().position());
+    one["size"] = ToJson(detection.bbox().size());
+    out["detections"].push_back(one);
+  }
+}
+void Add(json& out, const vision_msgs::msg::dds_::Detection2DArray_& message) {
+  Add(out, message.header());
+  out["detections"] = json::array();
+  for (const auto& detection : message.detections()) {
+    json one;
+    Add(one, detection.header());
+    AddDetection(one, detection.id(), detection.results());
+    const auto& box = detection.bbox();
+    one["box"] = {box.center().position().x(), box.center().position().y(), box.size_x(), box.size_y()};
+    out["detections"].push_back(one);
+  }
 }
 void Add(json& out, const sensor_msgs::msg::dds_::JointState_& message) {
   Add(out, message.header());
@@ -179,6 +214,8 @@ int Run(int argc, char** argv) {
     Read<sensor_msgs::msg::dds_::Range_PubSubType>(peer, robot + "/sonar");
     Read<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(peer, robot + "/sonar/points");
     Read<sensor_msgs::msg::dds_::JointState_PubSubType>(peer, robot + "/joint_states");
+    Read<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(peer, robot + "/fiducial/detections");
+    Read<vision_msgs::msg::dds_::Detection2DArray_PubSubType>(peer, robot + "/blobfinder/detections");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/radio/received");
     Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");

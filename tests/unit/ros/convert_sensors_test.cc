@@ -94,5 +94,66 @@ TEST(ConvertSensors, ACloudHasTheHitsOfAllPlanes) {
   for (int i = 0; i < 8; ++i) EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
 }
 
+TEST(ConvertSensors, FiducialsAreBoxesOfTheirModels) {
+  WorldDescription world;
+  world.models.resize(3);
+  world.models[2].name = "crate";
+  FiducialReading reading;
+  reading.fiducials.push_back({.id = 7,
+                               .model = ModelId(2),
+                               .range = 2.0,
+                               .bearing = 0.5,
+                               .X_SF = {1.75, 1.0, -0.2, 0.5 * kPi},
+                               .size_x = 0.4,
+                               .size_y = 0.5,
+                               .size_z = 0.6});
+  reading.fiducials.push_back(reading.fiducials.front());
+  reading.fiducials.back().id = 0;
+  dds::WireArena arena;
+  const Detection3dArray array = MakeFiducialDetections({1, 2}, "r/fiducial", world, reading, arena);
+  EXPECT_STREQ(array.header.frame_id, "r/fiducial");
+  ASSERT_EQ(array.detections._length, 2u);
+  const auto& detection = array.detections._buffer[0];
+  EXPECT_STREQ(detection.header.frame_id, "r/fiducial");
+  EXPECT_EQ(detection.header.stamp.sec, 1);
+  EXPECT_STREQ(detection.id, "crate");
+  ASSERT_EQ(detection.results._length, 1u);
+  const auto& result = detection.results._buffer[0];
+  EXPECT_STREQ(result.hypothesis.class_id, "7");
+  EXPECT_EQ(result.hypothesis.score, 1.0);
+  EXPECT_EQ(result.pose.pose.position.x, 1.75);
+  EXPECT_EQ(result.pose.pose.position.z, -0.2);
+  EXPECT_NEAR(result.pose.pose.orientation.z, std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(result.pose.covariance[0], kLeastVariance);
+  EXPECT_EQ(result.pose.covariance[1], 0.0);
+  EXPECT_EQ(detection.bbox.center.position.x, 1.75);
+  EXPECT_DOUBLE_EQ(detection.bbox.center.position.z, 0.1);
+  EXPECT_EQ(detection.bbox.size.x, 0.4);
+  EXPECT_EQ(detection.bbox.size.z, 0.6);
+  EXPECT_STREQ(array.detections._buffer[1].results._buffer[0].hypothesis.class_id, "0");
+  EXPECT_EQ(MakeFiducialDetections({}, "f", world, {}, arena).detections._length, 0u);
+}
+
+TEST(ConvertSensors, BlobsAreBoxesOfPixels) {
+  BlobfinderReading reading;
+  reading.width = 80;
+  reading.height = 60;
+  reading.fov = 1.0;
+  reading.blobs.push_back({{1.0, 0.5, 0.0, 1.0}, 10, 20, 30, 50, 4.0});
+  dds::WireArena arena;
+  const Detection2dArray array = MakeBlobDetections({1, 2}, "r/blobfinder", reading, arena);
+  ASSERT_EQ(array.detections._length, 1u);
+  const auto& detection = array.detections._buffer[0];
+  EXPECT_EQ(detection.bbox.center.position.x, 20.0);
+  EXPECT_EQ(detection.bbox.center.position.y, 35.0);
+  EXPECT_EQ(detection.bbox.center.theta, 0.0);
+  EXPECT_EQ(detection.bbox.size_x, 20.0);
+  EXPECT_EQ(detection.bbox.size_y, 30.0);
+  const auto& result = detection.results._buffer[0];
+  EXPECT_STREQ(result.hypothesis.class_id, "#ff8000");
+  EXPECT_NEAR(result.pose.pose.position.x, 4.0 * std::cos(0.25), 1e-12);
+  EXPECT_NEAR(result.pose.pose.position.y, 4.0 * std::sin(0.25), 1e-12);
+}
+
 }  // namespace
 }  // namespace troupe::ros

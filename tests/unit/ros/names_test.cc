@@ -63,6 +63,7 @@ TEST(SensorTopicsOf, NamesOtherKindsByTheirTypes) {
   world.AddRanger(robot, {}, {scanner});
   for (SensorParameters parameters : {SensorParameters(CameraParameters()), SensorParameters(CameraParameters()),
                                       SensorParameters(BumperParameters()), SensorParameters(ContactParameters()),
+                                      SensorParameters(FiducialParameters()), SensorParameters(BlobfinderParameters()),
                                       SensorParameters(FiducialParameters())}) {
     test::AddSensor(world.world(), robot, {}, std::move(parameters));
   }
@@ -79,6 +80,13 @@ TEST(SensorTopicsOf, NamesOtherKindsByTheirTypes) {
   EXPECT_EQ(topics.touches[0].topic, "bumper");
   EXPECT_EQ(topics.touches[1].topic, "contact");
   EXPECT_EQ(topics.touches[1].sensor, 4u);
+  ASSERT_EQ(topics.finders.size(), 2u);
+  EXPECT_EQ(topics.finders[0].topic, "fiducial");
+  EXPECT_EQ(topics.finders[0].frame, "fiducial");
+  EXPECT_EQ(topics.finders[1].topic, "fiducial_1");
+  EXPECT_EQ(topics.finders[1].sensor, 7u);
+  ASSERT_EQ(topics.blobfinders.size(), 1u);
+  EXPECT_EQ(topics.blobfinders[0].topic, "blobfinder");
 }
 
 TEST(SensorTopicsOf, MakesFramesAndTopicsUnique) {
