@@ -217,14 +217,28 @@ class Camera final : public Sensor {
                         X_WS.z + std::max(0.0, parameters().range.max * optics_.Up(0))};
       caster.Cut(to_world.Rotate(Vec2(1.0, aside) / stretch), seen, cuts);
       column.Fill(optics_, X_WS.z, stretch, reach, cuts);
+      Shade shade;
       for (std::uint32_t y = 0; y < height; ++y) {
-        WritePixel(world, tick, column, column.pixel(y), std::size_t{y} * width + x, content);
+        WritePixel(world, tick, column, column.pixel(y), std::size_t{y} * width + x, shade, content);
       }
     }
   }
 
+  // The colour of a face. Most pixels of a column show the face of the pixel before.
+  struct Shade {
+    std::optional<ColumnHit> hit = {};
+    Rgb rgb = {};
+  };
+
+  const Rgb& ColorOf(const SensedWorld& world, Tick tick, const ColumnHit& hit, Shade& shade) const {
+    const bool is_same =
+        shade.hit && shade.hit->model == hit.model && shade.hit->face == hit.face && shade.hit->normal == hit.normal;
+    if (!is_same) shade = {hit, Lit(ColorOfModel(world, hit.model, tick), LightOn(hit))};
+    return shade.rgb;
+  }
+
   void WritePixel(const SensedWorld& world, Tick tick, const Column& column, const Column::Pixel& pixel,
-                  std::size_t place, CameraReading& content) const {
+                  std::size_t place, Shade& shade, CameraReading& content) const {
     Rgb rgb = kSky;
     std::int32_t model = CameraReading::kNothing;
     float depth = std::numeric_limits<float>::infinity();
@@ -234,7 +248,7 @@ class Camera final : public Sensor {
       rgb = kGroundColor;
       model = CameraReading::kGround;
       if (pixel.shows_body) {
-        rgb = Lit(ColorOfModel(world, pixel.hit.model, tick), LightOn(pixel.hit));
+        rgb = ColorOf(world, tick, pixel.hit, shade);
         model = static_cast<std::int32_t>(pixel.hit.model.index());
       }
     }
