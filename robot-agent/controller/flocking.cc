@@ -1,5 +1,4 @@
 // pioneer_flocking: moves with the robots that its fiducial finder sees.
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -7,15 +6,13 @@
 #include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/clear_steering.h"
+#include "robot-agent/navigation/flock_rule.h"
 #include "troupe/parameters.h"
 
 namespace troupe {
 namespace {
 
 constexpr double kTargetDistance = 2.0;  // m, of the point that it steers to
-constexpr double kSeparation = 2.0;      // weights, of the direction ahead 1
-constexpr double kCohesion = 1.0;
-constexpr double kAlignment = 1.0;
 
 struct FlockingParameters {
   ClearSteering::Settings motion;
@@ -47,29 +44,15 @@ class FlockingController final : public Controller {
     const auto* const reading = observation.sensors[finder_].As<FiducialReading>();
     if (reading == nullptr || reading->fiducials.empty()) return steering_.Roam(observation);
     const Transform2 sensor(reading->X_RS);
-    Vec2 separation = Vec2::Zero();
-    Vec2 center = Vec2::Zero();
-    Vec2 course = Vec2::Zero();
-    for (const Fiducial& neighbour : reading->fiducials) {
-      const Vec2 p_R = sensor * neighbour.X_SF.translation();
-      const double distance = std::max(std::sqrt(p_R.squaredNorm()), 1e-3);
-      separation -= std::max(1.0 - distance / parameters_.distance, 0.0) * p_R / distance;
-      center += p_R;
-      const SinCosResult heading = SinCos(reading->X_RS.heading + neighbour.X_SF.heading);
-      course += Vec2(heading.cos, heading.sin);
+    std::vector<Neighbour> neighbours;
+    for (const Fiducial& seen : reading->fiducials) {
+      neighbours.push_back({sensor * seen.X_SF.translation(), WrapAngle(reading->X_RS.heading + seen.X_SF.heading)});
     }
-    const double count = static_cast<double>(reading->fiducials.size());
-    const Vec2 mean = center / count;
-    const double apart = std::sqrt(mean.squaredNorm());
-    // Neighbours at their distance neither attract nor repel.
-    const double pull = std::min(std::max(apart - parameters_.distance, 0.0) / parameters_.distance, 1.0);
-    Vec2 wanted = Vec2(1.0, 0.0) + kSeparation * separation + kAlignment * course / count;
-    if (apart > 1e-3) wanted += kCohesion * pull * mean / apart;
+    const Vec2 wanted = FlockDirection(neighbours, parameters_.distance);
     const double length = std::sqrt(wanted.squaredNorm());
-    if (length < 1e-6) return {};
-    // Who is pushed back slows down, and who has to catch up drives at full speed.
-    const double urge = std::clamp(0.5 + 0.5 * wanted.x() / 2.0, 0.2, 1.0);
-    return steering_.Towards(observation, kTargetDistance * wanted / length, urge * parameters_.motion.steer.speed);
+    if (length == 0.0) return {};
+    return steering_.Towards(observation, kTargetDistance * wanted / length,
+                             FlockSpeed(wanted) * parameters_.motion.steer.speed);
   }
 
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<FlockingController>(*this); }

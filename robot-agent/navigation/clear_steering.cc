@@ -27,13 +27,7 @@ Vec2 DirectionOf(double bearing) {
 
 ClearSteering::ClearSteering(const RobotInfo& info, std::optional<std::size_t> ranger, const Settings& settings)
     : settings_(settings), drive_(info.robot->drive), ranger_(ranger) {
-  if (!ranger_) return;
-  const SensorInfo& sensor = info.sensors[*ranger_];
-  const auto& parameters = std::get<RangerParameters>(sensor.description->parameters);
-  for (const RangerRay& ray : RaysOf(info, *ranger_)) {
-    const Pose X_RS = sensor.X_RM * parameters.ray_sensors[ray.sensor].X_MS;
-    rays_.push_back({ray, X_RS.translation(), DirectionOf(ray.bearing)});
-  }
+  if (ranger_) rays_ = PlacedRaysOf(info, *ranger_);
 }
 
 void ClearSteering::SeeObstacles(const Observation& observation) {

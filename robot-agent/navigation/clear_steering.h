@@ -27,12 +27,6 @@ class ClearSteering {
   Command Roam(const Observation& observation);
 
  private:
-  struct PlacedRay {
-    RangerRay ray;
-    Vec2 p_RO;       // its origin
-    Vec2 direction;  // in R
-  };
-
   void SeeObstacles(const Observation& observation);
   // The command of an escape after a stall, while there is one.
   std::optional<Command> Escape(const Observation& observation);

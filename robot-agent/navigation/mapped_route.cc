@@ -1,6 +1,5 @@
 #include "robot-agent/navigation/mapped_route.h"
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/navigation/plan_path.h"
 
 namespace troupe {
@@ -12,15 +11,7 @@ constexpr double kNear = 0.6;          // m: a point of the way within it is pas
 }  // namespace
 
 MappedRoute::MappedRoute(const RobotInfo& info, std::size_t ranger, const Settings& settings)
-    : settings_(settings), ranger_(ranger) {
-  const SensorInfo& sensor = info.sensors[ranger];
-  const auto& parameters = std::get<RangerParameters>(sensor.description->parameters);
-  for (const RangerRay& ray : RaysOf(info, ranger)) {
-    const Pose X_RS = sensor.X_RM * parameters.ray_sensors[ray.sensor].X_MS;
-    const SinCosResult direction = SinCos(ray.bearing);
-    rays_.push_back({ray, X_RS.translation(), {direction.cos, direction.sin}});
-  }
-}
+    : settings_(settings), ranger_(ranger), rays_(PlacedRaysOf(info, ranger)) {}
 
 void MappedRoute::Observe(const Observation& observation) {
   if (!grid_) grid_.emplace(observation.pose_estimate.translation(), settings_.side, settings_.cell);

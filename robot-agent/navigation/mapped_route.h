@@ -33,12 +33,6 @@ class MappedRoute {
   double KnownArea() const;
 
  private:
-  struct PlacedRay {
-    RangerRay ray;
-    Vec2 p_RO;       // its origin
-    Vec2 direction;  // in R
-  };
-
   // The next point of the way that is not near yet, or its last one; drops those before.
   std::optional<Vec2> FollowPath(const Observation& observation);
   bool IsPlanDue(const Observation& observation) const;

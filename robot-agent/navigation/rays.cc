@@ -28,6 +28,18 @@ std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger) {
   return rays;
 }
 
+std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger) {
+  const SensorInfo& sensor = info.sensors[ranger];
+  const std::vector<RaySensorDescription>& sensors = RangerOf(sensor)->ray_sensors;
+  std::vector<PlacedRay> placed;
+  for (const RangerRay& ray : RaysOf(info, ranger)) {
+    const Pose X_RS = sensor.X_RM * sensors[ray.sensor].X_MS;
+    const SinCosResult direction = SinCos(ray.bearing);
+    placed.push_back({ray, X_RS.translation(), {direction.cos, direction.sin}});
+  }
+  return placed;
+}
+
 double RangeOf(const SensorReading& reading, const RangerRay& ray) {
   const RangerReading* const ranger = reading.ranger();
   if (ranger == nullptr || ray.sensor >= ranger->scans.size()) return ray.max_range;

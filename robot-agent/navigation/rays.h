@@ -20,6 +20,16 @@ struct RangerRay {
 // All rays of a ranger of the robot, ray sensor by ray sensor. REQUIRES: sensor `ranger` is a ranger.
 std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger);
 
+// A ray with its line in the frame R of the robot.
+struct PlacedRay {
+  RangerRay ray;
+  Vec2 p_RO{0.0, 0.0};       // its origin
+  Vec2 direction{1.0, 0.0};  // a unit vector
+};
+
+// The same with all joints of the robot at their starts. REQUIRES: as above.
+std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger);
+
 // The range that `reading` has for the ray (m); the ray's maximum in an empty reading, as before the first measurement.
 double RangeOf(const SensorReading& reading, const RangerRay& ray);
 
