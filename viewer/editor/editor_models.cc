@@ -284,8 +284,9 @@ Result<Editor::Place> Editor::PlaceOfPart(const Json& request) const {
   const auto path_of_part = request.find("part");
   if (path_of_part == request.end() || !path_of_part->is_array()) return place;
   for (const Json& step : *path_of_part) {
-    if (!step.is_number_unsigned()) return Error{{}, "found no part of that number"};
-    std::size_t left = step.get<std::size_t>();
+    const std::optional<std::size_t> index = IndexOf(step);
+    if (!index) return Error{{}, "found no part of that number"};
+    std::size_t left = *index;
     const Statement* next = nullptr;
     for (const Statement& statement : place.statement->statements) {
       if (statement.kind != StatementKind::kEntry || statement.name == "block") continue;

@@ -317,8 +317,14 @@ Result<Json> Editor::SetRegion(const Json& request) {
   if (!deletes && !rule->is_object()) return Error{{}, "found no rule, expected an object"};
   // One line, as rules are written by hand.
   const auto one_line = [](const Json& value) {
-    std::string line = "{";
+    std::vector<std::string> keys{"model", "count", "region"};
     for (const auto& [key, member] : value.items()) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+    std::string line = "{";
+    for (const std::string& key : keys) {
+      if (!value.contains(key)) continue;
+      const Json& member = value.at(key);
       std::string dumped = member.dump(-1, ' ', false, Json::error_handler_t::replace);
       if (member.is_array()) {
         std::string spaced;
@@ -329,8 +335,8 @@ Result<Json> Editor::SetRegion(const Json& request) {
     }
     return line + "}";
   };
-  const auto index = request.find("index");
-  if (index == request.end() || !index->is_number_unsigned()) {
+  const std::optional<std::size_t> index = IndexOf(request.value("index", Json()));
+  if (!index) {
     if (deletes) return Error{{}, "found no rule"};
     const std::string element = one_line(*rule);
     const std::string text_now = list != nullptr ? WithElement(text(), *list, element)
@@ -338,7 +344,7 @@ Result<Json> Editor::SetRegion(const Json& request) {
     if (Status failure = Commit(text_now, "the new spawn region"); !failure.ok()) return failure.error();
     return Json::object();
   }
-  const std::size_t at = index->get<std::size_t>();
+  const std::size_t at = *index;
   if (list == nullptr || at >= list->items.size()) return Error{{}, "found no spawn rule of that number"};
   if (deletes) {
     if (Status failure = Commit(WithoutItem(text(), *list, at), "the deletion of a spawn region"); !failure.ok()) {

@@ -27,6 +27,11 @@ std::string TextIn(const Json& object, const char* key) {
   return member != object.end() && member->is_string() ? member->get<std::string>() : std::string();
 }
 
+std::optional<std::size_t> IndexOf(const Json& value) {
+  if (!value.is_number_integer() || value < 0) return std::nullopt;
+  return value.get<std::size_t>();
+}
+
 std::optional<double> NumberIn(const Json& object, const char* key) {
   const auto member = object.find(key);
   return member != object.end() ? NumberOf(*member) : std::nullopt;

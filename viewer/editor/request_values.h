@@ -14,6 +14,8 @@ namespace troupe {
 
 // Empty without one.
 std::string TextIn(const nlohmann::json& object, const char* key);
+// A number of a list; nothing: none.
+std::optional<std::size_t> IndexOf(const nlohmann::json& value);
 // Finite and within the bounds of world files; nothing: none of that kind.
 std::optional<double> NumberIn(const nlohmann::json& object, const char* key);
 std::optional<std::vector<double>> NumbersIn(const nlohmann::json& object, const char* key, std::size_t count);

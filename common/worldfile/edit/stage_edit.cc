@@ -88,7 +88,9 @@ std::string WithEntry(const std::string& text, const StageBody& body, const Writ
   const std::string end_of_line = EndOfLineIn(text);
   if (body.is_file) {
     const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
-    return text + (ended ? "" : end_of_line) + ToStage(model, "", end_of_line) + end_of_line;
+    const bool follows_define = !body.statements->empty() && body.statements->back().kind == StatementKind::kDefine;
+    return text + (ended ? "" : end_of_line) + (follows_define ? end_of_line : "") + ToStage(model, "", end_of_line) +
+           end_of_line;
   }
   const Statement* const last = body.statements->empty() ? nullptr : &body.statements->back();
   std::string indent = IndentOf(text, last != nullptr ? last->span.begin : body.span.begin);

@@ -34,7 +34,9 @@ function numbers(text: string | undefined): number[] {
 }
 
 export class ModelEditor {
-  private readonly state: ViewsState = {blocks: [], selected: -1, fans: [], newHeights: [0, 0.5]};
+  private readonly state: ViewsState = {
+    blocks: [], selected: -1, fans: [], newHeights: [0, 0.5], others: [],
+  };
   private readonly views: ModelViews;
   private report: ModelReport | null = null;  // null: a new model
   private blocksChanged = false;
@@ -68,6 +70,7 @@ export class ModelEditor {
     this.report = null;
     this.state.blocks = [];
     this.state.fans = [];
+    this.state.others = [];
     this.state.selected = -1;
     this.name.value = '';
     this.base.value = 'model';
@@ -114,6 +117,7 @@ export class ModelEditor {
     }
     this.state.blocks = report.blocks;
     this.state.selected = Math.min(this.state.selected, report.blocks.length - 1);
+    this.state.others = report.picture.slice(report.blocks.length);
     this.state.fans = report.parts.flatMap(part => this.fansOf(part));
     this.blocksChanged = false;
   }

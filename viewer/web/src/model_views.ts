@@ -15,6 +15,7 @@ export interface ViewsState {
   selected: number;  // -1: none
   fans: Fan[];
   newHeights: [number, number];  // of the next block
+  others: PictureBlock[];  // of parts, which are not drawn here
 }
 
 const SNAP = 0.05;  // m
@@ -171,6 +172,14 @@ export class ModelViews {
       context.stroke();
       context.globalAlpha = 1;
     }
+    context.setLineDash([4, 3]);
+    context.strokeStyle = color('--faint');
+    for (const {outline} of state.others) {
+      context.beginPath();
+      for (const [x, y] of [...outline, outline[0]]) context.lineTo(...top.toPixel(x, y));
+      context.stroke();
+    }
+    context.setLineDash([]);
     state.blocks.forEach(({outline}, i) => {
       const isSelected = i === state.selected;
       context.beginPath();
@@ -221,6 +230,15 @@ export class ModelViews {
     side.resize();
     side.drawGrid();
     const {context} = side;
+    context.setLineDash([4, 3]);
+    context.strokeStyle = color('--faint');
+    for (const {outline, z} of state.others) {
+      const xs = outline.map(([x]) => x);
+      const [left, upper] = side.toPixel(Math.min(...xs), z[1]);
+      const [right, lower] = side.toPixel(Math.max(...xs), z[0]);
+      context.strokeRect(left, upper, right - left, lower - upper);
+    }
+    context.setLineDash([]);
     state.blocks.forEach(({outline, z}, i) => {
       const isSelected = i === state.selected;
       const xs = outline.map(([x]) => x);

@@ -1,0 +1,143 @@
+#include "viewer/editor/edit_link.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/editor/temporary_folder.h"
+
+namespace troupe {
+namespace {
+
+class Watcher : public ObserverHandler {
+ public:
+  void OnSession(const SessionMessage& session) override {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    ++worlds_;
+  }
+  void OnFrame(const FrameMessage& frame) override {
+    {
+      const std::lock_guard lock(mutex_);
+      frame_ = frame;
+    }
+    changed_.notify_all();
+  }
+  void OnStatus(const StatusMessage&) override {}
+  void OnServiceGone() override {}
+
+  template <typename Condition>
+  bool Await(Condition condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return condition(session_, frame_); });
+  }
+  SessionMessage session() {
+    const std::lock_guard lock(mutex_);
+    return session_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  SessionMessage session_;
+  FrameMessage frame_;
+  int worlds_ = 0;
+};
+
+const char* const kHall = R"(define bridge model
+(
+  size [0.5 1 0.3]
+  block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0.4 0.7] )
+)
+bridge( name "b" pose [1 0 0 0] )
+position( name "r" pose [-3 0 0 0] size [0.3 0.3 0.3] )
+)";
+
+struct Edited {
+  TemporaryFolder folder;
+  std::unique_ptr<EditLink> link;
+  Watcher watcher;
+  std::unique_ptr<RunObservation> observation;
+
+  Edited() {
+    Result<std::unique_ptr<Editor>> editor = Editor::Open(folder.Write("hall.world", kHall));
+    EXPECT_TRUE(editor.ok());
+    link = std::make_unique<EditLink>(std::move(editor).value());
+    observation = std::move(link->Observe(watcher)).value();
+  }
+  ~Edited() { observation.reset(); }
+
+  ControlReply Ask(ControlRequest request) { return link->Ask(request).value(); }
+  Result<std::string> Edit(const nlohmann::json& request) { return link->Edit(request.dump()); }
+};
+
+TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
+  Edited edited;
+  EXPECT_EQ(edited.watcher.session().world.objects.size(), 1U);
+  EXPECT_TRUE(Validate(edited.watcher.session().world).ok());
+  ControlRequest move;
+  move.command = ControlCommand::kSetPose;
+  move.name = "b";
+  move.pose = {2.0, 0.0, 0.0, 0.0};
+  EXPECT_TRUE(edited.Ask(move).done);
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
+    return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
+  }));
+  EXPECT_TRUE(edited.link->is_modified());
+}
+
+TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
+  for (const auto& [height, passes] : {std::pair(0.35, true), std::pair(0.45, false)}) {
+    Edited edited;
+    ASSERT_TRUE(edited.Edit({{"op", "test"}, {"model", "bridge"}, {"probe_height", height}}).ok());
+    ControlRequest step;
+    step.command = ControlCommand::kStep;
+    step.ticks = 150;
+    EXPECT_TRUE(edited.Ask(step).done);
+    EXPECT_TRUE(edited.watcher.Await([passed = passes](const SessionMessage&, const FrameMessage& frame) {
+      return frame.state.tick == 150 && (frame.state.robots[0].X_WR.x > 0.5) == passed;
+    }));
+    ControlRequest move;
+    move.command = ControlCommand::kSetPose;
+    move.name = "b";
+    EXPECT_FALSE(edited.Ask(move).done);
+    ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
+    EXPECT_TRUE(edited.watcher.Await(
+        [](const SessionMessage& session, const FrameMessage&) { return session.world.name == "hall.world"; }));
+    EXPECT_FALSE(edited.link->is_modified());
+  }
+}
+
+TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
+  Edited edited;
+  ControlRequest play;
+  play.command = ControlCommand::kPlay;
+  EXPECT_EQ(edited.Ask(play).state, RunState::kPlaying);
+  ControlRequest drive;
+  drive.command = ControlCommand::kCommandRobot;
+  drive.name = "r";
+  drive.ticks = 5;
+  drive.robot_command.twist = Twist{0.5, 0.0, 0.0};
+  EXPECT_TRUE(edited.Ask(drive).done);
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage&, const FrameMessage& frame) {
+    return frame.state.tick > 10 && frame.state.robots[0].X_WR.x > -3.0 && frame.state.robots[0].twist.vx == 0.0;
+  }));
+  // An edit ends the test.
+  ASSERT_TRUE(edited.Edit({{"op", "delete"}, {"name", "r"}}).ok());
+  EXPECT_TRUE(edited.watcher.Await(
+      [](const SessionMessage& session, const FrameMessage& frame) { return session.world.robots.empty() && frame.paused; }));
+}
+
+TEST(EditLinkTest, GarbageIsRefused) {
+  Edited edited;
+  for (const char* text : {"", "[]", "{}", "{\"op\": 5}", "{\"op\": \"test\", \"model\": \"no\"}", "{\"op\": \"set_text\"}"}) {
+    EXPECT_FALSE(edited.link->Edit(text).ok()) << text;
+  }
+  EXPECT_FALSE(edited.link->is_modified());
+}
+
+}  // namespace
+}  // namespace troupe

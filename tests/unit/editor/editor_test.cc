@@ -1,0 +1,238 @@
+#include "viewer/editor/editor.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "common/worldfile/load_world.h"
+#include "tests/support/stage_worlds.h"
+#include "tests/unit/editor/temporary_folder.h"
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+std::unique_ptr<Editor> OpenedEditor(const std::string& path) {
+  Result<std::unique_ptr<Editor>> editor = Editor::Open(path);
+  EXPECT_TRUE(editor.ok()) << (editor.ok() ? "" : editor.error().ToString());
+  return editor.ok() ? std::move(editor).value() : nullptr;
+}
+
+Json Applied(Editor& editor, const Json& request) {
+  Result<Json> reply = editor.Apply(request);
+  EXPECT_TRUE(reply.ok()) << request << ": " << (reply.ok() ? "" : reply.error().ToString());
+  return reply.ok() ? std::move(reply).value() : Json();
+}
+
+std::string Refused(Editor& editor, const Json& request) {
+  const std::string before = editor.text();
+  const Result<Json> reply = editor.Apply(request);
+  EXPECT_FALSE(reply.ok()) << request;
+  EXPECT_EQ(editor.text(), before);
+  return reply.ok() ? "" : reply.error().ToString();
+}
+
+std::string WithPart(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+const char* const kThings = "define crate model ( size [0.5 0.5 0.4] color \"brown\" gripper_return 1 )\n";
+const char* const kYard = R"(include "things.inc"
+unit_length "cm"   # all of them
+crate( name "left" pose [100 200 0 30] )  # first
+model
+(
+  name "table"  size [100 50 70]  pose [300 0 0 90]
+  crate( name "box" pose [10 0 0 0] )
+)
+position( name "r0" pose [0 0 0 0] )
+)";
+
+TEST(EditorTest, PosesAreWrittenInTheUnitsAndTheFrameOfTheFile) {
+  const TemporaryFolder folder;
+  folder.Write("things.inc", "define crate model ( size [50 50 40] color \"brown\" gripper_return 1 )\n");
+  const auto editor = OpenedEditor(folder.Write("yard.world", kYard));
+  ASSERT_TRUE(editor->SetPose("left", {1.5, 2.0, 0.0, std::numbers::pi / 6}).ok());
+  EXPECT_EQ(editor->text(), WithPart(kYard, "[100 200 0 30]", "[150 200 0 30]"));
+  // A child: 0.1 m along the table's x is along y of the world; its height counts from the table's top.
+  const EditedEntity* const box = editor->world()->Find("table.box");
+  ASSERT_NE(box, nullptr);
+  const Pose at = PoseInWorld(editor->world()->loaded.world, box->model);
+  EXPECT_NEAR(at.y, 0.1, 1e-9);
+  EXPECT_NEAR(at.z, 0.7, 1e-9);
+  ASSERT_TRUE(editor->SetPose("table.box", {at.x, 0.3, at.z, at.heading}).ok());
+  EXPECT_NE(editor->text().find("crate( name \"box\" pose [30 0 0 0] )"), std::string::npos) << editor->text();
+}
+
+TEST(EditorTest, EditsAreUndoneToTheByte) {
+  const TemporaryFolder folder;
+  folder.Write("things.inc", kThings);
+  const std::string text = WithPart(kYard, "unit_length \"cm\"   # all of them\n", "");
+  const auto editor = OpenedEditor(folder.Write("yard.world", text));
+  ASSERT_TRUE(editor->Rename("left", "right").ok());
+  ASSERT_TRUE(editor->Remove("table").ok());
+  const Result<std::string> added = editor->Add("crate", {1.25, 0.5, 0.0, 0.0});
+  ASSERT_TRUE(added.ok());
+  EXPECT_EQ(added.value(), "crate1");
+  Applied(*editor, {{"op", "set_property"}, {"name", "r0"}, {"property", "color"}, {"value", "\"green\""}});
+  for (int i = 0; i < 4; ++i) Applied(*editor, {{"op", "undo"}});
+  EXPECT_EQ(editor->text(), text);
+  EXPECT_FALSE(editor->is_modified());
+  for (int i = 0; i < 4; ++i) Applied(*editor, {{"op", "redo"}});
+  Refused(*editor, {{"op", "redo"}});
+  Applied(*editor, {{"op", "save"}});
+  const Result<LoadedWorld> loaded = LoadWorld(folder / "yard.world");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+  EXPECT_EQ(loaded.value().world.robots.size(), 1U);
+}
+
+TEST(EditorTest, EditsThatDoNotLoadAreRefusedWithTheirPlace) {
+  const TemporaryFolder folder;
+  folder.Write("things.inc", kThings);
+  const auto editor = OpenedEditor(folder.Write("yard.world", kYard));
+  const auto set = [](const char* property, const char* value) {
+    return Json{{"op", "set_property"}, {"name", "r0"}, {"property", property}, {"value", value}};
+  };
+  EXPECT_NE(Refused(*editor, set("pose", "[1 2]")).find("yard.world:9:"), std::string::npos);
+  EXPECT_NE(Refused(*editor, set("drive", "\"legs\"")).find("yard.world:9:"), std::string::npos);
+  Refused(*editor, set("color", "\"a\" ) model("));
+  Refused(*editor, set("a b", "1"));
+  Refused(*editor, {{"op", "rename"}, {"name", "r0"}, {"to", "left"}});
+  Refused(*editor, {{"op", "rename"}, {"name", "r0"}, {"to", "a\nb"}});
+  Refused(*editor, {{"op", "delete"}, {"name", "nothing"}});
+  Refused(*editor, {{"op", "nothing"}});
+}
+
+TEST(EditorTest, ABrokenTextIsCorrectedInTheText) {
+  const TemporaryFolder folder;
+  const auto editor = OpenedEditor(folder.Write("bad.world", "model( pose [0 0 )\n"));
+  EXPECT_EQ(editor->world(), nullptr);
+  const Json document = Applied(*editor, {{"op", "document"}});
+  EXPECT_NE(document["error"].get<std::string>().find("bad.world:1:18: error: "), std::string::npos) << document;
+  Refused(*editor, {{"op", "delete"}, {"name", "model:0"}});
+  Applied(*editor, {{"op", "set_text"}, {"text", "model( pose [0 0 0 0] )\n"}});
+  EXPECT_NE(editor->world(), nullptr);
+  EXPECT_TRUE(editor->Remove("model:0").ok());
+}
+
+TEST(EditorTest, ModelsOfAnIncludeFileStandSideBySide) {
+  const TemporaryFolder folder;
+  const std::string text = std::string(kThings) + "# A robot.\ndefine bot position ( size [0.3 0.3 0.2] )\ndefine eye ranger ( )\n";
+  const auto editor = OpenedEditor(folder.Write("things.inc", text));
+  ASSERT_EQ(editor->world()->entities.size(), 2U);
+  EXPECT_TRUE(editor->world()->entities[0].on_shelf);
+  Refused(*editor, {{"op", "set_pose"}, {"name", "bot"}, {"pose", {1, 2, 0, 0}}});
+  Applied(*editor, {{"op", "set_property"}, {"name", "bot"}, {"property", "drive"}, {"value", "\"omni\""}});
+  EXPECT_EQ(editor->text(), WithPart(text, "size [0.3 0.3 0.2] )", "size [0.3 0.3 0.2] drive \"omni\" )"));
+}
+
+TEST(EditorTest, ADrawnModelIsWhereItWasDrawn) {
+  const TemporaryFolder folder;
+  for (const auto& [units, metres] : {std::pair("", 1.0), std::pair("unit_length \"mm\"\n", 0.001)}) {
+    const auto editor = OpenedEditor(folder.Write("drawn.inc", units));
+    const Json blocks = {{{"outline", {{0.1, 0.0}, {0.9, 0.0}, {0.9, 0.4}}}, {"z", {0.4, 0.7}}},
+                         {{"outline", {{0.1, 0.0}, {0.2, 0.0}, {0.2, 0.1}, {0.1, 0.1}}}, {"z", {0.0, 0.4}}}};
+    Applied(*editor, {{"op", "set_model"}, {"name", "desk"}, {"base", "model"}, {"blocks", blocks}});
+    Json report = Applied(*editor, {{"op", "model"}, {"name", "desk"}});
+    ASSERT_EQ(report["blocks"].size(), 2U);
+    EXPECT_EQ(report["metres"], metres);
+    EXPECT_NEAR(report["blocks"][0]["z"][0].get<double>(), 0.4, 1e-6);
+    EXPECT_NEAR(report["blocks"][0]["z"][1].get<double>(), 0.7, 1e-6);
+    double least = 1.0;
+    for (const Json& corner : report["blocks"][0]["outline"]) least = std::min(least, corner[0].get<double>());
+    EXPECT_NEAR(least, 0.1, 2e-4);
+    // Again, lower and moved: the same text but for its numbers.
+    Json lower = blocks;
+    lower[0]["z"] = {0.4, 0.5};
+    Applied(*editor, {{"op", "set_model"}, {"name", "desk"}, {"blocks", lower}});
+    report = Applied(*editor, {{"op", "model"}, {"name", "desk"}});
+    EXPECT_NEAR(report["blocks"][0]["z"][1].get<double>(), 0.5, 1e-6);
+    Refused(*editor, {{"op", "set_model"}, {"name", "desk"}, {"base", "model"}, {"blocks", blocks}});
+    Json crossed = blocks;
+    crossed[1]["outline"] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
+    Refused(*editor, {{"op", "set_model"}, {"name", "desk"}, {"blocks", crossed}});
+  }
+}
+
+TEST(EditorTest, PartsAreAddedChangedAndRemoved) {
+  const TemporaryFolder folder;
+  const std::string text = "define bot position ( size [0.4 0.4 0.3] )\n";
+  const auto editor = OpenedEditor(folder.Write("bot.inc", text));
+  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "ranger"},
+                    {"sensor", {{"fov", "180"}, {"samples", "91"}}}});
+  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "gripper"},
+                    {"properties", {{"pose", "[0.3 0 -0.3 0]"}}}});
+  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {0, 0}}, {"action", "set"}, {"property", "fov"}, {"value", "90"}});
+  const Json report = Applied(*editor, {{"op", "model"}, {"name", "bot"}});
+  EXPECT_EQ(report["parts"][0]["parts"][0]["properties"]["fov"], "90");
+  EXPECT_EQ(report["parts"][1]["type"], "gripper");
+  Refused(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "nose"}});
+  Refused(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {2}}, {"action", "remove"}});
+  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {1}}, {"action", "remove"}});
+  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {0}}, {"action", "remove"}});
+  EXPECT_EQ(editor->text(), text);
+}
+
+TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
+  const TemporaryFolder folder;
+  folder.Write("things.inc", kThings);
+  folder.Write("yard.world", WithPart(kYard, "unit_length \"cm\"   # all of them\n", ""));
+  const std::string text = "{\n  \"world\": \"yard.world\",\n  \"models\": [\n    {\"model\": \"crate\", \"name\": \"c\", \"pose\": [5, 5, 0]}\n  ]\n}\n";
+  const auto editor = OpenedEditor(folder.Write("s.json", text));
+  ASSERT_TRUE(editor->SetPose("c", {5.5, 5.0, 0.0, 0.0}).ok());
+  EXPECT_EQ(editor->text(), WithPart(text, "[5, 5, 0]", "[5.5, 5, 0]"));
+  ASSERT_TRUE(editor->SetPose("r0", {0.0, -5.0, 0.0, std::numbers::pi / 2}).ok());
+  ASSERT_TRUE(editor->SetPose("left", {-7.0, 200.0, 0.0, 0.0}).ok());
+  ASSERT_TRUE(editor->SetPose("left", {-8.0, 200.0, 0.0, 0.0}).ok());
+  const Json scenario = Json::parse(editor->text());
+  EXPECT_EQ(scenario["robots"], Json::parse(R"([{"name": "r0", "pose": [0, -5, 90]}])"));
+  EXPECT_EQ(scenario["override"].size(), 1U);
+  const EditedEntity* const left = editor->world()->Find("left");
+  ASSERT_NE(left, nullptr);
+  EXPECT_NEAR(PoseInWorld(editor->world()->loaded.world, left->model).x, -8.0, 1e-6);
+  EXPECT_NE(Refused(*editor, {{"op", "delete"}, {"name", "left"}}).find("yard.world:2"), std::string::npos);
+
+  Applied(*editor, {{"op", "set_region"}, {"rule", {{"model", "crate"}, {"count", 2}, {"region", {20, 20, 30, 30}}}}});
+  EXPECT_NE(Refused(*editor, {{"op", "set_pose"}, {"name", "crate0"}, {"pose", {0, 0, 0, 0}}}).find("spawn"), std::string::npos);
+  Refused(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", {{"count", -1}}}});
+  Applied(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", 7}});
+  Refused(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", "seven"}});
+  Applied(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", nullptr}});
+  // A wall with blocks is a child of the entry.
+  const Json blocks = {{{"outline", {{-1, -1}, {1, -1}, {1, 1}}}, {"z", {0, 1}}}};
+  const Json added = Applied(*editor, {{"op", "add_model"}, {"name", "wall"}, {"pose", {50, 50, 0, 0}}, {"blocks", blocks}});
+  EXPECT_NE(editor->world()->Find(added["name"]), nullptr);
+  Applied(*editor, {{"op", "save"}});
+  EXPECT_TRUE(LoadWorld(folder / "s.json").ok());
+}
+
+// Files that people have written: one robot is moved, and all other bytes stay.
+TEST(EditorTest, StageWorldsChangeByOneToken) {
+  const std::string source = test::StageWorldsFolder() + "/simple.world";
+  if (!std::filesystem::exists(source)) GTEST_SKIP() << "no Stage worlds at " << source;
+  const TemporaryFolder folder;
+  std::filesystem::copy(test::StageWorldsFolder(), folder / "worlds", std::filesystem::copy_options::recursive);
+  const auto editor = OpenedEditor(folder / "worlds/simple.world");
+  const std::string before = editor->text();
+  const auto& entities = editor->world()->entities;
+  const auto robot = std::find_if(entities.begin(), entities.end(), [](const auto& each) { return each.type == "position"; });
+  ASSERT_NE(robot, entities.end());
+  Pose pose = PoseInWorld(editor->world()->loaded.world, robot->model);
+  pose.x += 0.125;
+  ASSERT_TRUE(editor->SetPose(robot->name, pose).ok());
+  const std::string after = editor->text();
+  std::size_t first = 0;
+  while (before[first] == after[first]) ++first;
+  std::size_t last = 0;
+  while (before[before.size() - 1 - last] == after[after.size() - 1 - last]) ++last;
+  const std::string changed = after.substr(first, after.size() - last - first);
+  EXPECT_EQ(changed.find_first_not_of("0123456789.-"), std::string::npos) << changed;
+  EXPECT_LT(changed.size(), 10U);
+}
+
+}  // namespace
+}  // namespace troupe
