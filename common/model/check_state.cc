@@ -28,7 +28,8 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
   for (const Status& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
                                 CheckCount("joints", state.joints.size(), world.joints.size()),
                                 CheckCount("grippers", state.grippers.size(), world.grippers.size()),
-                                CheckCount("objects", state.objects.size(), world.objects.size())}) {
+                                CheckCount("objects", state.objects.size(), world.objects.size()),
+                                CheckCount("stores of energy", state.stores.size(), FindStores(world).size())}) {
     if (!problem.ok()) return problem;
   }
   bool finite = true;
@@ -47,6 +48,9 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
       return StateError("found an object that is held without a holder, or has a holder without being held");
     }
+  }
+  for (const StoreState& store : state.stores) {
+    finite = finite && std::isfinite(store.joules) && std::isfinite(store.charge_watts);
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     known = known && transmission.from.index() < world.robots.size() &&

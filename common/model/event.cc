@@ -24,6 +24,8 @@ const char* ToString(EventType type) {
       return "landed";
     case EventType::kUnstable:
       return "unstable";
+    case EventType::kOutOfEnergy:
+      return "out_of_energy";
   }
   return "unknown";
 }

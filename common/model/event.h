@@ -14,11 +14,12 @@ enum class EventType : std::uint8_t {
   kJoined = 2,            // an agent controls the robot from now on
   kLeft = 3,              // the robot's agent left or was lost
   kProposalRejected = 4,  // `detail` is the reason
-  kBlocked = 5,   // a joint's motion was cut short; `detail` names it, `other` is the obstacle, none for the ground
-  kGripped = 6,   // the robot's gripper, named by `detail`, holds `object` from now on
-  kReleased = 7,  // it has released `object`
-  kLanded = 8,    // `object` has come to rest on `other`, none for the ground
-  kUnstable = 9,  // likewise, but its centre is not above a support
+  kBlocked = 5,       // a joint's motion was cut short; `detail` names it, `other` is the obstacle, none for the ground
+  kGripped = 6,       // the robot's gripper, named by `detail`, holds `object` from now on
+  kReleased = 7,      // it has released `object`
+  kLanded = 8,        // `object` has come to rest on `other`, none for the ground
+  kUnstable = 9,      // likewise, but its centre is not above a support
+  kOutOfEnergy = 10,  // the robot's store is empty: it stops
 };
 
 struct Event {

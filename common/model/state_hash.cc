@@ -42,7 +42,11 @@ std::uint64_t StateHash(const WorldState& state) {
     add_id(object.holder);
     add_id(implied ? std::nullopt : object.support);
   }
-  // Only where there are any, so that worlds without radios keep their hashes.
+  // Only where there are any, so that worlds without energy and radios keep their hashes.
+  for (const StoreState& store : state.stores) {
+    hasher.Add(store.joules);
+    hasher.Add(store.charge_watts);
+  }
   for (const RadioTransmission& transmission : state.transmissions) {
     hasher.Add(std::uint64_t{transmission.from.index()});
     hasher.Add(transmission.sent);

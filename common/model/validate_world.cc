@@ -87,6 +87,8 @@ Status CheckAreas(const WorldDescription& world) {
   return Status();
 }
 
+constexpr double kMostEnergy = 1e12;  // J, W or kg
+
 Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
   if (model.name.empty()) return Problem("it has no name");
@@ -97,6 +99,12 @@ Status CheckModel(const WorldDescription& world, std::size_t index) {
   if (!AreUsable({model.color.r, model.color.g, model.color.b, model.color.a}))
     return Problem("its color is not finite");
   if (!AreUsable({model.ranger_return})) return Problem("its ranger_return is not finite or too large");
+  const PowerDescription& power = model.power;
+  for (const double value :
+       {power.joules, power.capacity, power.watts, power.mass, power.give_watts, power.take_watts}) {
+    if (!(value >= 0.0 && value <= kMostEnergy)) return Problem("its energy is negative, not finite or too large");
+  }
+  if (power.joules > power.capacity) return Problem("it stores more energy than its capacity");
   const Blinking& blinking = model.blinking;
   if (blinking.period_ns < 0 || blinking.on_ns < 0 || blinking.on_ns > blinking.period_ns) {
     return Problem("its light is on for longer than its period, or for a negative time");

@@ -138,6 +138,15 @@ class DescriptionHasher {
       Add(std::string("fiducial_key"));
       Add(static_cast<std::uint64_t>(model.fiducial_key));
     }
+    if (!(model.power == PowerDescription{})) {
+      Add(std::string("power"));
+      Add(std::uint64_t{model.power.has_store});
+      Add(std::uint64_t{model.power.endless});
+      for (const double value : {model.power.joules, model.power.capacity, model.power.watts, model.power.mass,
+                                 model.power.give_watts, model.power.take_watts}) {
+        Add(value);
+      }
+    }
     if (model.blinking.is_light()) {
       Add(std::string("blinking"));
       Add(static_cast<std::uint64_t>(model.blinking.period_ns));
@@ -241,6 +250,14 @@ class DescriptionHasher {
 };
 
 }  // namespace
+
+std::vector<ModelId> FindStores(const WorldDescription& world) {
+  std::vector<ModelId> stores;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    if (world.models[i].power.has_store) stores.emplace_back(i);
+  }
+  return stores;
+}
 
 std::uint64_t Hash(const WorldDescription& world) {
   DescriptionHasher hasher;

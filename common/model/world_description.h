@@ -65,6 +65,20 @@ struct Blinking {
   bool operator==(const Blinking&) const = default;
 };
 
+// The energy of a model: what it consumes, stores, gives and takes. A model is fed by its own store, or by that of its
+// nearest ancestor that has one; a model without either consumes nothing.
+struct PowerDescription {
+  bool has_store = false;
+  bool endless = false;     // the store never empties
+  double joules = 0.0;      // J, in the store at load
+  double capacity = 0.0;    // J
+  double watts = 0.0;       // W that the model consumes all the time
+  double mass = 0.0;        // kg, of a robot: it consumes 10 W per kg and m/s or rad/s while it moves
+  double give_watts = 0.0;  // W that it gives, at the most, to models that touch it
+  double take_watts = 0.0;  // W that it takes, at the most, from models that it touches
+  bool operator==(const PowerDescription&) const = default;
+};
+
 struct ModelDescription {
   std::string name;  // unique, children as "parent.child"
   std::string type;  // as in the world file: "model", "position", "ranger", ...
@@ -82,7 +96,8 @@ struct ModelDescription {
   std::int32_t fiducial_key = 0;     // only finders with the same key find it
   bool show_nose = false;            // pictures show its heading
   Blinking blinking = {};            // of a light
-  bool removed = false;              // by an edit: it keeps its id, but has no body, and its name is free
+  PowerDescription power = {};
+  bool removed = false;  // by an edit: it keeps its id, but has no body, and its name is free
   bool operator==(const ModelDescription&) const = default;
 };
 
@@ -232,6 +247,9 @@ std::optional<RobotId> FindRobot(const WorldDescription& world, const std::strin
 
 // Checks the invariants above. For input from a peer; loaders guarantee them.
 Status Validate(const WorldDescription& world);
+
+// The models with a store of energy, removed ones included, in id order: StoreState of a state is in this order.
+std::vector<ModelId> FindStores(const WorldDescription& world);
 
 // A hash of everything in the description: peers that agree on it simulate the same world.
 std::uint64_t Hash(const WorldDescription& world);

@@ -11,6 +11,7 @@ WorldState PlacedState(const WorldDescription& world) {
   for (const JointDescription& joint : world.joints) state.joints.push_back({.position = joint.start});
   state.grippers.resize(world.grippers.size());
   for (ModelId object : world.objects) state.objects.push_back({.X_WO = world.model(object).X_PM});
+  for (ModelId store : FindStores(world)) state.stores.push_back({.joules = world.model(store).power.joules});
   return state;
 }
 

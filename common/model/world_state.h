@@ -52,12 +52,20 @@ struct ObjectState {
   bool operator==(const ObjectState&) const = default;
 };
 
+// A store of energy.
+struct StoreState {
+  double joules = 0.0;        // J; of an endless one as at load
+  double charge_watts = 0.0;  // W that it has received during the tick that ended here, on average
+  bool operator==(const StoreState&) const = default;
+};
+
 struct WorldState {
   Tick tick = 0;
-  std::vector<RobotState> robots;      // by RobotId
-  std::vector<JointState> joints;      // by JointId
-  std::vector<GripperState> grippers;  // by GripperId
-  std::vector<ObjectState> objects;    // by ObjectId
+  std::vector<RobotState> robots;       // by RobotId
+  std::vector<JointState> joints;       // by JointId
+  std::vector<GripperState> grippers;   // by GripperId
+  std::vector<ObjectState> objects;     // by ObjectId
+  std::vector<StoreState> stores = {};  // of FindStores
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
   bool operator==(const WorldState&) const = default;

@@ -143,6 +143,27 @@ PointCloud2 MakePointCloud(const Time& stamp, const std::string& frame, const st
   return cloud;
 }
 
+BatteryState MakeBatteryState(const Time& stamp, const std::string& frame, const PowerDescription& power,
+                              const StoreState& store, dds::WireArena& arena) {
+  constexpr std::uint8_t kCharging = 1;
+  constexpr std::uint8_t kDischarging = 2;
+  constexpr std::uint8_t kFull = 4;
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  BatteryState message{};
+  message.header = MakeHeader(stamp, frame, arena);
+  for (float* const value : {&message.voltage, &message.temperature, &message.current, &message.charge,
+                             &message.capacity, &message.design_capacity, &message.percentage}) {
+    *value = kUnknown;
+  }
+  if (!power.endless && power.capacity > 0.0) message.percentage = static_cast<float>(store.joules / power.capacity);
+  const bool full = power.endless || store.joules >= power.capacity;
+  message.power_supply_status = full ? kFull : (store.charge_watts > 0.0 ? kCharging : kDischarging);
+  message.present = true;
+  message.location = arena.Copy("");
+  message.serial_number = arena.Copy("");
+  return message;
+}
+
 JointStateMessage MakeJointState(const Time& stamp, const std::vector<NamedJoint>& joints, dds::WireArena& arena) {
   JointStateMessage message{};
   message.header = MakeHeader(stamp, "", arena);

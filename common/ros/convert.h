@@ -53,6 +53,11 @@ struct NamedJoint {
   std::string name;
   JointState state;
 };
+// The store of energy that feeds a robot's drive. Voltages, currents and charges are not known; nor is the percentage
+// of an endless store.
+BatteryState MakeBatteryState(const Time& stamp, const std::string& frame, const PowerDescription& power,
+                              const StoreState& store, dds::WireArena& arena);
+
 JointStateMessage MakeJointState(const Time& stamp, const std::vector<NamedJoint>& joints, dds::WireArena& arena);
 
 }  // namespace troupe::ros

@@ -34,6 +34,7 @@ using PointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using JointStateMessage = sensor_msgs_msg_dds__JointState_;
 using Detection2dArray = vision_msgs_msg_dds__Detection2DArray_;
 using Detection3dArray = vision_msgs_msg_dds__Detection3DArray_;
+using BatteryState = sensor_msgs_msg_dds__BatteryState_;
 using Marker = visualization_msgs_msg_dds__Marker_;
 using MarkerArray = visualization_msgs_msg_dds__MarkerArray_;
 

@@ -81,8 +81,8 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   SensorTopics topics;
   UniqueNames names;
   UniqueNames frames;
-  for (const char* reserved :
-       {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states", "robot_description"}) {
+  for (const char* reserved : {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states",
+                               "battery", "robot_description"}) {
     names.Reserve(reserved);
   }
   for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);

@@ -40,6 +40,7 @@ TROUPE_DDS_TYPE(rosgraph_msgs_msg_dds__Clock_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__CameraInfo_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Image_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__JointState_);
+TROUPE_DDS_TYPE(sensor_msgs_msg_dds__BatteryState_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__LaserScan_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__PointCloud2_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Range_);

@@ -13,7 +13,7 @@ constexpr std::uint64_t kHasGoal = 2;
 constexpr std::uint64_t kHasHeading = 4;
 constexpr std::uint64_t kAnyId = std::uint64_t{1} << 31;
 constexpr std::size_t kLongestDetail = 1'000'000;  // bytes, of an event
-constexpr auto kLastEventType = static_cast<std::uint64_t>(EventType::kUnstable);
+constexpr auto kLastEventType = static_cast<std::uint64_t>(EventType::kOutOfEnergy);
 constexpr auto kLastObjectMode = static_cast<std::uint64_t>(ObjectMode::kHeld);
 
 // Words of a row.
@@ -23,8 +23,9 @@ constexpr std::size_t kGripperWords = 3;
 constexpr std::size_t kObjectWords = 8;
 constexpr std::size_t kEventWords = 5;         // and its detail
 constexpr std::size_t kTransmissionWords = 7;  // and its bytes
-constexpr std::size_t kOtherWords = 16;        // of a frame: eight numbers and eight counts
-constexpr std::size_t kCommandWords = 9;       // without gripper orders and waypoints
+constexpr std::size_t kStoreWords = 2;
+constexpr std::size_t kOtherWords = 17;   // of a frame: eight numbers and nine counts
+constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
 
@@ -63,6 +64,11 @@ void AddState(const WorldState& state, WordWriter& words) {
     words.Add(object.fall_speed);
     words.Add(object.holder);
     words.Add(object.support);
+  }
+  words.Add(state.stores.size());
+  for (const StoreState& store : state.stores) {
+    words.Add(store.joules);
+    words.Add(store.charge_watts);
   }
   words.Add(state.transmissions.size());
   for (const RadioTransmission& transmission : state.transmissions) {
@@ -143,6 +149,11 @@ bool ReadState(WordReader& words, WorldState& state) {
   }
   for (const GripperState& gripper : state.grippers) {
     if (gripper.clamped && gripper.clamped->index() >= count) return false;
+  }
+  if (!words.ReadCount(count, kStoreWords)) return false;
+  state.stores.resize(count);
+  for (StoreState& store : state.stores) {
+    if (!words.ReadFinite(store.joules) || !words.ReadFinite(store.charge_watts)) return false;
   }
   if (!words.ReadCount(count, kTransmissionWords)) return false;
   state.transmissions.resize(count);
@@ -304,7 +315,7 @@ std::size_t CountFrameWords(const FrameMessage& frame) {
   const WorldState& state = frame.state;
   std::size_t count = kOtherWords + kRobotWords * state.robots.size() + kJointWords * state.joints.size() +
                       kGripperWords * state.grippers.size() + kObjectWords * state.objects.size() +
-                      frame.awaited.size() + kEventWords * frame.events.size();
+                      kStoreWords * state.stores.size() + frame.awaited.size() + kEventWords * frame.events.size();
   for (const RadioTransmission& transmission : state.transmissions) {
     count += kTransmissionWords + (transmission.message.bytes.size() + sizeof(Word) - 1) / sizeof(Word);
   }

@@ -10,6 +10,7 @@ namespace troupe {
 
 Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   FindBodies();
+  FindStoresOfModels();
   std::vector<ConvexPiece> static_pieces;
   std::vector<PixelPieces> areas;
   for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);
@@ -47,6 +48,28 @@ void Scene::FindBodies() {
   }
   for (std::size_t i = 0; i < world_.grippers.size(); ++i) {
     grippers_of_[world_.grippers[i].robot.index()].push_back(GripperId(i));
+  }
+}
+
+void Scene::FindStoresOfModels() {
+  store_of_.resize(world_.models.size());
+  for (const ModelId model : FindStores(world_)) {
+    store_of_[model.index()] = stores_.size();
+    stores_.push_back({.model = model, .robot = std::nullopt});
+  }
+  if (stores_.empty()) return;
+  // Parents first.
+  for (std::size_t i = 0; i < world_.models.size(); ++i) {
+    const ModelDescription& model = world_.models[i];
+    if (!store_of_[i] && model.parent) store_of_[i] = store_of_[model.parent->index()];
+    if (store_of_[i] && !model.removed) stores_[*store_of_[i]].watts += model.power.watts;
+  }
+  for (std::size_t i = 0; i < world_.robots.size(); ++i) {
+    const RobotDescription& robot = world_.robots[i];
+    const std::optional<std::size_t> of_drive = store_of_[robot.root.index()];
+    if (!of_drive) continue;
+    stores_[*of_drive].robot = RobotId(i);
+    stores_[*of_drive].mass = world_.model(robot.root).power.mass;
   }
 }
 

@@ -33,6 +33,14 @@ struct Body {
   bool has_joints() const { return links.size() > 1; }
 };
 
+// A store of energy, with the models that it feeds.
+struct Store {
+  ModelId model;
+  std::optional<RobotId> robot;  // whose drive it feeds
+  double watts = 0.0;            // W that its models consume all the time
+  double mass = 0.0;             // kg, of the robot
+};
+
 class Scene {
  public:
   // REQUIRES: Validate(world) found nothing.
@@ -64,6 +72,11 @@ class Scene {
   // The models with a fiducial_return, in id order, without removed ones.
   std::span<const ModelId> fiducials() const { return fiducials_; }
 
+  // The stores of energy, in the order of StoreState.
+  std::span<const Store> stores() const { return stores_; }
+  // The store that feeds a model, among stores(); nothing for a model without one.
+  std::optional<std::size_t> store_of(ModelId model) const { return store_of_[model.index()]; }
+
   // As in the model's description, but close together in memory.
   double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
 
@@ -77,6 +90,7 @@ class Scene {
 
  private:
   void FindBodies();
+  void FindStoresOfModels();
   void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas);
   void MeasureBody(Body& body) const;
 
@@ -87,6 +101,8 @@ class Scene {
   std::vector<std::optional<JointId>> joint_of_;
   std::vector<double> ranger_returns_;
   std::vector<ModelId> fiducials_;
+  std::vector<Store> stores_;
+  std::vector<std::optional<std::size_t>> store_of_;  // by model
   std::vector<Body> bodies_;
   RayShapes ray_shapes_;
   std::vector<std::uint32_t> ray_shape_of_;          // by body

@@ -99,6 +99,13 @@ struct GripperInfo {
   std::optional<std::size_t> beams = {};  // its break beams, in RobotInfo::sensors
 };
 
+// The store of energy that feeds the robot's drive.
+struct EnergyReading {
+  double joules = 0.0;
+  double capacity = 0.0;      // J; 0: the store is endless
+  double charge_watts = 0.0;  // W that it received during the last tick, on average
+};
+
 struct Observation {
   Tick tick = 0;
   double time = 0.0;      // s, simulated
@@ -109,7 +116,8 @@ struct Observation {
   std::span<const SensorReading> sensors;  // by sensor, as in RobotInfo; empty where not subscribed
   std::span<const JointReading> joints;
   std::span<const GripperReading> grippers;
-  std::uint64_t random_key = 0;  // of this robot and tick
+  std::optional<EnergyReading> energy = {};  // nothing: the robot needs none
+  std::uint64_t random_key = 0;              // of this robot and tick
   // That a user has sent the robot to, in the frame of `pose_estimate`; null: none, or it was cancelled or has expired.
   // Another number is another goal. Only for a controller that accepts goals.
   const Goal* goal = nullptr;

@@ -215,6 +215,10 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   observation.sensors = sensors_.readings();
   observation.joints = manipulator_.joint_readings();
   observation.grippers = manipulator_.gripper_readings();
+  if (const std::optional<std::size_t> store = scene_->store_of(description().root)) {
+    const PowerDescription& power = world.model(scene_->stores()[*store].model).power;
+    observation.energy = {state.stores[*store].joules, power.capacity, state.stores[*store].charge_watts};
+  }
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
   Result<Command> command = RunController(observation);

@@ -34,6 +34,9 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
     joint_states_ =
         std::make_unique<ros::RosWriter<ros::JointStateMessage>>(node, "joint_states", ros::Stream(kOutputDepth));
   }
+  if (scene.store_of(description().root)) {
+    battery_ = std::make_unique<ros::RosWriter<ros::BatteryState>>(node, "battery", ros::Stream(kOutputDepth));
+  }
   dds::WireArena arena;
   robot_description_.Write({arena.Copy(ros::MakeRobotDescription(scene, robot, in_ros.name, frames_))});
   const ros::SensorTopics topics = ros::SensorTopicsOf(description());
@@ -88,6 +91,7 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   }
   sensors_.Publish(Stamp(tick), tick, robot);
   if (joint_states_ && joint_states_->wanted()) PublishJoints(tick, robot);
+  if (battery_ && battery_->wanted()) PublishBattery(tick, robot);
 }
 
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
@@ -114,6 +118,15 @@ void RobotOutput::PublishJoints(Tick tick, const RobotView& robot) {
   }
   dds::WireArena arena;
   joint_states_->Write(ros::MakeJointState(Stamp(tick), joints, arena));
+}
+
+void RobotOutput::PublishBattery(Tick tick, const RobotView& robot) {
+  const std::optional<std::size_t> store = scene_->store_of(description().root);
+  if (!store || *store >= robot.world_state().stores.size()) return;
+  dds::WireArena arena;
+  battery_->Write(ros::MakeBatteryState(Stamp(tick), frames_.base,
+                                        scene_->world().model(scene_->stores()[*store].model).power,
+                                        robot.world_state().stores[*store], arena));
 }
 
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {

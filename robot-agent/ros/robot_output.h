@@ -53,6 +53,7 @@ class RobotOutput {
   void PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishJoints(Tick tick, const RobotView& robot);
+  void PublishBattery(Tick tick, const RobotView& robot);
   const Scene* scene_;
   RobotId id_;
   bool map_to_odom_;
@@ -64,6 +65,7 @@ class RobotOutput {
   ros::RosWriter<ros::OdometryMessage> ground_truth_;
   ros::RosWriter<ros::Bool> stalled_;
   std::unique_ptr<ros::RosWriter<ros::JointStateMessage>> joint_states_;  // null without joints
+  std::unique_ptr<ros::RosWriter<ros::BatteryState>> battery_;            // null without energy
   ros::RosWriter<ros::String> robot_description_;
   std::vector<Laser> lasers_;
   std::vector<Sonar> sonars_;

@@ -323,6 +323,14 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
   EXPECT_GT(complete, 50u);
   EXPECT_GT(heights.size(), 10u) << "the lift moved";
   EXPECT_EQ(fixed.at("ben/scan")["frame"], "ben/gripper_lift_link");
+  // 10,000 J, of which 8 W consume 0.8 J in a tick.
+  EXPECT_GT(messages_["/ben/battery"].size(), 50u);
+  for (const json& message : messages_["/ben/battery"]) {
+    ASSERT_NEAR(message["percentage"].get<double>(), 1.0 - 8e-5 * static_cast<double>(TickOf(message)), 1e-6);
+    ASSERT_EQ(message["status"], 2) << "it is discharging";
+    ASSERT_EQ(message["frame"], "ben/base_link");
+  }
+  EXPECT_TRUE(messages_["/anna/battery"].empty());
   EXPECT_EQ(fixed.at("anna/scan")["frame"], "anna/base_link");
 
   EXPECT_THAT(messages_["/ben/robot_description"].front()["data"].get<std::string>(),

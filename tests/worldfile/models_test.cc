@@ -244,5 +244,26 @@ TEST(Models, TypesThatAreNotSimulatedAreBodies) {
   EXPECT_EQ(ShapeOf(loaded, 6).blocks.size(), 1u);  // a light
 }
 
+TEST(Models, EnergyIsRead) {
+  const auto power_of = [](const std::string& properties) {
+    return WorldFolder().LoadText("model( " + properties + " )").world.models.at(0).power;
+  };
+  EXPECT_EQ(power_of(""), PowerDescription{});
+  EXPECT_EQ(power_of("joules 500 watts 3 mass 4 give_watts 5 take_watts 6"),
+            (PowerDescription{true, false, 500.0, 500.0, 3.0, 4.0, 5.0, 6.0}));
+  EXPECT_EQ(power_of("kjoules 2 kjoules_capacity 5"), (PowerDescription{true, false, 2000.0, 5000.0}));
+  EXPECT_EQ(power_of("joules_capacity 70"), (PowerDescription{true, false, 70.0, 70.0}));
+  EXPECT_EQ(power_of("joules -1 give_watts 1000"),
+            (PowerDescription{.has_store = true, .endless = true, .give_watts = 1000.0}));
+  const auto error_of = [](const std::string& properties) {
+    WorldFolder folder;
+    folder.Write("w.world", "model( " + properties + " )");
+    return folder.ErrorOf("w.world");
+  };
+  EXPECT_THAT(error_of("watts -1"), testing::HasSubstr("'watts'"));
+  EXPECT_THAT(error_of("joules 1 kjoules 1"), testing::HasSubstr("found both 'joules' and 'kjoules'"));
+  EXPECT_THAT(error_of("joules_capacity -5"), testing::HasSubstr("negative capacity"));
+}
+
 }  // namespace
 }  // namespace troupe

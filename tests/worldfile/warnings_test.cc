@@ -9,11 +9,11 @@ using testing::SizeIs;
 
 TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
   EXPECT_THAT(
-      WorldFolder().WarningsOf("resolution 0.02\nspeedup 1\nmodel( mass 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
+      WorldFolder().WarningsOf("resolution 0.02\nspeedup 1\nmodel( debug 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
                                "window( size [1 1] )\n"),
       ElementsAre("w.world:1:1: warning: property 'resolution' has no effect: geometry is exact, without cells",
                   "w.world:2:1: warning: property 'speedup' has no effect: the command line sets the speed",
-                  "w.world:3:8: warning: property 'mass' has no effect: energy is not simulated",
+                  "w.world:3:8: warning: property 'debug' has no effect: it has none in Stage either",
                   "w.world:4:2: warning: no effect, because they only concern Stage's window: property 'gui_grid', "
                   "'window'",
                   "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
@@ -32,12 +32,12 @@ TEST(Warnings, StatementsForStagesWindowShareOne) {
 }
 
 TEST(Warnings, AreGivenOnceForALineHoweverManyModelsItMakes) {
-  std::string text = "define rob position( mass 5\n ranger( sensor( view 1 ) lightindicator( period 3 ) ) )\n";
+  std::string text = "define rob position( debug 5\n ranger( sensor( view 1 ) lightindicator( period 3 ) ) )\n";
   for (int i = 0; i < 100; ++i) text += "rob( pose [" + std::to_string(i) + " 0 0 0] )\n";
   EXPECT_THAT(
       WorldFolder().WarningsOf(text),
       ElementsAre(
-          "w.world:1:22: warning: property 'mass' has no effect: energy is not simulated",
+          "w.world:1:22: warning: property 'debug' has no effect: it has none in Stage either",
           "w.world:2:18: warning: property 'view' has no effect: only older versions of Stage knew it",
           "w.world:2:27: warning: 'lightindicator' models are not simulated yet; they are only bodies",
           "w.world:2:43: warning: property 'period' has no effect: 'lightindicator' models are not simulated yet"));

@@ -194,6 +194,7 @@ void AppendState(const WorldDescription& world, WorldState& state) {
   append(initial.joints, state.joints);
   append(initial.grippers, state.grippers);
   append(initial.objects, state.objects);
+  append(initial.stores, state.stores);
   for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
 }
 

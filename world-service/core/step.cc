@@ -8,6 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/spatial/sweep.h"
+#include "world-service/core/energy.h"
 #include "world-service/core/gravity.h"
 #include "world-service/core/grip.h"
 #include "world-service/core/motion.h"
@@ -17,12 +18,15 @@
 namespace troupe {
 namespace {
 
-// The proposal of each robot, by id; null for a robot without one.
-std::vector<const Proposal*> ProposalByRobot(std::size_t robots, std::span<const Proposal> proposals) {
+// The proposal of each robot, by id; null for a robot without one, and for one without energy.
+std::vector<const Proposal*> ProposalByRobot(const Scene& scene, const WorldState& state,
+                                             std::span<const Proposal> proposals) {
+  const std::size_t robots = state.robots.size();
   std::vector<const Proposal*> by_robot(robots, nullptr);
   for (std::size_t i = 0; i < proposals.size(); ++i) {
     TROUPE_CHECK(proposals[i].robot.index() < robots);
     TROUPE_CHECK(i == 0 || proposals[i - 1].robot < proposals[i].robot);
+    if (IsOutOfEnergy(scene, state, proposals[i].robot)) continue;
     by_robot[proposals[i].robot.index()] = &proposals[i];
   }
   return by_robot;
@@ -115,10 +119,11 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace, std::span<const Proposal> proposals) {
+StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot) {
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
-  Transmit(workspace.world(), proposals, workspace.next);
+  Transmit(workspace.world(), by_robot, workspace.next);
+  ExchangeEnergy(workspace);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
@@ -142,14 +147,14 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies) {
   const std::size_t count = state.robots.size();
-  const std::vector<const Proposal*> by_robot = ProposalByRobot(count, proposals);
+  const std::vector<const Proposal*> by_robot = ProposalByRobot(scene, state, proposals);
   StepMemory memory = MemoryFor(scene, state, bodies);
   StepWorkspace workspace(scene, memory);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  StepResult result = Finish(workspace, proposals);
+  StepResult result = Finish(workspace, by_robot);
   bodies = std::move(memory.bodies);
   return result;
 }
@@ -161,7 +166,7 @@ Stepper::Stepper(const Scene& scene, std::size_t threads, std::size_t fewest_rob
 
 StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {
   if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front());
-  const std::vector<const Proposal*> by_robot = ProposalByRobot(state.robots.size(), proposals);
+  const std::vector<const Proposal*> by_robot = ProposalByRobot(scene_, state, proposals);
   islands_.Find(scene_, state, by_robot);
   StepMemory memory = MemoryFor(scene_, state, indices_.front());
   std::vector<std::vector<Event>> events(indices_.size());  // by thread
@@ -186,7 +191,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   for (std::vector<Event>& of_thread : events) {
     std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
   }
-  StepResult result = Finish(workspace, proposals);
+  StepResult result = Finish(workspace, by_robot);
   indices_.front() = std::move(memory.bodies);
   return result;
 }

@@ -6,14 +6,15 @@
 
 namespace troupe {
 
-void Transmit(const WorldDescription& world, std::span<const Proposal> proposals, WorldState& state) {
+void Transmit(const WorldDescription& world, std::span<const Proposal* const> by_robot, WorldState& state) {
   std::erase_if(state.transmissions,
                 [&](const RadioTransmission& transmission) { return transmission.due < state.tick; });
-  for (const Proposal& proposal : proposals) {
+  for (const Proposal* const proposal : by_robot) {
+    if (proposal == nullptr) continue;
     std::size_t number = 0;
-    for (const RadioMessage& message : proposal.messages) {
-      const RadioParameters* const radio = FindRadio(world.robot(proposal.robot), message.radio);
-      state.transmissions.push_back({.from = proposal.robot,
+    for (const RadioMessage& message : proposal->messages) {
+      const RadioParameters* const radio = FindRadio(world.robot(proposal->robot), message.radio);
+      state.transmissions.push_back({.from = proposal->robot,
                                      .sent = state.tick,
                                      .due = state.tick + DelayTicks(*radio, world.interval_seconds()),
                                      .number = number++,

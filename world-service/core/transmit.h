@@ -9,7 +9,7 @@
 namespace troupe {
 
 // Removes the messages that have arrived before the tick of `state`, and adds those of the proposals, sent in that
-// tick. REQUIRES: the proposals are valid and in robot-id order.
-void Transmit(const WorldDescription& world, std::span<const Proposal> proposals, WorldState& state);
+// tick. `by_robot`: the proposals by robot, null where there is none. REQUIRES: they are valid.
+void Transmit(const WorldDescription& world, std::span<const Proposal* const> by_robot, WorldState& state);
 
 }  // namespace troupe

@@ -123,6 +123,14 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
   if (auto difference = CompareAll("joints", found.joints, expected.joints, joints)) return difference;
   if (auto difference = CompareAll("grippers", found.grippers, expected.grippers, grippers)) return difference;
   if (auto difference = CompareAll("objects", found.objects, expected.objects, objects)) return difference;
+  const std::vector<ModelId> models = FindStores(world);
+  const auto stores = [&](std::size_t i, const StoreState& a, const StoreState& b) {
+    Comparison comparison(world, i < models.size() ? models[i] : ModelId(0));
+    comparison.Number("energy", a.joules, b.joules);
+    comparison.Number("charge", a.charge_watts, b.charge_watts);
+    return comparison.first();
+  };
+  if (auto difference = CompareAll("stores of energy", found.stores, expected.stores, stores)) return difference;
   return CompareAll("radio messages", found.transmissions, expected.transmissions, transmissions);
 }
 

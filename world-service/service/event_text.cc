@@ -46,6 +46,9 @@ std::string EventText(const WorldDescription& world, const Event& event) {
     case EventType::kUnstable:
       text += Name(world, event.object) + " landed out of balance on " + Name(world, event.other);
       break;
+    case EventType::kOutOfEnergy:
+      text += robot + " has no energy";
+      break;
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";
   return text;

@@ -13,7 +13,7 @@ namespace troupe::dds {
 namespace {
 
 constexpr std::uint8_t kSetBit = 1;
-constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(EventType::kUnstable);
+constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(EventType::kOutOfEnergy);
 constexpr std::uint8_t kLastObjectMode = static_cast<std::uint8_t>(ObjectMode::kHeld);
 constexpr std::int32_t kNone = -1;
 constexpr std::size_t kAnyId = std::numeric_limits<std::int32_t>::max();
@@ -137,6 +137,12 @@ void VisitObjects(Wire& wire, std::size_t grippers, Visit& visit) {
   visit(wire.object_fall_speed, Number{TROUPE_FIELD(fall_speed)});
   visit(wire.object_holder, OptionalId{TROUPE_FIELD(holder), grippers});
   visit(wire.object_support, OptionalId{TROUPE_FIELD(support), kAnyId});
+}
+
+template <typename Wire, typename Visit>
+void VisitStores(Wire& wire, Visit& visit) {
+  visit(wire.store_joules, Number{TROUPE_FIELD(joules)});
+  visit(wire.store_charge, Number{TROUPE_FIELD(charge_watts)});
 }
 
 #undef TROUPE_FIELD
@@ -282,8 +288,10 @@ Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
   VisitGrippers(wire, objects, gripper_reader);
   ColumnReader object_reader("objects", wire.whole, Elements(wire.object_row), state.objects);
   VisitObjects(wire, grippers, object_reader);
-  for (const Status& problem :
-       {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(), object_reader.problem()}) {
+  ColumnReader store_reader("stores of energy", wire.whole, Elements(wire.store_row), state.stores);
+  VisitStores(wire, store_reader);
+  for (const Status& problem : {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(),
+                                object_reader.problem(), store_reader.problem()}) {
     if (!problem.ok()) return problem;
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -449,6 +457,8 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
              [&](auto& visitor) { VisitGrippers(wire, now.objects.size(), visitor); });
   RowsToWire(now.objects, of(&WorldState::objects), wire.object_row, arena,
              [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
+  RowsToWire(now.stores, of(&WorldState::stores), wire.store_row, arena,
+             [&](auto& visitor) { VisitStores(wire, visitor); });
   TransmissionsToWire(now.transmissions, wire, arena);
   EventsToWire(message.events, wire, arena);
   CommandsToWire(message.commands, wire, arena);

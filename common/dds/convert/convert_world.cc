@@ -139,6 +139,14 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   wire.show_nose = model.show_nose;
   wire.blink_period = model.blinking.period_ns;
   wire.blink_on = model.blinking.on_ns;
+  wire.has_store = model.power.has_store;
+  wire.endless = model.power.endless;
+  wire.joules = model.power.joules;
+  wire.capacity = model.power.capacity;
+  wire.watts = model.power.watts;
+  wire.mass = model.power.mass;
+  wire.give_watts = model.power.give_watts;
+  wire.take_watts = model.power.take_watts;
   wire.removed = model.removed;
   return wire;
 }
@@ -160,6 +168,8 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.fiducial_key = wire.fiducial_key;
   model.show_nose = wire.show_nose;
   model.blinking = {wire.blink_period, wire.blink_on};
+  model.power = {wire.has_store, wire.endless, wire.joules,     wire.capacity,
+                 wire.watts,     wire.mass,    wire.give_watts, wire.take_watts};
   model.removed = wire.removed;
   return {};
 }

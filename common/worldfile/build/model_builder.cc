@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/worldfile/build/properties/color_reader.h"
+#include "common/worldfile/build/properties/power_reader.h"
 #include "common/worldfile/build/properties/unused_properties.h"
 #include "common/worldfile/build/types/model_types.h"
 #include "common/worldfile/stage/node_names.h"
@@ -130,6 +131,7 @@ std::optional<ModelDraft> ModelBuilder::StartDraft(PropertyReader& reader, const
   model.size_z = draft.size.z;
   PlaceInTree(reader, parent, X_PM, draft);
   model.show_nose = reader.Flag("gui_nose", false);
+  model.power = ReadPower(reader);
   model.color = ReadColor(reader, type.color, context_.world.seed, draft.id);
   model.fiducial_return =
       static_cast<std::int32_t>(reader.Integer("fiducial_return", 0, -1'000'000'000, 1'000'000'000));

@@ -131,6 +131,12 @@ void Add(json& out, const vision_msgs::msg::dds_::Detection2DArray_& message) {
     out["detections"].push_back(one);
   }
 }
+void Add(json& out, const sensor_msgs::msg::dds_::BatteryState_& message) {
+  Add(out, message.header());
+  out["percentage"] = message.percentage();
+  out["status"] = message.power_supply_status();
+  out["present"] = message.present();
+}
 void Add(json& out, const sensor_msgs::msg::dds_::JointState_& message) {
   Add(out, message.header());
   out["name"] = message.name();
@@ -216,6 +222,7 @@ int Run(int argc, char** argv) {
     Read<sensor_msgs::msg::dds_::JointState_PubSubType>(peer, robot + "/joint_states");
     Read<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(peer, robot + "/fiducial/detections");
     Read<vision_msgs::msg::dds_::Detection2DArray_PubSubType>(peer, robot + "/blobfinder/detections");
+    Read<sensor_msgs::msg::dds_::BatteryState_PubSubType>(peer, robot + "/battery");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/radio/received");
     Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");

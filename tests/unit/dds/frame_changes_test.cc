@@ -22,6 +22,7 @@ FrameMessage FirstFrame() {
   frame.state.joints.resize(4);
   frame.state.grippers.resize(2);
   frame.state.objects.resize(6);
+  frame.state.stores.resize(3);
   return frame;
 }
 
@@ -64,6 +65,10 @@ class Changes {
       object.mode = static_cast<ObjectMode>(Below(4));
       object.holder.reset();
       if (object.mode == ObjectMode::kHeld) object.holder = GripperId(Below(state.grippers.size()));
+    }
+    for (StoreState& store : state.stores) {
+      Change(store.joules);
+      Change(store.charge_watts);
     }
     state.transmissions.resize(Chance(0.5) ? 0 : Below(4));
     for (RadioTransmission& transmission : state.transmissions) {

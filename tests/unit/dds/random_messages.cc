@@ -67,6 +67,10 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
   model.fiducial_key = static_cast<std::int32_t>(Bits());
   model.show_nose = Coin();
   if (Coin()) model.blinking = {1000, static_cast<std::int64_t>(Below(1001))};
+  if (Coin()) {
+    const double capacity = Number(1.0, 9.0);
+    model.power = {Coin(), Coin(), Number(0.0, 1.0), capacity, Number(0.0), Number(0.0), Number(0.0), Number(0.0)};
+  }
   model.removed = Coin();
   return model;
 }
@@ -269,6 +273,8 @@ FrameMessage RandomMessages::Frame() {
     robot = {RandomPose(), {Number(), Number(), Number()}, Coin()};
   }
   FillManipulation(frame.state);
+  frame.state.stores.resize(Below(4));
+  for (StoreState& store : frame.state.stores) store = {Number(), Number()};
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();

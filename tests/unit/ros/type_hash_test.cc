@@ -27,11 +27,12 @@ std::string NameOnDds() {
 }
 
 TEST(TopicTypes, HaveTheNamesAndHashesOfRos) {
-  for (const std::string& name : {NameOnDds<Bool>(), NameOnDds<String>(), NameOnDds<Clock>(), NameOnDds<TwistMessage>(),
-                                  NameOnDds<TwistStamped>(), NameOnDds<TfMessage>(), NameOnDds<OdometryMessage>(),
-                                  NameOnDds<OccupancyGridMessage>(), NameOnDds<LaserScan>(), NameOnDds<RangeMessage>(),
-                                  NameOnDds<PointCloud2>(), NameOnDds<JointStateMessage>(), NameOnDds<MarkerArray>(),
-                                  NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>()}) {
+  for (const std::string& name :
+       {NameOnDds<Bool>(), NameOnDds<String>(), NameOnDds<Clock>(), NameOnDds<TwistMessage>(),
+        NameOnDds<TwistStamped>(), NameOnDds<TfMessage>(), NameOnDds<OdometryMessage>(),
+        NameOnDds<OccupancyGridMessage>(), NameOnDds<LaserScan>(), NameOnDds<RangeMessage>(), NameOnDds<PointCloud2>(),
+        NameOnDds<JointStateMessage>(), NameOnDds<BatteryState>(), NameOnDds<MarkerArray>(),
+        NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>()}) {
     EXPECT_NE(TypeHash(name), "") << name;
   }
   EXPECT_EQ(NameOnDds<HumbleRangeMessage>(), NameOnDds<RangeMessage>());

@@ -15,7 +15,6 @@ struct NoEffect {
 };
 
 constexpr std::string_view kWindow = "it only concerns Stage's window";
-constexpr std::string_view kEnergy = "energy is not simulated";
 constexpr std::string_view kNotInStage = "it has none in Stage either";
 constexpr std::string_view kFormer = "only older versions of Stage knew it";
 
@@ -37,26 +36,18 @@ constexpr NoEffect kModelProperties[] = {
     {"debug", kNotInStage},
     {"event_queue", kNotInStage},
     {"friction", kNotInStage},
-    {"give_watts", kEnergy},
     {"gui_grid", kWindow},
     {"gui_move", kWindow},
     {"gui_outline", kWindow},
-    {"joules", kEnergy},
-    {"joules_capacity", kEnergy},
-    {"kjoules", kEnergy},
-    {"kjoules_capacity", kEnergy},
     {"laser_return", kFormer},
     {"map_resolution", kNotInStage},
-    {"mass", kEnergy},
     {"say", kWindow},
     {"shape", kFormer},
     {"sonar_return", kFormer},
-    {"take_watts", kEnergy},
     {"trail_interval", kWindow},
     {"trail_length", kWindow},
     {"velocity", kNotInStage},
     {"view", kFormer},
-    {"watts", kEnergy},
 };
 
 constexpr NoEffect kSensorProperties[] = {
