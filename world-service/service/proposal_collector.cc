@@ -51,6 +51,7 @@ std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
     const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
     if (in_time || (kept && ValidateProposal(*world_, state, newest.proposal).ok())) {
       for_step_.push_back(newest.proposal);
+      if (!in_time) for_step_.back().messages.clear();  // they were sent in the tick before
     }
   }
   return for_step_;

@@ -56,5 +56,18 @@ TEST_F(ProposalCollectorTest, RealtimeModeKeepsJointVelocitiesForOneTick) {
   EXPECT_TRUE(collector.ForStep(state_).empty());
 }
 
+TEST_F(ProposalCollectorTest, RealtimeModeSendsARadioMessageOnce) {
+  world_.robots[0].sensors.push_back(
+      {.name = "radio", .model = world_.robots[0].root, .parameters = RadioParameters{}});
+  ProposalMessage message = Message(1);
+  message.proposals[0].messages.push_back({0, {}, {1, 2}});
+  ProposalCollector collector(world_, Mode::kRealtime);
+  EXPECT_TRUE(collector.Collect(member_, message, state_).empty());
+  EXPECT_EQ(collector.ForStep(state_)[0].messages.size(), 1u);
+  state_.tick = 1;
+  ASSERT_EQ(collector.ForStep(state_).size(), 2u);
+  EXPECT_TRUE(collector.ForStep(state_)[0].messages.empty());
+}
+
 }  // namespace
 }  // namespace troupe::test
