@@ -56,8 +56,8 @@ struct CloudTopic {
 };
 
 // A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a fiducial finder and a
-// blobfinder have "<topic>/detections"; a bumper and a contact sensor have one that says whether they are pressed; a radio
-// has "<topic>/send" and "<topic>/received". Other kinds have none.
+// blobfinder have "<topic>/detections"; a bumper and a contact sensor have one that says whether they are pressed; a
+// radio has "<topic>/send" and "<topic>/received". Other kinds have none.
 struct KindTopic {
   std::size_t sensor = 0;  // in RobotDescription::sensors
   std::string topic;

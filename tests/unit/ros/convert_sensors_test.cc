@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "common/ros/convert.h"
+
 namespace troupe::ros {
 namespace {
 
