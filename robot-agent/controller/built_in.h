@@ -30,6 +30,7 @@ BuiltInController Fasr2();
 BuiltInController FasrPlan();
 BuiltInController Source();
 BuiltInController Sink();
+BuiltInController Flock();
 BuiltInController Flocking();
 BuiltInController LaserNoise();
 BuiltInController Rasterize();

@@ -11,8 +11,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
-  EXPECT_THAT(BuiltInControllers(), ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "follow",
-                                                "go_to", "idle", "lasernoise", "patrol", "pioneer_flocking",
+  EXPECT_THAT(BuiltInControllers(), ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "flock",
+                                                "follow", "go_to", "idle", "lasernoise", "patrol", "pioneer_flocking",
                                                 "rasterize", "script", "sink", "source", "wander"));
 }
 
@@ -42,11 +42,12 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"script", R"({"commands": [{"at": 0, "speed": 0.5}], "repeat": true, "period": 3})", ""},
         Case{"./my.so", R"({"anything": [1, 2]})", ""},  //
         Case{"my.so", "{}", ""},
-        Case{"fly", "{}",
-             "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, follow, "
-             "go_to, idle, lasernoise, "
-             "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a shared "
-             "library (.so)"},
+        Case{
+            "fly", "{}",
+            "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, follow, "
+            "go_to, idle, lasernoise, "
+            "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a shared "
+            "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
         Case{"idle", "{", "idle: the parameters are not JSON"},
         Case{"idle", "7", "idle: found 7 as parameters, expected a JSON object"},
@@ -56,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(
              "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
              "steering_angle, turn_rate; did you mean 'speed'?"},
         Case{"wandr", "{}",
-             "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, follow, "
+             "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
+             "follow, "
              "go_to, idle, lasernoise, "
              "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
@@ -77,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
              "script: command 2: 'at' is 1, expected a time after that of the command before it, 1"},
         Case{"script", R"({"commands": [{"at": 0, "vz": 1}]})",
              "script: command 1: unknown parameter \"vz\", expected one of: at, gripper, grippers, joints, lift, "
-             "speed, steering, vx, vy, wz"},
+             "send, speed, steering, vx, vy, wz"},
         Case{"script", R"({"commands": [{"at": 0, "gripper": "ajar"}]})",
              "script: command 1: 'gripper' is \"ajar\", expected \"open\" or \"close\""},
         Case{"script", R"({"commands": [{"at": 0, "lift": 140}]})",
@@ -97,7 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"script", R"({"commands": [{"at": 0, "joints": {"arm": "up"}}]})",
              "script: command 1: joints: 'arm' is \"up\", expected a number"},
         Case{"script", R"({"commands": [{"at": 0}, {"at": 1, "gripper": "open"}], "repeat": true})",
-             "script: the last command only marks the end and is never done, expected none for grippers or joints in "
+             "script: the last command only marks the end and is never done, expected none for grippers, joints or "
+             "radios in "
              "it"},
         Case{
             "script", R"({"commands": [{"at": 0, "vx": 1, "steering": 0}]})",

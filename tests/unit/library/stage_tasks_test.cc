@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "troupe/simulation.h"
 
@@ -165,6 +166,52 @@ TEST_F(StageControllersWorld, TheObstacleMovesToAndFro) {
   }
   EXPECT_NEAR(least, -2.0, 0.2);  // and a way to brake
   EXPECT_NEAR(most, 1.0, 0.2);
+}
+
+// The share of the robots that are in the greatest group, in which each is within 4 m of another.
+double GreatestGroup(const Simulation& simulation) {
+  const std::size_t count = simulation.world().robots.size();
+  std::vector<bool> seen(count, false);
+  std::size_t greatest = 0;
+  for (std::size_t first = 0; first < count; ++first) {
+    if (seen[first]) continue;
+    std::vector<std::size_t> group = {first};
+    seen[first] = true;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      for (std::size_t other = 0; other < count; ++other) {
+        const Vec2 apart =
+            simulation.pose(RobotId(group[i])).translation() - simulation.pose(RobotId(other)).translation();
+        if (seen[other] || apart.norm() > 4.0) continue;
+        seen[other] = true;
+        group.push_back(other);
+      }
+    }
+    greatest = std::max(greatest, group.size());
+  }
+  return static_cast<double>(greatest) / static_cast<double>(count);
+}
+
+std::string Birds(double loss) {
+  std::string text =
+      "define bird position( size [0.3 0.3 0.25] velocity_bounds [-0.6 0.6 0 0 0 0 -120 120] "
+      "radio( range 8 bandwidth 2400 loss " +
+      std::to_string(loss) + " ) ctrl \"flock\" )\n";
+  for (int i = 0; i < 50; ++i) {
+    text += "bird( pose [" + std::to_string(-6.0 + 1.7 * (i % 8)) + " " + std::to_string(-6.0 + 1.7 * (i / 8)) + " 0 " +
+            std::to_string(i * 137 % 360) + "] )\n";
+  }
+  return text;
+}
+
+TEST(StageTasks, AFlockKeepsTogetherByItsRadiosAlone) {
+  Simulation talking = LoadText(Birds(0.33));
+  Simulation deaf = LoadText(Birds(1.0));
+  EXPECT_EQ(GreatestGroup(talking), 1.0);
+  talking.Step(1200);
+  deaf.Step(1200);
+  EXPECT_THAT(talking.failures(), testing::IsEmpty());
+  EXPECT_GE(GreatestGroup(talking), 0.9);
+  EXPECT_LT(GreatestGroup(deaf), 0.5);
 }
 
 // A copy of each controller continues as the original.

@@ -28,6 +28,7 @@ const std::vector<KnownController>& KnownControllers() {
       {"fasr2", "fasr2", {"source", "sink"}},
       {"fasr_plan", "fasr_plan", {"source", "sink"}},
       {"fetch", "fetch", {}},
+      {"flock", "flock", {"distance", "speed"}},
       {"follow", "follow", {"id", "distance"}},
       {"go_to", "go_to", {}},
       {"idle", "idle", {}},
