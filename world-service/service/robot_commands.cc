@@ -6,18 +6,18 @@ namespace troupe {
 
 void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
   OfRobot& robot = robots_[command.robot];
-  if (command.twist) robot.twist = {*command.twist, ticks};
+  if (command.twist) robot.twist = Timed<Twist>{*command.twist, ticks};
   for (const GripperOrder& order : command.grippers) {
     Timed<GripperOrder>& timed = robot.grippers[order.gripper];
     GripperOrder merged = order;  // fingers and lift are told apart
     if (!merged.opening) merged.opening = timed.value.opening;
     if (!merged.lift) merged.lift = timed.value.lift;
-    timed = {merged, ticks};
+    timed = Timed<GripperOrder>{merged, ticks};
   }
   if (command.goal) {
     robot.goal.reset();
     if (!command.goal->waypoints.empty()) {
-      robot.goal = {*command.goal, ticks};
+      robot.goal = Timed<Goal>{*command.goal, ticks};
       robot.goal->value.number = ++goals_;
     }
   }
