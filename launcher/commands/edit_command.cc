@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/command_line/exit_status.h"
 #include "launcher/commands/command_failure.h"
@@ -24,14 +25,15 @@ namespace {
 
 struct EditOptions {
   std::string file;
-  std::string listen;  // text for ParseListen; empty: the default
+  std::string listen;                // text for ParseListen; empty: the default
+  std::vector<std::string> allowed;  // files and folders
   bool view_only = false;
 };
 
 int EditCommand(const EditOptions& options) {
   SignalWatch signals;
   try {
-    Result<std::unique_ptr<Editor>> editor = Editor::Open(options.file);
+    Result<std::unique_ptr<Editor>> editor = Editor::Open(options.file, options.allowed);
     if (!editor.ok()) return Fail(editor.error());
     EditLink link(std::move(editor).value());
     ViewerGatewayOptions gateway_options;
@@ -67,6 +69,13 @@ void AddEditCommand(CLI::App& app, int& exit_status) {
                    "A Stage world (.world), models (.inc) or a JSON scenario (.json); a new one if it does not exist")
       ->required();
   AddListenOption(*command, options->listen);
+  command
+      ->add_option(
+          "--allow-files", options->allowed,
+          "A file or folder that the edited text may name, beside the folders of FILE and of the files that it "
+          "names already; may be repeated")
+      ->type_name("PATH")
+      ->allow_extra_args(false);
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the file");
   command->final_callback([options, &exit_status] { exit_status = EditCommand(*options); });
 }

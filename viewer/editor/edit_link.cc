@@ -137,10 +137,15 @@ Status EditLink::StartTest(const std::string& model, double probe_height) {
   if (editor_->world() == nullptr) return Failure("no world is loaded");
   WorldDescription world = editor_->world()->loaded.world;
   if (!model.empty()) {
-    Result<LoadedWorld> made = MakeTestWorld(editor_->world()->tree, model, probe_height);
+    Result<LoadedWorld> made = MakeTestWorld(editor_->world()->tree, model, probe_height, editor_->allowed());
     if (!made.ok()) return made.error();
     world = std::move(made.value().world);
     world.name = "test of " + model;
+  }
+  for (const RobotDescription& robot : world.robots) {
+    if (!NamesLibrary(robot.controller.name) || editor_->MayRun(robot.controller.name)) continue;
+    return Failure("controller '" + robot.controller.name + "' of " + robot.name +
+                   " is a library that the file did not name when it was opened: save, and open it again to test it");
   }
   tested_ = model;
   test_world_ = std::move(world);

@@ -125,12 +125,13 @@ Pose PoseInWorld(const WorldDescription& world, ModelId id) {
   return model.parent ? PoseInWorld(world, *model.parent) * model.X_PM : model.X_PM;
 }
 
-Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
-                                                     const std::string& path) {
+Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path,
+                                                     const AllowedPaths& allowed) {
   auto edited = std::make_unique<EditedWorld>();
   std::set<const WorldNode*> shelf;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.allowed = allowed;
   if (kind == EditedKind::kScenario) {
     Result<LoadedWorld> loaded = LoadScenarioText(text, path, overrides);
     if (!loaded.ok()) return loaded.error();
@@ -139,11 +140,13 @@ Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std:
     edited->loaded = std::move(loaded).value();
     edited->tree = std::move(tree).value();
   } else {
-    Result<WorldTree> tree = ParseStageText(text, path);
+    ParseOptions options;
+    options.allowed = allowed;
+    Result<WorldTree> tree = ParseStageText(text, path, options);
     if (!tree.ok()) return tree.error();
     edited->tree = std::move(tree).value();
     if (kind == EditedKind::kInclude) AddShelf(edited->tree, path, shelf);
-    Result<LoadedWorld> loaded = BuildWorld(edited->tree);
+    Result<LoadedWorld> loaded = BuildWorld(edited->tree, overrides);
     if (!loaded.ok()) return loaded.error();
     edited->loaded = std::move(loaded).value();
   }
@@ -169,7 +172,7 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
   return found;
 }
 
-Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model) {
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed) {
   Result<WorldNode> node = Instantiate(tree, model, {});
   if (!node.ok()) return node.error();
   if (!IsBody(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
@@ -183,7 +186,9 @@ Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model) 
   made.Set({"name", Value{model, {}}, {}});
   made.Set(NumbersProperty("pose", {0.0, 0.0, 0.0, 0.0}, {}));
   alone.world.children.push_back(std::move(made));
-  return BuildWorld(alone);
+  LoadOverrides overrides;
+  overrides.allowed = allowed;
+  return BuildWorld(alone, overrides);
 }
 
 }  // namespace troupe

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/worldfile/build/loaded_world.h"
 #include "common/worldfile/stage/world_tree.h"
@@ -43,8 +44,10 @@ struct EditedWorld {
   const EditedEntity* Find(const std::string& name) const;
 };
 
-// `path` names the text in messages, and is where its relative paths start. The tree of the result does not move.
-Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path);
+// `path` names the text in messages, and is where its relative paths start. `allowed`: the files that the text may
+// name. The tree of the result does not move.
+Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path,
+                                                     const AllowedPaths& allowed);
 
 // The types and defines that give models, and the models themselves, one alone in a world.
 struct PaletteModel {
@@ -53,7 +56,7 @@ struct PaletteModel {
   SourceLocation where;  // of the define; no file: a type
 };
 std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
-Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model);
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed);
 
 // The factors from the units of the tree's files to metres and radians.
 struct FileUnits {

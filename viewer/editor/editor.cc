@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <utility>
 
 #include "common/worldfile/edit/json_syntax.h"
 #include "common/worldfile/edit/stage_edit.h"
 #include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/file_lookup.h"
 #include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/request_values.h"
@@ -45,24 +48,50 @@ std::vector<Value::Number> NumbersOf(const WorldNode& node, const std::string& n
   return numbers;
 }
 
+void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) {
+  for (const std::string& file : files) allowed.Add(DirectoryOf(file));
+}
+
+// Those of STAGEPATH.
+void AddSearchedFolders(AllowedPaths& allowed) {
+  const char* const folders = std::getenv("STAGEPATH");
+  std::istringstream list(folders != nullptr ? folders : "");
+  for (std::string folder; std::getline(list, folder, ':');) {
+    if (!folder.empty()) allowed.Add(folder);
+  }
+}
+
 const char* InitialText(EditedKind kind) {
   return kind == EditedKind::kScenario ? "{\n}\n" : "";
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path) {
+Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std::vector<std::string>& allowed) {
   const Result<EditedKind> kind = KindOf(path);
   if (!kind.ok()) return kind.error();
   Result<EditedFile> file = EditedFile::Open(path, InitialText(kind.value()));
   if (!file.ok()) return file.error();
   std::unique_ptr<Editor> editor(new Editor(std::move(file).value(), kind.value()));
+  for (const std::string& folder : allowed) editor->allowed_.Add(folder);
+  AddFoldersOf({path}, editor->allowed_);
+  AddSearchedFolders(editor->allowed_);
+  // All that the file names at first.
+  const Result<std::unique_ptr<EditedWorld>> first =
+      MakeEditedWorld(kind.value(), editor->text(), path, AllowedPaths::All());
+  if (first.ok()) {
+    AddFoldersOf(first.value()->tree.files, editor->allowed_);
+    AddFoldersOf(first.value()->loaded.files, editor->allowed_);
+    for (const RobotDescription& robot : first.value()->loaded.world.robots) {
+      if (NamesLibrary(robot.controller.name)) editor->libraries_.insert(robot.controller.name);
+    }
+  }
   editor->Load();
   return editor;
 }
 
 void Editor::Load() {
-  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text(), path());
+  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text(), path(), allowed_);
   error_.reset();
   if (!world.ok()) {
     error_ = world.error();
@@ -79,10 +108,11 @@ Status Editor::CheckText() const {
 }
 
 Status Editor::Commit(std::string text, const std::string& label, const std::string& model) {
-  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text, path());
+  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text, path(), allowed_);
   if (!world.ok()) return world.error();
   if (!model.empty()) {
-    if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model); !built.ok()) return built.error();
+    if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model, allowed_); !built.ok())
+      return built.error();
   }
   file_.Change(std::move(text), label);
   world_ = std::move(world).value();

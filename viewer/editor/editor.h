@@ -9,9 +9,11 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/geometry/pose.h"
 #include "common/worldfile/edit/stage_syntax.h"
@@ -25,7 +27,9 @@ class Editor {
  public:
   // A file that does not exist yet is an empty one. A file with an error is opened, for its text to be corrected. The
   // error is a file that cannot be read, or is of another kind.
-  static Result<std::unique_ptr<Editor>> Open(const std::string& path);
+  // The text may name files in the folders of those that it names now, and the `allowed` ones: the page that edits it
+  // is not to read others.
+  static Result<std::unique_ptr<Editor>> Open(const std::string& path, const std::vector<std::string>& allowed = {});
 
   // The newest text that loads makes this world; null: none has loaded so far.
   const EditedWorld* world() const { return world_.get(); }
@@ -33,6 +37,9 @@ class Editor {
   const std::string& path() const { return file_.path(); }
   const std::string& text() const { return file_.text(); }
   bool is_modified() const { return file_.is_modified(); }
+  const AllowedPaths& allowed() const { return allowed_; }
+  // True for a shared library that the file named when it was opened: a page is not to choose code that runs.
+  bool MayRun(const std::string& controller) const { return libraries_.contains(controller); }
 
   // A request of the page, with its "op"; the result is for the reply. docs/editor.md lists the operations.
   Result<nlohmann::json> Apply(const nlohmann::json& request);
@@ -82,6 +89,8 @@ class Editor {
 
   EditedFile file_;
   const EditedKind kind_;
+  AllowedPaths allowed_;
+  std::set<std::string> libraries_;
   std::unique_ptr<EditedWorld> world_;
   std::optional<Error> error_;  // of the text
   std::uint64_t version_ = 0;

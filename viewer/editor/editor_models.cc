@@ -158,7 +158,7 @@ Result<Json> Editor::ModelReport(const std::string& name) const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   const auto define = world_->tree.defines.find(name);
   if (define == world_->tree.defines.end()) return Error{{}, "found no model " + Quoted(name)};
-  const Result<LoadedWorld> alone = BuildAlone(world_->tree, name);
+  const Result<LoadedWorld> alone = BuildAlone(world_->tree, name, allowed_);
   if (!alone.ok()) return alone.error();
   const WorldDescription& world = alone.value().world;
   const FileUnits units = UnitsOf(world_->tree);

@@ -154,7 +154,7 @@ Result<Json> Editor::Palette() const {
                 {"here", model.where.file == path()},
                 {"where", WhereJson(model.where)}};
     if (models.size() < kMostPictures) {
-      const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name);
+      const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name, allowed_);
       if (alone.ok()) row["picture"] = PictureOf(alone.value().world);
     }
     models.push_back(std::move(row));

@@ -61,8 +61,9 @@ bool HasRanger(const WorldNode& node) {
 
 }  // namespace
 
-Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height) {
-  const Result<LoadedWorld> alone = BuildAlone(tree, model);
+Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height,
+                                  const AllowedPaths& allowed) {
+  const Result<LoadedWorld> alone = BuildAlone(tree, model, allowed);
   if (!alone.ok()) return alone.error();
   const ModelDescription& root = alone.value().world.models.front();
   const double half = std::max(kLeastHalf, 1.5 * std::max(root.size_x, root.size_y));
@@ -86,7 +87,7 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
       builder.Make("model", "wall:west", {kWall, 2.0 * half, kWallHeight}, {-middle, 0, 0, 0}, "gray60"));
   WorldNode tested = std::move(made).value();
   const bool is_robot = tested.type == "position";
-  TreeBuilder::SetText(tested, "name", model == kProbe ? "model" : model);
+  TreeBuilder::SetText(tested, "name", model == kProbe ? "tested" : model);
   builder.SetPose(tested, {0, 0, 0, 0});
   if (is_robot && HasRanger(tested) && tested.Find("ctrl") == nullptr) TreeBuilder::SetText(tested, "ctrl", "wander");
   children.push_back(std::move(tested));
@@ -98,7 +99,9 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
                                     {kProbeWidth, kProbeWidth, std::clamp(probe_height, 0.01, 100.0)},
                                     {-half + kProbeWidth, 0, 0, 0}, "SteelBlue"));
   }
-  return BuildWorld(test);
+  LoadOverrides overrides;
+  overrides.allowed = allowed;
+  return BuildWorld(test, overrides);
 }
 
 }  // namespace troupe

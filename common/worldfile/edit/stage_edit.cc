@@ -1,7 +1,7 @@
 #include "common/worldfile/edit/stage_edit.h"
 
-#include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 namespace troupe {
@@ -140,7 +140,7 @@ Result<std::string> WithBlocks(const std::string& text, const std::string& path,
       continue;
     }
     // Corners that are too many go first; a property at a time, because each moves the others.
-    const std::size_t line = static_cast<std::size_t>(old[i]->line);
+    const int line = old[i]->line;
     const int column = old[i]->column;
     std::vector<std::string> surplus;
     for (const Statement& statement : old[i]->statements) {
@@ -149,12 +149,19 @@ Result<std::string> WithBlocks(const std::string& text, const std::string& path,
       for (const auto& [name, value] : blocks[i].properties) is_wanted = is_wanted || name == statement.name;
       if (!is_wanted) surplus.push_back(statement.name);
     }
+    std::optional<StageSyntax> now;  // of `changed`
     const auto apply = [&](const auto& edit) -> Status {
-      const Result<StageSyntax> now = ReadStageSyntax(changed, path);
-      if (!now.ok()) return now.error();
-      const auto found = FindStatement(now.value(), static_cast<int>(line), column);
+      if (!now) {
+        Result<StageSyntax> read = ReadStageSyntax(changed, path);
+        if (!read.ok()) return read.error();
+        now = std::move(read).value();
+      }
+      const auto found = FindStatement(*now, line, column);
       if (found.empty()) return Error{{path}, "found no block any more"};
-      changed = edit(BodyOf(*found.back()));
+      std::string after = edit(BodyOf(*found.back()));
+      if (after == changed) return {};
+      changed = std::move(after);
+      now.reset();
       return {};
     };
     for (const std::string& name : surplus) {

@@ -4,7 +4,6 @@
 
 #include <condition_variable>
 #include <mutex>
-
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/editor/temporary_folder.h"
@@ -127,13 +126,15 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   }));
   // An edit ends the test.
   ASSERT_TRUE(edited.Edit({{"op", "delete"}, {"name", "r"}}).ok());
-  EXPECT_TRUE(edited.watcher.Await(
-      [](const SessionMessage& session, const FrameMessage& frame) { return session.world.robots.empty() && frame.paused; }));
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
+    return session.world.robots.empty() && frame.paused;
+  }));
 }
 
 TEST(EditLinkTest, GarbageIsRefused) {
   Edited edited;
-  for (const char* text : {"", "[]", "{}", "{\"op\": 5}", "{\"op\": \"test\", \"model\": \"no\"}", "{\"op\": \"set_text\"}"}) {
+  for (const char* text :
+       {"", "[]", "{}", "{\"op\": 5}", "{\"op\": \"test\", \"model\": \"no\"}", "{\"op\": \"set_text\"}"}) {
     EXPECT_FALSE(edited.link->Edit(text).ok()) << text;
   }
   EXPECT_FALSE(edited.link->is_modified());

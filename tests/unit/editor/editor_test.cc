@@ -119,9 +119,26 @@ TEST(EditorTest, ABrokenTextIsCorrectedInTheText) {
   EXPECT_TRUE(editor->Remove("model:0").ok());
 }
 
+TEST(EditorTest, TheTextNamesFilesOfItsOwnFoldersOnly) {
+  const TemporaryFolder folder;
+  const TemporaryFolder elsewhere;
+  elsewhere.Write("things.inc", kThings);
+  const std::string file = folder.Write("yard.world", "position( name \"r0\" )\n");
+  const std::string text = "include \"" + (elsewhere / "things.inc") + "\"\n";
+  const auto editor = OpenedEditor(file);
+  const Json reply = Applied(*editor, {{"op", "set_text"}, {"text", text}});
+  EXPECT_NE(reply["error"].get<std::string>().find("allow"), std::string::npos) << reply;
+  Result<std::unique_ptr<Editor>> allowing = Editor::Open(file, {elsewhere / "things.inc"});
+  ASSERT_TRUE(allowing.ok());
+  EXPECT_EQ(Applied(*allowing.value(), {{"op", "set_text"}, {"text", text}})["error"], "");
+  folder.Write("yard.world", text);
+  EXPECT_EQ(Applied(*OpenedEditor(file), {{"op", "document"}})["error"], "");
+}
+
 TEST(EditorTest, ModelsOfAnIncludeFileStandSideBySide) {
   const TemporaryFolder folder;
-  const std::string text = std::string(kThings) + "# A robot.\ndefine bot position ( size [0.3 0.3 0.2] )\ndefine eye ranger ( )\n";
+  const std::string text =
+      std::string(kThings) + "# A robot.\ndefine bot position ( size [0.3 0.3 0.2] )\ndefine eye ranger ( )\n";
   const auto editor = OpenedEditor(folder.Write("things.inc", text));
   ASSERT_EQ(editor->world()->entities.size(), 2U);
   EXPECT_TRUE(editor->world()->entities[0].on_shelf);
@@ -162,15 +179,29 @@ TEST(EditorTest, PartsAreAddedChangedAndRemoved) {
   const TemporaryFolder folder;
   const std::string text = "define bot position ( size [0.4 0.4 0.3] )\n";
   const auto editor = OpenedEditor(folder.Write("bot.inc", text));
-  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "ranger"},
+  Applied(*editor, {{"op", "change_part"},
+                    {"model", "bot"},
+                    {"part", Json::array()},
+                    {"action", "add"},
+                    {"kind", "ranger"},
                     {"sensor", {{"fov", "180"}, {"samples", "91"}}}});
-  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "gripper"},
+  Applied(*editor, {{"op", "change_part"},
+                    {"model", "bot"},
+                    {"part", Json::array()},
+                    {"action", "add"},
+                    {"kind", "gripper"},
                     {"properties", {{"pose", "[0.3 0 -0.3 0]"}}}});
-  Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {0, 0}}, {"action", "set"}, {"property", "fov"}, {"value", "90"}});
+  Applied(*editor, {{"op", "change_part"},
+                    {"model", "bot"},
+                    {"part", {0, 0}},
+                    {"action", "set"},
+                    {"property", "fov"},
+                    {"value", "90"}});
   const Json report = Applied(*editor, {{"op", "model"}, {"name", "bot"}});
   EXPECT_EQ(report["parts"][0]["parts"][0]["properties"]["fov"], "90");
   EXPECT_EQ(report["parts"][1]["type"], "gripper");
-  Refused(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "nose"}});
+  Refused(*editor,
+          {{"op", "change_part"}, {"model", "bot"}, {"part", Json::array()}, {"action", "add"}, {"kind", "nose"}});
   Refused(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {2}}, {"action", "remove"}});
   Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {1}}, {"action", "remove"}});
   Applied(*editor, {{"op", "change_part"}, {"model", "bot"}, {"part", {0}}, {"action", "remove"}});
@@ -181,7 +212,9 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
   const TemporaryFolder folder;
   folder.Write("things.inc", kThings);
   folder.Write("yard.world", WithPart(kYard, "unit_length \"cm\"   # all of them\n", ""));
-  const std::string text = "{\n  \"world\": \"yard.world\",\n  \"models\": [\n    {\"model\": \"crate\", \"name\": \"c\", \"pose\": [5, 5, 0]}\n  ]\n}\n";
+  const std::string text =
+      "{\n  \"world\": \"yard.world\",\n  \"models\": [\n    {\"model\": \"crate\", \"name\": \"c\", \"pose\": [5, 5, "
+      "0]}\n  ]\n}\n";
   const auto editor = OpenedEditor(folder.Write("s.json", text));
   ASSERT_TRUE(editor->SetPose("c", {5.5, 5.0, 0.0, 0.0}).ok());
   EXPECT_EQ(editor->text(), WithPart(text, "[5, 5, 0]", "[5.5, 5, 0]"));
@@ -197,14 +230,16 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
   EXPECT_NE(Refused(*editor, {{"op", "delete"}, {"name", "left"}}).find("yard.world:2"), std::string::npos);
 
   Applied(*editor, {{"op", "set_region"}, {"rule", {{"model", "crate"}, {"count", 2}, {"region", {20, 20, 30, 30}}}}});
-  EXPECT_NE(Refused(*editor, {{"op", "set_pose"}, {"name", "crate0"}, {"pose", {0, 0, 0, 0}}}).find("spawn"), std::string::npos);
+  EXPECT_NE(Refused(*editor, {{"op", "set_pose"}, {"name", "crate0"}, {"pose", {0, 0, 0, 0}}}).find("spawn"),
+            std::string::npos);
   Refused(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", {{"count", -1}}}});
   Applied(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", 7}});
   Refused(*editor, {{"op", "set_member"}, {"key", "seed"}, {"value", "seven"}});
   Applied(*editor, {{"op", "set_region"}, {"index", 0}, {"rule", nullptr}});
   // A wall with blocks is a child of the entry.
   const Json blocks = {{{"outline", {{-1, -1}, {1, -1}, {1, 1}}}, {"z", {0, 1}}}};
-  const Json added = Applied(*editor, {{"op", "add_model"}, {"name", "wall"}, {"pose", {50, 50, 0, 0}}, {"blocks", blocks}});
+  const Json added =
+      Applied(*editor, {{"op", "add_model"}, {"name", "wall"}, {"pose", {50, 50, 0, 0}}, {"blocks", blocks}});
   EXPECT_NE(editor->world()->Find(added["name"]), nullptr);
   Applied(*editor, {{"op", "save"}});
   EXPECT_TRUE(LoadWorld(folder / "s.json").ok());
@@ -219,7 +254,8 @@ TEST(EditorTest, StageWorldsChangeByOneToken) {
   const auto editor = OpenedEditor(folder / "worlds/simple.world");
   const std::string before = editor->text();
   const auto& entities = editor->world()->entities;
-  const auto robot = std::find_if(entities.begin(), entities.end(), [](const auto& each) { return each.type == "position"; });
+  const auto robot =
+      std::find_if(entities.begin(), entities.end(), [](const auto& each) { return each.type == "position"; });
   ASSERT_NE(robot, entities.end());
   Pose pose = PoseInWorld(editor->world()->loaded.world, robot->model);
   pose.x += 0.125;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace troupe {
@@ -145,6 +146,38 @@ TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
       "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
       "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
   EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")), R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
+}
+
+TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
+  const std::string edit =
+      R"({"type": "edit", "id": 3, "op": "set_text", "text": ")" + std::string(20'000, 'x') + "\"}";
+  EXPECT_FALSE(ParsePageRequest(edit).ok());
+  const Result<PageRequest> request = ParsePageRequest(edit, kLongestEditRequest);
+  ASSERT_TRUE(request.ok());
+  EXPECT_EQ(std::get<EditRequest>(request.value()), (EditRequest{3, "set_text", edit}));
+  const std::string select = R"({"type": "select", "robots": [")" + std::string(20'000, 'x') + "\"]}";
+  EXPECT_FALSE(ParsePageRequest(select, kLongestEditRequest).ok());
+  for (const char* bad : {R"({"type": "edit", "op": "undo"})", R"({"type": "edit", "id": 1})",
+                          R"({"type": "edit", "id": -1, "op": "undo"})", R"({"type": "edit", "id": 1, "op": 5})"}) {
+    EXPECT_FALSE(ParsePageRequest(bad).ok()) << bad;
+  }
+}
+
+TEST(PageRequestTest, ViewersAskOnlyQuestionsOfAFile) {
+  for (const char* op : {"document", "text", "palette", "help", "entity", "model"}) {
+    EXPECT_TRUE(IsQuestion(EditRequest{1, op, ""})) << op;
+  }
+  for (const char* op : {"set_text", "save", "reload", "undo", "redo", "test", "delete", "", "anything"}) {
+    EXPECT_FALSE(IsQuestion(EditRequest{1, op, ""})) << op;
+  }
+}
+
+TEST(PageRequestTest, AReplyToAnEditHasItsContentOrItsProblem) {
+  EXPECT_EQ(nlohmann::json::parse(EditReplyText(4, Result<std::string>(R"({"name": "wall1"})"))),
+            nlohmann::json::parse(R"({"type": "reply", "id": 4, "done": true, "problem": "", "name": "wall1"})"));
+  const auto refused = nlohmann::json::parse(EditReplyText(5, Error{{}, "changed", ErrorCode::kNoRoom}));
+  EXPECT_EQ(refused["done"], false);
+  EXPECT_EQ(refused["conflict"], true);
 }
 
 }  // namespace

@@ -23,7 +23,6 @@ export interface EditReply {
   done: boolean;
   problem: string;
   conflict?: boolean;  // the file has changed on disk
-  // eslint-disable-next-line @typescript-eslint/no-explicit-any
   [member: string]: any;
 }
 
