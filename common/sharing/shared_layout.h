@@ -12,7 +12,7 @@
 
 namespace troupe {
 
-inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650002;  // changes with this file or the words of a message
+inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650003;  // changes with this file or the words of a message
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network
