@@ -289,6 +289,7 @@ async function editsAScenario() {
 
   // The text, with an error that is shown at its place, and corrected.
   await page.click('#file-text');
+  await page.locator('#text-editor').waitFor();  // with the text
   const text = await page.inputValue('#text-area');
   await page.fill('#text-area', text.replace('"seed": 1,', '"seed": "one",'));
   await page.click('#text-apply');
