@@ -14,8 +14,8 @@ set(TROUPE_INCLUDED_HEADERS
   common/bitmap/bitmap.h common/bitmap/dense_cover.h common/bitmap/pixel_area.h common/bitmap/rectangle_cover.h
   common/geometry/polygon.h common/geometry/pose.h common/geometry/rectangle.h common/geometry/vec2.h
   common/geometry/z_range.h
-  common/model/color.h common/model/event.h common/model/interval.h common/model/robot_command.h
-  common/model/sensor_description.h
+  common/model/color.h common/model/event.h common/model/interval.h common/model/radio_limits.h
+  common/model/radio_message.h common/model/robot_command.h common/model/sensor_description.h
   common/model/world_description.h common/model/world_state.h
   common/picture/picture_options.h)
 list(TRANSFORM TROUPE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/troupe/ OUTPUT_VARIABLE headers)
