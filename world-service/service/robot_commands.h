@@ -12,6 +12,14 @@
 
 namespace troupe {
 
+// A part of a command that is in force. Beside the class, because clang 14 cannot compile it inside.
+template <typename Value>
+struct Timed {
+  Value value;
+  std::uint64_t ticks = 0;  // left
+  bool sent = false;        // to the agents, for the next tick
+};
+
 class RobotCommands {
  public:
   // Goals are numbered from the one after `last_goal` on: the robots of a run that is continued know other numbers.
@@ -29,12 +37,6 @@ class RobotCommands {
   void Clear() { robots_.clear(); }
 
  private:
-  template <typename Value>
-  struct Timed {
-    Value value;
-    std::uint64_t ticks = 0;  // left
-    bool sent = false;        // by ForNextTick
-  };
   struct OfRobot {
     std::optional<Timed<Twist>> twist;
     std::map<std::size_t, Timed<GripperOrder>> grippers;
