@@ -100,7 +100,8 @@ class BruteForcePrisms {
         const long double middle = 0.5L * (crossings[i - 1] + crossings[i]);
         const long double at = ray.z + middle * ray.climb;
         if (at >= prism.min_z && at < prism.max_z &&
-            prism.Contains({ray.origin.x() + middle * ray.direction.x(), ray.origin.y() + middle * ray.direction.y()})) {
+            prism.Contains(
+                {ray.origin.x() + middle * ray.direction.x(), ray.origin.y() + middle * ray.direction.y()})) {
           stretches.push_back({crossings[i - 1], crossings[i], prism.model});
         }
       }
