@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -44,7 +45,7 @@ void AddHypothesis(const std::string& class_id, const Pose& pose, Detection& det
 }
 
 std::string HexOf(const Color& color) {
-  const auto byte = [](double share) { return static_cast<int>(std::clamp(share, 0.0, 1.0) * 255.0 + 0.5); };
+  const auto byte = [](double share) { return std::lround(std::clamp(share, 0.0, 1.0) * 255.0); };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(color.r), byte(color.g), byte(color.b));
 }
 

@@ -62,14 +62,13 @@ RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& from, std::span<
   CastRays(world.scene, world.bodies, rays, from.robot, hits);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const std::size_t i = end_of_ray[k];
-    if (!hits[k]) {
+    const std::optional<BodyId> body = hits[k] ? world.scene.body_of(hits[k]->model) : std::nullopt;
+    if (!hits[k] || (body && world.bodies.owner(*body) == ends[i].robot)) {
       is_clear_[i] = true;
-    } else if (const std::optional<BodyId> body = world.scene.body_of(hits[k]->model); !body) {
+    } else if (!body) {
       first_[i].walls = 1;
-    } else if (world.bodies.owner(*body) != ends[i].robot) {
-      first_[i].bodies = 1;
     } else {
-      is_clear_[i] = true;
+      first_[i].bodies = 1;
     }
   }
 }

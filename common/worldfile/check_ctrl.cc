@@ -38,7 +38,7 @@ Status CheckRobot(const WorldNode& robot, const LoadOverrides& overrides) {
 // A `position` on a robot is a part of it, without a controller.
 Status CheckNodes(const WorldNode& node, const LoadOverrides& overrides) {
   for (const WorldNode& child : node.children) {
-    const Status status = child.type == "position" ? CheckRobot(child, overrides) : CheckNodes(child, overrides);
+    Status status = child.type == "position" ? CheckRobot(child, overrides) : CheckNodes(child, overrides);
     if (!status.ok()) return status;
   }
   return {};

@@ -8,10 +8,10 @@
 namespace troupe {
 
 Result<std::string> FindSession(const NetworkSettings& network) {
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   SessionMonitor monitor(network);
-  const auto deadline = Clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
-  while (Clock::now() < deadline) {
+  const auto deadline = steady_clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
+  while (steady_clock::now() < deadline) {
     monitor.WaitForChange(0.1);
     const std::vector<SessionInfo> sessions = monitor.Sessions();
     if (sessions.size() == 1) return sessions.front().session;

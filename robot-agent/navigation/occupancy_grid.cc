@@ -26,7 +26,8 @@ std::optional<std::size_t> OccupancyGrid::IndexOf(const Vec2& point) const {
 }
 
 Vec2 OccupancyGrid::CenterOf(std::size_t index) const {
-  return corner_ + cell_ * Vec2(static_cast<double>(index % width_) + 0.5, static_cast<double>(index / width_) + 0.5);
+  const std::size_t row = index / width_;
+  return corner_ + cell_ * Vec2(static_cast<double>(index % width_) + 0.5, static_cast<double>(row) + 0.5);
 }
 
 void OccupancyGrid::Add(std::size_t index, int evidence) {

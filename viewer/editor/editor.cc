@@ -269,7 +269,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
 }
 
 // An entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and form.
-Status Editor::AddWritten(WrittenModel model, const std::string& label) {
+Status Editor::AddWritten(const WrittenModel& model, const std::string& label) {
   if (kind_ != EditedKind::kScenario) {
     const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
     if (!syntax.ok()) return syntax.error();

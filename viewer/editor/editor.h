@@ -69,7 +69,7 @@ class Editor {
   std::string FreeName(const std::string& prefix) const;
   WrittenValue PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);
-  Status AddWritten(WrittenModel model, const std::string& label);
+  Status AddWritten(const WrittenModel& model, const std::string& label);
   Status SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
                  const std::string& label);
 

@@ -168,8 +168,9 @@ Result<std::string> WithBlocks(const std::string& text, const std::string& path,
       const Status done = apply([&](const StageBody& body) { return WithoutProperty(changed, body, name); });
       if (!done.ok()) return done.error();
     }
-    for (const auto& [name, value] : blocks[i].properties) {
-      const Status done = apply([&](const StageBody& body) { return WithProperty(changed, body, name, value); });
+    for (const auto& property : blocks[i].properties) {
+      const Status done =
+          apply([&](const StageBody& body) { return WithProperty(changed, body, property.first, property.second); });
       if (!done.ok()) return done.error();
     }
   }

@@ -33,17 +33,20 @@ std::string ToJson(const WrittenScalar& scalar) {
 template <typename Write>
 std::string Joined(const std::vector<WrittenScalar>& tuple, const char* separator, Write write) {
   std::string text = "[";
-  for (const WrittenScalar& scalar : tuple) text += (text.size() > 1 ? separator : "") + write(scalar);
+  for (const WrittenScalar& scalar : tuple) {
+    if (text.size() > 1) text += separator;
+    text += write(scalar);
+  }
   return text + "]";
 }
 
 std::string BodyLines(const WrittenModel& model, const std::string& indent, const std::string& end_of_line) {
   std::string text = indent + "(" + end_of_line;
   for (const auto& [name, value] : model.properties) {
-    text += indent + "  " + name + " " + ToStage(value) + end_of_line;
+    text.append(indent).append("  ").append(name).append(" ").append(ToStage(value)).append(end_of_line);
   }
   for (const WrittenModel& child : model.children) {
-    text += indent + "  " + ToStage(child, indent + "  ", end_of_line) + end_of_line;
+    text.append(indent).append("  ").append(ToStage(child, indent + "  ", end_of_line)).append(end_of_line);
   }
   return text + indent + ")";
 }

@@ -19,6 +19,7 @@ function cornersOf(region: SpawnRule['region']): Point[] {
 }
 
 export class SpawnRegions {
+  private shown = '';  // signature of the list
   private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0x2b9a5c}));
 
   constructor(
@@ -48,6 +49,10 @@ export class SpawnRegions {
     this.lines.geometry = new BufferGeometry();
     this.lines.geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
     this.scene.invalidate();
+    // A list that is open, or a number that is being typed, must stay where it is.
+    const signature = JSON.stringify([rules, locked, this.host.models()]);
+    if (signature === this.shown) return;
+    this.shown = signature;
     byId('region-list').replaceChildren(
       ...(rules.length > 0 ? [make('h2', 'second', 'Spawn regions')] : []), ...rules.map((rule, i) => this.row(rule, i, locked)));
   }
