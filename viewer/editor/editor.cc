@@ -301,7 +301,7 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   std::vector<double> numbers{pose.x / units.metres, pose.y / units.metres, pose.z / units.metres, heading};
   if (is_scenario && pose.z == 0.0) numbers.erase(numbers.begin() + 2);
   written.Set("pose", Tuple(numbers));
-  if (Status failure = AddWritten(std::move(written), "the addition of " + name); !failure.ok()) return failure.error();
+  if (Status failure = AddWritten(written, "the addition of " + name); !failure.ok()) return failure.error();
   return name;
 }
 

@@ -149,7 +149,7 @@ Result<Json> Editor::AddModel(const Json& request) {
     });
   };
   if (!is_box()) model.children = std::move(body.blocks);
-  if (Status failure = AddWritten(std::move(model), "the addition of " + name); !failure.ok()) return failure.error();
+  if (Status failure = AddWritten(model, "the addition of " + name); !failure.ok()) return failure.error();
   return Json{{"name", name}};
 }
 
