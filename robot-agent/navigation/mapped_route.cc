@@ -54,7 +54,7 @@ std::optional<Vec2> MappedRoute::NextPoint(const Observation& observation, const
 std::optional<Vec2> MappedRoute::NextUnknown(const Observation& observation) {
   // The last point is a place that was unknown: a new one follows as soon as it is seen.
   const std::optional<std::size_t> end = path_.empty() ? std::nullopt : grid_->IndexOf(path_.back());
-  const bool is_seen = end && (*grid_)[*end] != OccupancyGrid::Cell::kUnknown;
+  const bool is_seen = end && (*grid_)[*end] != EvidenceGrid::Cell::kUnknown;
   if (goal_ || is_seen || IsPlanDue(observation)) {
     path_ = PlanToUnknown(*grid_, observation.pose_estimate.translation(), settings_.clearance)
                 .value_or(std::vector<Vec2>());
@@ -68,7 +68,7 @@ double MappedRoute::KnownArea() const {
   if (!grid_) return 0.0;
   std::size_t known = 0;
   for (std::size_t i = 0; i < grid_->size(); ++i) {
-    if ((*grid_)[i] != OccupancyGrid::Cell::kUnknown) ++known;
+    if ((*grid_)[i] != EvidenceGrid::Cell::kUnknown) ++known;
   }
   return static_cast<double>(known) * settings_.cell * settings_.cell;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "robot-agent/navigation/occupancy_grid.h"
+#include "robot-agent/navigation/evidence_grid.h"
 #include "robot-agent/navigation/rays.h"
 #include "troupe/controller.h"
 
@@ -18,7 +18,7 @@ class MappedRoute {
     double clearance = 0.4;  // m, from the robot's origin to an obstacle that it passes
   };
 
-  // REQUIRES: sensor `ranger` is a ranger; the bounds of OccupancyGrid.
+  // REQUIRES: sensor `ranger` is a ranger; the bounds of EvidenceGrid.
   MappedRoute(const RobotInfo& info, std::size_t ranger, const Settings& settings);
 
   // Adds the reading of the ranger, if it is a new one. Call it each tick.
@@ -40,10 +40,10 @@ class MappedRoute {
   Settings settings_;
   std::size_t ranger_;
   std::vector<PlacedRay> rays_;
-  std::optional<OccupancyGrid> grid_;  // from the first reading on
-  std::vector<Vec2> path_;             // m, E
-  std::optional<Vec2> goal_;           // of the path; nothing: the unknown
-  double planned_at_ = -1.0;           // s, simulated; below 0: never
+  std::optional<EvidenceGrid> grid_;  // from the first reading on
+  std::vector<Vec2> path_;            // m, E
+  std::optional<Vec2> goal_;          // of the path; nothing: the unknown
+  double planned_at_ = -1.0;          // s, simulated; below 0: never
 };
 
 }  // namespace troupe

@@ -12,7 +12,7 @@
 namespace troupe {
 namespace {
 
-using Cell = OccupancyGrid::Cell;
+using Cell = EvidenceGrid::Cell;
 
 constexpr std::uint32_t kStraight = 10;  // cost of a step to a neighbour, and of a diagonal one
 constexpr std::uint32_t kDiagonal = 14;
@@ -21,7 +21,7 @@ constexpr std::uint32_t kTightFactor = 20;  // nearer to an obstacle than the cl
 constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
 // The cells within `clearance` m of an occupied one.
-std::vector<bool> TightCells(const OccupancyGrid& grid, double clearance) {
+std::vector<bool> TightCells(const EvidenceGrid& grid, double clearance) {
   std::vector<bool> tight(grid.size(), false);
   const auto width = static_cast<std::int64_t>(grid.width());
   const auto radius = static_cast<std::int64_t>(std::ceil(clearance / grid.cell()));
@@ -60,7 +60,7 @@ constexpr std::array<Step, 8> kSteps = {{{1, 0, kStraight},
                                          {1, -1, kDiagonal}}};
 
 // The neighbour of a cell; nothing outside of the grid.
-std::optional<std::size_t> NeighbourOf(const OccupancyGrid& grid, std::size_t cell, const Step& step) {
+std::optional<std::size_t> NeighbourOf(const EvidenceGrid& grid, std::size_t cell, const Step& step) {
   const auto width = static_cast<std::int64_t>(grid.width());
   const std::int64_t x = static_cast<std::int64_t>(cell) % width + step.x;
   const std::int64_t y = static_cast<std::int64_t>(cell) / width + step.y;
@@ -69,7 +69,7 @@ std::optional<std::size_t> NeighbourOf(const OccupancyGrid& grid, std::size_t ce
 }
 
 // Dijkstra's search; of equal costs the cell with the least index first, so that the way is always the same.
-std::optional<std::vector<Vec2>> Search(const OccupancyGrid& grid, const Vec2& from, double clearance,
+std::optional<std::vector<Vec2>> Search(const EvidenceGrid& grid, const Vec2& from, double clearance,
                                         bool through_unknown,
                                         const std::function<bool(std::size_t cell, bool tight)>& is_goal) {
   const std::optional<std::size_t> start = grid.IndexOf(from);
@@ -109,7 +109,7 @@ std::optional<std::vector<Vec2>> Search(const OccupancyGrid& grid, const Vec2& f
 
 }  // namespace
 
-std::optional<std::vector<Vec2>> PlanPath(const OccupancyGrid& grid, const Vec2& from, const Vec2& goal, double reach,
+std::optional<std::vector<Vec2>> PlanPath(const EvidenceGrid& grid, const Vec2& from, const Vec2& goal, double reach,
                                           double clearance) {
   if (!grid.IndexOf(goal)) return std::nullopt;
   const double limit = std::max(reach, grid.cell()) * std::max(reach, grid.cell());
@@ -117,7 +117,7 @@ std::optional<std::vector<Vec2>> PlanPath(const OccupancyGrid& grid, const Vec2&
                 [&](std::size_t cell, bool) { return (grid.CenterOf(cell) - goal).squaredNorm() <= limit; });
 }
 
-std::optional<std::vector<Vec2>> PlanToUnknown(const OccupancyGrid& grid, const Vec2& from, double clearance) {
+std::optional<std::vector<Vec2>> PlanToUnknown(const EvidenceGrid& grid, const Vec2& from, double clearance) {
   std::size_t unknown = 0;
   std::optional<std::vector<Vec2>> path = Search(grid, from, clearance, false, [&](std::size_t cell, bool tight) {
     if (tight) return false;

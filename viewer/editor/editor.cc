@@ -77,7 +77,7 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
   AddFoldersOf({path}, editor->allowed_);
   AddSearchedFolders(editor->allowed_);
   // All that the file names at first.
-  const Result<std::unique_ptr<EditedWorld>> first =
+  const Result<std::unique_ptr<EditableWorld>> first =
       MakeEditedWorld(kind.value(), editor->text(), path, AllowedPaths::All());
   if (first.ok()) {
     AddFoldersOf(first.value()->tree.files, editor->allowed_);
@@ -91,7 +91,7 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
 }
 
 void Editor::Load() {
-  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text(), path(), allowed_);
+  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text(), path(), allowed_);
   error_.reset();
   if (!world.ok()) {
     error_ = world.error();
@@ -108,7 +108,7 @@ Status Editor::CheckText() const {
 }
 
 Status Editor::Commit(std::string text, const std::string& label, const std::string& model) {
-  Result<std::unique_ptr<EditedWorld>> world = MakeEditedWorld(kind_, text, path(), allowed_);
+  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text, path(), allowed_);
   if (!world.ok()) return world.error();
   if (!model.empty()) {
     if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model, allowed_); !built.ok())

@@ -18,8 +18,8 @@
 #include "common/geometry/pose.h"
 #include "common/worldfile/edit/stage_syntax.h"
 #include "common/worldfile/edit/written_model.h"
+#include "viewer/editor/editable_world.h"
 #include "viewer/editor/edited_file.h"
-#include "viewer/editor/edited_world.h"
 
 namespace troupe {
 
@@ -32,7 +32,7 @@ class Editor {
   static Result<std::unique_ptr<Editor>> Open(const std::string& path, const std::vector<std::string>& allowed = {});
 
   // The newest text that loads makes this world; null: none has loaded so far.
-  const EditedWorld* world() const { return world_.get(); }
+  const EditableWorld* world() const { return world_.get(); }
   std::uint64_t version() const { return version_; }  // counts the worlds
   const std::string& path() const { return file_.path(); }
   const std::string& text() const { return file_.text(); }
@@ -91,7 +91,7 @@ class Editor {
   const EditedKind kind_;
   AllowedPaths allowed_;
   std::set<std::string> libraries_;
-  std::unique_ptr<EditedWorld> world_;
+  std::unique_ptr<EditableWorld> world_;
   std::optional<Error> error_;  // of the text
   std::uint64_t version_ = 0;
 };

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "viewer/editor/edited_world.h"
+#include "viewer/editor/editable_world.h"
 
 namespace troupe {
 namespace {

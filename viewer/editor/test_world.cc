@@ -8,7 +8,7 @@
 #include "common/worldfile/build/build_world.h"
 #include "common/worldfile/edit/text_change.h"
 #include "common/worldfile/stage/stage_parser.h"
-#include "viewer/editor/edited_world.h"
+#include "viewer/editor/editable_world.h"
 
 namespace troupe {
 namespace {

@@ -7,25 +7,25 @@
 
 #include "common/base/deterministic_math.h"
 #include "common/base/random.h"
-#include "robot-agent/navigation/occupancy_grid.h"
+#include "robot-agent/navigation/evidence_grid.h"
 #include "robot-agent/navigation/plan_path.h"
 
 namespace troupe {
 namespace {
 
-using Cell = OccupancyGrid::Cell;
+using Cell = EvidenceGrid::Cell;
 
-Cell CellAt(const OccupancyGrid& grid, double x, double y) {
+Cell CellAt(const EvidenceGrid& grid, double x, double y) {
   return grid[*grid.IndexOf({x, y})];
 }
 
 // All cells are seen from within themselves.
-void See(OccupancyGrid& grid, std::size_t index, bool occupied) {
+void See(EvidenceGrid& grid, std::size_t index, bool occupied) {
   grid.Observe(grid.CenterOf(index), {1.0, 0.0}, 0.0, occupied);
 }
 
-TEST(OccupancyGridTest, ARayFreesItsCellsAndOccupiesThatOfItsHit) {
-  OccupancyGrid grid({0.0, 0.0}, 10.0, 0.5);
+TEST(EvidenceGridTest, ARayFreesItsCellsAndOccupiesThatOfItsHit) {
+  EvidenceGrid grid({0.0, 0.0}, 10.0, 0.5);
   EXPECT_EQ(grid.width(), 20u);
   grid.Observe({0.1, 0.1}, {1.0, 0.0}, 2.5, true);
   for (const double x : {0.1, 0.6, 1.1, 1.6, 2.1}) EXPECT_EQ(CellAt(grid, x, 0.1), Cell::kFree) << x;
@@ -36,8 +36,8 @@ TEST(OccupancyGridTest, ARayFreesItsCellsAndOccupiesThatOfItsHit) {
   EXPECT_EQ(CellAt(grid, 0.1, 4.9), Cell::kFree);
 }
 
-TEST(OccupancyGridTest, ABodyThatLeavesIsForgotten) {
-  OccupancyGrid grid({0.0, 0.0}, 10.0, 0.5);
+TEST(EvidenceGridTest, ABodyThatLeavesIsForgotten) {
+  EvidenceGrid grid({0.0, 0.0}, 10.0, 0.5);
   for (int i = 0; i < 50; ++i) grid.Observe({0.1, 0.1}, {1.0, 0.0}, 2.5, true);
   EXPECT_EQ(CellAt(grid, 2.6, 0.1), Cell::kOccupied);
   int seen_through = 0;
@@ -49,8 +49,8 @@ TEST(OccupancyGridTest, ABodyThatLeavesIsForgotten) {
   EXPECT_LT(seen_through, 20);
 }
 
-TEST(OccupancyGridTest, PointsOutsideHaveNoCell) {
-  const OccupancyGrid grid({5.0, 5.0}, 2.0, 0.1);
+TEST(EvidenceGridTest, PointsOutsideHaveNoCell) {
+  const EvidenceGrid grid({5.0, 5.0}, 2.0, 0.1);
   EXPECT_TRUE(grid.IndexOf({4.01, 5.99}));
   EXPECT_FALSE(grid.IndexOf({3.99, 5.0}));
   EXPECT_FALSE(grid.IndexOf({5.0, 6.01}));
@@ -60,8 +60,8 @@ TEST(OccupancyGridTest, PointsOutsideHaveNoCell) {
 }
 
 // A wall across the grid with a gap at its upper end.
-OccupancyGrid GridWithAWall() {
-  OccupancyGrid grid({0.0, 0.0}, 10.0, 0.25);
+EvidenceGrid GridWithAWall() {
+  EvidenceGrid grid({0.0, 0.0}, 10.0, 0.25);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Vec2 center = grid.CenterOf(i);
     See(grid, i, std::abs(center.x()) < 0.2 && center.y() < 3.0);
@@ -70,7 +70,7 @@ OccupancyGrid GridWithAWall() {
 }
 
 TEST(PlanPathTest, LeadsThroughTheGapAtADistanceFromTheWall) {
-  const OccupancyGrid grid = GridWithAWall();
+  const EvidenceGrid grid = GridWithAWall();
   const auto path = PlanPath(grid, {-3.0, -3.0}, {3.0, -3.0}, 0.3, 0.6);
   ASSERT_TRUE(path);
   double highest = -10.0;
@@ -86,14 +86,14 @@ TEST(PlanPathTest, LeadsThroughTheGapAtADistanceFromTheWall) {
 }
 
 TEST(PlanPathTest, SqueezesThroughWhereThereIsNoOtherWay) {
-  const OccupancyGrid grid = GridWithAWall();
+  const EvidenceGrid grid = GridWithAWall();
   const auto path = PlanPath(grid, {-3.0, 0.0}, {3.0, 0.0}, 0.3, 1.9);
   ASSERT_TRUE(path);
   EXPECT_LE((path->back() - Vec2(3.0, 0.0)).norm(), 0.3);
 }
 
 TEST(PlanPathTest, NamesNoWayWhereThereIsNone) {
-  OccupancyGrid grid = GridWithAWall();
+  EvidenceGrid grid = GridWithAWall();
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (std::abs(grid.CenterOf(i).x()) < 0.2) {
       for (int k = 0; k < 20; ++k) See(grid, i, true);
@@ -105,7 +105,7 @@ TEST(PlanPathTest, NamesNoWayWhereThereIsNone) {
 }
 
 TEST(PlanPathTest, FindsTheNearestUnknownPlace) {
-  OccupancyGrid grid({0.0, 0.0}, 10.0, 0.25);
+  EvidenceGrid grid({0.0, 0.0}, 10.0, 0.25);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Vec2 center = grid.CenterOf(i);
     if (center.x() < 1.0 && !(center.x() < -2.0 && center.y() < -2.0)) See(grid, i, false);
@@ -120,7 +120,7 @@ TEST(PlanPathTest, FindsTheNearestUnknownPlace) {
 TEST(PlanPathTest, FindsAWayIfAndOnlyIfThereIsOne) {
   int reached = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-    OccupancyGrid grid({0.0, 0.0}, 4.0, 0.25);
+    EvidenceGrid grid({0.0, 0.0}, 4.0, 0.25);
     const auto width = static_cast<std::int64_t>(grid.width());
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const double draw = RandomUniform({seed, i});

@@ -1,4 +1,4 @@
-// OccupancyGrid: a robot's own map: square cells that its ranger has seen free, occupied, or not yet. Each
+// EvidenceGrid: a robot's own map: square cells that its ranger has seen free, occupied, or not yet. Each
 // observation counts as evidence, so that a body that has left disappears. Frame E: that of the pose estimate.
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace troupe {
 
-class OccupancyGrid {
+class EvidenceGrid {
  public:
   enum class Cell : std::uint8_t { kUnknown, kFree, kOccupied };
 
   // A square of `side` m in cells of `cell` m around `center` (m, E). REQUIRES: both > 0, side / cell <= kMostCells
-  OccupancyGrid(const Vec2& center, double side, double cell);
+  EvidenceGrid(const Vec2& center, double side, double cell);
   static constexpr double kMostCells = 1000.0;  // along a side
 
   // A ray from `origin` along the unit vector `direction` that was free for `range` m and ended there at a body if

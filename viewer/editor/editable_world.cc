@@ -1,4 +1,4 @@
-#include "viewer/editor/edited_world.h"
+#include "viewer/editor/editable_world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +73,7 @@ struct Names {
 };
 
 void AddEntities(const WorldNode& parent, const std::string& parent_name, const WorldNode* parent_node,
-                 const Pose& X_WP, const Names& names, const std::set<const WorldNode*>& shelf, EditedWorld& edited) {
+                 const Pose& X_WP, const Names& names, const std::set<const WorldNode*>& shelf, EditableWorld& edited) {
   const std::vector<std::string> given = ChildNames(parent);
   for (std::size_t i = 0; i < parent.children.size(); ++i) {
     const WorldNode& node = parent.children[i];
@@ -101,7 +101,7 @@ Result<EditedKind> KindOf(const std::string& path) {
                "found a file ending in " + Quoted(ending) + ", expected .world, .inc (models) or .json (scenario)"};
 }
 
-const EditedEntity* EditedWorld::Find(const std::string& name) const {
+const EditedEntity* EditableWorld::Find(const std::string& name) const {
   const auto found =
       std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
   return found != entities.end() ? &*found : nullptr;
@@ -125,9 +125,9 @@ Pose PoseInWorld(const WorldDescription& world, ModelId id) {
   return model.parent ? PoseInWorld(world, *model.parent) * model.X_PM : model.X_PM;
 }
 
-Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path,
-                                                     const AllowedPaths& allowed) {
-  auto edited = std::make_unique<EditedWorld>();
+Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
+                                                       const std::string& path, const AllowedPaths& allowed) {
+  auto edited = std::make_unique<EditableWorld>();
   std::set<const WorldNode*> shelf;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;

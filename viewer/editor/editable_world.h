@@ -1,4 +1,4 @@
-// EditedWorld: the world that a text in editing makes, and for each entity of it the place in the text.
+// EditableWorld: the world that a text in editing makes, and for each entity of it the place in the text.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct EditedEntity {
   Pose X_WP;                          // the parent's, at load
 };
 
-struct EditedWorld {
+struct EditableWorld {
   WorldTree tree;
   LoadedWorld loaded;
   std::vector<EditedEntity> entities;  // in the order of the world's models
@@ -46,8 +46,8 @@ struct EditedWorld {
 
 // `path` names the text in messages, and is where its relative paths start. `allowed`: the files that the text may
 // name. The tree of the result does not move.
-Result<std::unique_ptr<EditedWorld>> MakeEditedWorld(EditedKind kind, const std::string& text, const std::string& path,
-                                                     const AllowedPaths& allowed);
+Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
+                                                       const std::string& path, const AllowedPaths& allowed);
 
 // The types and defines that give models, and the models themselves, one alone in a world.
 struct PaletteModel {
