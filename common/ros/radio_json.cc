@@ -2,8 +2,10 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "common/base/hexadecimal.h"
 #include "common/base/json_text.h"
 
 namespace troupe::ros {
@@ -12,34 +14,12 @@ namespace {
 // Twice the bytes as digits, and the names around them.
 constexpr std::size_t kLongestText = 4 * kMostRadioBytes;
 
-constexpr char kDigits[] = "0123456789abcdef";
-
-std::string Hexadecimal(const std::vector<std::uint8_t>& bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
+// Digits of either case.
+std::optional<std::string> BytesOf(std::string digits) {
+  for (char& digit : digits) {
+    if (digit >= 'A' && digit <= 'F') digit = static_cast<char>(digit - 'A' + 'a');
   }
-  return text;
-}
-
-std::optional<std::uint8_t> ValueOf(char digit) {
-  if (digit >= '0' && digit <= '9') return static_cast<std::uint8_t>(digit - '0');
-  if (digit >= 'a' && digit <= 'f') return static_cast<std::uint8_t>(digit - 'a' + 10);
-  if (digit >= 'A' && digit <= 'F') return static_cast<std::uint8_t>(digit - 'A' + 10);
-  return std::nullopt;
-}
-
-std::optional<std::vector<std::uint8_t>> BytesOf(const std::string& digits) {
-  std::vector<std::uint8_t> bytes;
-  if (digits.size() % 2 != 0) return std::nullopt;
-  for (std::size_t i = 0; i < digits.size(); i += 2) {
-    const std::optional<std::uint8_t> high = ValueOf(digits[i]);
-    const std::optional<std::uint8_t> low = ValueOf(digits[i + 1]);
-    if (!high || !low) return std::nullopt;
-    bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
-  }
-  return bytes;
+  return FromHexadecimal(digits);
 }
 
 // As nlohmann decides it, which refuses to write any other.
@@ -61,7 +41,7 @@ Error Refused(std::string message) {
 std::string ReceptionJson(const WorldDescription& world, const RadioReception& reception) {
   nlohmann::json json = {{"from", world.robot(reception.from).name},
                          {"to_all", reception.to_all},
-                         {"bytes", Hexadecimal(reception.bytes)},
+                         {"bytes", ToHexadecimal(std::as_bytes(std::span(reception.bytes)))},
                          {"rssi", reception.rssi},
                          {"tick", reception.tick}};
   std::string text(reception.bytes.begin(), reception.bytes.end());
@@ -90,9 +70,9 @@ Result<RadioMessage> ReadRadioMessage(const WorldDescription& world, std::size_t
       message.bytes.assign(content.begin(), content.end());
       has_content = true;
     } else if (key == "bytes" && !has_content) {
-      std::optional<std::vector<std::uint8_t>> bytes = BytesOf(content);
+      const std::optional<std::string> bytes = BytesOf(content);
       if (!bytes) return Refused("bytes that are no pairs of hexadecimal digits");
-      message.bytes = *std::move(bytes);
+      message.bytes.assign(bytes->begin(), bytes->end());
       has_content = true;
     } else {
       return Refused("keys other than 'to', and 'text' or 'bytes'");

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/deterministic_math.h"
+#include "common/base/hexadecimal.h"
 #include "common/sensing/fan_marks.h"
 #include "common/sensing/model_pose.h"
 #include "common/sensing/reading_json.h"
@@ -141,17 +143,6 @@ class Column {
   double stretch_ = 1.0;
 };
 
-std::string HexText(const std::vector<std::uint8_t>& bytes) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * bytes.size());
-  for (const std::uint8_t byte : bytes) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
-
 class Camera final : public Sensor {
  public:
   explicit Camera(const SensorMount& mount) : Sensor(mount), optics_(parameters()) {}
@@ -166,7 +157,7 @@ class Camera final : public Sensor {
       if (line.back() != '[') line += ',';
       line += std::isfinite(depth) ? JsonNumber(depth) : "null";
     }
-    return line + "],\"colors\":\"" + HexText(content.colors) + "\"}\n";
+    return line + "],\"colors\":\"" + ToHexadecimal(std::as_bytes(std::span(content.colors))) + "\"}\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/base/deterministic_math.h"
+#include "common/base/hexadecimal.h"
 #include "common/base/random.h"
 #include "common/model/radio_limits.h"
 #include "common/sensing/fan_marks.h"
@@ -21,17 +23,6 @@ constexpr std::uint64_t kRadioStream = 0x726164696f;  // "radio"
 
 enum class RadioDraw : std::uint64_t { kLoss = 0, kRange = 1, kBearing = 2 };
 
-std::string Hexadecimal(const std::vector<std::uint8_t>& bytes) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * bytes.size());
-  for (const std::uint8_t byte : bytes) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
-
 class Radio final : public Sensor {
  public:
   explicit Radio(const SensorMount& mount) : Sensor(mount) {}
@@ -41,8 +32,9 @@ class Radio final : public Sensor {
     for (const RadioReception& reception : std::get<RadioReading>(reading.content).receptions) {
       if (line.back() != '[') line += ',';
       line += "{\"from\":" + JsonString(world.robot(reception.from).name) +
-              ",\"to_all\":" + (reception.to_all ? "true" : "false") + ",\"bytes\":\"" + Hexadecimal(reception.bytes) +
-              "\",\"rssi\":" + JsonNumber(reception.rssi) + ",\"tick\":" + std::to_string(reception.tick);
+              ",\"to_all\":" + (reception.to_all ? "true" : "false") + ",\"bytes\":\"" +
+              ToHexadecimal(std::as_bytes(std::span(reception.bytes))) + "\",\"rssi\":" + JsonNumber(reception.rssi) +
+              ",\"tick\":" + std::to_string(reception.tick);
       if (reception.place) {
         line += ",\"range\":" + JsonNumber(reception.place->range) +
                 ",\"bearing\":" + JsonNumber(reception.place->bearing) +
