@@ -16,8 +16,8 @@
 #include "common/dds/tools/control_client.h"
 #include "common/protocol/run_state_text.h"
 #include "launcher/commands/command_failure.h"
-#include "launcher/commands/find_session.h"
 #include "launcher/commands/pose_text.h"
+#include "launcher/commands/select_session.h"
 
 namespace troupe {
 namespace {
@@ -60,11 +60,7 @@ Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, Contro
 
 Result<ControlReply> SendRequest(const CtlOptions& options) {
   NetworkSettings network = options.network;
-  if (network.session.empty()) {
-    Result<std::string> found = FindSession(network);
-    if (!found.ok()) return found.error();
-    network.session = std::move(found).value();
-  }
+  if (const Status problem = SelectSession(network); !problem.ok()) return problem.error();
   ControlClient client(network);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
   ControlRequest request = options.request;

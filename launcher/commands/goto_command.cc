@@ -16,8 +16,8 @@
 #include "common/command_line/network_flags.h"
 #include "common/command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
-#include "launcher/commands/find_session.h"
 #include "launcher/commands/goal_text.h"
+#include "launcher/commands/select_session.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/process/signal_watch.h"
 
@@ -95,11 +95,7 @@ int Goto(GotoOptions options) {
   if (!goal.ok()) return Fail(goal.error());
   SignalWatch signals;
   try {
-    if (options.network.session.empty()) {
-      Result<std::string> found = FindSession(options.network);
-      if (!found.ok()) return Fail(found.error());
-      options.network.session = std::move(found).value();
-    }
+    if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
     Result<RobotRemote> remote = RobotRemote::Connect(options.network, options.robot);
     if (!remote.ok()) return Fail(remote.error());
     if (options.cancel) {

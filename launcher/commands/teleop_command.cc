@@ -16,7 +16,7 @@
 #include "common/command_line/network_flags.h"
 #include "common/command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
-#include "launcher/commands/find_session.h"
+#include "launcher/commands/select_session.h"
 #include "launcher/driving/raw_terminal.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/driving/teleop_keys.h"
@@ -92,11 +92,7 @@ int Teleop(TeleopOptions options) {
     return Fail({{}, "the standard input is no terminal, expected one for the keys", ErrorCode::kBadInput});
   }
   try {
-    if (options.network.session.empty()) {
-      Result<std::string> found = FindSession(options.network);
-      if (!found.ok()) return Fail(found.error());
-      options.network.session = std::move(found).value();
-    }
+    if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
     Result<RobotRemote> remote = RobotRemote::Connect(options.network, options.robot);
     if (!remote.ok()) return Fail(remote.error());
     fmt::print("driving {} of {}:\n{}", options.robot, options.network.session, TeleopKeys::Help());

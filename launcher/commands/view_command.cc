@@ -19,9 +19,9 @@
 #include "common/dds/tools/session_observer.h"
 #include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
-#include "launcher/commands/find_session.h"
 #include "launcher/commands/listen_address.h"
 #include "launcher/commands/recorded_states.h"
+#include "launcher/commands/select_session.h"
 #include "launcher/process/signal_watch.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"
@@ -130,11 +130,7 @@ int ViewCommand(ViewOptions options) {
   setpriority(PRIO_PROCESS, 0, kNiceness);
   try {
     if (!options.file.empty()) return ServeRecording(options, signals);
-    if (options.network.session.empty()) {
-      Result<std::string> found = FindSession(options.network);
-      if (!found.ok()) return Fail(found.error());
-      options.network.session = std::move(found).value();
-    }
+    if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
     return ServeRun(options, signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));

@@ -1,20 +1,25 @@
-#include "launcher/commands/find_session.h"
+#include "launcher/commands/select_session.h"
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 #include "common/dds/tools/session_monitor.h"
 
 namespace troupe {
 
-Result<std::string> FindSession(const NetworkSettings& network) {
+Status SelectSession(NetworkSettings& network) {
+  if (!network.session.empty()) return {};
   using std::chrono::steady_clock;
   SessionMonitor monitor(network);
   const auto deadline = steady_clock::now() + std::chrono::duration<double>(kDiscoverySeconds);
   while (steady_clock::now() < deadline) {
     monitor.WaitForChange(0.1);
     const std::vector<SessionInfo> sessions = monitor.Sessions();
-    if (sessions.size() == 1) return sessions.front().session;
+    if (sessions.size() == 1) {
+      network.session = sessions.front().session;
+      return {};
+    }
     if (sessions.empty()) continue;
     std::string names;
     for (const SessionInfo& info : sessions) names += (names.empty() ? "" : ", ") + info.session;
