@@ -52,6 +52,12 @@ auto Elements(const Sequence& sequence) {
   return std::span<const Element>(sequence._buffer, sequence._buffer == nullptr ? 0 : sequence._length);
 }
 
+// Columns of one table, as Elements returns them.
+template <typename First, typename... Others>
+bool SameLength(const First& first, const Others&... others) {
+  return (... && (others.size() == first.size()));
+}
+
 // False if a message cannot be read because it has the changes since a message that is not the last one. Converters of
 // such messages overload it.
 template <typename Wire, typename Message>

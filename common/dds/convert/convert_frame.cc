@@ -304,11 +304,6 @@ Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
   return {};
 }
 
-template <typename First, typename... Others>
-bool SameLength(const First& first, const Others&... others) {
-  return (... && (others.size() == first.size()));
-}
-
 void TransmissionsToWire(const std::vector<RadioTransmission>& transmissions, troupe_wire_Frame& wire,
                          WireArena& arena) {
   const std::size_t count = transmissions.size();

@@ -39,7 +39,7 @@ Status MessagesFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>&
   const auto to = Elements(wire.message_to);
   const auto length = Elements(wire.message_length);
   auto bytes = Elements(wire.message_bytes);
-  if (radio.size() != robot.size() || to.size() != robot.size() || length.size() != robot.size()) {
+  if (!SameLength(robot, radio, to, length)) {
     return Error{{}, "proposal with columns of radio messages of different lengths, expected one row for each"};
   }
   auto proposal = proposals.begin();
@@ -102,8 +102,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   const auto wz = Elements(wire.wz);
   const auto joints = Elements(wire.joints);
   auto velocities = Elements(wire.joint_velocity);
-  if (vx.size() != robot.size() || vy.size() != robot.size() || wz.size() != robot.size() ||
-      joints.size() != robot.size()) {
+  if (!SameLength(robot, vx, vy, wz, joints)) {
     return Error{{}, "proposal with columns of different lengths, expected one row for each robot"};
   }
   message.agent = wire.agent;
