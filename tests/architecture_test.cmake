@@ -146,7 +146,7 @@ set(may_include_launcher common/base common/command_line launcher/commands)
 
 # Outside common/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users
-  launcher/commands/ctl_command.cc launcher/commands/find_session.cc launcher/commands/session_table.h
+  launcher/commands/ctl_command.cc launcher/commands/select_session.cc launcher/commands/session_table.h
   launcher/commands/top_command.cc launcher/commands/view_command.cc launcher/driving/robot_remote.cc
   robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others

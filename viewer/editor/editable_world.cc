@@ -172,16 +172,21 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
   return found;
 }
 
+WorldTree WithoutModels(const WorldTree& tree) {
+  WorldTree empty;
+  empty.defines = tree.defines;
+  empty.files = tree.files;
+  empty.directory = tree.directory;
+  empty.world = tree.world;
+  empty.world.children.clear();
+  return empty;
+}
+
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed) {
   Result<WorldNode> node = Instantiate(tree, model, {});
   if (!node.ok()) return node.error();
   if (!IsBody(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
-  WorldTree alone;
-  alone.defines = tree.defines;
-  alone.files = tree.files;
-  alone.directory = tree.directory;
-  alone.world = tree.world;
-  alone.world.children.clear();
+  WorldTree alone = WithoutModels(tree);
   WorldNode made = std::move(node).value();
   made.Set({"name", Value{model, {}}, {}});
   made.Set(NumbersProperty("pose", {0.0, 0.0, 0.0, 0.0}, {}));

@@ -56,6 +56,8 @@ struct PaletteModel {
   SourceLocation where;  // of the define; no file: a type
 };
 std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
+// The world properties, defines and files of a tree, without its models.
+WorldTree WithoutModels(const WorldTree& tree);
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed);
 
 // The factors from the units of the tree's files to metres and radians.

@@ -327,14 +327,9 @@ Result<Json> Editor::ChangePart(const Json& request) {
     }
     status = Commit(WithEntry(text(), BodyOf(*place.statement), part), fmt::format("the {} of {}", type, name), name);
   } else if (action == "set") {
-    const std::string property = TextIn(request, "property");
-    if (!IsPropertyName(property)) return Error{{}, "found the property " + Quoted(property) + ", expected a name"};
-    std::optional<WrittenValue> value;
-    if (const auto given = request.find("value"); given != request.end() && given->is_string()) {
-      Result<WrittenValue> read = ReadValueText(given->get<std::string>());
-      if (!read.ok()) return read.error();
-      value = std::move(read).value();
-    }
+    const Result<PropertyChange> change = PropertyChangeIn(request);
+    if (!change.ok()) return change.error();
+    const auto& [property, value] = change.value();
     status = SetBody(place, property, value, fmt::format("the {} of {}", property, name));
   } else {
     return Error{{}, "found the action " + Quoted(action) + ", expected set, add or remove"};

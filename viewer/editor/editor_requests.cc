@@ -219,14 +219,9 @@ Status Editor::SetBody(const Place& place, const std::string& name, const std::o
 
 // {"name": entity, "property": ..., "value": text or null}; without "name" a property of the world.
 Result<Json> Editor::SetProperty(const Json& request) {
-  const std::string property = TextIn(request, "property");
-  if (!IsPropertyName(property)) return Error{{}, "found the property " + Quoted(property) + ", expected a name"};
-  std::optional<WrittenValue> value;
-  if (const auto given = request.find("value"); given != request.end() && given->is_string()) {
-    Result<WrittenValue> read = ReadValueText(given->get<std::string>());
-    if (!read.ok()) return read.error();
-    value = std::move(read).value();
-  }
+  const Result<PropertyChange> change = PropertyChangeIn(request);
+  if (!change.ok()) return change.error();
+  const auto& [property, value] = change.value();
   const std::size_t warnings_before = world_ != nullptr ? world_->loaded.warnings.size() : 0;
   Status status;
   if (const std::string name = TextIn(request, "name"); !name.empty()) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/worldfile/text/quote.h"
+#include "viewer/editor/property_text.h"
 
 namespace troupe {
 namespace {
@@ -78,6 +80,19 @@ Result<std::vector<DrawnBlock>> BlocksIn(const Json& object, double metres_per_u
     blocks.push_back(std::move(block));
   }
   return blocks;
+}
+
+Result<PropertyChange> PropertyChangeIn(const nlohmann::json& object) {
+  PropertyChange change{TextIn(object, "property"), {}};
+  if (!IsPropertyName(change.property)) {
+    return Error{{}, "found the property " + Quoted(change.property) + ", expected a name"};
+  }
+  const auto given = object.find("value");
+  if (given == object.end() || !given->is_string()) return change;
+  Result<WrittenValue> read = ReadValueText(given->get<std::string>());
+  if (!read.ok()) return read.error();
+  change.value = std::move(read).value();
+  return change;
 }
 
 Status CheckName(const std::string& name) {

@@ -30,6 +30,13 @@ struct DrawnBlock {
 };
 Result<std::vector<DrawnBlock>> BlocksIn(const nlohmann::json& object, double metres_per_unit);
 
+// A property to be set, as "property" and "value", its text, say.
+struct PropertyChange {
+  std::string property;
+  std::optional<WrittenValue> value;  // nothing: it is removed
+};
+Result<PropertyChange> PropertyChangeIn(const nlohmann::json& object);
+
 // A name that fits between quotes on a line of both languages.
 Status CheckName(const std::string& name);
 

@@ -71,12 +71,7 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
   if (!made.ok()) return made.error();
   const TreeBuilder builder(tree);
 
-  WorldTree test;
-  test.defines = tree.defines;
-  test.files = tree.files;
-  test.directory = tree.directory;
-  test.world = tree.world;
-  test.world.children.clear();
+  WorldTree test = WithoutModels(tree);
   std::vector<WorldNode>& children = test.world.children;
   const double side = 2.0 * half + 2.0 * kWall;
   const double middle = half + 0.5 * kWall;
