@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "world-service/replay/replayed_world.h"
@@ -26,9 +27,8 @@ class Restoration {
     if (!world.ok()) return world.error();
     world_.emplace(std::move(world).value());
     told_scene_ = world_->scene();
-    // A rewind may have begun before the keyframe.
     const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
-      NoteRewind(number, edit);
+      Note(number, edit);
       return Status();
     });
     if (!visited.ok()) return visited.error();
@@ -58,7 +58,7 @@ class Restoration {
         edit_ = ToldEdit{tick_.edit->request, tick_.edit->world, world_->state()};
       }
     }
-    if (tick_.edit) NoteRewind(tick_.number, *tick_.edit);
+    if (tick_.edit) Note(tick_.number, *tick_.edit);
     const bool was_in_rewind = world_->in_rewind();
     if (Status problem = world_->Follow(tick_); !problem.ok()) {
       return Error{{journal_.recording.name()},
@@ -75,9 +75,12 @@ class Restoration {
     return Tell(was_in_rewind ? std::span<const Proposal>() : tick_.proposals);
   }
 
-  void NoteRewind(std::uint64_t number, const RecordedEdit& edit) {
-    if (edit.request.command != ControlCommand::kRewind) return;
-    rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
+  // Edits whose effect is more than the state, also those before the keyframe.
+  void Note(std::uint64_t number, const RecordedEdit& edit) {
+    if (edit.request.command == ControlCommand::kLoadWorld) world_file_ = edit.request.source;
+    if (edit.request.command == ControlCommand::kRewind) {
+      rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
+    }
   }
 
   Status Tell(std::span<const Proposal> proposals) {
@@ -92,7 +95,7 @@ class Restoration {
     return {};
   }
 
-  Result<ResumedRun> Resumed() {
+  ResumedRun Resumed() {
     ResumedRun run;
     run.run = journal_.recording.run().run;
     run.incarnation = journal_.progress.incarnation + 1;
@@ -103,16 +106,7 @@ class Restoration {
     run.frame = std::move(frame_);
     run.progress = journal_.progress;
     run.rewind = std::move(rewind_);
-    const auto note = [&run](const RecordedEdit& edit) {
-      if (edit.request.command == ControlCommand::kLoadWorld) run.world_file = edit.request.source;
-      return Status();
-    };
-    const Status damaged = journal_.recording.VisitEdits(
-        journal_.recording.chunks(), [&](std::uint64_t, const RecordedEdit& edit) { return note(edit); });
-    if (!damaged.ok()) return damaged.error();
-    for (const RecordedTick& tick : journal_.tail) {
-      if (tick.edit) static_cast<void>(note(*tick.edit));
-    }
+    run.world_file = std::move(world_file_);
     return run;
   }
 
@@ -125,6 +119,7 @@ class Restoration {
   std::optional<MemoryPlace> previous_;
   std::optional<ToldEdit> edit_;
   std::optional<UnfinishedRewind> rewind_;
+  std::string world_file_;  // that was loaded during the run
   std::optional<FrameMessage> frame_;
 };
 
