@@ -202,7 +202,7 @@ TEST_F(Driving, ToolsNameWhatIsWrong) {
       {{"walker", "1,2,x"}, 2, "error: found '1,2,x', expected"},
       {{"walker", "1,nan"}, 2, "error: found '1,nan', expected"},
       {{"walker", "1,2,90", "3,4"}, 2, "error: found '1,2,90', expected X,Y of a point before the last one in metres"},
-      {{"nobody", "1,2"}, 3, "nobody"},
+      {{"missing", "1,2"}, 3, "missing"},
       {{"crate", "1,2"}, 3, "error: 'crate' is no robot"},
       {{"idler", "1,2"}, 3, "error: the controller of 'idler' (idle) accepts no goals"},
   };
@@ -214,7 +214,7 @@ TEST_F(Driving, ToolsNameWhatIsWrong) {
   const Finished piped = Finish(Troupe(Command("teleop", {"walker"})));
   EXPECT_EQ(piped.exit_status, 2);
   EXPECT_THAT(piped.output, HasSubstr("error: the standard input is no terminal, expected one for the keys"));
-  TerminalProgram unknown = Teleop({"nobody"});
+  TerminalProgram unknown = Teleop({"missing"});
   EXPECT_EQ(unknown.Wait(), 3);
   EXPECT_TRUE(unknown.is_restored());
 }
