@@ -40,12 +40,24 @@ nose ( name "r1" pose [ -2 0 0 0 ] fiducial_return 2 fiducial_key 1 )
 blinkenlight ( name "light" pose [ 3 0 0 0 ] )
 )";
 
-WorldDescription SmallWorld() {
-  const Result<WorldTree> tree = ParseStageText(kWorld, "seed.world");
+constexpr std::size_t kLongestRecording = 6144;  // bytes of an input; as in scripts/fuzz
+
+// Of recordings, of which the whole has to fit into an input.
+constexpr char kRecordedWorld[] = R"(
+model ( name "crate" pose [ 1 1 0 30 ] size [ 0.5 0.5 0.5 ] gripper_return 1 )
+position ( name "r0" size [ 0.4 0.4 0.3 ] gripper ( pose [ 0.2 0 0 0 ] ) )
+)";
+
+WorldDescription WorldOf(const char* text) {
+  const Result<WorldTree> tree = ParseStageText(text, "seed.world");
   Check(tree.ok());
   Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, {});
   Check(loaded.ok());
-  WorldDescription world = std::move(loaded).value().world;
+  return std::move(loaded).value().world;
+}
+
+WorldDescription SmallWorld() {
+  WorldDescription world = WorldOf(kWorld);
   Bitmap bitmap(9, 5);
   for (int x = 0; x < 9; ++x) bitmap.set_occupied(x, x % 5, true);
   ModelDescription map = world.models.front();
@@ -56,14 +68,6 @@ WorldDescription SmallWorld() {
   shape.rectangles_z = {0.0, 1.0};
   shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.factor = 0.1}, {.factor = 0.2});
   world.models.push_back(std::move(map));
-  return world;
-}
-
-// Without the map, whose pixels would be most of a recording.
-WorldDescription RobotWorld() {
-  WorldDescription world = SmallWorld();
-  world.models.pop_back();
-  world.shapes.pop_back();
   return world;
 }
 
@@ -211,6 +215,7 @@ void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
     out.Add(std::uint8_t{255});
   }
   Check(copy.Close().ok());
+  Check(small.size() <= kLongestRecording && messages.size() <= kLongestRecording);
   seeds.Write("recording", "file.bin", small);
   seeds.Write("recording", "messages.bin", messages);
 }
@@ -243,7 +248,7 @@ int Main(const char* folder) {
   seeds.WriteMessage("control_reply", reply);
   seeds.WriteMessage("status", StatusMessage());
   WriteRosSamples(seeds);
-  WriteRecordings(seeds, RobotWorld());
+  WriteRecordings(seeds, WorldOf(kRecordedWorld));
   return 0;
 }
 
