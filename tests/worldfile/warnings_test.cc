@@ -1,4 +1,8 @@
 // No statement of a file is dropped in silence.
+#include <regex>
+#include <set>
+#include <string>
+
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {
@@ -18,6 +22,61 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
                   "'window'",
                   "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
                   "w.world:6:2: warning: property 'colour' has no effect in a 'model'"));
+}
+
+// Every type of Stage 4.3, and every property but `bitmap`.
+constexpr char kAllOfStage[] = R"(
+name "all"
+resolution 0.02
+interval_sim 100
+quit_time 0
+threads 1
+show_clock 0
+show_clock_interval 100
+unit_length "m"
+unit_angle "degrees"
+speedup 1
+test 0
+paused 0
+confirm_on_quit 0
+model( name "m" pose [3 3 0 0] size [1 1 1] origin [0 0 0 0] update_interval 100 color "red" noblocks 0 boundary 0
+ stack_children 1 obstacle_return 1 ranger_return 1 blob_return 1 gripper_return 0 fiducial_return 0 fiducial_key 0
+ gui_nose 0 gui_grid 0 gui_outline 0 gui_move 0 mass 1 watts 0 give_watts 0 take_watts 0 joules 1 joules_capacity 2
+ map_resolution 0.1 friction 0 say "hi" alwayson 0 debug 0 event_queue 0 trail_length 20 trail_interval 10 )
+model( name "n" pose [5 5 0 0] color_rgba [1 0 0 1] kjoules 1 kjoules_capacity 2
+ block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] ) )
+position( name "p" update_interval 50 drive "diff" wheelbase 1 velocity [0 0 0 0]
+ velocity_bounds [-1 1 -1 1 -1 1 -90 90] acceleration_bounds [-1 1 -1 1 -1 1 -90 90]
+ localization "gps" localization_origin [0 0 0 0] odom_error [0.1 0.1 0 0.1]
+ ranger( sensor( pose [0 0 0 0] size [0.02 0.02 0.02] range [0 5] fov 10 samples 2 noise [0 0 0] color "red" ) )
+ gripper( autosnatch 0 paddle_size [0.66 0.1 0.4] paddle_state ["open" "down"] size [0.2 0.3 0.2] )
+ fiducial( range_min 0 range_max 8 range_max_id 5 fov 180 ignore_zloc 0 )
+ blobfinder( image [80 60] range 12 fov 60 pan 0 colors_count 1 colors ["red"] )
+ bumper( noblocks 1 bcount 1 bpose[0] [0 0 0 0] blength 0.1 blength[0] 0.1 )
+ actuator( type "linear" axis [1 0 0] max_speed 1 min_position 0 max_position 1 start_position 0 )
+ camera( resolution [32 32] range [0.2 8] fov [70 40] pantilt [0 0] )
+ blinkenlight( dutycycle 1 period 1000 enabled 1 )
+ lightindicator( )
+)
+window( size [100 100] )
+)";
+
+// docs/stage-differences.md lists them.
+TEST(Warnings, NameAllThatStageHasAndThatIsWithoutEffect) {
+  std::set<std::string> named;
+  const std::regex quoted("'([a-z_]+)'");
+  const std::regex place(" in a '[a-z]+'");
+  for (const std::string& text : WorldFolder().WarningsOf(kAllOfStage)) {
+    const std::string warning = std::regex_replace(text, place, "");
+    for (std::sregex_iterator match(warning.begin(), warning.end(), quoted), end; match != end; ++match) {
+      named.insert((*match)[1]);
+    }
+  }
+  EXPECT_THAT(named, testing::ElementsAre("alwayson", "blob_return", "color", "confirm_on_quit", "debug", "event_queue",
+                                          "friction", "gui_grid", "gui_move", "gui_outline", "lightindicator",
+                                          "localization_origin", "map_resolution", "odom_error", "paused", "resolution",
+                                          "say", "show_clock", "show_clock_interval", "speedup", "test", "threads",
+                                          "trail_interval", "trail_length", "update_interval", "velocity", "window"));
 }
 
 TEST(Warnings, StatementsForStagesWindowShareOne) {
