@@ -6,10 +6,13 @@ import {createRequire} from 'node:module';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files, world] = process.argv.slice(2);
-const playwright = createRequire(`${source}/viewer/web/package.json`)('playwright-core');
+const require = createRequire(`${source}/viewer/web/package.json`);
+const playwright = require('playwright-core');
+const WebSocket = require('ws');
 const troupe = `${programs}/troupe`;
 const domain = String(141 + (process.pid % 19));
 const SECONDS = 10;  // of a measurement
+const ROUNDS = 5;  // of a comparison
 mkdirSync(files, {recursive: true});
 
 const browser = await playwright.chromium.launch({
@@ -54,6 +57,18 @@ function cpuSeconds(pid) {
   return (Number(fields[11]) + Number(fields[12])) / 100;
 }
 
+// From the start of the program to the first state in the page.
+async function measureStart() {
+  const begin = performance.now();
+  const run = new Program(troupe, [
+    'run', `${source}/worlds/scenarios/demo.json`, '--domain', domain, '--session', `figures-${process.pid}-s`, '--ticks', '1000000',
+  ]);
+  const page = await open(await run.line('viewer: '));
+  console.log(`the page shows the demo ${((performance.now() - begin) / 1000).toFixed(2)} s after its start`);
+  await page.close();
+  await run.stop();
+}
+
 async function measureRun() {
   const run = new Program(troupe, [
     'run', world, '--domain', domain, '--session', `figures-${process.pid}`, '--ticks', '1000000', '--speed', '6',
@@ -69,29 +84,49 @@ async function measureRun() {
   await run.stop();
 }
 
-// Ticks a second of a run as fast as possible, with and without a page, in alternation.
+// The tick of a run, by `troupe ctl`, and the time of the answer in s.
+async function tickOf(session) {
+  const status = new Program(troupe, ['ctl', 'status', '--domain', domain, '--session', session]);
+  await status.end;
+  const tick = Number(/tick (\d+)/.exec(status.lines.join(' '))[1]);
+  return {tick, time: performance.now() / 1000};
+}
+
+// A viewer that receives all that a page does, as a browser on another computer would.
+function receive(url) {
+  const address = new URL(url);
+  const socket = new WebSocket(`ws://${address.host}/socket${address.search}`, 'troupe', {headers: {Origin: address.origin}});
+  let received = 0;
+  socket.on('message', () => ++received);
+  return until('updates arrive', () => received > 10 ? {close: () => socket.close()} : null);
+}
+
+// Ticks a second of a run as fast as possible, without a viewer, with one that receives, and with a page in the browser
+// of this computer, in alternation.
 async function measureSlowdown() {
-  const rates = {with: [], without: []};
-  for (let round = 0; round < 6; ++round) {
-    const isViewed = round % 2 === 1;
-    const ticks = 600;
-    const summary = `${files}/summary.json`;
-    const run = new Program(troupe, [
-      'run', world, '--domain', domain, '--session', `figures-${process.pid}-${round}`, '--ticks', String(ticks),
-      '--robots-per-process', '10', '--summary', summary, '--speed', 'max', ...(isViewed ? ['--paused'] : ['--headless']),
-    ]);
-    let page = null;
-    if (isViewed) {
-      page = await open(await run.line('viewer: '));
-      await page.click('#play');
+  const viewers = {none: async () => null, receiver: receive, page: open};
+  const rates = {none: [], receiver: [], page: []};
+  for (let round = 0; round < ROUNDS; ++round) {
+    for (const [name, view] of Object.entries(viewers)) {
+      const session = `figures-${process.pid}-${round}-${name}`;
+      const run = new Program(troupe, [
+        'run', world, '--domain', domain, '--session', session, '--ticks', '100000000', '--robots-per-process', '10',
+        '--speed', 'max',
+      ]);
+      const viewer = await view(await run.line('viewer: '));
+      await run.line('session ');
+      const begin = await tickOf(session);
+      await new Promise(resolve => setTimeout(resolve, SECONDS * 1000));
+      const end = await tickOf(session);
+      rates[name].push((end.tick - begin.tick) / (end.time - begin.time));
+      await viewer?.close();
+      await run.stop();
     }
-    await run.end;
-    if (page) await page.close();
-    const {wall_seconds: wall} = JSON.parse(readFileSync(summary, 'utf8'));
-    rates[isViewed ? 'with' : 'without'].push(ticks / wall);
   }
-  const median = values => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
-  console.log(`ticks a second: ${median(rates.without).toFixed(0)} without a viewer, ${median(rates.with).toFixed(0)} with one`);
+  const median = values => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
+  const ratios = name => rates[name].map((rate, i) => (rate / rates.none[i]).toFixed(2)).join(', ');
+  console.log(`ticks a second: ${median(rates.none).toFixed(0)} without a viewer; of that, with one that receives ` +
+    `${ratios('receiver')}, with a page in this computer's browser ${ratios('page')}`);
 }
 
 // From the input on the timeline to the picture, in a recording of 10,000 ticks.
@@ -126,6 +161,7 @@ async function measureSeeks() {
 }
 
 try {
+  await measureStart();
   await measureRun();
   await measureSlowdown();
   await measureSeeks();
