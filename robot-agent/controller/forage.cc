@@ -1,5 +1,6 @@
 // fasr, fasr2 and fasr_plan: carry units from sources to sinks. Three ways to the same task: one pair of places with
-// what the sensors see at present; several pairs, in turn; one pair with planned paths on a map of its own.
+// what the sensors see at present; several pairs, in turn; one pair with planned paths on a map of its own. With a
+// charger, the task waits while the robot charges its store of energy.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "robot-agent/controller/built_in.h"
@@ -18,11 +20,13 @@
 namespace troupe {
 namespace {
 
-// Where units are loaded or unloaded: a point, or a model that a fiducial finder recognizes.
+// Where units are loaded or unloaded, or the robot is charged: a point, or a model that a fiducial finder recognizes.
 struct UnitPlace {
   std::optional<Vec2> point;  // m, in the frame of the estimate
   std::int32_t id = 0;        // fiducial_return, where there is no point
 };
+
+constexpr double kAtCharger = 0.1;  // m: nearer to the charger's place it waits
 
 struct Task {
   UnitPlace source;
@@ -35,6 +39,9 @@ struct ForageParameters {
   double reach = 1.0;      // m: the robot is at a place within it
   double load_time = 3.0;  // s, that it stands there
   double patience = 0.0;   // s: it then turns to the next task; 0: never
+  std::optional<UnitPlace> charger;
+  double charge_below = 0.3;  // of the capacity: it then drives to the charger
+  double charge_to = 0.95;    // of the capacity: it then continues its task
   std::optional<MappedRoute::Settings> map;
 };
 
@@ -62,12 +69,17 @@ std::optional<UnitPlace> ParseUnitPlace(const nlohmann::json& value) {
   return UnitPlace{point};
 }
 
-UnitPlace ReadUnitPlace(NestedParameters& reader, const char* key, std::int32_t otherwise) {
+// Nothing if it is missing or wrong.
+std::optional<UnitPlace> ReadUnitPlace(NestedParameters& reader, const char* key) {
   const std::optional<nlohmann::json> value = reader.ReadAny(key);
-  if (!value) return {std::nullopt, otherwise};
-  const std::optional<UnitPlace> place = ParseUnitPlace(*value);
+  if (!value) return std::nullopt;
+  std::optional<UnitPlace> place = ParseUnitPlace(*value);
   if (!place) reader.Fail(fmt::format("'{}' is no place, expected a point [x, y] or the id of a fiducial", key));
-  return place.value_or(UnitPlace{});
+  return place;
+}
+
+UnitPlace ReadUnitPlaceOr(NestedParameters& reader, const char* key, std::int32_t otherwise) {
+  return ReadUnitPlace(reader, key).value_or(UnitPlace{std::nullopt, otherwise});
 }
 
 std::vector<Task> ReadTasks(NestedParameters& reader) {
@@ -94,14 +106,21 @@ Result<ForageParameters> ParseForage(const std::string& text) {
   ForageParameters p;
   NestedParameters reader(NameOf(kVariant), text);
   if (kVariant == Variant::kTasks) p.tasks = ReadTasks(reader);
-  const UnitPlace source = ReadUnitPlace(reader, "source", 1);
-  const UnitPlace sink = ReadUnitPlace(reader, "sink", 2);
+  const UnitPlace source = ReadUnitPlaceOr(reader, "source", 1);
+  const UnitPlace sink = ReadUnitPlaceOr(reader, "sink", 2);
   if (p.tasks.empty()) p.tasks.push_back({source, sink});
   p.reach = reader.ReadNumber("reach", {0.05, 100.0}).value_or(p.reach);
   p.load_time = reader.ReadNumber("load_time", {0.0, 3600.0}).value_or(p.load_time);
   p.motion.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.motion.steer.speed);
   p.motion.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.motion.steer.turn_rate);
   p.motion.clearance = reader.ReadNumber("clearance", {0.0, 100.0}).value_or(p.motion.clearance);
+  p.charger = ReadUnitPlace(reader, "charger");
+  p.charge_below = reader.ReadNumber("charge_below", {0.0, 1.0}).value_or(p.charge_below);
+  p.charge_to = reader.ReadNumber("charge_to", {0.0, 1.0}).value_or(p.charge_to);
+  if (p.charge_to < p.charge_below) {
+    reader.Fail(fmt::format("'charge_to' is {}, expected a number from 'charge_below', which is {}, to 1", p.charge_to,
+                            p.charge_below));
+  }
   if (kVariant == Variant::kTasks) p.patience = reader.ReadNumber("patience", {0.0, 1e6}).value_or(60.0);
   if (kVariant == Variant::kPlanning) p.map = ReadMapSettings(reader, p.motion.clearance);
   if (Status status = reader.Finish(); !status.ok()) return status.error();
@@ -134,6 +153,7 @@ class ForageController final : public Controller {
   Command Update(const Observation& observation) override {
     NotePlaces(observation);
     if (route_) route_->Observe(observation);
+    if (NeedsCharge(observation)) return Charge(observation);
     if (parameters_.patience > 0.0 && !carries_ && observation.time - task_since_ > parameters_.patience) {
       BeginTask((task_ + 1) % parameters_.tasks.size(), observation.time);
     }
@@ -143,15 +163,10 @@ class ForageController final : public Controller {
       handling_since_.reset();
       return Search(observation);
     }
-    const Vec2 p_R = Transform2(observation.pose_estimate).InverseTransform(*goal);
-    const double distance = std::sqrt(p_R.squaredNorm());
-    if (distance <= parameters_.reach) return HandleUnit(observation, place);
+    if (DistanceTo(observation, *goal) <= parameters_.reach) return HandleUnit(observation, place);
     handling_since_.reset();
     // Half of the reach farther, so that it does not end at the very rim.
-    const double rest = std::max(distance - 0.5 * parameters_.reach, 0.0);
-    const Vec2 next = route_ ? route_->NextPoint(observation, *goal, 0.5 * parameters_.reach).value_or(*goal) : *goal;
-    return steering_.Towards(observation, Transform2(observation.pose_estimate).InverseTransform(next),
-                             BrakingSpeed(drive_, rest));
+    return DriveTo(observation, *goal, 0.5 * parameters_.reach);
   }
 
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<ForageController>(*this); }
@@ -180,6 +195,43 @@ class ForageController final : public Controller {
     if (place.point) return place.point;
     const auto known = places_.find(place.id);
     return known != places_.end() ? std::optional(known->second) : std::nullopt;
+  }
+
+  static double DistanceTo(const Observation& observation, const Vec2& goal) {
+    return std::sqrt(Transform2(observation.pose_estimate).InverseTransform(goal).squaredNorm());
+  }
+
+  // To within `reach` m of the goal.
+  Command DriveTo(const Observation& observation, const Vec2& goal, double reach) {
+    const double rest = std::max(DistanceTo(observation, goal) - reach, 0.0);
+    const Vec2 next = route_ ? route_->NextPoint(observation, goal, reach).value_or(goal) : goal;
+    return steering_.Towards(observation, Transform2(observation.pose_estimate).InverseTransform(next),
+                             BrakingSpeed(drive_, rest));
+  }
+
+  // From a low store until a full one. The time of the task does not count meanwhile.
+  bool NeedsCharge(const Observation& observation) {
+    const std::optional<EnergyReading>& energy = observation.energy;
+    if (!parameters_.charger || !energy || energy->capacity <= 0.0) return false;
+    if (energy->joules < parameters_.charge_below * energy->capacity) charges_ = true;
+    if (!charges_) return false;
+    if (energy->joules >= parameters_.charge_to * energy->capacity) {
+      charges_ = false;
+    } else {
+      task_since_ += observation.interval;
+      handling_since_.reset();
+    }
+    return charges_;
+  }
+
+  // Drives to the charger, and stands where it is charged.
+  Command Charge(const Observation& observation) {
+    const std::optional<Vec2> goal = GoalOf(*parameters_.charger);
+    const bool is_charged = observation.energy->charge_watts > 0.0;
+    if (!goal) return is_charged ? Command() : Search(observation);
+    const double distance = DistanceTo(observation, *goal);
+    if (distance <= kAtCharger || (is_charged && distance <= parameters_.reach)) return {};
+    return DriveTo(observation, *goal, 0.5 * kAtCharger);
   }
 
   Command Search(const Observation& observation) {
@@ -227,6 +279,7 @@ class ForageController final : public Controller {
   std::size_t task_ = 0;
   double task_since_ = 0.0;  // s, simulated
   bool carries_ = false;
+  bool charges_ = false;                  // it is at the charger, or on the way to it
   std::optional<double> handling_since_;  // s, simulated
   std::uint64_t delivered_ = 0;
 };
@@ -248,6 +301,12 @@ Result<std::unique_ptr<Controller>> CreateForage(const RobotInfo& info) {
   const bool needs_finder = std::any_of(parameters.tasks.begin(), parameters.tasks.end(), [](const Task& task) {
     return NeedsFinder(task.source) || NeedsFinder(task.sink);
   });
+  if (parameters.charger && NeedsFinder(*parameters.charger) && !finder) {
+    return Error{{},
+                 fmt::format("{}: the robot has no fiducial finder to look for its charger, expected one, or a point "
+                             "[x, y]",
+                             NameOf(kVariant))};
+  }
   if (needs_finder && !finder) {
     return Error{{},
                  fmt::format("{}: the robot has no fiducial finder to look for its source and its sink, expected one, "

@@ -38,8 +38,8 @@ TEST(CheckControllers, NamesTheLineOfAWorldsController) {
   EXPECT_EQ(Fault(path), path + ":2:7: error: wander: 'speed' is -1, expected a number between 0 and 100");
   std::ofstream(path) << "position( ctrl [\"fly\" \"fasr tasks=1\"] )\n";
   EXPECT_EQ(Fault(path).substr(path.size()),
-            ":1:16: error: fasr: unknown parameter \"tasks\", expected one of: clearance, load_time, reach, sink, "
-            "source, speed, turn_rate");
+            ":1:16: error: fasr: unknown parameter \"tasks\", expected one of: charge_below, charge_to, charger, "
+            "clearance, load_time, reach, sink, source, speed, turn_rate");
   // A part of a robot has no controller.
   std::ofstream(path) << "position( position( ctrl \"wander -1\" ) )\n";
   EXPECT_EQ(Fault(path), "");

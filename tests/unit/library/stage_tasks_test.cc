@@ -1,5 +1,5 @@
-// The controllers that Stage's worlds name do their tasks: whole simulations of worlds/foraging.world and
-// worlds/stage_controllers.world.
+// The controllers that Stage's worlds name do their tasks: whole simulations of worlds/foraging.world,
+// worlds/foraging_energy.world and worlds/stage_controllers.world.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,6 +56,93 @@ TEST(StageTasks, CarriersBringUnitsFromTheSourceToTheSink) {
   // The stations see the same units with sensors of their own. A unit may be on its way.
   EXPECT_NEAR(counts["depot"], delivered, 3);
   EXPECT_GE(counts["mine"], counts["depot"] - 1);
+}
+
+// The least energy that each robot has had, in J, and the units that all have delivered.
+struct EnergyRun {
+  double least = 1e9;
+  std::size_t charges = 0;  // how often a robot has begun to be charged
+  int delivered = 0;
+  std::size_t out_of_energy = 0;  // events
+};
+
+EnergyRun RunForagers(const std::string& scenario, Tick ticks) {
+  Simulation simulation = LoadFile(scenario);
+  EXPECT_THAT(simulation.warnings(), testing::IsEmpty());
+  EnergyRun run;
+  std::map<std::string, int> counts;
+  const std::vector<ModelId> stores = FindStores(simulation.world());
+  std::vector<bool> was_charged(stores.size(), false);
+  while (simulation.tick() < ticks) {
+    simulation.Step();
+    for (const auto& [robot, count] : CountsOf(simulation.reports())) counts[robot] = count;
+    for (const Event& event : simulation.events()) run.out_of_energy += event.type == EventType::kOutOfEnergy ? 1 : 0;
+    for (std::size_t i = 0; i < was_charged.size(); ++i) {
+      const StoreState& store = simulation.state().stores[i];
+      if (simulation.world().model(stores[i]).power.endless) continue;
+      run.least = std::min(run.least, store.joules);
+      run.charges += store.charge_watts > 0.0 && !was_charged[i] ? 1 : 0;
+      was_charged[i] = store.charge_watts > 0.0;
+    }
+  }
+  EXPECT_THAT(simulation.failures(), testing::IsEmpty());
+  for (const char* carrier : {"c1", "c2", "c3", "c4"}) run.delivered += counts[carrier];
+  return run;
+}
+
+TEST(StageTasks, ForagersThatChargeNeverRunDry) {
+  const EnergyRun run = RunForagers(WorldPath("scenarios/foraging_energy.json"), 12000);
+  EXPECT_GT(run.least, 800.0) << "of 8 kJ";
+  EXPECT_EQ(run.out_of_energy, 0u);
+  EXPECT_GE(run.charges, 12u);
+  EXPECT_GE(run.delivered, 40);
+}
+
+TEST(StageTasks, ForagersWithoutAChargerRunDry) {
+  const std::string scenario = testing::TempDir() + "without_charger.json";
+  std::ofstream(scenario) << R"({"world": ")" << WorldPath("foraging_energy.world") << R"(", "seed": 4, "override": [
+    {"match": {"name": "c?"}, "properties": {"ctrl": "fasr"}}]})";
+  const EnergyRun run = RunForagers(scenario, 6000);
+  EXPECT_EQ(run.out_of_energy, 4u);
+  EXPECT_EQ(run.least, 0.0);
+}
+
+// A robot that recognizes its charger by a mark finds it by itself.
+TEST(StageTasks, AForagerFindsItsChargerByAMark) {
+  Simulation simulation = LoadText(R"(
+model( name "charger" size [1 1 0.02] pose [-3 0 0 0] obstacle_return 0 joules -1 give_watts 300
+  model( size [0.05 0.05 0.2] pose [0 0 0.38 0] obstacle_return 0 fiducial_return 3 ) )
+position( name "r" size [0.4 0.4 0.25] pose [0 2 0 0] joules 700 joules_capacity 2000 watts 10 mass 4 take_watts 150
+  ctrl "fasr [4,0] [0,0] charger=3 charge_below=0.4"
+  ranger( pose [0 0 -0.1 0] sensor( range [0 8] fov 180 samples 91 ) )
+  fiducial( pose [0 0 0.25 0] range_max 8 range_max_id 8 fov 360 ) )
+)");
+  EXPECT_THAT(simulation.warnings(), testing::IsEmpty());
+  int delivered = 0;
+  double most = 0.0;
+  double charged_at = 0.0;  // J, when it left the charger
+  while (simulation.tick() < 4000) {
+    simulation.Step();
+    const StoreState& store = simulation.state().stores[1];
+    ASSERT_GT(store.joules, 100.0) << "tick " << simulation.tick();
+    most = std::max(most, store.joules);
+    if (store.charge_watts > 0.0) charged_at = store.joules;
+    for (const auto& [robot, count] : CountsOf(simulation.reports())) delivered = count;
+  }
+  EXPECT_THAT(simulation.failures(), testing::IsEmpty());
+  EXPECT_GE(most, 0.95 * 2000.0);
+  EXPECT_GT(charged_at, 0.9 * 2000.0);
+  EXPECT_GE(delivered, 4);
+}
+
+TEST(StageTasks, AForagerWithoutAFinderNeedsThePointOfItsCharger) {
+  const std::string path = testing::TempDir() + "no_finder.world";
+  std::ofstream(path) << R"(position( name "r" ctrl "fasr [4,0] [0,0] charger=3" ))";
+  const Result<Simulation> loaded = Simulation::Load(path);
+  ASSERT_FALSE(loaded.ok());
+  EXPECT_THAT(loaded.error().ToString(),
+              testing::HasSubstr("fasr: the robot has no fiducial finder to look for its charger, expected one, or a "
+                                 "point [x, y]"));
 }
 
 TEST(StageTasks, AStationLowersItsMarkWhileItHasNoUnit) {
@@ -216,7 +303,7 @@ TEST(StageTasks, AFlockKeepsTogetherByItsRadiosAlone) {
 
 // A copy of each controller continues as the original.
 TEST(StageTasks, SnapshotsContinueAlike) {
-  for (const char* world : {"foraging.world", "stage_controllers.world"}) {
+  for (const char* world : {"foraging.world", "scenarios/foraging_energy.json", "stage_controllers.world"}) {
     Simulation simulation = LoadFile(WorldPath(world));
     simulation.Step(300);
     const Result<Snapshot> saved = simulation.Save();
