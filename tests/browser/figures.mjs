@@ -12,7 +12,7 @@ const WebSocket = require('ws');
 const troupe = `${programs}/troupe`;
 const domain = String(141 + (process.pid % 19));
 const SECONDS = 10;  // of a measurement
-const ROUNDS = 5;  // of a comparison
+const ROUNDS = 3;  // of a comparison
 mkdirSync(files, {recursive: true});
 
 const browser = await playwright.chromium.launch({

@@ -26,7 +26,7 @@ class Viewer {
   private online = false;
   private info: SessionInfo | null = null;
   private file: FileEditor | null = null;  // of `troupe edit`
-  private readonly scene = new WorldScene(byId('scene'));
+  private readonly scene = new WorldScene(byId('scene'), readFragment().fullQuality ?? false);
   private readonly systemTheme = matchMedia('(prefers-color-scheme: dark)');
   private readonly connection: Connection;
   private readonly timeBar: TimeBar;
@@ -68,7 +68,6 @@ class Viewer {
     this.allRays = fragment.rays === 'all';
     this.wantedTick = fragment.tick;
     this.scene.following = fragment.follow ?? false;
-    this.scene.quality.fixed = fragment.fullQuality ?? false;
     this.scene.motion.enabled = fragment.smooth ?? true;
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
     this.bindButtons();

@@ -1,13 +1,15 @@
 // Quality: draws less where the graphics are slow, as they are without a graphics card. It looks at the time from a
 // drawing to the next frame of the browser.
+
 const SLOW = 70;  // ms
 const PATIENCE = 4;  // slow drawings in a row
 
 export class Quality {
-  fixed = false;  // at the present level
-  level = 0;  // 0: everything; 1: no shadows; 2: fewer pixels as well
   private slow = 0;
   private drawnAt: number | null = null;
+
+  // `level`: 0: everything; 1: no shadows; 2: fewer pixels as well. `fixed`: it remains at that.
+  constructor(public level: number, readonly fixed: boolean) {}
 
   drawn(now: number): void {
     this.drawnAt = now;

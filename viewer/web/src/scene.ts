@@ -2,10 +2,11 @@
 import {
   AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
   OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane, Raycaster, RingGeometry, Scene, Vector2, Vector3,
-  WebGLRenderer,
+  type WebGLRenderer,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies} from './bodies';
+import {makeGraphics} from './graphics';
 import {Ground} from './ground';
 import {Labels} from './labels';
 import {Motion} from './motion';
@@ -63,10 +64,14 @@ export class WorldScene {
   private dirty = true;
   private preview: Object3D | null = null;
   private moved = false;  // the bodies are drawn between two states
-  readonly quality = new Quality();
+  readonly quality: Quality;
 
-  constructor(private readonly parent: HTMLElement) {
-    this.renderer = new WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+  // `full`: everything is drawn, however slow that is.
+  constructor(private readonly parent: HTMLElement, full: boolean) {
+    const {renderer, fast} = makeGraphics(full);
+    this.quality = new Quality(fast ? 0 : 2, full);
+    this.renderer = renderer;
+    this.renderer.debug.checkShaderErrors = false;  // a check waits until they are compiled
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFSoftShadowMap;
