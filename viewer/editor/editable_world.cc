@@ -173,13 +173,12 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
 }
 
 WorldTree WithoutModels(const WorldTree& tree) {
-  WorldTree empty;
-  empty.defines = tree.defines;
-  empty.files = tree.files;
-  empty.directory = tree.directory;
-  empty.world = tree.world;
-  empty.world.children.clear();
-  return empty;
+  const WorldNode& world = tree.world;
+  return {.world = {world.type, world.macros, world.properties, {}, world.where},
+          .defines = tree.defines,
+          .files = tree.files,
+          .warnings = {},
+          .directory = tree.directory};
 }
 
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed) {

@@ -2,7 +2,7 @@
 // context takes seconds, so that edges are smooth with a card only.
 import {WebGLRenderer} from 'three';
 
-const ATTRIBUTES = {alpha: true, depth: true, stencil: false, premultipliedAlpha: true, preserveDrawingBuffer: true};
+const ATTRIBUTES = {alpha: false, depth: true, stencil: false, premultipliedAlpha: true, preserveDrawingBuffer: true};
 
 function drawsInSoftware(context: WebGL2RenderingContext): boolean {
   const info = context.getExtension('WEBGL_debug_renderer_info');
@@ -20,8 +20,8 @@ export function makeGraphics(full: boolean): Graphics {
   const canvas = document.createElement('canvas');
   const context = full ? null : canvas.getContext('webgl2', {...ATTRIBUTES, antialias: false});
   if (context && drawsInSoftware(context)) {
-    return {renderer: new WebGLRenderer({canvas, context, preserveDrawingBuffer: true}), fast: false};
+    return {renderer: new WebGLRenderer({canvas, context}), fast: false};
   }
   context?.getExtension('WEBGL_lose_context')?.loseContext();
-  return {renderer: new WebGLRenderer({antialias: true, preserveDrawingBuffer: true}), fast: true};
+  return {renderer: new WebGLRenderer({...ATTRIBUTES, antialias: true}), fast: true};
 }

@@ -1,6 +1,5 @@
 // Quality: draws less where the graphics are slow, as they are without a graphics card. It looks at the time from a
 // drawing to the next frame of the browser.
-
 const SLOW = 70;  // ms
 const PATIENCE = 4;  // slow drawings in a row
 
