@@ -29,7 +29,8 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
                                 CheckCount("joints", state.joints.size(), world.joints.size()),
                                 CheckCount("grippers", state.grippers.size(), world.grippers.size()),
                                 CheckCount("objects", state.objects.size(), world.objects.size()),
-                                CheckCount("stores of energy", state.stores.size(), FindStores(world).size())}) {
+                                CheckCount("stores of energy", state.stores.size(), FindStores(world).size()),
+                                CheckCount("inertial measurement units", state.imus.size(), FindImus(world).size())}) {
     if (!problem.ok()) return problem;
   }
   bool finite = true;
@@ -51,6 +52,9 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
   }
   for (const StoreState& store : state.stores) {
     finite = finite && std::isfinite(store.joules) && std::isfinite(store.charge_watts);
+  }
+  for (const ImuState& imu : state.imus) {
+    finite = finite && std::isfinite(imu.vx) && std::isfinite(imu.vy) && std::isfinite(imu.vz);
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     known = known && transmission.from.index() < world.robots.size() &&

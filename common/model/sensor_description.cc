@@ -162,6 +162,13 @@ std::string RadioParameters::Summary() const {
          (range_and_bearing ? ", range and bearing" : "");
 }
 
+Status ImuParameters::Check() const {
+  for (const double error : {heading_noise, gyro_noise, gyro_bias, acceleration_noise, acceleration_bias}) {
+    if (error < 0.0) return SensorProblem("the standard deviation of one of its errors is negative");
+  }
+  return {};
+}
+
 std::string_view TypeOf(const SensorParameters& parameters) {
   return std::visit([](const auto& kind) { return kind.kType; }, parameters);
 }

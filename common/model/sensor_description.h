@@ -250,8 +250,35 @@ struct RadioParameters {
   }
 };
 
-using SensorParameters = std::variant<RangerParameters, BreakBeamParameters, FiducialParameters, BumperParameters,
-                                      ContactParameters, BlobfinderParameters, CameraParameters, RadioParameters>;
+// An inertial measurement unit: its heading, its yaw rate and its specific force. Frame S: the unit. Each error is a
+// normal one: noise is drawn anew for each measurement, a bias once for each unit, and all with these standard
+// deviations.
+struct ImuParameters {
+  static constexpr std::string_view kType = "imu";
+  Pose X_MS = {};
+  double heading_noise = 0.0;       // rad
+  double gyro_noise = 0.0;          // rad/s
+  double gyro_bias = 0.0;           // rad/s
+  double acceleration_noise = 0.0;  // m/s^2, along each axis, like the next
+  double acceleration_bias = 0.0;   // m/s^2
+
+  Status Check() const;
+  std::string Summary() const { return {}; }
+  bool operator==(const ImuParameters&) const = default;
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& self, Visit visit) {
+    visit("pose", self.X_MS);
+    visit("heading_noise", self.heading_noise);
+    visit("gyro_noise", self.gyro_noise);
+    visit("gyro_bias", self.gyro_bias);
+    visit("acceleration_noise", self.acceleration_noise);
+    visit("acceleration_bias", self.acceleration_bias);
+  }
+};
+
+using SensorParameters =
+    std::variant<RangerParameters, BreakBeamParameters, FiducialParameters, BumperParameters, ContactParameters,
+                 BlobfinderParameters, CameraParameters, RadioParameters, ImuParameters>;
 
 struct SensorDescription {
   std::string name = {};           // unique on its robot: the model's name without the robot's, "ranger:0"

@@ -42,10 +42,15 @@ std::uint64_t StateHash(const WorldState& state) {
     add_id(object.holder);
     add_id(implied ? std::nullopt : object.support);
   }
-  // Only where there are any, so that worlds without energy and radios keep their hashes.
+  // Only where there are any, so that worlds without energy, radios and IMUs keep their hashes.
   for (const StoreState& store : state.stores) {
     hasher.Add(store.joules);
     hasher.Add(store.charge_watts);
+  }
+  for (const ImuState& imu : state.imus) {
+    hasher.Add(imu.vx);
+    hasher.Add(imu.vy);
+    hasher.Add(imu.vz);
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     hasher.Add(std::uint64_t{transmission.from.index()});

@@ -259,6 +259,17 @@ std::vector<ModelId> FindStores(const WorldDescription& world) {
   return stores;
 }
 
+std::vector<ImuPlace> FindImus(const WorldDescription& world) {
+  std::vector<ImuPlace> imus;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const std::vector<SensorDescription>& sensors = world.robots[i].sensors;
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+      if (std::holds_alternative<ImuParameters>(sensors[k].parameters)) imus.push_back({RobotId(i), k});
+    }
+  }
+  return imus;
+}
+
 std::uint64_t Hash(const WorldDescription& world) {
   DescriptionHasher hasher;
   hasher.Add(world.name);

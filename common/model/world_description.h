@@ -251,6 +251,15 @@ Status Validate(const WorldDescription& world);
 // The models with a store of energy, removed ones included, in id order: StoreState of a state is in this order.
 std::vector<ModelId> FindStores(const WorldDescription& world);
 
+// An inertial measurement unit: number `sensor` of the sensors of `robot`.
+struct ImuPlace {
+  RobotId robot;
+  std::size_t sensor = 0;
+  bool operator==(const ImuPlace&) const = default;
+};
+// Of all robots, removed ones included, in id order: ImuState of a state is in this order.
+std::vector<ImuPlace> FindImus(const WorldDescription& world);
+
 // A hash of everything in the description: peers that agree on it simulate the same world.
 std::uint64_t Hash(const WorldDescription& world);
 

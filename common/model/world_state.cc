@@ -12,13 +12,15 @@ WorldState PlacedState(const WorldDescription& world) {
   state.grippers.resize(world.grippers.size());
   for (ModelId object : world.objects) state.objects.push_back({.X_WO = world.model(object).X_PM});
   for (ModelId store : FindStores(world)) state.stores.push_back({.joules = world.model(store).power.joules});
+  state.imus.resize(FindImus(world).size());
   return state;
 }
 
 std::size_t MemoryOf(const WorldState& state) {
   std::size_t size = sizeof state + state.robots.size() * sizeof(RobotState) +
                      state.joints.size() * sizeof(JointState) + state.grippers.size() * sizeof(GripperState) +
-                     state.objects.size() * sizeof(ObjectState);
+                     state.objects.size() * sizeof(ObjectState) + state.stores.size() * sizeof(StoreState) +
+                     state.imus.size() * sizeof(ImuState);
   for (const RadioTransmission& transmission : state.transmissions) {
     size += sizeof transmission + transmission.message.bytes.size();
   }

@@ -59,6 +59,15 @@ struct StoreState {
   bool operator==(const StoreState&) const = default;
 };
 
+// The velocity of an inertial measurement unit, in W, during the tick before the last one: with the present one it
+// gives the acceleration. An edit that changes the velocity of its robot sets it to the new one.
+struct ImuState {
+  double vx = 0.0;  // m/s
+  double vy = 0.0;
+  double vz = 0.0;
+  bool operator==(const ImuState&) const = default;
+};
+
 struct WorldState {
   Tick tick = 0;
   std::vector<RobotState> robots;       // by RobotId
@@ -66,6 +75,7 @@ struct WorldState {
   std::vector<GripperState> grippers;   // by GripperId
   std::vector<ObjectState> objects;     // by ObjectId
   std::vector<StoreState> stores = {};  // of FindStores
+  std::vector<ImuState> imus = {};      // of FindImus
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
   bool operator==(const WorldState&) const = default;

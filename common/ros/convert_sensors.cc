@@ -136,6 +136,23 @@ Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& fr
   return array;
 }
 
+ImuMessage MakeImuMessage(const Time& stamp, const std::string& frame, const ImuReading& reading,
+                          dds::WireArena& arena) {
+  ImuMessage message{};
+  message.header = MakeHeader(stamp, frame, arena);
+  message.orientation = ToMessage(Pose{0.0, 0.0, 0.0, reading.heading}).orientation;
+  message.angular_velocity.z = reading.turn;
+  message.linear_acceleration = {reading.force_xy.x(), reading.force_xy.y(), reading.force_z};
+  const auto variance = [](double deviation) { return std::max(deviation * deviation, kLeastVariance); };
+  for (const std::size_t axis : {0, 4, 8}) {  // of a 3 x 3 matrix
+    const bool is_z = axis == 8;
+    message.orientation_covariance[axis] = variance(is_z ? reading.heading_noise : 0.0);
+    message.angular_velocity_covariance[axis] = variance(is_z ? reading.turn_noise : 0.0);
+    message.linear_acceleration_covariance[axis] = variance(reading.force_noise);
+  }
+  return message;
+}
+
 Detection2dArray MakeBlobDetections(const Time& stamp, const std::string& frame, const BlobfinderReading& reading,
                                     dds::WireArena& arena) {
   Detection2dArray array{};

@@ -34,6 +34,10 @@ PointCloud2 MakeScanCloud(const Time& stamp, const std::string& frame, const Ran
 Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& frame, const WorldDescription& world,
                                         const FiducialReading& reading, dds::WireArena& arena);
 
+// The IMU's measurement in its own frame; its heading is in the world. Roll and pitch, and their rates, are 0 exactly.
+ImuMessage MakeImuMessage(const Time& stamp, const std::string& frame, const ImuReading& reading,
+                          dds::WireArena& arena);
+
 // The blobs in pixels: of each its colour as the class, "#rrggbb", and the place at its range in the direction of its
 // middle as the pose, in the blobfinder's frame.
 Detection2dArray MakeBlobDetections(const Time& stamp, const std::string& frame, const BlobfinderReading& reading,

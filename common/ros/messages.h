@@ -29,6 +29,7 @@ using LaserScan = sensor_msgs_msg_dds__LaserScan_;
 using RangeMessage = sensor_msgs_msg_dds__Range_;
 using HumbleRangeMessage = humble_sensor_msgs_msg_dds__Range_;
 using ImageMessage = sensor_msgs_msg_dds__Image_;
+using ImuMessage = sensor_msgs_msg_dds__Imu_;
 using CameraInfo = sensor_msgs_msg_dds__CameraInfo_;
 using PointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using JointStateMessage = sensor_msgs_msg_dds__JointState_;

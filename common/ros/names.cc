@@ -92,10 +92,11 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
       const std::string type(TypeOf(robot.sensors[r].parameters));
       const bool is_camera = type == CameraParameters::kType;
       const bool is_radio = type == RadioParameters::kType;
+      const bool is_imu = type == ImuParameters::kType;
       const bool is_finder = type == FiducialParameters::kType;
       const bool is_blobfinder = type == BlobfinderParameters::kType;
       const bool is_touch = type == BumperParameters::kType || type == ContactParameters::kType;
-      if (!is_camera && !is_finder && !is_blobfinder && !is_touch && !is_radio) continue;
+      if (!is_camera && !is_finder && !is_blobfinder && !is_touch && !is_radio && !is_imu) continue;
       const std::string kind_base = IsAutomatic(robot.sensors[r].name) ? type : RosName(robot.sensors[r].name);
       std::string topic = names.Reserve(kind_base);
       if (is_camera) {
@@ -104,6 +105,8 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
         topics.cameras.push_back({r, std::move(topic), std::move(frame)});
       } else if (is_radio) {
         topics.radios.push_back({r, std::move(topic), ""});
+      } else if (is_imu) {
+        topics.imus.push_back({r, std::move(topic), frames.Reserve(kind_base)});
       } else if (is_finder || is_blobfinder) {
         std::vector<KindTopic>& kind = is_finder ? topics.finders : topics.blobfinders;
         kind.push_back({r, std::move(topic), frames.Reserve(kind_base)});
@@ -149,6 +152,7 @@ std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot
   }
   for (const KindTopic& finder : sensors.finders) reserve_sensor(finder.frame);
   for (const KindTopic& finder : sensors.blobfinders) reserve_sensor(finder.frame);
+  for (const KindTopic& imu : sensors.imus) reserve_sensor(imu.frame);
   for (const SonarTopic& sonar : sensors.sonars) {
     for (const SonarTopic::Sensor& sensor : sonar.sensors) reserve_sensor(sensor.frame);
   }

@@ -57,7 +57,7 @@ struct CloudTopic {
 
 // A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a fiducial finder and a
 // blobfinder have "<topic>/detections"; a bumper and a contact sensor have one that says whether they are pressed; a
-// radio has "<topic>/send" and "<topic>/received". Other kinds have none.
+// radio has "<topic>/send" and "<topic>/received", an IMU "<topic>/data". Other kinds have none.
 struct KindTopic {
   std::size_t sensor = 0;  // in RobotDescription::sensors
   std::string topic;
@@ -73,6 +73,7 @@ struct SensorTopics {
   std::vector<KindTopic> blobfinders;
   std::vector<KindTopic> touches;
   std::vector<KindTopic> radios;
+  std::vector<KindTopic> imus;
 };
 
 // A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if

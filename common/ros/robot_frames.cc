@@ -10,6 +10,7 @@ Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
   if (const auto* const camera = std::get_if<CameraParameters>(&description.parameters)) return camera->X_MS;
   if (const auto* const finder = std::get_if<FiducialParameters>(&description.parameters)) return finder->X_MS;
   if (const auto* const finder = std::get_if<BlobfinderParameters>(&description.parameters)) return finder->X_MS;
+  if (const auto* const imu = std::get_if<ImuParameters>(&description.parameters)) return imu->X_MS;
   return std::get<RangerParameters>(description.parameters).ray_sensors[ray_sensor].X_MS;
 }
 
@@ -40,6 +41,7 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
   for (const KindTopic& camera : sensors.cameras) add_sensor(camera.sensor, 0, camera.frame);
   for (const KindTopic& finder : sensors.finders) add_sensor(finder.sensor, 0, finder.frame);
   for (const KindTopic& finder : sensors.blobfinders) add_sensor(finder.sensor, 0, finder.frame);
+  for (const KindTopic& imu : sensors.imus) add_sensor(imu.sensor, 0, imu.frame);
   for (const SonarTopic& sonar : sensors.sonars) {
     for (const SonarTopic::Sensor& sensor : sonar.sensors) add_sensor(sonar.ranger, sensor.index, sensor.frame);
   }

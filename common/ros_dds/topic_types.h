@@ -39,6 +39,7 @@ TROUPE_DDS_TYPE(rmw_dds_common_msg_dds__ParticipantEntitiesInfo_);
 TROUPE_DDS_TYPE(rosgraph_msgs_msg_dds__Clock_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__CameraInfo_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Image_);
+TROUPE_DDS_TYPE(sensor_msgs_msg_dds__Imu_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__JointState_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__BatteryState_);
 TROUPE_DDS_TYPE(sensor_msgs_msg_dds__LaserScan_);

@@ -10,6 +10,7 @@
 #include "common/sensing/camera.h"
 #include "common/sensing/contact.h"
 #include "common/sensing/fiducial.h"
+#include "common/sensing/imu.h"
 #include "common/sensing/radio.h"
 #include "common/sensing/ranger.h"
 
@@ -25,6 +26,7 @@ constexpr std::array<SensorKind, std::variant_size_v<SensorParameters>> kKinds =
     {BlobfinderParameters::kType, MakeBlobfinder},
     {CameraParameters::kType, MakeCamera},
     {RadioParameters::kType, MakeRadio},
+    {ImuParameters::kType, MakeImu},
 }};
 
 }  // namespace

@@ -24,7 +24,8 @@ constexpr std::size_t kObjectWords = 8;
 constexpr std::size_t kEventWords = 5;         // and its detail
 constexpr std::size_t kTransmissionWords = 7;  // and its bytes
 constexpr std::size_t kStoreWords = 2;
-constexpr std::size_t kOtherWords = 17;   // of a frame: eight numbers and nine counts
+constexpr std::size_t kImuWords = 3;
+constexpr std::size_t kOtherWords = 18;   // of a frame: eight numbers and ten counts
 constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
@@ -69,6 +70,12 @@ void AddState(const WorldState& state, WordWriter& words) {
   for (const StoreState& store : state.stores) {
     words.Add(store.joules);
     words.Add(store.charge_watts);
+  }
+  words.Add(state.imus.size());
+  for (const ImuState& imu : state.imus) {
+    words.Add(imu.vx);
+    words.Add(imu.vy);
+    words.Add(imu.vz);
   }
   words.Add(state.transmissions.size());
   for (const RadioTransmission& transmission : state.transmissions) {
@@ -154,6 +161,11 @@ bool ReadState(WordReader& words, WorldState& state) {
   state.stores.resize(count);
   for (StoreState& store : state.stores) {
     if (!words.ReadFinite(store.joules) || !words.ReadFinite(store.charge_watts)) return false;
+  }
+  if (!words.ReadCount(count, kImuWords)) return false;
+  state.imus.resize(count);
+  for (ImuState& imu : state.imus) {
+    if (!words.ReadFinite(imu.vx) || !words.ReadFinite(imu.vy) || !words.ReadFinite(imu.vz)) return false;
   }
   if (!words.ReadCount(count, kTransmissionWords)) return false;
   state.transmissions.resize(count);
@@ -315,7 +327,8 @@ std::size_t CountFrameWords(const FrameMessage& frame) {
   const WorldState& state = frame.state;
   std::size_t count = kOtherWords + kRobotWords * state.robots.size() + kJointWords * state.joints.size() +
                       kGripperWords * state.grippers.size() + kObjectWords * state.objects.size() +
-                      kStoreWords * state.stores.size() + frame.awaited.size() + kEventWords * frame.events.size();
+                      kStoreWords * state.stores.size() + kImuWords * state.imus.size() + frame.awaited.size() +
+                      kEventWords * frame.events.size();
   for (const RadioTransmission& transmission : state.transmissions) {
     count += kTransmissionWords + (transmission.message.bytes.size() + sizeof(Word) - 1) / sizeof(Word);
   }

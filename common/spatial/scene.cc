@@ -11,6 +11,7 @@ namespace troupe {
 Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   FindBodies();
   FindStoresOfModels();
+  imus_ = FindImus(world_);
   std::vector<ConvexPiece> static_pieces;
   std::vector<PixelPieces> areas;
   for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);

@@ -77,6 +77,9 @@ class Scene {
   // The store that feeds a model, among stores(); nothing for a model without one.
   std::optional<std::size_t> store_of(ModelId model) const { return store_of_[model.index()]; }
 
+  // The inertial measurement units, in the order of ImuState.
+  std::span<const ImuPlace> imus() const { return imus_; }
+
   // As in the model's description, but close together in memory.
   double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
 
@@ -103,6 +106,7 @@ class Scene {
   std::vector<ModelId> fiducials_;
   std::vector<Store> stores_;
   std::vector<std::optional<std::size_t>> store_of_;  // by model
+  std::vector<ImuPlace> imus_;
   std::vector<Body> bodies_;
   RayShapes ray_shapes_;
   std::vector<std::uint32_t> ray_shape_of_;          // by body

@@ -10,7 +10,8 @@
 //                 ├─ ContactReading: the contacts of all parts of the robot
 //                 ├─ BlobfinderReading: blobs of one colour
 //                 ├─ CameraReading: an image of colours, depths and models
-//                 └─ RadioReading: the messages that a radio receives
+//                 ├─ RadioReading: the messages that a radio receives
+//                 └─ ImuReading: heading, yaw rate and specific force
 //
 // The descriptions of sensors (SensorDescription, RangerParameters, ...) come with this header.
 //
@@ -215,11 +216,27 @@ struct RadioReading {
   bool operator==(const RadioReading&) const = default;
 };
 
+// Of an inertial measurement unit: an accelerometer and a gyroscope that measure the executed motion.
+struct ImuReading {
+  Pose X_RS = {};
+  double heading = 0.0;  // rad, of S in W
+  double turn = 0.0;     // rad/s, about z
+  // The specific force along x, y and z of S, m/s^2: the mean acceleration from the tick before to this one, and
+  // upwards that of gravity.
+  Vec2 force_xy{0.0, 0.0};
+  double force_z = 0.0;
+  // The standard deviations of the noise in the above.
+  double heading_noise = 0.0;
+  double turn_noise = 0.0;
+  double force_noise = 0.0;
+  bool operator==(const ImuReading&) const = default;
+};
+
 struct SensorReading {
   Tick tick = 0;  // of the measurement; a sensor with a long period keeps its last reading
   // By kind of sensor; std::monostate: never measured.
   std::variant<std::monostate, RangerReading, BreakBeamReading, FiducialReading, BumperReading, ContactReading,
-               BlobfinderReading, CameraReading, RadioReading>
+               BlobfinderReading, CameraReading, RadioReading, ImuReading>
       content = {};
 
   bool empty() const { return std::holds_alternative<std::monostate>(content); }

@@ -52,6 +52,9 @@ SensorOutput::SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId
   for (const ros::KindTopic& topic : topics.touches) {
     touches_.push_back({topic, std::make_unique<ros::RosWriter<ros::Bool>>(node, topic.topic, stream)});
   }
+  for (const ros::KindTopic& topic : topics.imus) {
+    imus_.push_back({topic, std::make_unique<ros::RosWriter<ros::ImuMessage>>(node, topic.topic + "/data", stream)});
+  }
 }
 
 bool SensorOutput::Due(Tick tick, std::size_t sensor) const {
@@ -85,6 +88,12 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
   for (TouchOutput& touch : touches_) {
     if (!touch.writer->wanted() || !Due(tick, touch.topic.sensor)) continue;
     touch.writer->Write({IsPressed(robot.Measure(touch.topic.sensor))});
+  }
+  for (ImuOutput& imu : imus_) {
+    if (!imu.writer->wanted() || !Due(tick, imu.topic.sensor)) continue;
+    const auto& reading = std::get<ImuReading>(robot.Measure(imu.topic.sensor).content);
+    dds::WireArena arena;
+    imu.writer->Write(ros::MakeImuMessage(stamp, prefix_ + imu.topic.frame, reading, arena));
   }
 }
 

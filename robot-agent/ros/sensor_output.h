@@ -1,5 +1,6 @@
 // SensorOutput: the topics of a robot's cameras, fiducial finders and blobfinders, of its scanners with several planes,
-// and of its bumpers and contact sensors. A message is made only if its topic has a reader and the sensor is due.
+// of its bumpers and contact sensors, and of its inertial measurement units. A message is made only if its topic has a
+// reader and the sensor is due.
 #pragma once
 
 #include <memory>
@@ -48,6 +49,11 @@ class SensorOutput {
     std::unique_ptr<ros::RosWriter<ros::Bool>> writer;
   };
 
+  struct ImuOutput {
+    ros::KindTopic topic;
+    std::unique_ptr<ros::RosWriter<ros::ImuMessage>> writer;
+  };
+
   bool Due(Tick tick, std::size_t sensor) const;
   std::string OpticalFrame(const Camera& camera) const { return prefix_ + camera.topic.frame + "_optical"; }
   void PublishCamera(const ros::Time& stamp, const RobotView& robot, Camera& camera);
@@ -60,6 +66,7 @@ class SensorOutput {
   std::vector<Finder> finders_;
   std::vector<BlobOutput> blobfinders_;
   std::vector<TouchOutput> touches_;
+  std::vector<ImuOutput> imus_;
 };
 
 }  // namespace troupe

@@ -301,6 +301,17 @@ TEST_F(FastDdsPeerTest, ExchangesMessagesByRadio) {
   EXPECT_THAT(texts, testing::IsSupersetOf({"a peer speaks for dora", "here is dora"}));
 }
 
+// The lines of --scans that have `key`, by tick and robot.
+std::map<std::pair<Tick, std::string>, json> LinesWith(const std::string& scans, const char* key) {
+  std::map<std::pair<Tick, std::string>, json> found;
+  std::istringstream lines(scans);
+  for (std::string text; std::getline(lines, text);) {
+    const json line = json::parse(text);
+    if (line.contains(key)) found[{line["tick"], line["robot"]}] = line[key];
+  }
+  return found;
+}
+
 // Two robots with grippers at once. The frames connect the map with every link and sensor, each of them once. Those of
 // ben, which has gps, agree with the poses of ben and its joints in --poses.
 TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
@@ -312,7 +323,7 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
   for (const auto& [tick, frames] : MovingFrames(messages_["/tf"])) {
     Frames all = fixed;
     for (const auto& [child, transform] : frames) ASSERT_TRUE(all.emplace(child, transform).second) << child;
-    if (all.size() != 12) continue;  // before the peer has discovered both robots
+    if (all.size() != 13) continue;  // before the peer has discovered both robots
     ++complete;
     for (const auto& [child, transform] : all) PoseInMap(all, child);
     ASSERT_NO_FATAL_FAILURE(CheckPosesOfBen(tick, all));
@@ -331,6 +342,13 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
     ASSERT_EQ(message["frame"], "ben/base_link");
   }
   EXPECT_TRUE(messages_["/anna/battery"].empty());
+  const auto forces = LinesWith(folder_.Read("scans"), "force");
+  EXPECT_GT(messages_["/ben/imu/data"].size(), 50u);
+  for (const json& message : messages_["/ben/imu/data"]) {
+    ASSERT_EQ(message["force"], forces.at({TickOf(message), "ben"}));
+    ASSERT_NEAR(message["force_variance"].get<double>(), 0.05 * 0.05, 1e-12);
+    ASSERT_EQ(message["frame"], "ben/imu");
+  }
   EXPECT_EQ(fixed.at("anna/scan")["frame"], "anna/base_link");
 
   EXPECT_THAT(messages_["/ben/robot_description"].front()["data"].get<std::string>(),
@@ -347,17 +365,6 @@ TEST_F(FastDdsPeerTest, SeesTheFramesOfTwoGrippersMove) {
                                                        "parameter_events, types";
     }
   }
-}
-
-// The lines of --scans that have `key`, by tick and robot.
-std::map<std::pair<Tick, std::string>, json> LinesWith(const std::string& scans, const char* key) {
-  std::map<std::pair<Tick, std::string>, json> found;
-  std::istringstream lines(scans);
-  for (std::string text; std::getline(lines, text);) {
-    const json line = json::parse(text);
-    if (line.contains(key)) found[{line["tick"], line["robot"]}] = line[key];
-  }
-  return found;
 }
 
 TEST_F(FastDdsPeerTest, ReadsTheDetectionsOfFindersAsTheRunLogsThem) {

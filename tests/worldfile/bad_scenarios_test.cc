@@ -240,18 +240,18 @@ const BadScenario kOfTheWorld[] = {
      ":2:22: error: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, "
      "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger "
-     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator radio; did you mean "
+     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio; did you mean "
      "'scout'?"},
     {"UnknownChild", InOffice("\"models\": [{\"model\": \"table\",\n \"children\": [{\"model\": \"vase\"}]}]"),
      ":3:25: error: found model type 'vase', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, "
      "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger actuator "
-     "blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator radio"},
+     "blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio"},
     {"UnknownSpawnModel", InOffice("\"spawn\": [{\"model\": \"scuot\", \"count\": 1, \"region\": [0, 0, 1, 1]}]"),
      ":2:21: error: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, "
      "scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of model position ranger "
-     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator radio; did you mean "
+     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio; did you mean "
      "'scout'?"},
     {"SensorByItself", InOffice("\"models\": [{\"model\": \"sensor\"}]"),
      ":2:22: error: found 'sensor' by itself, expected it in the 'children' of a model"},

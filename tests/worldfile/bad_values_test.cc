@@ -24,10 +24,11 @@ const BadValue kBadValues[] = {
      "w.world:1:6: error: found 2 values for 'name', expected one string"},
     {"unknown type", "robot( )",
      "w.world:1:1: error: found model type 'robot', expected the name of a define, or one of model position ranger "
-     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator radio"},
+     "actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio"},
     {"type of older versions", "laser( )",
      "w.world:1:1: error: found model type 'laser', which Stage 4 no longer has, expected the name of a define, or one "
-     "of model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator "
+     "of model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu "
+     "lightindicator "
      "radio"},
     {"macro of a type of older versions",
      "define red_puck puck( )\n"
@@ -35,12 +36,13 @@ const BadValue kBadValues[] = {
      "w.world:2:1: error: found model type 'puck', which Stage 4 no longer has, expected the name of a define "
      "(red_puck), "
      "or one "
-     "of model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator "
+     "of model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu "
+     "lightindicator "
      "radio"},
     {"misspelt type", "define rover position( )\ndefine box model( )\nrovr( )",
      "w.world:3:1: error: found model type 'rovr', expected the name of a define (box, rover), or one of model "
      "position "
-     "ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper lightindicator radio; did you "
+     "ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio; did you "
      "mean "
      "'rover'?"},
     {"use before the define",

@@ -71,6 +71,7 @@ TEST(SensorsScenario, EveryKindOfSensorFindsSomething) {
       const RangeScan& scan = ranger->scans[0];
       any = std::any_of(scan.ranges.begin(), scan.ranges.end(), [&](double r) { return r < scan.limits.max; });
     }
+    if (const auto* const imu = reading.As<ImuReading>()) any = imu->turn != 0.0 && imu->force_xy.norm() > 0.0;
     found[name] += any ? 1 : 0;
   };
   BodyIndex bodies(run.scene());
@@ -78,7 +79,8 @@ TEST(SensorsScenario, EveryKindOfSensorFindsSomething) {
     run.Run(1);
     bodies.Assign(run.state());
     for (const auto& sensor : sensors) {
-      if (tick % 4 == 0) count(sensor->Measure({run.scene(), bodies}, run.state().tick), sensor->description().name);
+      if (tick % 4 == 0)
+        count(sensor->Measure({run.scene(), bodies, &run.state()}, run.state().tick), sensor->description().name);
     }
   }
   for (const auto& sensor : sensors) EXPECT_GT(found[sensor->description().name], 0) << sensor->description().name;

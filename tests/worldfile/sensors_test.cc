@@ -73,6 +73,14 @@ TEST(Sensors, ABumperIsRead) {
   EXPECT_EQ(bumper.segments[1], (BumperSegment{{0.0, 0.2, 0.0, 0.5 * kPi}, 0.3}));
 }
 
+TEST(Sensors, AnImuIsRead) {
+  EXPECT_EQ(SensorOf("imu( )").name, "imu:0");
+  EXPECT_EQ(ParametersOf<ImuParameters>("imu( )"), ImuParameters{});
+  EXPECT_EQ(ParametersOf<ImuParameters>("imu( origin [0.1 0 0 0] heading_noise 90 gyro_noise 180 gyro_bias 45 "
+                                        "acceleration_noise 0.2 acceleration_bias 0.3 )"),
+            (ImuParameters{{0.1, 0.0, 0.0, 0.0}, 0.5 * kPi, kPi, 0.25 * kPi, 0.2, 0.3}));
+}
+
 TEST(Sensors, AContactSensorHasNoBody) {
   const LoadedWorld loaded = WorldFolder().LoadText("position( contact( ) )");
   EXPECT_TRUE(loaded.world.shape(loaded.world.models[1].shape).empty());
@@ -168,6 +176,8 @@ TEST(Sensors, WrongValuesAreRefusedAtTheirPlaces) {
   };
   for (const auto& c : cases) EXPECT_EQ(ErrorOf(c.model), c.error) << c.model;
   EXPECT_THAT(ErrorOf("ranger( sensor( elevations [5 5] ) )"), HasSubstr("w.world:1:38: error: found elevations"));
+  EXPECT_THAT(ErrorOf("imu( gyro_noise -5 )"), HasSubstr("the standard deviation of one of its errors is negative"));
+  EXPECT_THAT(ErrorOf("imu( acceleration_bias -1 )"), HasSubstr("'acceleration_bias'"));
   EXPECT_THAT(ErrorOf("camera( fov [200 40] )"), HasSubstr("its fov is not above 0 and at most 170 degrees"));
   EXPECT_THAT(ErrorOf("camera( pantilt [0 80] )"), HasSubstr("within 85 degrees"));
 }

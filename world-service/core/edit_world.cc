@@ -11,6 +11,7 @@
 #include "common/spatial/overlap.h"
 #include "world-service/core/find_overlap.h"
 #include "world-service/core/grip.h"
+#include "world-service/core/imu_velocities.h"
 #include "world-service/core/initial_state.h"
 #include "world-service/core/lowest_point.h"
 #include "world-service/core/step_workspace.h"
@@ -119,6 +120,7 @@ void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
       state.joints[joint.index()].velocity = 0.0;
       state.joints[joint.index()].blocked = false;
     }
+    KeepVelocities(scene, *robot, state);
     std::erase_if(state.transmissions, [&](const RadioTransmission& transmission) {
       return transmission.from == *robot || transmission.message.to == *robot;
     });
@@ -195,6 +197,7 @@ void AppendState(const WorldDescription& world, WorldState& state) {
   append(initial.grippers, state.grippers);
   append(initial.objects, state.objects);
   append(initial.stores, state.stores);
+  append(initial.imus, state.imus);
   for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
 }
 
@@ -223,6 +226,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   std::shared_ptr<const Scene> after = scene;
   if (const std::optional<RobotId> robot = scene->robot_of(root.value())) {
     workspace.next.robots[robot->index()].X_WR = pose;
+    KeepVelocities(*scene, *robot, workspace.next);
   } else if (const std::optional<ObjectId> object = scene->object_of(root.value())) {
     Fall(workspace.next.objects[object->index()]);
     workspace.next.objects[object->index()].X_WO = pose;
@@ -249,6 +253,7 @@ Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const Wo
   }
   EditedWorld edited{scene, state};
   edited.state.robots[robot->index()].twist = twist;
+  KeepVelocities(*scene, *robot, edited.state);
   return edited;
 }
 

@@ -11,6 +11,7 @@
 #include "world-service/core/energy.h"
 #include "world-service/core/gravity.h"
 #include "world-service/core/grip.h"
+#include "world-service/core/imu_velocities.h"
 #include "world-service/core/motion.h"
 #include "world-service/core/step_workspace.h"
 #include "world-service/core/transmit.h"
@@ -135,6 +136,7 @@ StepMemory MemoryFor(const Scene& scene, const WorldState& state, BodyIndex& bod
   TROUPE_CHECK(state.robots.size() == scene.world().robots.size());
   StepMemory memory(scene, state, std::move(bodies));
   memory.next.tick = state.tick + 1;
+  KeepVelocities(scene, memory.bodies, memory.next);
   return memory;
 }
 

@@ -7,6 +7,6 @@ namespace troupe {
 
 // Changes with every change of Step or of an edit that gives another result for the same input, as the golden hashes
 // do.
-inline constexpr std::uint32_t kStepVersion = 3;
+inline constexpr std::uint32_t kStepVersion = 4;
 
 }  // namespace troupe

@@ -131,6 +131,15 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
     return comparison.first();
   };
   if (auto difference = CompareAll("stores of energy", found.stores, expected.stores, stores)) return difference;
+  const std::vector<ImuPlace> places = FindImus(world);
+  const auto imus = [&](std::size_t i, const ImuState& a, const ImuState& b) {
+    Comparison comparison(world, i < places.size() ? world.robot(places[i].robot).root : ModelId(0));
+    comparison.Number("former vx of an IMU", a.vx, b.vx);
+    comparison.Number("former vy of an IMU", a.vy, b.vy);
+    comparison.Number("former vz of an IMU", a.vz, b.vz);
+    return comparison.first();
+  };
+  if (auto difference = CompareAll("inertial measurement units", found.imus, expected.imus, imus)) return difference;
   return CompareAll("radio messages", found.transmissions, expected.transmissions, transmissions);
 }
 

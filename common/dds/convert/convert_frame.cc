@@ -145,6 +145,13 @@ void VisitStores(Wire& wire, Visit& visit) {
   visit(wire.store_charge, Number{TROUPE_FIELD(charge_watts)});
 }
 
+template <typename Wire, typename Visit>
+void VisitImus(Wire& wire, Visit& visit) {
+  visit(wire.imu_vx, Number{TROUPE_FIELD(vx)});
+  visit(wire.imu_vy, Number{TROUPE_FIELD(vy)});
+  visit(wire.imu_vz, Number{TROUPE_FIELD(vz)});
+}
+
 #undef TROUPE_FIELD
 
 // Compares bits: -0.0 differs from 0.0, because a replica must have the same bits.
@@ -290,8 +297,10 @@ Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
   VisitObjects(wire, grippers, object_reader);
   ColumnReader store_reader("stores of energy", wire.whole, Elements(wire.store_row), state.stores);
   VisitStores(wire, store_reader);
+  ColumnReader imu_reader("inertial measurement units", wire.whole, Elements(wire.imu_row), state.imus);
+  VisitImus(wire, imu_reader);
   for (const Status& problem : {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(),
-                                object_reader.problem(), store_reader.problem()}) {
+                                object_reader.problem(), store_reader.problem(), imu_reader.problem()}) {
     if (!problem.ok()) return problem;
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -454,6 +463,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
              [&](auto& visitor) { VisitObjects(wire, now.grippers.size(), visitor); });
   RowsToWire(now.stores, of(&WorldState::stores), wire.store_row, arena,
              [&](auto& visitor) { VisitStores(wire, visitor); });
+  RowsToWire(now.imus, of(&WorldState::imus), wire.imu_row, arena, [&](auto& visitor) { VisitImus(wire, visitor); });
   TransmissionsToWire(now.transmissions, wire, arena);
   EventsToWire(message.events, wire, arena);
   CommandsToWire(message.commands, wire, arena);

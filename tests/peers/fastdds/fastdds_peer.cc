@@ -137,6 +137,14 @@ void Add(json& out, const sensor_msgs::msg::dds_::BatteryState_& message) {
   out["status"] = message.power_supply_status();
   out["present"] = message.present();
 }
+void Add(json& out, const sensor_msgs::msg::dds_::Imu_& message) {
+  Add(out, message.header());
+  out["orientation"] = {message.orientation().z(), message.orientation().w()};
+  out["turn"] = message.angular_velocity().z();
+  const auto& force = message.linear_acceleration();
+  out["force"] = {force.x(), force.y(), force.z()};
+  out["force_variance"] = message.linear_acceleration_covariance()[0];
+}
 void Add(json& out, const sensor_msgs::msg::dds_::JointState_& message) {
   Add(out, message.header());
   out["name"] = message.name();
@@ -223,6 +231,7 @@ int Run(int argc, char** argv) {
     Read<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(peer, robot + "/fiducial/detections");
     Read<vision_msgs::msg::dds_::Detection2DArray_PubSubType>(peer, robot + "/blobfinder/detections");
     Read<sensor_msgs::msg::dds_::BatteryState_PubSubType>(peer, robot + "/battery");
+    Read<sensor_msgs::msg::dds_::Imu_PubSubType>(peer, robot + "/imu/data");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/radio/received");
     Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");

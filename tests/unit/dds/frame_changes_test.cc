@@ -23,6 +23,7 @@ FrameMessage FirstFrame() {
   frame.state.grippers.resize(2);
   frame.state.objects.resize(6);
   frame.state.stores.resize(3);
+  frame.state.imus.resize(2);
   return frame;
 }
 
@@ -69,6 +70,9 @@ class Changes {
     for (StoreState& store : state.stores) {
       Change(store.joules);
       Change(store.charge_watts);
+    }
+    for (ImuState& imu : state.imus) {
+      for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);
     }
     state.transmissions.resize(Chance(0.5) ? 0 : Below(4));
     for (RadioTransmission& transmission : state.transmissions) {

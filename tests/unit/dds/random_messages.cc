@@ -275,6 +275,8 @@ FrameMessage RandomMessages::Frame() {
   FillManipulation(frame.state);
   frame.state.stores.resize(Below(4));
   for (StoreState& store : frame.state.stores) store = {Number(), Number()};
+  frame.state.imus.resize(Below(4));
+  for (ImuState& imu : frame.state.imus) imu = {Number(), Number(), Number()};
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();

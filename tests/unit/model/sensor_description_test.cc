@@ -20,6 +20,7 @@ std::vector<SensorParameters> AllKinds() {
       BlobfinderParameters{{1, 2, 3, 0.5}, 10, 20, 3.0, 1.0, {{0.1, 0.2, 0.3, 0.4}, {}}},
       CameraParameters{{1, 2, 3, 0.5}, 10, 20, {0.5, 9.0}, 1.0, {-0.2, 0.4}},
       RadioParameters{{1, 2, 3, 0.5}, 4, 20.0, 5e3, 0.2, 0.1, 0.2, 15.0, 2.5, 9.0, 4.0, true, 0.1, 0.05},
+      ImuParameters{{1, 2, 3, 0.5}, 0.01, 0.02, 0.03, 0.04, 0.05},
   };
 }
 

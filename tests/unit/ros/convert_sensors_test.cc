@@ -49,6 +49,30 @@ TEST(ConvertSensors, ADepthImageHasFloats) {
   EXPECT_EQ(std::vector<float>(depths, depths + 6), SomeView().depths);
 }
 
+TEST(ConvertSensors, AnImuHasTheVariancesOfItsNoise) {
+  const ImuReading reading{.heading = kPi / 2,
+                           .turn = 0.5,
+                           .force_xy = {1.0, -2.0},
+                           .force_z = 9.81,
+                           .heading_noise = 0.1,
+                           .turn_noise = 0.2,
+                           .force_noise = 0.3};
+  dds::WireArena arena;
+  const ImuMessage message = MakeImuMessage({1, 2}, "imu", reading, arena);
+  EXPECT_STREQ(message.header.frame_id, "imu");
+  EXPECT_NEAR(message.orientation.z, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(message.orientation.w, std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(message.angular_velocity.z, 0.5);
+  EXPECT_EQ(message.linear_acceleration.x, 1.0);
+  EXPECT_EQ(message.linear_acceleration.y, -2.0);
+  EXPECT_EQ(message.linear_acceleration.z, 9.81);
+  EXPECT_NEAR(message.orientation_covariance[8], 0.01, 1e-12);
+  EXPECT_GT(message.orientation_covariance[0], 0.0) << "0 everywhere would mean that it is not known";
+  EXPECT_NEAR(message.angular_velocity_covariance[8], 0.04, 1e-12);
+  for (const int axis : {0, 4, 8}) EXPECT_NEAR(message.linear_acceleration_covariance[axis], 0.09, 1e-12);
+  EXPECT_EQ(message.linear_acceleration_covariance[1], 0.0);
+}
+
 TEST(ConvertSensors, TheOpticsProjectPointsOntoTheirPixels) {
   dds::WireArena arena;
   const CameraInfo info = MakeCameraInfo({1, 2}, "eye_optical", SomeView(), arena);

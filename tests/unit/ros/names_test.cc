@@ -64,7 +64,7 @@ TEST(SensorTopicsOf, NamesOtherKindsByTheirTypes) {
   for (SensorParameters parameters : {SensorParameters(CameraParameters()), SensorParameters(CameraParameters()),
                                       SensorParameters(BumperParameters()), SensorParameters(ContactParameters()),
                                       SensorParameters(FiducialParameters()), SensorParameters(BlobfinderParameters()),
-                                      SensorParameters(FiducialParameters())}) {
+                                      SensorParameters(FiducialParameters()), SensorParameters(ImuParameters())}) {
     test::AddSensor(world.world(), robot, {}, std::move(parameters));
   }
   world.robot(robot).sensors[2].name = "rear eye";
@@ -87,6 +87,9 @@ TEST(SensorTopicsOf, NamesOtherKindsByTheirTypes) {
   EXPECT_EQ(topics.finders[1].sensor, 7u);
   ASSERT_EQ(topics.blobfinders.size(), 1u);
   EXPECT_EQ(topics.blobfinders[0].topic, "blobfinder");
+  ASSERT_EQ(topics.imus.size(), 1u);
+  EXPECT_EQ(topics.imus[0].topic, "imu");
+  EXPECT_EQ(topics.imus[0].frame, "imu");
 }
 
 TEST(SensorTopicsOf, MakesFramesAndTopicsUnique) {

@@ -31,7 +31,7 @@ TEST(TopicTypes, HaveTheNamesAndHashesOfRos) {
        {NameOnDds<Bool>(), NameOnDds<String>(), NameOnDds<Clock>(), NameOnDds<TwistMessage>(),
         NameOnDds<TwistStamped>(), NameOnDds<TfMessage>(), NameOnDds<OdometryMessage>(),
         NameOnDds<OccupancyGridMessage>(), NameOnDds<LaserScan>(), NameOnDds<RangeMessage>(), NameOnDds<PointCloud2>(),
-        NameOnDds<JointStateMessage>(), NameOnDds<BatteryState>(), NameOnDds<MarkerArray>(),
+        NameOnDds<JointStateMessage>(), NameOnDds<BatteryState>(), NameOnDds<ImuMessage>(), NameOnDds<MarkerArray>(),
         NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>()}) {
     EXPECT_NE(TypeHash(name), "") << name;
   }

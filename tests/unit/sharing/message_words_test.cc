@@ -33,6 +33,7 @@ FrameMessage SomeFrame() {
   frame.state.grippers = {{ModelId(3), std::nullopt, ObjectId(0)}};
   frame.state.objects = {{{1, 2, 3, 4}, ObjectMode::kHeld, 0.25, GripperId(0), ModelId(9)}};
   frame.state.stores = {{12.5, -0.0}};
+  frame.state.imus = {{0.5, -0.0, 1e-300}, {}};
   frame.state.transmissions = {{RobotId(1), 5, 9, 3, {2, RobotId(0), {1, 2, 3, 4, 5, 6, 7, 8, 9}}}, {}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};

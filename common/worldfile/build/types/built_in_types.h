@@ -14,6 +14,7 @@ ModelType CameraType();
 ModelType ContactType();
 ModelType FiducialType();
 ModelType GripperType();
+ModelType ImuType();
 ModelType PositionType();
 ModelType RadioType();
 ModelType RangerType();
