@@ -30,7 +30,9 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
                                 CheckCount("grippers", state.grippers.size(), world.grippers.size()),
                                 CheckCount("objects", state.objects.size(), world.objects.size()),
                                 CheckCount("stores of energy", state.stores.size(), FindStores(world).size()),
-                                CheckCount("inertial measurement units", state.imus.size(), FindImus(world).size())}) {
+                                CheckCount("inertial measurement units", state.imus.size(), FindImus(world).size()),
+                                CheckCount("lights", state.lights.size(), FindLights(world).size()),
+                                CheckCount("cameras", state.cameras.size(), FindCameras(world).size())}) {
     if (!problem.ok()) return problem;
   }
   bool finite = true;
@@ -55,6 +57,9 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
   }
   for (const ImuState& imu : state.imus) {
     finite = finite && std::isfinite(imu.vx) && std::isfinite(imu.vy) && std::isfinite(imu.vz);
+  }
+  for (const CameraState& camera : state.cameras) {
+    finite = finite && std::isfinite(camera.pan) && std::isfinite(camera.tilt);
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     known = known && transmission.from.index() < world.robots.size() &&

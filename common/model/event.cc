@@ -26,6 +26,8 @@ const char* ToString(EventType type) {
       return "unstable";
     case EventType::kOutOfEnergy:
       return "out_of_energy";
+    case EventType::kSaid:
+      return "said";
   }
   return "unknown";
 }

@@ -20,7 +20,9 @@ enum class EventType : std::uint8_t {
   kLanded = 8,        // `object` has come to rest on `other`, none for the ground
   kUnstable = 9,      // likewise, but its centre is not above a support
   kOutOfEnergy = 10,  // the robot's store is empty: it stops
+  kSaid = 11,         // the robot's controller says `detail`
 };
+inline constexpr EventType kLastEventType = EventType::kSaid;
 
 struct Event {
   Tick tick = 0;

@@ -1,6 +1,7 @@
 // Proposal: an agent's request for its robot's next tick. The step decides how much of it is executed.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "common/base/ids.h"
@@ -9,6 +10,24 @@
 
 namespace troupe {
 
+// Switches a light of the robot on or off.
+struct LightOrder {
+  std::size_t light = 0;  // number among the robot's lights, in the order of models
+  bool on = false;
+  bool operator==(const LightOrder&) const = default;
+};
+
+// Turns a camera of the robot at once, as CameraState.
+struct CameraOrder {
+  std::size_t sensor = 0;  // of the robot
+  double pan = 0.0;        // rad
+  double tilt = 0.0;
+  bool operator==(const CameraOrder&) const = default;
+};
+
+// Bytes of a text that a robot says in one tick.
+inline constexpr std::size_t kMostSaidBytes = 200;
+
 struct Proposal {
   RobotId robot;
   Twist twist;  // in R, constant during the tick
@@ -16,6 +35,9 @@ struct Proposal {
   // moves. A finger that closes grips the object that both pads touch; a finger that opens releases it.
   std::vector<double> joint_velocities = {};
   std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
+  std::vector<LightOrder> lights = {};      // applied in order
+  std::vector<CameraOrder> cameras = {};    // likewise
+  std::string say = {};                     // an event for people, of at most kMostSaidBytes; empty: none
   bool operator==(const Proposal&) const = default;
 };
 

@@ -140,6 +140,10 @@ Status CameraParameters::Check() const {
   return {};
 }
 
+Interval CameraParameters::TiltLimits() const {
+  return {-kMaxElevation - elevation.min, kMaxElevation - elevation.max};
+}
+
 std::string CameraParameters::Summary() const {
   return Pixels(width, height);
 }

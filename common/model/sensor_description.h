@@ -191,6 +191,9 @@ struct CameraParameters {
   double fov = 70.0 / 180 * kPi;                            // rad, of the width; below pi
   Interval elevation{-20.0 / 180 * kPi, 20.0 / 180 * kPi};  // rad, of the lower and the upper edge, in the middle
 
+  // rad, upwards: the tilts that a controller can give the camera, added to `elevation`. They contain 0.
+  Interval TiltLimits() const;
+
   Status Check() const;
   std::string Summary() const;
   bool operator==(const CameraParameters&) const = default;

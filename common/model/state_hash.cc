@@ -42,7 +42,8 @@ std::uint64_t StateHash(const WorldState& state) {
     add_id(object.holder);
     add_id(implied ? std::nullopt : object.support);
   }
-  // Only where there are any, so that worlds without energy, radios and IMUs keep their hashes.
+  // Only where there are any, so that worlds without energy, radios, IMUs, cameras and lights on robots keep their
+  // hashes.
   for (const StoreState& store : state.stores) {
     hasher.Add(store.joules);
     hasher.Add(store.charge_watts);
@@ -51,6 +52,11 @@ std::uint64_t StateHash(const WorldState& state) {
     hasher.Add(imu.vx);
     hasher.Add(imu.vy);
     hasher.Add(imu.vz);
+  }
+  for (const LightState& light : state.lights) hasher.Add(std::uint64_t{light.is_switched_on});
+  for (const CameraState& camera : state.cameras) {
+    hasher.Add(camera.pan);
+    hasher.Add(camera.tilt);
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     hasher.Add(std::uint64_t{transmission.from.index()});

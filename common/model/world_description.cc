@@ -1,5 +1,6 @@
 #include "common/model/world_description.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/hash.h"
@@ -24,10 +25,10 @@ Shape Listed(Shape shape) {
   return shape;
 }
 
-Color ColorAt(const ModelDescription& model, std::int64_t time_ns) {
+Color ColorAt(const ModelDescription& model, std::int64_t time_ns, bool is_switched_on) {
   constexpr double kDark = 0.25;
   Color color = model.color;
-  if (!model.blinking.is_light() || model.blinking.IsOnAt(time_ns)) return color;
+  if (!model.blinking.is_light() || (is_switched_on && model.blinking.IsOnAt(time_ns))) return color;
   color.r *= kDark;
   color.g *= kDark;
   color.b *= kDark;
@@ -151,6 +152,7 @@ class DescriptionHasher {
       Add(std::string("blinking"));
       Add(static_cast<std::uint64_t>(model.blinking.period_ns));
       Add(static_cast<std::uint64_t>(model.blinking.on_ns));
+      if (!model.blinking.is_switched_on) Add(std::string("switched off"));
     }
   }
   void Add(const DriveDescription& drive) {
@@ -259,15 +261,46 @@ std::vector<ModelId> FindStores(const WorldDescription& world) {
   return stores;
 }
 
-std::vector<ImuPlace> FindImus(const WorldDescription& world) {
-  std::vector<ImuPlace> imus;
+std::vector<LightPlace> FindLights(const WorldDescription& world) {
+  std::vector<LightPlace> lights;
+  std::vector<std::optional<RobotId>> robot_of(world.models.size());  // parents come first
+  for (std::size_t i = 0; i < world.robots.size(); ++i) robot_of[world.robots[i].root.index()] = RobotId(i);
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.parent) robot_of[i] = robot_of[model.parent->index()];
+    if (robot_of[i] && model.blinking.is_light()) lights.push_back({*robot_of[i], ModelId(i)});
+  }
+  std::stable_sort(lights.begin(), lights.end(),
+                   [](const LightPlace& a, const LightPlace& b) { return a.robot < b.robot; });
+  return lights;
+}
+
+namespace {
+
+template <typename Parameters>
+std::vector<SensorPlace> FindSensors(const WorldDescription& world) {
+  std::vector<SensorPlace> places;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::vector<SensorDescription>& sensors = world.robots[i].sensors;
     for (std::size_t k = 0; k < sensors.size(); ++k) {
-      if (std::holds_alternative<ImuParameters>(sensors[k].parameters)) imus.push_back({RobotId(i), k});
+      if (std::holds_alternative<Parameters>(sensors[k].parameters)) places.push_back({RobotId(i), k});
     }
   }
-  return imus;
+  return places;
+}
+
+}  // namespace
+
+std::vector<SensorPlace> FindImus(const WorldDescription& world) {
+  return FindSensors<ImuParameters>(world);
+}
+
+const CameraParameters* FindCamera(const RobotDescription& robot, std::size_t sensor) {
+  return sensor < robot.sensors.size() ? std::get_if<CameraParameters>(&robot.sensors[sensor].parameters) : nullptr;
+}
+
+std::vector<SensorPlace> FindCameras(const WorldDescription& world) {
+  return FindSensors<CameraParameters>(world);
 }
 
 std::uint64_t Hash(const WorldDescription& world) {

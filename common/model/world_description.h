@@ -55,10 +55,12 @@ struct Shape {
 // The shape with the rectangles of its area as a list, or as blocks where the area is turned.
 Shape Listed(Shape shape);
 
-// A light that is on and off by turns. In each period it is on first; a period of 0: it is not a light.
+// A light that is on and off by turns while it is switched on. In each period it is on first; a period of 0: it is not
+// a light.
 struct Blinking {
   std::int64_t period_ns = 0;
-  std::int64_t on_ns = 0;  // 0: always off; the period: always on
+  std::int64_t on_ns = 0;      // 0: always off; the period: always on
+  bool is_switched_on = true;  // at load; that of a robot is switched by its controller (LightState)
 
   bool is_light() const { return period_ns > 0; }
   bool IsOnAt(std::int64_t time_ns) const { return time_ns % period_ns < on_ns; }  // REQUIRES: is_light()
@@ -101,8 +103,9 @@ struct ModelDescription {
   bool operator==(const ModelDescription&) const = default;
 };
 
-// The colour of the model's body at a simulated time: that of a light that is off is dark.
-Color ColorAt(const ModelDescription& model, std::int64_t time_ns);
+// The colour of the model's body at a simulated time: that of a light that is off is dark. `is_switched_on`: of a
+// light.
+Color ColorAt(const ModelDescription& model, std::int64_t time_ns, bool is_switched_on);
 
 enum class DriveType : std::uint8_t {
   kDifferential,  // vx, wz
@@ -251,14 +254,28 @@ Status Validate(const WorldDescription& world);
 // The models with a store of energy, removed ones included, in id order: StoreState of a state is in this order.
 std::vector<ModelId> FindStores(const WorldDescription& world);
 
-// An inertial measurement unit: number `sensor` of the sensors of `robot`.
-struct ImuPlace {
+// A light on a robot.
+struct LightPlace {
+  RobotId robot;
+  ModelId model;
+  bool operator==(const LightPlace&) const = default;
+};
+// In the order of robots, then of models, removed ones included: LightState of a state is in this order.
+std::vector<LightPlace> FindLights(const WorldDescription& world);
+
+// The parameters of number `sensor` of the robot's sensors; null if that is no camera.
+const CameraParameters* FindCamera(const RobotDescription& robot, std::size_t sensor);
+
+// Number `sensor` of the sensors of `robot`.
+struct SensorPlace {
   RobotId robot;
   std::size_t sensor = 0;
-  bool operator==(const ImuPlace&) const = default;
+  auto operator<=>(const SensorPlace&) const = default;
 };
-// Of all robots, removed ones included, in id order: ImuState of a state is in this order.
-std::vector<ImuPlace> FindImus(const WorldDescription& world);
+// The inertial measurement units of all robots, removed ones included, ascending: ImuState of a state is in this order.
+std::vector<SensorPlace> FindImus(const WorldDescription& world);
+// Likewise the cameras, in the order of CameraState.
+std::vector<SensorPlace> FindCameras(const WorldDescription& world);
 
 // A hash of everything in the description: peers that agree on it simulate the same world.
 std::uint64_t Hash(const WorldDescription& world);

@@ -68,14 +68,29 @@ struct ImuState {
   bool operator==(const ImuState&) const = default;
 };
 
+// A light of a robot.
+struct LightState {
+  bool is_switched_on = true;
+  bool operator==(const LightState&) const = default;
+};
+
+// The direction of a camera, from that of the world file.
+struct CameraState {
+  double pan = 0.0;   // rad, to the left, in (-pi, pi]
+  double tilt = 0.0;  // rad, upwards, within CameraParameters::TiltLimits
+  bool operator==(const CameraState&) const = default;
+};
+
 struct WorldState {
   Tick tick = 0;
-  std::vector<RobotState> robots;       // by RobotId
-  std::vector<JointState> joints;       // by JointId
-  std::vector<GripperState> grippers;   // by GripperId
-  std::vector<ObjectState> objects;     // by ObjectId
-  std::vector<StoreState> stores = {};  // of FindStores
-  std::vector<ImuState> imus = {};      // of FindImus
+  std::vector<RobotState> robots;         // by RobotId
+  std::vector<JointState> joints;         // by JointId
+  std::vector<GripperState> grippers;     // by GripperId
+  std::vector<ObjectState> objects;       // by ObjectId
+  std::vector<StoreState> stores = {};    // of FindStores
+  std::vector<ImuState> imus = {};        // of FindImus
+  std::vector<LightState> lights = {};    // of FindLights
+  std::vector<CameraState> cameras = {};  // of FindCameras
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
   bool operator==(const WorldState&) const = default;

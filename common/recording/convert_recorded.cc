@@ -12,7 +12,7 @@
 namespace troupe {
 namespace {
 
-constexpr auto kLastEvent = static_cast<std::uint8_t>(EventType::kOutOfEnergy);
+constexpr auto kLastEvent = static_cast<std::uint8_t>(kLastEventType);
 
 Error Broken(std::string problem) {
   return {{}, std::move(problem)};

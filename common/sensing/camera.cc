@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/check.h"
 #include "common/base/deterministic_math.h"
 #include "common/base/hexadecimal.h"
 #include "common/sensing/fan_marks.h"
@@ -55,12 +56,13 @@ double LightOn(const ColumnHit& hit) {
 // The optics: the slopes of the rays of the image's columns and rows, per m of depth.
 class Optics {
  public:
-  explicit Optics(const CameraParameters& parameters)
+  // `tilt`: rad, upwards, added to the elevation.
+  Optics(const CameraParameters& parameters, double tilt)
       : width_(parameters.width),
         height_(parameters.height),
         side_(Tangent(0.5 * parameters.fov)),
-        low_(Tangent(parameters.elevation.min)),
-        high_(Tangent(parameters.elevation.max)) {}
+        low_(Tangent(parameters.elevation.min + tilt)),
+        high_(Tangent(parameters.elevation.max + tilt)) {}
 
   // To the left.
   double Aside(std::uint32_t column) const { return side_ * (1.0 - 2.0 * (column + 0.5) / width_); }
@@ -145,7 +147,12 @@ class Column {
 
 class Camera final : public Sensor {
  public:
-  explicit Camera(const SensorMount& mount) : Sensor(mount), optics_(parameters()) {}
+  explicit Camera(const SensorMount& mount) : Sensor(mount), optics_(parameters(), 0.0) {
+    const std::span<const SensorPlace> cameras = mount.scene.cameras();
+    const auto place = std::lower_bound(cameras.begin(), cameras.end(), SensorPlace{mount.robot, mount.index});
+    TROUPE_CHECK(place != cameras.end());
+    row_ = static_cast<std::size_t>(place - cameras.begin());
+  }
 
   // A depth that is no number within the limits is null.
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
@@ -179,35 +186,38 @@ class Camera final : public Sensor {
     const std::uint32_t width = parameters().width;
     const std::uint32_t height = parameters().height;
     reading.tick = tick;
+    const CameraState turned = world.state != nullptr ? world.state->cameras[row_] : CameraState();
+    const Optics optics = turned.tilt == 0.0 ? optics_ : Optics(parameters(), turned.tilt);
+    const Pose X_MS = parameters().X_MS * Pose{0.0, 0.0, 0.0, turned.pan};
     CameraReading& content = ContentOf<CameraReading>(reading);
-    content.X_RS = MountAt(world) * parameters().X_MS;
+    content.X_RS = MountAt(world) * X_MS;
     content.width = width;
     content.height = height;
-    content.focal_length_x = optics_.focal_length_x();
-    content.focal_length_y = optics_.focal_length_y();
-    content.center_x = optics_.center_x();
-    content.center_y = optics_.center_y();
+    content.focal_length_x = optics.focal_length_x();
+    content.focal_length_y = optics.focal_length_y();
+    content.center_x = optics.center_x();
+    content.center_y = optics.center_y();
     content.limits = parameters().range;
     const std::size_t pixels = std::size_t{width} * height;
     content.colors.resize(3 * pixels);
     content.depths.resize(pixels);
     content.models.resize(pixels);
 
-    const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
+    const Pose X_WS = world.bodies.X_WM(description().model) * X_MS;
     const Transform2 to_world(X_WS);
-    const double widest = std::sqrt(1.0 + optics_.Aside(0) * optics_.Aside(0));
+    const double widest = std::sqrt(1.0 + optics.Aside(0) * optics.Aside(0));
     ColumnCaster caster(world.scene, world.bodies, X_WS.translation(), parameters().range.max * widest, robot(),
                         Sight::kBodies);
     Column column(height);
     std::vector<ColumnCut> cuts;
     for (std::uint32_t x = 0; x < width; ++x) {
-      const double aside = optics_.Aside(x);
+      const double aside = optics.Aside(x);
       const double stretch = std::sqrt(1.0 + aside * aside);
       const double reach = parameters().range.max * stretch;
-      const ZRange seen{X_WS.z + std::min(0.0, parameters().range.max * optics_.Up(height - 1)),
-                        X_WS.z + std::max(0.0, parameters().range.max * optics_.Up(0))};
+      const ZRange seen{X_WS.z + std::min(0.0, parameters().range.max * optics.Up(height - 1)),
+                        X_WS.z + std::max(0.0, parameters().range.max * optics.Up(0))};
       caster.Cut(to_world.Rotate(Vec2(1.0, aside) / stretch), seen, cuts);
-      column.Fill(optics_, X_WS.z, stretch, reach, cuts);
+      column.Fill(optics, X_WS.z, stretch, reach, cuts);
       Shade shade;
       for (std::uint32_t y = 0; y < height; ++y) {
         WritePixel(world, tick, column, column.pixel(y), std::size_t{y} * width + x, shade, content);
@@ -248,7 +258,8 @@ class Camera final : public Sensor {
     content.models[place] = model;
   }
 
-  Optics optics_;
+  Optics optics_;        // without a tilt
+  std::size_t row_ = 0;  // of CameraState
 };
 
 }  // namespace

@@ -19,8 +19,8 @@ enum class ImuDraw : std::uint64_t { kHeading = 0, kTurn = 1, kForceX = 2, kForc
 class Imu final : public Sensor {
  public:
   explicit Imu(const SensorMount& mount) : Sensor(mount) {
-    const std::span<const ImuPlace> imus = mount.scene.imus();
-    const auto place = std::find(imus.begin(), imus.end(), ImuPlace{mount.robot, mount.index});
+    const std::span<const SensorPlace> imus = mount.scene.imus();
+    const auto place = std::find(imus.begin(), imus.end(), SensorPlace{mount.robot, mount.index});
     TROUPE_CHECK(place != imus.end());
     row_ = static_cast<std::size_t>(place - imus.begin());
   }

@@ -13,7 +13,10 @@ inline Pose PoseOfModel(const SensedWorld& world, ModelId model) {
 // The colour of a model at `tick`.
 inline Color ColorOfModel(const SensedWorld& world, ModelId model, Tick tick) {
   const WorldDescription& description = world.scene.world();
-  return ColorAt(description.model(model), static_cast<std::int64_t>(tick) * description.interval_ns);
+  const std::optional<std::size_t> row = world.state != nullptr ? world.scene.light_of(model) : std::nullopt;
+  const bool is_switched_on =
+      row ? world.state->lights[*row].is_switched_on : description.model(model).blinking.is_switched_on;
+  return ColorAt(description.model(model), static_cast<std::int64_t>(tick) * description.interval_ns, is_switched_on);
 }
 
 }  // namespace troupe

@@ -13,7 +13,7 @@ constexpr std::uint64_t kHasGoal = 2;
 constexpr std::uint64_t kHasHeading = 4;
 constexpr std::uint64_t kAnyId = std::uint64_t{1} << 31;
 constexpr std::size_t kLongestDetail = 1'000'000;  // bytes, of an event
-constexpr auto kLastEventType = static_cast<std::uint64_t>(EventType::kOutOfEnergy);
+constexpr auto kLastEvent = static_cast<std::uint64_t>(kLastEventType);
 constexpr auto kLastObjectMode = static_cast<std::uint64_t>(ObjectMode::kHeld);
 
 // Words of a row.
@@ -25,7 +25,9 @@ constexpr std::size_t kEventWords = 5;         // and its detail
 constexpr std::size_t kTransmissionWords = 7;  // and its bytes
 constexpr std::size_t kStoreWords = 2;
 constexpr std::size_t kImuWords = 3;
-constexpr std::size_t kOtherWords = 18;   // of a frame: eight numbers and ten counts
+constexpr std::size_t kLightWords = 1;
+constexpr std::size_t kCameraWords = 2;
+constexpr std::size_t kOtherWords = 20;   // of a frame: eight numbers and twelve counts
 constexpr std::size_t kCommandWords = 9;  // without gripper orders and waypoints
 constexpr std::size_t kOrderWords = 3;
 constexpr std::size_t kWaypointWords = 2;
@@ -76,6 +78,13 @@ void AddState(const WorldState& state, WordWriter& words) {
     words.Add(imu.vx);
     words.Add(imu.vy);
     words.Add(imu.vz);
+  }
+  words.Add(state.lights.size());
+  for (const LightState& light : state.lights) words.Add(std::uint64_t{light.is_switched_on});
+  words.Add(state.cameras.size());
+  for (const CameraState& camera : state.cameras) {
+    words.Add(camera.pan);
+    words.Add(camera.tilt);
   }
   words.Add(state.transmissions.size());
   for (const RadioTransmission& transmission : state.transmissions) {
@@ -167,6 +176,16 @@ bool ReadState(WordReader& words, WorldState& state) {
   for (ImuState& imu : state.imus) {
     if (!words.ReadFinite(imu.vx) || !words.ReadFinite(imu.vy) || !words.ReadFinite(imu.vz)) return false;
   }
+  if (!words.ReadCount(count, kLightWords)) return false;
+  state.lights.resize(count);
+  for (LightState& light : state.lights) {
+    if (!words.Read(light.is_switched_on)) return false;
+  }
+  if (!words.ReadCount(count, kCameraWords)) return false;
+  state.cameras.resize(count);
+  for (CameraState& camera : state.cameras) {
+    if (!words.ReadFinite(camera.pan) || !words.ReadFinite(camera.tilt)) return false;
+  }
   if (!words.ReadCount(count, kTransmissionWords)) return false;
   state.transmissions.resize(count);
   for (RadioTransmission& transmission : state.transmissions) {
@@ -185,7 +204,7 @@ void AddEvent(const Event& event, WordWriter& words) {
 
 bool ReadEvent(WordReader& words, Event& event, std::size_t robots) {
   std::uint64_t type = 0;
-  if (!words.Read(type) || type > kLastEventType) return false;
+  if (!words.Read(type) || type > kLastEvent) return false;
   event.type = static_cast<EventType>(type);
   return words.Read(event.robot, robots) && words.Read(event.other, kAnyId) && words.Read(event.object, kAnyId) &&
          words.Read(event.detail, kLongestDetail);
@@ -327,7 +346,8 @@ std::size_t CountFrameWords(const FrameMessage& frame) {
   const WorldState& state = frame.state;
   std::size_t count = kOtherWords + kRobotWords * state.robots.size() + kJointWords * state.joints.size() +
                       kGripperWords * state.grippers.size() + kObjectWords * state.objects.size() +
-                      kStoreWords * state.stores.size() + kImuWords * state.imus.size() + frame.awaited.size() +
+                      kStoreWords * state.stores.size() + kImuWords * state.imus.size() +
+                      kLightWords * state.lights.size() + kCameraWords * state.cameras.size() + frame.awaited.size() +
                       kEventWords * frame.events.size();
   for (const RadioTransmission& transmission : state.transmissions) {
     count += kTransmissionWords + (transmission.message.bytes.size() + sizeof(Word) - 1) / sizeof(Word);

@@ -3,8 +3,10 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMessageWords = 3;           // of radio, and its bytes
-constexpr std::size_t kProposalWords = 6;          // at least
+constexpr std::size_t kMessageWords = 3;  // of radio, and its bytes
+constexpr std::size_t kSwitchWords = 2;
+constexpr std::size_t kDirectionWords = 3;
+constexpr std::size_t kProposalWords = 9;          // at least
 constexpr std::size_t kLongestReport = 1'000'000;  // bytes
 constexpr std::uint64_t kMostRobots = std::uint64_t{1} << 32;
 
@@ -47,6 +49,24 @@ bool ReadAll(WordReader& words, ProposalMessage& message) {
     for (RadioMessage& radio_message : proposal.messages) {
       if (!Read(words, radio_message)) return false;
     }
+    std::size_t lights = 0;
+    if (!words.ReadCount(lights, kSwitchWords)) return false;
+    proposal.lights.resize(lights);
+    for (LightOrder& order : proposal.lights) {
+      std::uint64_t light = 0;
+      if (!words.Read(light) || light >= kMostRobots || !words.Read(order.on)) return false;
+      order.light = static_cast<std::size_t>(light);
+    }
+    std::size_t cameras = 0;
+    if (!words.ReadCount(cameras, kDirectionWords)) return false;
+    proposal.cameras.resize(cameras);
+    for (CameraOrder& order : proposal.cameras) {
+      std::uint64_t sensor = 0;
+      if (!words.Read(sensor) || sensor >= kMostRobots || !words.Read(order.pan) || !words.Read(order.tilt))
+        return false;
+      order.sensor = static_cast<std::size_t>(sensor);
+    }
+    if (!words.Read(proposal.say, kLongestReport)) return false;
   }
   if (!words.ReadCount(count, 1)) return false;
   message.reports.resize(count);
@@ -79,6 +99,18 @@ void AddProposal(const ProposalMessage& message, WordWriter& words) {
       words.Add(radio_message.to);
       words.Add(radio_message.bytes);
     }
+    words.Add(proposal.lights.size());
+    for (const LightOrder& order : proposal.lights) {
+      words.Add(std::uint64_t{order.light});
+      words.Add(std::uint64_t{order.on});
+    }
+    words.Add(proposal.cameras.size());
+    for (const CameraOrder& order : proposal.cameras) {
+      words.Add(std::uint64_t{order.sensor});
+      words.Add(order.pan);
+      words.Add(order.tilt);
+    }
+    words.Add(proposal.say);
   }
   words.Add(message.reports.size());
   for (const std::string& report : message.reports) words.Add(report);

@@ -12,13 +12,13 @@
 
 namespace troupe {
 
-inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650003;  // changes with this file or the words of a message
+inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650004;  // changes with this file or the words of a message
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network
 inline constexpr std::size_t kBuffers = 2;   // the newest frame, and the one that is being written
 inline constexpr std::size_t kBufferBytes = std::size_t{64} << 20;
-inline constexpr std::size_t kSlotBytes = std::size_t{256} << 10;
+inline constexpr std::size_t kSlotBytes = std::size_t{512} << 10;
 
 // Only the service writes these, so that no agent can change the frames of another one.
 struct FramesHeader {

@@ -12,6 +12,10 @@ Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   FindBodies();
   FindStoresOfModels();
   imus_ = FindImus(world_);
+  cameras_ = FindCameras(world_);
+  lights_ = FindLights(world_);
+  light_of_.resize(world_.models.size());
+  for (std::size_t i = 0; i < lights_.size(); ++i) light_of_[lights_[i].model.index()] = i;
   std::vector<ConvexPiece> static_pieces;
   std::vector<PixelPieces> areas;
   for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);
@@ -50,6 +54,19 @@ void Scene::FindBodies() {
   for (std::size_t i = 0; i < world_.grippers.size(); ++i) {
     grippers_of_[world_.grippers[i].robot.index()].push_back(GripperId(i));
   }
+}
+
+std::size_t Scene::first_light_of(RobotId robot) const {
+  const auto first = std::lower_bound(lights_.begin(), lights_.end(), robot,
+                                      [](const LightPlace& light, RobotId id) { return light.robot < id; });
+  return static_cast<std::size_t>(first - lights_.begin());
+}
+
+std::span<const LightPlace> Scene::lights_of(RobotId robot) const {
+  const std::size_t first = first_light_of(robot);
+  std::size_t end = first;
+  while (end < lights_.size() && lights_[end].robot == robot) ++end;
+  return std::span(lights_).subspan(first, end - first);
 }
 
 void Scene::FindStoresOfModels() {

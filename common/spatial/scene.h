@@ -77,8 +77,17 @@ class Scene {
   // The store that feeds a model, among stores(); nothing for a model without one.
   std::optional<std::size_t> store_of(ModelId model) const { return store_of_[model.index()]; }
 
+  // The lights of robots, in the order of LightState; those of a robot, and the row of the first of them; and the row
+  // of a model among all, nothing for another model.
+  std::span<const LightPlace> lights() const { return lights_; }
+  std::span<const LightPlace> lights_of(RobotId robot) const;
+  std::size_t first_light_of(RobotId robot) const;
+  std::optional<std::size_t> light_of(ModelId model) const { return light_of_[model.index()]; }
+
   // The inertial measurement units, in the order of ImuState.
-  std::span<const ImuPlace> imus() const { return imus_; }
+  std::span<const SensorPlace> imus() const { return imus_; }
+  // The cameras, in the order of CameraState.
+  std::span<const SensorPlace> cameras() const { return cameras_; }
 
   // As in the model's description, but close together in memory.
   double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
@@ -106,7 +115,10 @@ class Scene {
   std::vector<ModelId> fiducials_;
   std::vector<Store> stores_;
   std::vector<std::optional<std::size_t>> store_of_;  // by model
-  std::vector<ImuPlace> imus_;
+  std::vector<SensorPlace> imus_;
+  std::vector<SensorPlace> cameras_;
+  std::vector<LightPlace> lights_;
+  std::vector<std::optional<std::size_t>> light_of_;  // by model
   std::vector<Body> bodies_;
   RayShapes ray_shapes_;
   std::vector<std::uint32_t> ray_shape_of_;          // by body

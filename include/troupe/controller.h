@@ -106,6 +106,25 @@ struct EnergyReading {
   double charge_watts = 0.0;  // W that it received during the last tick, on average
 };
 
+// A light of the robot. The name lives as long as the controller.
+struct LightInfo {
+  ModelId model;
+  std::string_view name = {};  // without the robot's: "beacon"
+  bool operator==(const LightInfo&) const = default;
+};
+
+struct LightCommand {
+  std::size_t light = 0;  // in RobotInfo::lights
+  bool on = false;
+};
+
+// Turns a camera at once, away from its direction in the world file.
+struct CameraCommand {
+  std::size_t sensor = 0;  // in RobotInfo::sensors
+  double pan = 0.0;        // rad, to the left
+  double tilt = 0.0;  // rad, upwards; bounded so that its picture ends within 85 degrees above and below the horizontal
+};
+
 struct Observation {
   Tick tick = 0;
   double time = 0.0;      // s, simulated
@@ -116,6 +135,7 @@ struct Observation {
   std::span<const SensorReading> sensors;  // by sensor, as in RobotInfo; empty where not subscribed
   std::span<const JointReading> joints;
   std::span<const GripperReading> grippers;
+  std::vector<bool> lights = {};             // switched on, by light
   std::optional<EnergyReading> energy = {};  // nothing: the robot needs none
   std::uint64_t random_key = 0;              // of this robot and tick
   // That a user has sent the robot to, in the frame of `pose_estimate`; null: none, or it was cancelled or has expired.
@@ -142,6 +162,13 @@ struct Command {
   // next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that is no
   // radio is a failure of the controller.
   std::vector<RadioMessage> messages = {};
+  // Applied in order; a light stays as it was switched last. An unknown light is a failure of the controller.
+  std::vector<LightCommand> lights = {};
+  // Likewise; a camera stays as it was turned last. A sensor that is no camera, and a number that is not finite, are
+  // failures of the controller.
+  std::vector<CameraCommand> cameras = {};
+  // A text for people, an event of the run; beyond 200 bytes it is cut off.
+  std::string say = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -158,6 +185,7 @@ struct RobotInfo {
   std::vector<SensorInfo> sensors = {};              // RobotDescription::sensors, then the break beams of grippers
   std::vector<const JointDescription*> joints = {};  // in id order; never null, live as long as the controller
   std::vector<GripperInfo> grippers = {};            // in id order
+  std::vector<LightInfo> lights = {};                // in id order
 };
 
 class Controller {
@@ -185,7 +213,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 6
+#define TROUPE_CONTROLLER_ABI 7
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

@@ -43,18 +43,24 @@ class ScriptController final : public Controller {
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<ScriptController>(*this); }
 
  private:
-  // Commands to grippers and joints stay valid, and messages are sent once, so each is given once: those due since the
-  // last call, in order. After a late start, those of one whole round at most.
+  // Commands to grippers, joints, lights and cameras stay valid, and messages and texts are given once, so each is
+  // given once: those due since the last call, in order. After a late start, those of one whole round at most.
   void Manipulate(std::uint64_t due, Command& command) {
     command.grippers.clear();
     command.joints.clear();
     command.messages.clear();
+    command.lights.clear();
+    command.cameras.clear();
+    command.say.clear();
     const std::uint64_t count = commands_.size();
     for (std::uint64_t i = std::max(given_, due > count ? due - count : 0); i < due; ++i) {
       const Command& given = commands_[i % count].command;
       command.grippers.insert(command.grippers.end(), given.grippers.begin(), given.grippers.end());
       command.joints.insert(command.joints.end(), given.joints.begin(), given.joints.end());
       command.messages.insert(command.messages.end(), given.messages.begin(), given.messages.end());
+      command.lights.insert(command.lights.end(), given.lights.begin(), given.lights.end());
+      command.cameras.insert(command.cameras.end(), given.cameras.begin(), given.cameras.end());
+      if (!given.say.empty()) command.say = given.say;
     }
     given_ = due;
   }
@@ -142,6 +148,25 @@ Result<JointCommand> ResolveJoint(const RobotInfo& info, const ScriptJoint& want
                                  Names(info.joints, [](const JointDescription* joint) { return joint->name; })));
 }
 
+Result<LightCommand> ResolveLight(const RobotInfo& info, const std::string& name, bool on) {
+  for (std::size_t i = 0; i < info.lights.size(); ++i) {
+    if (info.lights[i].name == name) return LightCommand{i, on};
+  }
+  return ScriptError(fmt::format("unknown light '{}', expected {}", name,
+                                 Names(info.lights, [](const LightInfo& light) { return std::string(light.name); })));
+}
+
+Result<CameraCommand> ResolveCamera(const RobotInfo& info, const ScriptCamera& wanted) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < info.sensors.size(); ++i) {
+    if (FindCamera(*info.robot, i) == nullptr) continue;
+    names.push_back(info.sensors[i].description->name);
+    if (names.back() == wanted.name) return CameraCommand{i, wanted.pan, wanted.tilt};
+  }
+  return ScriptError(fmt::format("unknown camera '{}', expected {}", wanted.name,
+                                 Names(names, [](const std::string& name) { return name; })));
+}
+
 // The error is something that the robot does not have.
 Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& command) {
   ResolvedCommand resolved{command.at, command.motion};
@@ -162,6 +187,17 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     if (radio == info.sensors.size()) return ScriptError("the robot has no radio");
     resolved.command.messages.push_back({.radio = radio, .bytes = {command.send->begin(), command.send->end()}});
   }
+  for (const auto& [name, on] : command.lights) {
+    const Result<LightCommand> found = ResolveLight(info, name, on);
+    if (!found.ok()) return found.error();
+    resolved.command.lights.push_back(found.value());
+  }
+  for (const ScriptCamera& camera : command.cameras) {
+    const Result<CameraCommand> found = ResolveCamera(info, camera);
+    if (!found.ok()) return found.error();
+    resolved.command.cameras.push_back(found.value());
+  }
+  resolved.command.say = command.say.value_or("");
   return resolved;
 }
 

@@ -81,6 +81,18 @@ ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, doub
   ReadMotion(reader, command);
   ReadManipulation(reader, command);
   command.send = reader.ReadText("send");
+  command.say = reader.ReadText("say");
+  for (const auto& [name, value] : reader.ReadObject("lights")) {
+    NestedParameters inner("lights", nlohmann::json{{name, value}});
+    command.lights.emplace_back(name, inner.ReadBool(name.c_str()).value_or(false));
+    Merge(inner.Finish(), reader);
+  }
+  for (const auto& [name, value] : reader.ReadObject("cameras")) {
+    NestedParameters inner(fmt::format("camera '{}'", name), value);
+    command.cameras.push_back(
+        {name, inner.ReadNumber("pan", kAny).value_or(0.0), inner.ReadNumber("tilt", kAny).value_or(0.0)});
+    Merge(inner.Finish(), reader);
+  }
   if (number > 1 && command.at <= earliest) {
     reader.Fail(
         fmt::format("'at' is {}, expected a time after that of the command before it, {}", command.at, earliest));
@@ -112,9 +124,11 @@ Result<ScriptParameters> ParseScript(const std::string& text) {
   }
   if (repeat) p.period = period;
   if (repeat && period == shortest && !p.commands.empty() &&
-      !(p.commands.back().grippers.empty() && p.commands.back().joints.empty() && !p.commands.back().send)) {
+      !(p.commands.back().grippers.empty() && p.commands.back().joints.empty() && !p.commands.back().send &&
+        !p.commands.back().say && p.commands.back().lights.empty() && p.commands.back().cameras.empty())) {
     reader.Fail(
-        "the last command only marks the end and is never done, expected none for grippers, joints or radios in it");
+        "the last command only marks the end and is never done, expected none for grippers, joints, radios, lights, "
+        "cameras or texts in it");
   }
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;

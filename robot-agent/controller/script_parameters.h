@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -22,6 +23,12 @@ struct ScriptJoint {
   double position = 0.0;  // m or rad
 };
 
+struct ScriptCamera {
+  std::string name;
+  double pan = 0.0;  // rad
+  double tilt = 0.0;
+};
+
 struct ScriptCommand {
   double at = 0.0;          // s, simulated
   Command motion;           // its twist, or a car's speed and steering; no more
@@ -29,6 +36,9 @@ struct ScriptCommand {
   bool for_others = false;  // it gives vx, vy or wz
   std::vector<ScriptGripper> grippers;
   std::vector<ScriptJoint> joints;
+  std::vector<std::pair<std::string, bool>> lights;  // by name: on
+  std::vector<ScriptCamera> cameras;
+  std::optional<std::string> say;   // a text for people
   std::optional<std::string> send;  // a text, by the robot's first radio to all in range
 };
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
+#include "common/base/deterministic_math.h"
 #include "common/base/random.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
@@ -20,6 +22,30 @@ namespace {
 constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
 
 constexpr std::size_t kLongestReport = 300;  // bytes
+
+// On one line, and cut off between characters of UTF-8.
+std::string SaidText(std::string text) {
+  if (text.size() > kMostSaidBytes) {
+    std::size_t end = kMostSaidBytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+    text.resize(end);
+  }
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, ' ');
+  return text;
+}
+
+// REQUIRES: the command is for a camera of the robot, with finite numbers.
+CameraOrder OrderOf(const RobotDescription& robot, const CameraCommand& command) {
+  const Interval limits = FindCamera(robot, command.sensor)->TiltLimits();
+  return {command.sensor, WrapAngle(command.pan), std::clamp(command.tilt, limits.min, limits.max)};
+}
+
+// The part of a model's name after that of its robot.
+std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model) {
+  const std::string_view name = model.name;
+  return name.starts_with(robot.name + ".") ? name.substr(robot.name.size() + 1) : name;
+}
 
 double TimeOf(const WorldDescription& world, Tick tick) {
   return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
@@ -75,6 +101,8 @@ Status Robot::CheckCommand(const Command& command) const {
   Manipulator trial = manipulator_;
   Status status = trial.Apply(command);
   if (status.ok()) status = CheckReceivers(command);
+  if (status.ok()) status = CheckLights(command);
+  if (status.ok()) status = CheckCameras(command);
   if (status.ok()) return {};
   return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
 }
@@ -87,6 +115,27 @@ Status Robot::CheckReceivers(const Command& command) const {
     const std::size_t robots = scene_->world().robots.size();
     if (message.to && message.to->index() >= robots) {
       return Error{{}, fmt::format("sends a message to robot {}, expected one of {}", message.to->index(), robots)};
+    }
+  }
+  return {};
+}
+
+Status Robot::CheckLights(const Command& command) const {
+  const std::size_t lights = scene_->lights_of(id_).size();
+  for (const LightCommand& light : command.lights) {
+    if (light.light < lights) continue;
+    return Error{{}, fmt::format("switches light {}, expected one of the robot's {}", light.light, lights)};
+  }
+  return {};
+}
+
+Status Robot::CheckCameras(const Command& command) const {
+  for (const CameraCommand& camera : command.cameras) {
+    if (FindCamera(description(), camera.sensor) == nullptr) {
+      return Error{{}, fmt::format("turns sensor {}, expected a camera of the robot", camera.sensor)};
+    }
+    if (!std::isfinite(camera.pan) || !std::isfinite(camera.tilt)) {
+      return Error{{}, fmt::format("turns a camera by {} and {}, expected numbers", camera.pan, camera.tilt)};
     }
   }
   return {};
@@ -107,7 +156,11 @@ Status Robot::StartController(const AllowedPaths& libraries) {
                  .parameters = description().controller.parameters,
                  .sensors = {},
                  .joints = manipulator_.joints(),
-                 .grippers = manipulator_.grippers()};
+                 .grippers = manipulator_.grippers(),
+                 .lights = {}};
+  for (const LightPlace& light : scene_->lights_of(id_)) {
+    info.lights.push_back({light.model, NameOnRobot(description(), scene_->world().model(light.model))});
+  }
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorDescription& sensor = sensors_.sensor(i).description();
     info.sensors.push_back({&sensor, scene_->X_RM(sensor.model)});
@@ -165,12 +218,24 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
   std::vector<RadioMessage> messages = std::move(command.messages);
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
+  std::vector<LightOrder> lights;
+  std::vector<CameraOrder> cameras;
+  for (const Command* const source : {static_cast<const Command*>(&command), &external.command}) {
+    for (const LightCommand& light : source->lights) lights.push_back({light.light, light.on});
+    for (const CameraCommand& camera : source->cameras) cameras.push_back(OrderOf(description(), camera));
+  }
+  std::string say = SaidText(external.command.say.empty() ? std::move(command.say) : external.command.say);
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
   // After a failure the joints stay, and grippers keep their objects.
-  return {id_, twist, failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{},
-          WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages))};
+  return {id_,
+          twist,
+          failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{},
+          WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages)),
+          std::move(lights),
+          std::move(cameras),
+          std::move(say)};
 }
 
 const SensorReading& Robot::Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies) {
@@ -219,6 +284,10 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
     const PowerDescription& power = world.model(scene_->stores()[*store].model).power;
     observation.energy = {state.stores[*store].joules, power.capacity, state.stores[*store].charge_watts};
   }
+  const std::size_t first_light = scene_->first_light_of(id_);
+  for (std::size_t i = 0; i < scene_->lights_of(id_).size(); ++i) {
+    observation.lights.push_back(state.lights[first_light + i].is_switched_on);
+  }
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
   Result<Command> command = RunController(observation);
@@ -244,6 +313,8 @@ Result<Command> Robot::RunController(const Observation& observation) {
     Command command = controller_->Update(observation);
     if (const Status status = manipulator_.Apply(command); !status.ok()) return status.error();
     if (const Status status = CheckReceivers(command); !status.ok()) return status.error();
+    if (const Status status = CheckLights(command); !status.ok()) return status.error();
+    if (const Status status = CheckCameras(command); !status.ok()) return status.error();
     return command;
   } catch (const std::exception& exception) {
     return Error{{}, exception.what()};

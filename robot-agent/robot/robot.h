@@ -52,7 +52,8 @@ class Robot {
   // As Decide, for a state of the past, so that the robot remembers it: without scan log.
   Proposal Retrace(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {});
 
-  // The error is a command to a gripper, a joint or a radio that the robot cannot execute; nothing is changed.
+  // The error is a command to a gripper, a joint, a radio, a light or a camera that the robot cannot execute; nothing
+  // is changed.
   Status CheckCommand(const Command& command) const;
 
   // Applies the pose that an edit has given to the robot: odometry does not count it as a motion.
@@ -82,6 +83,8 @@ class Robot {
 
   const RobotDescription& description() const;
   Status CheckReceivers(const Command& command) const;  // of its radio messages
+  Status CheckLights(const Command& command) const;
+  Status CheckCameras(const Command& command) const;
   // Makes the controller and subscribes to its sensors.
   Status StartController(const AllowedPaths& libraries);
   Status Subscribe();

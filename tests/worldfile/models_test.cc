@@ -234,11 +234,11 @@ TEST(Models, ReturnsAreRead) {
   EXPECT_TRUE(model.show_nose);
 }
 
-TEST(Models, TypesThatAreNotSimulatedAreBodies) {
+TEST(Models, DevicesOnNoRobotAreBodies) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "gripper( ) fiducial( ) blobfinder( ) bumper( ) actuator( ) camera( ) blinkenlight( ) lightindicator( )");
   EXPECT_EQ(loaded.world.models.size(), 8u);
-  EXPECT_EQ(loaded.warnings.size(), 8u);
+  EXPECT_EQ(loaded.warnings.size(), 7u);
   EXPECT_EQ(ModelCalled(loaded, "gripper:0").size_y, 0.3);
   EXPECT_TRUE(ShapeOf(loaded, 1).blocks.empty());   // a fiducial finder
   EXPECT_EQ(ShapeOf(loaded, 6).blocks.size(), 1u);  // a light

@@ -133,17 +133,25 @@ TEST(Sensors, AScannerHasPlanes) {
   EXPECT_NEAR(listed[1], 10.0 * kDegree, 1e-15);
 }
 
+TEST(Sensors, ALightIndicatorIsDarkUntilItIsSwitchedOn) {
+  const ModelDescription light = WorldFolder().LoadText("lightindicator( )").world.models[0];
+  EXPECT_FALSE(light.blinking.is_switched_on);
+  EXPECT_NE(ColorAt(light, 0, false), light.color);
+  for (const std::int64_t time_ns : {0L, 999'999'999L, 1'000'000'000L})
+    EXPECT_EQ(ColorAt(light, time_ns, true), light.color);
+}
+
 TEST(Sensors, ABlinkenlightIsOnForItsDutyCycle) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "blinkenlight( period 200 dutycycle 0.25 )\nblinkenlight( pose [1 0 0 0] enabled 0 )\n"
       "blinkenlight( pose [2 0 0 0] )\n");
   EXPECT_EQ(loaded.world.models[0].blinking, (Blinking{200'000'000, 50'000'000}));
-  EXPECT_EQ(loaded.world.models[1].blinking, (Blinking{1'000'000'000, 0}));
+  EXPECT_EQ(loaded.world.models[1].blinking, (Blinking{1'000'000'000, 1'000'000'000, false}));
   EXPECT_EQ(loaded.world.models[2].blinking, (Blinking{1'000'000'000, 1'000'000'000}));
-  EXPECT_EQ(ColorAt(loaded.world.models[0], 249'999'999), loaded.world.models[0].color);
-  EXPECT_NE(ColorAt(loaded.world.models[0], 250'000'000), loaded.world.models[0].color);
-  EXPECT_NE(ColorAt(loaded.world.models[1], 0), loaded.world.models[1].color);
-  EXPECT_EQ(ColorAt(loaded.world.models[2], 999'999'999), loaded.world.models[2].color);
+  EXPECT_EQ(ColorAt(loaded.world.models[0], 249'999'999, true), loaded.world.models[0].color);
+  EXPECT_NE(ColorAt(loaded.world.models[0], 250'000'000, true), loaded.world.models[0].color);
+  EXPECT_NE(ColorAt(loaded.world.models[1], 0, false), loaded.world.models[1].color);
+  EXPECT_EQ(ColorAt(loaded.world.models[2], 999'999'999, true), loaded.world.models[2].color);
 }
 
 TEST(Sensors, ASensorOnNoRobotIsNamed) {

@@ -73,10 +73,10 @@ TEST(Warnings, NameAllThatStageHasAndThatIsWithoutEffect) {
     }
   }
   EXPECT_THAT(named, testing::ElementsAre("alwayson", "blob_return", "color", "confirm_on_quit", "debug", "event_queue",
-                                          "friction", "gui_grid", "gui_move", "gui_outline", "lightindicator",
-                                          "localization_origin", "map_resolution", "odom_error", "paused", "resolution",
-                                          "say", "show_clock", "show_clock_interval", "speedup", "test", "threads",
-                                          "trail_interval", "trail_length", "update_interval", "velocity", "window"));
+                                          "friction", "gui_grid", "gui_move", "gui_outline", "localization_origin",
+                                          "map_resolution", "odom_error", "paused", "resolution", "say", "show_clock",
+                                          "show_clock_interval", "speedup", "test", "threads", "trail_interval",
+                                          "trail_length", "update_interval", "velocity", "window"));
 }
 
 TEST(Warnings, StatementsForStagesWindowShareOne) {
@@ -93,20 +93,10 @@ TEST(Warnings, StatementsForStagesWindowShareOne) {
 TEST(Warnings, AreGivenOnceForALineHoweverManyModelsItMakes) {
   std::string text = "define rob position( debug 5\n ranger( sensor( view 1 ) lightindicator( period 3 ) ) )\n";
   for (int i = 0; i < 100; ++i) text += "rob( pose [" + std::to_string(i) + " 0 0 0] )\n";
-  EXPECT_THAT(
-      WorldFolder().WarningsOf(text),
-      ElementsAre(
-          "w.world:1:22: warning: property 'debug' has no effect: it has none in Stage either",
-          "w.world:2:18: warning: property 'view' has no effect: only older versions of Stage knew it",
-          "w.world:2:27: warning: 'lightindicator' models are not simulated yet; they are only bodies",
-          "w.world:2:43: warning: property 'period' has no effect: 'lightindicator' models are not simulated yet"));
-}
-
-TEST(Warnings, NameAMacroOfATypeThatIsNotSimulatedOnce) {
-  EXPECT_THAT(
-      WorldFolder().WarningsOf(
-          "define skirt lightindicator( )\nposition( skirt( )\n skirt( ) )\nskirt( pose [5 0 0 0] )\n"),
-      ElementsAre("w.world:2:11: warning: 'skirt' is only a body: 'lightindicator' models are not simulated yet"));
+  EXPECT_THAT(WorldFolder().WarningsOf(text),
+              ElementsAre("w.world:1:22: warning: property 'debug' has no effect: it has none in Stage either",
+                          "w.world:2:18: warning: property 'view' has no effect: only older versions of Stage knew it",
+                          "w.world:2:43: warning: property 'period' has no effect in a 'lightindicator'"));
 }
 
 TEST(Warnings, ValuesThatStageReadsInAnotherWayAreNamed) {

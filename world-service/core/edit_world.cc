@@ -198,6 +198,8 @@ void AppendState(const WorldDescription& world, WorldState& state) {
   append(initial.objects, state.objects);
   append(initial.stores, state.stores);
   append(initial.imus, state.imus);
+  append(initial.lights, state.lights);
+  append(initial.cameras, state.cameras);
   for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
 }
 

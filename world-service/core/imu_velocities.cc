@@ -6,7 +6,7 @@ namespace troupe {
 
 void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& state, std::optional<RobotId> robot) {
   for (std::size_t i = 0; i < scene.imus().size(); ++i) {
-    const ImuPlace& place = scene.imus()[i];
+    const SensorPlace& place = scene.imus()[i];
     if (robot && place.robot != *robot) continue;
     const SensorDescription& sensor = scene.world().robot(place.robot).sensors[place.sensor];
     const Pose& X_MS = std::get<ImuParameters>(sensor.parameters).X_MS;

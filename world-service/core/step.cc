@@ -8,6 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/spatial/sweep.h"
+#include "world-service/core/devices.h"
 #include "world-service/core/energy.h"
 #include "world-service/core/gravity.h"
 #include "world-service/core/grip.h"
@@ -125,6 +126,7 @@ StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_
   LetObjectsFall(workspace);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
+  OperateDevices(by_robot, workspace);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });

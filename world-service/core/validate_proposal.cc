@@ -1,5 +1,6 @@
 #include "world-service/core/validate_proposal.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -49,6 +50,42 @@ Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposa
   return CheckMessages(world.robot(proposal.robot), world.interval_seconds(), proposal.messages);
 }
 
+Status CheckLightsAndText(const WorldDescription& world, const Proposal& proposal) {
+  if (proposal.say.size() > kMostSaidBytes) {
+    return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
+                       std::to_string(kMostSaidBytes));
+  }
+  // They are printed on terminals.
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  if (std::any_of(proposal.say.begin(), proposal.say.end(), is_control)) {
+    return BadProposal("found a control character in a text, expected none");
+  }
+  if (proposal.lights.empty()) return Status();
+  std::size_t lights = 0;
+  for (const LightPlace& light : FindLights(world)) lights += light.robot == proposal.robot ? 1 : 0;
+  for (const LightOrder& order : proposal.lights) {
+    if (order.light < lights) continue;
+    return BadProposal("found light " + std::to_string(order.light) + ", expected one of the robot's " +
+                       std::to_string(lights));
+  }
+  return Status();
+}
+
+Status CheckCameras(const WorldDescription& world, const Proposal& proposal) {
+  for (const CameraOrder& order : proposal.cameras) {
+    const CameraParameters* const camera = FindCamera(world.robot(proposal.robot), order.sensor);
+    if (camera == nullptr) {
+      return BadProposal("found sensor " + std::to_string(order.sensor) + ", expected a camera of the robot");
+    }
+    const Interval limits = camera->TiltLimits();
+    if (order.pan >= -kPi && order.pan <= kPi && order.tilt >= limits.min && order.tilt <= limits.max) continue;
+    return BadProposal("found the pan " + std::to_string(order.pan) + " and tilt " + std::to_string(order.tilt) +
+                       " of a camera, expected -pi to pi and " + std::to_string(limits.min) + " to " +
+                       std::to_string(limits.max));
+  }
+  return Status();
+}
+
 }  // namespace
 
 Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
@@ -68,7 +105,9 @@ Status ValidateProposal(const WorldDescription& world, const WorldState& state, 
                        ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
   }
   if (Status problem = CheckJointVelocities(world, proposal); !problem.ok()) return problem;
-  return CheckRadioMessages(world, proposal);
+  if (Status problem = CheckRadioMessages(world, proposal); !problem.ok()) return problem;
+  if (Status problem = CheckCameras(world, proposal); !problem.ok()) return problem;
+  return CheckLightsAndText(world, proposal);
 }
 
 }  // namespace troupe

@@ -131,7 +131,7 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
     return comparison.first();
   };
   if (auto difference = CompareAll("stores of energy", found.stores, expected.stores, stores)) return difference;
-  const std::vector<ImuPlace> places = FindImus(world);
+  const std::vector<SensorPlace> places = FindImus(world);
   const auto imus = [&](std::size_t i, const ImuState& a, const ImuState& b) {
     Comparison comparison(world, i < places.size() ? world.robot(places[i].robot).root : ModelId(0));
     comparison.Number("former vx of an IMU", a.vx, b.vx);
@@ -140,6 +140,21 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
     return comparison.first();
   };
   if (auto difference = CompareAll("inertial measurement units", found.imus, expected.imus, imus)) return difference;
+  const std::vector<LightPlace> light_places = FindLights(world);
+  const auto lights = [&](std::size_t i, const LightState& a, const LightState& b) {
+    Comparison comparison(world, i < light_places.size() ? light_places[i].model : ModelId(0));
+    comparison.Flag("switched on", a.is_switched_on, b.is_switched_on);
+    return comparison.first();
+  };
+  if (auto difference = CompareAll("lights", found.lights, expected.lights, lights)) return difference;
+  const std::vector<SensorPlace> camera_places = FindCameras(world);
+  const auto cameras = [&](std::size_t i, const CameraState& a, const CameraState& b) {
+    Comparison comparison(world, i < camera_places.size() ? world.robot(camera_places[i].robot).root : ModelId(0));
+    comparison.Number("pan of a camera", a.pan, b.pan);
+    comparison.Number("tilt of a camera", a.tilt, b.tilt);
+    return comparison.first();
+  };
+  if (auto difference = CompareAll("cameras", found.cameras, expected.cameras, cameras)) return difference;
   return CompareAll("radio messages", found.transmissions, expected.transmissions, transmissions);
 }
 

@@ -49,6 +49,8 @@ std::string EventText(const WorldDescription& world, const Event& event) {
     case EventType::kOutOfEnergy:
       text += robot + " has no energy";
       break;
+    case EventType::kSaid:
+      return text + robot + " says: " + event.detail;
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";
   return text;

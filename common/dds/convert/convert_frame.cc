@@ -13,7 +13,7 @@ namespace troupe::dds {
 namespace {
 
 constexpr std::uint8_t kSetBit = 1;
-constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(EventType::kOutOfEnergy);
+constexpr std::uint8_t kLastEventType = static_cast<std::uint8_t>(troupe::kLastEventType);
 constexpr std::uint8_t kLastObjectMode = static_cast<std::uint8_t>(ObjectMode::kHeld);
 constexpr std::int32_t kNone = -1;
 constexpr std::size_t kAnyId = std::numeric_limits<std::int32_t>::max();
@@ -150,6 +150,17 @@ void VisitImus(Wire& wire, Visit& visit) {
   visit(wire.imu_vx, Number{TROUPE_FIELD(vx)});
   visit(wire.imu_vy, Number{TROUPE_FIELD(vy)});
   visit(wire.imu_vz, Number{TROUPE_FIELD(vz)});
+}
+
+template <typename Wire, typename Visit>
+void VisitLights(Wire& wire, Visit& visit) {
+  visit(wire.light_flags, Flag{TROUPE_FIELD(is_switched_on)});
+}
+
+template <typename Wire, typename Visit>
+void VisitCameras(Wire& wire, Visit& visit) {
+  visit(wire.camera_pan, Number{TROUPE_FIELD(pan)});
+  visit(wire.camera_tilt, Number{TROUPE_FIELD(tilt)});
 }
 
 #undef TROUPE_FIELD
@@ -299,8 +310,13 @@ Status StateFromWire(const troupe_wire_Frame& wire, WorldState& state) {
   VisitStores(wire, store_reader);
   ColumnReader imu_reader("inertial measurement units", wire.whole, Elements(wire.imu_row), state.imus);
   VisitImus(wire, imu_reader);
-  for (const Status& problem : {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(),
-                                object_reader.problem(), store_reader.problem(), imu_reader.problem()}) {
+  ColumnReader light_reader("lights", wire.whole, Elements(wire.light_row), state.lights);
+  VisitLights(wire, light_reader);
+  ColumnReader camera_reader("cameras", wire.whole, Elements(wire.camera_row), state.cameras);
+  VisitCameras(wire, camera_reader);
+  for (const Status& problem :
+       {robot_reader.problem(), joint_reader.problem(), gripper_reader.problem(), object_reader.problem(),
+        store_reader.problem(), imu_reader.problem(), light_reader.problem(), camera_reader.problem()}) {
     if (!problem.ok()) return problem;
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -464,6 +480,10 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
   RowsToWire(now.stores, of(&WorldState::stores), wire.store_row, arena,
              [&](auto& visitor) { VisitStores(wire, visitor); });
   RowsToWire(now.imus, of(&WorldState::imus), wire.imu_row, arena, [&](auto& visitor) { VisitImus(wire, visitor); });
+  RowsToWire(now.lights, of(&WorldState::lights), wire.light_row, arena,
+             [&](auto& visitor) { VisitLights(wire, visitor); });
+  RowsToWire(now.cameras, of(&WorldState::cameras), wire.camera_row, arena,
+             [&](auto& visitor) { VisitCameras(wire, visitor); });
   TransmissionsToWire(now.transmissions, wire, arena);
   EventsToWire(message.events, wire, arena);
   CommandsToWire(message.commands, wire, arena);

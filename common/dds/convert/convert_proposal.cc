@@ -61,6 +61,89 @@ Status MessagesFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>&
   return {};
 }
 
+// The proposal of a robot from `proposal` on; the end if there is none.
+template <typename Iterator>
+Iterator FindRobot(Iterator proposal, Iterator end, std::uint32_t robot) {
+  while (proposal != end && proposal->robot.index() < robot) ++proposal;
+  return proposal != end && proposal->robot.index() == robot ? proposal : end;
+}
+
+void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& wire, WireArena& arena) {
+  std::size_t lights = 0;
+  std::size_t cameras = 0;
+  std::size_t texts = 0;
+  for (const Proposal& proposal : proposals) {
+    lights += proposal.lights.size();
+    cameras += proposal.cameras.size();
+    texts += proposal.say.empty() ? 0 : 1;
+  }
+  std::uint32_t* light_robot = arena.Fill(wire.light_robot, lights);
+  std::uint32_t* light_number = arena.Fill(wire.light_number, lights);
+  std::uint8_t* light_on = arena.Fill(wire.light_on, lights);
+  std::uint32_t* camera_robot = arena.Fill(wire.camera_robot, cameras);
+  std::uint32_t* camera_sensor = arena.Fill(wire.camera_sensor, cameras);
+  double* camera_pan = arena.Fill(wire.camera_pan, cameras);
+  double* camera_tilt = arena.Fill(wire.camera_tilt, cameras);
+  std::uint32_t* say_robot = arena.Fill(wire.say_robot, texts);
+  char** say = arena.Fill(wire.say, texts);
+  for (const Proposal& proposal : proposals) {
+    for (const LightOrder& order : proposal.lights) {
+      *light_robot++ = static_cast<std::uint32_t>(proposal.robot.index());
+      *light_number++ = static_cast<std::uint32_t>(order.light);
+      *light_on++ = order.on ? 1 : 0;
+    }
+    for (const CameraOrder& order : proposal.cameras) {
+      *camera_robot++ = static_cast<std::uint32_t>(proposal.robot.index());
+      *camera_sensor++ = static_cast<std::uint32_t>(order.sensor);
+      *camera_pan++ = order.pan;
+      *camera_tilt++ = order.tilt;
+    }
+    if (proposal.say.empty()) continue;
+    *say_robot++ = static_cast<std::uint32_t>(proposal.robot.index());
+    *say++ = arena.Copy(proposal.say);
+  }
+}
+
+Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
+  const auto light_robot = Elements(wire.light_robot);
+  const auto light_number = Elements(wire.light_number);
+  const auto light_on = Elements(wire.light_on);
+  const auto camera_robot = Elements(wire.camera_robot);
+  const auto camera_sensor = Elements(wire.camera_sensor);
+  const auto camera_pan = Elements(wire.camera_pan);
+  const auto camera_tilt = Elements(wire.camera_tilt);
+  const auto say_robot = Elements(wire.say_robot);
+  const auto say = Elements(wire.say);
+  if (!SameLength(light_robot, light_number, light_on) || !SameLength(say_robot, say) ||
+      !SameLength(camera_robot, camera_sensor, camera_pan, camera_tilt)) {
+    return Error{{},
+                 "proposal with columns of lights, cameras or texts of different lengths, expected one row for each"};
+  }
+  auto proposal = proposals.begin();
+  for (std::size_t i = 0; i < light_robot.size(); ++i) {
+    proposal = FindRobot(proposal, proposals.end(), light_robot[i]);
+    if (proposal == proposals.end() || light_on[i] > 1) {
+      return Error{{}, "proposal with a light of a robot that it does not have, or neither on nor off"};
+    }
+    proposal->lights.push_back({light_number[i], light_on[i] == 1});
+  }
+  proposal = proposals.begin();
+  for (std::size_t i = 0; i < camera_robot.size(); ++i) {
+    proposal = FindRobot(proposal, proposals.end(), camera_robot[i]);
+    if (proposal == proposals.end()) return Error{{}, "proposal with a camera of a robot that it does not have"};
+    proposal->cameras.push_back({camera_sensor[i], camera_pan[i], camera_tilt[i]});
+  }
+  proposal = proposals.begin();
+  for (std::size_t i = 0; i < say_robot.size(); ++i) {
+    proposal = FindRobot(proposal, proposals.end(), say_robot[i]);
+    if (proposal == proposals.end() || !proposal->say.empty()) {
+      return Error{{}, "proposal with a text of a robot that it does not have, or with two of one robot"};
+    }
+    proposal->say = Text(say[i]);
+  }
+  return {};
+}
+
 }  // namespace
 
 troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
@@ -87,6 +170,7 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
     joint_velocity = std::copy(proposal.joint_velocities.begin(), proposal.joint_velocities.end(), joint_velocity);
   }
   MessagesToWire(message.proposals, wire, arena);
+  OrdersToWire(message.proposals, wire, arena);
   arena.FillStrings(wire.reports, message.reports);
   wire.paused = message.paused;
   wire.edition = message.edition;
@@ -119,10 +203,11 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
     if (joints[i] > velocities.size()) return WrongJoints();
     const auto own = velocities.first(joints[i]);
     velocities = velocities.subspan(joints[i]);
-    message.proposals.push_back({RobotId(robot[i]), {vx[i], vy[i], wz[i]}, {own.begin(), own.end()}, {}});
+    message.proposals.push_back({RobotId(robot[i]), {vx[i], vy[i], wz[i]}, {own.begin(), own.end()}});
   }
   if (!velocities.empty()) return WrongJoints();
   if (Status problem = MessagesFromWire(wire, message.proposals); !problem.ok()) return problem;
+  if (Status problem = OrdersFromWire(wire, message.proposals); !problem.ok()) return problem;
   message.reports = Strings(wire.reports);
   return {};
 }

@@ -139,6 +139,7 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   wire.show_nose = model.show_nose;
   wire.blink_period = model.blinking.period_ns;
   wire.blink_on = model.blinking.on_ns;
+  wire.switched_on = model.blinking.is_switched_on;
   wire.has_store = model.power.has_store;
   wire.endless = model.power.endless;
   wire.joules = model.power.joules;
@@ -167,7 +168,7 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.fiducial_return = wire.fiducial_return;
   model.fiducial_key = wire.fiducial_key;
   model.show_nose = wire.show_nose;
-  model.blinking = {wire.blink_period, wire.blink_on};
+  model.blinking = {wire.blink_period, wire.blink_on, wire.switched_on};
   model.power = {wire.has_store, wire.endless, wire.joules,     wire.capacity,
                  wire.watts,     wire.mass,    wire.give_watts, wire.take_watts};
   model.removed = wire.removed;

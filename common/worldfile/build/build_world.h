@@ -11,8 +11,7 @@ struct BuildOptions {
   bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk
 };
 
-// Every property of every node is either honoured or named in a warning with its place; models of types whose
-// behaviour is not simulated are loaded as bodies, with a warning.
+// Every property of every node is either honoured or named in a warning with its place.
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
                                const BuildOptions& options = {});
 

@@ -81,12 +81,11 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, co
   Shape shape = type_reader->ReadShape(reader, *draft, context_);
   if (moves) shape = ListedForMotion(reader, std::move(shape));
   draft->model.shape = context_.shapes.Add(std::move(shape));
-  WarnIfNotSimulated(*draft);
   WarnIfSeenButNotHit(reader, draft->model);
   if (!type->has_drive) WarnIfControlled(reader);
   type_reader->ReadProperties(reader, *draft, context_);
   const bool stack_children = reader.Flag("stack_children", true);
-  WarnOfUnusedInModel(reader, type->name, type->is_simulated);
+  WarnOfUnusedInModel(reader, type->name);
   context_.world.models.push_back(draft->model);
   type_reader->AddParts(*draft, context_);
   readers_.push_back(std::move(type_reader));
@@ -167,15 +166,6 @@ bool ModelBuilder::Moves(const ModelDraft& draft, const Parent* parent) const {
   const std::vector<ModelId>& objects = context_.world.objects;
   return draft.type.has_drive || draft.robot || (!objects.empty() && objects.back() == draft.id) ||
          (draft.model.parent && parent->moves);
-}
-
-void ModelBuilder::WarnIfNotSimulated(const ModelDraft& draft) {
-  const WorldNode& node = draft.node;
-  const std::string written = node.macros.empty() ? node.type : node.macros.front();
-  if (draft.type.is_simulated || !warned_types_.insert(written).second) return;
-  const std::string base = "'" + node.type + "' models are not simulated yet";
-  context_.diagnostics.Warn(
-      node.where, node.macros.empty() ? base + "; they are only bodies" : Quoted(written) + " is only a body: " + base);
 }
 
 }  // namespace troupe

@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -46,12 +45,10 @@ class ModelBuilder {
   void PlaceInTree(PropertyReader& reader, const Parent* parent, const Pose& X_PM, ModelDraft& draft);
   // Whether the model belongs to a robot or a movable object.
   bool Moves(const ModelDraft& draft, const Parent* parent) const;
-  void WarnIfNotSimulated(const ModelDraft& draft);
 
   BuildContext& context_;
   std::vector<std::unique_ptr<ModelReader>> readers_;  // of the models so far, in their order
   std::map<ModelId, ModelId> placed_alone_;
-  std::set<std::string> warned_types_;  // types and macros reported as not simulated
 };
 
 }  // namespace troupe

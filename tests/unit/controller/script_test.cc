@@ -52,6 +52,29 @@ TEST(ScriptTest, RepeatsWithAPeriodOfItsOwn) {
   EXPECT_EQ(SpeedAt(*script, 9), 2.0);
 }
 
+TEST(ScriptTest, SaysATextOnce) {
+  const RobotDescription robot = MakeRobot("script", R"({"commands": [{"at": 0.2, "say": "here I am"}]})");
+  const auto script = MakeScript(robot);
+  EXPECT_EQ(script->Update(At(1, {})).say, "");
+  EXPECT_EQ(script->Update(At(2, {})).say, "here I am");
+  EXPECT_EQ(script->Update(At(3, {})).say, "");
+}
+
+TEST(ScriptTest, TurnsACameraOnce) {
+  RobotDescription robot =
+      MakeRobot("script", R"({"commands": [{"at": 0.2, "cameras": {"eye": {"pan": 0.5, "tilt": -0.25}}}]})");
+  robot.sensors.push_back({.name = "scan", .parameters = RangerParameters{}});
+  robot.sensors.push_back({.name = "eye", .parameters = CameraParameters{}});
+  const auto script = MakeScript(robot);
+  EXPECT_TRUE(script->Update(At(1, {})).cameras.empty());
+  const std::vector<CameraCommand> turns = script->Update(At(2, {})).cameras;
+  ASSERT_EQ(turns.size(), 1u);
+  EXPECT_EQ(turns[0].sensor, 1u);
+  EXPECT_EQ(turns[0].pan, 0.5);
+  EXPECT_EQ(turns[0].tilt, -0.25);
+  EXPECT_TRUE(script->Update(At(3, {})).cameras.empty());
+}
+
 TEST(ScriptTest, DrivesOmniSideways) {
   const RobotDescription robot = MakeRobot("script", R"({"commands": [{"at": 0, "vy": 0.5}]})", {}, DriveType::kOmni);
   EXPECT_EQ(MakeScript(robot)->Update(At(0, {})).twist.vy, 0.5);

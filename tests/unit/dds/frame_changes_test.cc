@@ -24,6 +24,8 @@ FrameMessage FirstFrame() {
   frame.state.objects.resize(6);
   frame.state.stores.resize(3);
   frame.state.imus.resize(2);
+  frame.state.lights.resize(3);
+  frame.state.cameras.resize(2);
   return frame;
 }
 
@@ -70,6 +72,13 @@ class Changes {
     for (StoreState& store : state.stores) {
       Change(store.joules);
       Change(store.charge_watts);
+    }
+    for (LightState& light : state.lights) {
+      if (Chance(0.1)) light.is_switched_on = !light.is_switched_on;
+    }
+    for (CameraState& camera : state.cameras) {
+      Change(camera.pan);
+      Change(camera.tilt);
     }
     for (ImuState& imu : state.imus) {
       for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);

@@ -66,7 +66,7 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
   model.fiducial_return = static_cast<std::int32_t>(Bits());
   model.fiducial_key = static_cast<std::int32_t>(Bits());
   model.show_nose = Coin();
-  if (Coin()) model.blinking = {1000, static_cast<std::int64_t>(Below(1001))};
+  if (Coin()) model.blinking = {1000, static_cast<std::int64_t>(Below(1001)), Coin()};
   if (Coin()) {
     const double capacity = Number(1.0, 9.0);
     model.power = {Coin(), Coin(), Number(0.0, 1.0), capacity, Number(0.0), Number(0.0), Number(0.0), Number(0.0)};
@@ -277,6 +277,10 @@ FrameMessage RandomMessages::Frame() {
   for (StoreState& store : frame.state.stores) store = {Number(), Number()};
   frame.state.imus.resize(Below(4));
   for (ImuState& imu : frame.state.imus) imu = {Number(), Number(), Number()};
+  frame.state.lights.resize(Below(4));
+  for (LightState& light : frame.state.lights) light = {Coin()};
+  frame.state.cameras.resize(Below(4));
+  for (CameraState& camera : frame.state.cameras) camera = {Number(), Number()};
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();
@@ -295,7 +299,7 @@ FrameMessage RandomMessages::Frame() {
   frame.events.resize(Below(5));
   for (Event& event : frame.events) {
     event.tick = frame.state.tick;
-    event.type = static_cast<EventType>(Below(10));
+    event.type = static_cast<EventType>(Below(12));
     if (Coin() && !frame.state.robots.empty()) event.robot = RobotId(Below(frame.state.robots.size()));
     event.other = MaybeId<ModelId>(1000);
     event.object = MaybeId<ModelId>(1000);
@@ -355,6 +359,11 @@ ProposalMessage RandomMessages::Proposal() {
     message.proposals.push_back({RobotId(robot), {Number(), Number(), Number()}, {}});
     message.proposals.back().joint_velocities.resize(Below(4));
     for (double& velocity : message.proposals.back().joint_velocities) velocity = Number();
+    message.proposals.back().lights.resize(Below(3));
+    for (LightOrder& order : message.proposals.back().lights) order = {Below(5), Coin()};
+    message.proposals.back().cameras.resize(Below(3));
+    for (CameraOrder& order : message.proposals.back().cameras) order = {Below(5), Number(), Number()};
+    if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
   }
   message.reports = Texts();

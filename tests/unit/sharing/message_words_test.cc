@@ -34,6 +34,8 @@ FrameMessage SomeFrame() {
   frame.state.objects = {{{1, 2, 3, 4}, ObjectMode::kHeld, 0.25, GripperId(0), ModelId(9)}};
   frame.state.stores = {{12.5, -0.0}};
   frame.state.imus = {{0.5, -0.0, 1e-300}, {}};
+  frame.state.lights = {{true}, {false}};
+  frame.state.cameras = {{0.5, -0.25}};
   frame.state.transmissions = {{RobotId(1), 5, 9, 3, {2, RobotId(0), {1, 2, 3, 4, 5, 6, 7, 8, 9}}}, {}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
@@ -55,7 +57,13 @@ ProposalMessage SomeProposal() {
   message.agent = 5;
   message.tick = 12;
   const double infinity = std::numeric_limits<double>::infinity();
-  message.proposals = {{RobotId(2), {0.1, -0.0, infinity}, {1.0, 2.0}, {{1, std::nullopt, {7, 8}}}},
+  message.proposals = {{RobotId(2),
+                        {0.1, -0.0, infinity},
+                        {1.0, 2.0},
+                        {{1, std::nullopt, {7, 8}}},
+                        {{0, true}, {3, false}},
+                        {{4, 0.5, infinity}},
+                        "hello"},
                        {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};
   message.edition = 3;

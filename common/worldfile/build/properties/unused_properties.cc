@@ -92,10 +92,8 @@ void WarnOfUnusedInBlock(PropertyReader& reader) {
   WarnOfUnused(reader, {}, " in a 'block'");
 }
 
-void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type, bool is_simulated) {
-  const std::string name = "'" + std::string(type) + "'";
-  WarnOfUnused(reader, kModelProperties,
-               is_simulated ? " in a " + name : ": " + name + " models are not simulated yet");
+void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type) {
+  WarnOfUnused(reader, kModelProperties, " in a '" + std::string(type) + "'");
 }
 
 }  // namespace troupe

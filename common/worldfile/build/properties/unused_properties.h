@@ -11,6 +11,6 @@ namespace troupe {
 void WarnOfUnusedInWorld(PropertyReader& reader);
 void WarnOfUnusedInSensor(PropertyReader& reader);
 void WarnOfUnusedInBlock(PropertyReader& reader);
-void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type, bool is_simulated);
+void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type);
 
 }  // namespace troupe

@@ -15,14 +15,12 @@ ModelType ContactType();
 ModelType FiducialType();
 ModelType GripperType();
 ModelType ImuType();
+ModelType LightIndicatorType();
 ModelType PositionType();
 ModelType RadioType();
 ModelType RangerType();
 
 // Bodies, without properties of their own.
 ModelType PlainModelType();
-
-// A body, too: not simulated yet.
-ModelType LightIndicatorType();
 
 }  // namespace troupe

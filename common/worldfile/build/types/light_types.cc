@@ -1,4 +1,4 @@
-// `blinkenlight`: a light that is on and off by turns. `lightindicator`: a body so far.
+// `blinkenlight`: a light that is on and off by turns. `lightindicator`: a light that a controller switches.
 #include <cmath>
 
 #include "common/worldfile/build/types/built_in_types.h"
@@ -14,7 +14,16 @@ class BlinkenlightReader : public ModelReader {
     const bool enabled = reader.Flag("enabled", true);
     Blinking& blinking = draft.model.blinking;
     blinking.period_ns = std::llround(period_ms * 1e6);
-    blinking.on_ns = enabled ? std::llround(period_ms * duty_cycle * 1e6) : 0;
+    blinking.on_ns = std::llround(period_ms * duty_cycle * 1e6);
+    blinking.is_switched_on = enabled;
+  }
+};
+
+class LightIndicatorReader : public ModelReader {
+ public:
+  void ReadProperties(PropertyReader& /*reader*/, ModelDraft& draft, BuildContext& /*context*/) override {
+    constexpr std::int64_t kAnyPeriod = 1'000'000'000;  // ns
+    draft.model.blinking = {kAnyPeriod, kAnyPeriod, false};
   }
 };
 
@@ -28,7 +37,7 @@ ModelType BlinkenlightType() {
 }
 
 ModelType LightIndicatorType() {
-  return {.name = "lightindicator", .is_simulated = false};
+  return {.name = "lightindicator", .make_reader = MakeReader<LightIndicatorReader>};
 }
 
 }  // namespace troupe

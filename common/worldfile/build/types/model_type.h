@@ -56,7 +56,6 @@ struct ModelType {
   bool has_body = true;      // starts as a box of its size
   Size size{0.4, 0.4, 1.0};  // m
   Color color{1.0, 0.0, 0.0, 1.0};
-  bool is_simulated = true;  // else a model of this type is only a body, and its own properties have no effect
   bool has_drive = false;    // a robot, unless it is a part of one
   bool has_sensors = false;  // its children may be `sensor`
   std::unique_ptr<ModelReader> (*make_reader)() = MakeReader<ModelReader>;

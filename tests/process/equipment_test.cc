@@ -1,0 +1,104 @@
+// Robots with every kind of sensor and actuator, whose controllers let each bit of each reading decide their motion:
+// the same files in every kind of run, whatever dies.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+struct Files {
+  std::string hashes;
+  std::string scans;
+  bool operator==(const Files&) const = default;
+};
+
+class EquipmentTest : public testing::Test {
+ protected:
+  EquipmentTest() {
+    std::ofstream(Path("equipment.json"))
+        << R"({"world": ")" << WorldPath("equipment.world") << R"(", "seed": 8, "robots": [)" << Robot("r0") << ", "
+        << Robot("r1") << ", " << Robot("r2") << "]}";
+  }
+  std::string Path(const std::string& name) const { return folder_.Path(name); }
+
+  Program Start(const std::vector<std::string>& options) const {
+    std::vector<std::string> arguments = {
+        "run", Path("equipment.json"), "--domain", std::to_string(TestDomain()), "--ticks", "300", "--headless"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return Troupe(AndFiles(std::move(arguments)));
+  }
+  Files FilesOf(Program program) const {
+    const Finished finished = Finish(std::move(program));
+    EXPECT_EQ(finished.exit_status, 0) << finished.output;
+    return {folder_.Read("hash-log"), folder_.Read("scans")};
+  }
+  Files FilesOfRun(const std::vector<std::string>& options) const { return FilesOf(Start(options)); }
+  Files FilesOfReplay(const std::vector<std::string>& options) const {
+    std::vector<std::string> arguments = {"replay", Path("run.mcap")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return FilesOf(Troupe(AndFiles(std::move(arguments))));
+  }
+
+ private:
+  static std::string Robot(const std::string& name) {
+    return R"({"name": ")" + name + R"(", "controller": ")" FEELING_LIBRARY R"("})";
+  }
+  std::vector<std::string> AndFiles(std::vector<std::string> arguments) const {
+    for (const char* name : {"hash-log", "scans"}) {
+      arguments.push_back(std::string("--") + name);
+      arguments.push_back(Path(name));
+    }
+    return arguments;
+  }
+
+  OutputFolder folder_;
+};
+
+TEST_F(EquipmentTest, GivesTheSameFilesInEveryKindOfRun) {
+  const Files expected = FilesOfRun({"--in-process", "--record", Path("run.mcap")});
+  for (const char* kind : {"\"ranges\"", "\"fiducials\":[{", "\"pressed_by\":[\"", "\"contacts\":[{", "\"blobs\":[{",
+                           "\"received\":[{", "\"turn\"", "\"broken_by\":[\""}) {
+    EXPECT_THAT(expected.scans, HasSubstr(kind)) << "the run is too poor for a test";
+  }
+  EXPECT_TRUE(FilesOfReplay({"--verify", "--controllers"}) == expected);
+  EXPECT_TRUE(FilesOfRun({"--in-process", "--threads", "2"}) == expected);
+  EXPECT_TRUE(FilesOfRun({}) == expected) << "a process for each robot";
+  EXPECT_TRUE(FilesOfRun({"--robots-per-process", "2", "--data-sharing", "off"}) == expected);
+  EXPECT_TRUE(FilesOfRun({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}) == expected);
+  EXPECT_TRUE(FilesOfRun({"--in-process", "--seed", "4"}).hashes != expected.hashes);
+}
+
+TEST_F(EquipmentTest, GivesTheSameFilesWhateverDies) {
+  const Files expected = FilesOfRun({"--in-process"});
+  Program run = Start({"--on-agent-loss", "rebuild", "--lease", "1", "--speed", "10", "--record", Path("run.mcap")});
+  run.WaitForLine("ready");
+  const auto kill_child = [&run](const std::string& part) {
+    for (const pid_t child : ChildrenOf(run.pid())) {
+      if (CommandLineOf(child).find(part) == std::string::npos) continue;
+      ASSERT_EQ(kill(child, SIGKILL), 0);
+      return;
+    }
+    FAIL() << "no process with " << part;
+  };
+  kill_child("--robot=r1");
+  run.WaitForLineAfter("restart ");
+  kill_child("world-service");
+  run.WaitForLineAfter("the world service has been started again");
+  kill_child("--robot=r2");
+  run.WaitForLineAfter("restart ");
+  // The log of scans is a log of the sent readings, of which those of a killed process are missing.
+  EXPECT_EQ(FilesOf(std::move(run)).hashes, expected.hashes);
+  EXPECT_TRUE(FilesOfReplay({"--verify", "--controllers"}) == expected);
+}
+
+}  // namespace
+}  // namespace troupe::test
