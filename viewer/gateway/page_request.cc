@@ -138,6 +138,7 @@ Result<PageRequest> ParseControl(const Json& object) {
 
 Result<PageRequest> ParseSelect(const Json& object) {
   SelectRequest select;
+  select.pictures = TextIn(object, "pictures");
   const auto robots = object.find("robots");
   if (robots == object.end()) return Malformed("no robots", "names, or \"all\"");
   if (robots->is_string() && robots->get<std::string>() == "all") {

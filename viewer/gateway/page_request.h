@@ -1,5 +1,7 @@
 // PageRequest: a request of the page, as JSON text.
-//   {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows
+//   {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows; with "pictures":
+//   "r0"
+//     the images of that robot's cameras are among them
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
@@ -29,6 +31,7 @@ inline constexpr std::size_t kMostSelected = 64;               // robots by name
 struct SelectRequest {
   bool all = false;
   std::vector<std::string> robots;
+  std::string pictures = {};  // the robot whose camera images the page shows; empty: none
   bool operator==(const SelectRequest&) const = default;
 };
 

@@ -28,6 +28,8 @@ using Clock = std::chrono::steady_clock;
 
 // Of all robots' readings, the part of the time that the gateway may spend on measuring.
 constexpr int kMeasuringShare = 4;  // 1 / (1 + 4)
+// Between two camera images to a viewer, whatever they cost.
+constexpr std::chrono::milliseconds kPicturePeriod{100};
 
 // The flags of an update message.
 constexpr std::uint8_t kPausedFlag = 1;
@@ -149,13 +151,13 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   static std::vector<RobotId> SelectedRobots(const ViewerState& viewer, const WorldDescription& world);
   std::string SessionText() const;
   bool NeedsUpdate(const ViewerState& viewer) const;
+  bool LateReadingsAreDue(const ViewerState& viewer) const;
   std::optional<WebMessage> NextOfPast(ViewerState& viewer);
   std::shared_ptr<const std::string> MakeUpdate(ViewerState& viewer);
   std::shared_ptr<const std::string> MakePastUpdate(ViewerState& viewer);
   void WriteTimeline(ByteWriter& writer, std::uint64_t position) const;
   void WriteEvents(ByteWriter& writer, ViewerState& viewer) const;
-  void WriteReadings(ByteWriter& writer, const ViewerState& viewer, const WorldDescription& world,
-                     RobotReadings& readings);
+  void WriteReadings(ByteWriter& writer, ViewerState& viewer, const WorldDescription& world, RobotReadings& readings);
 
   const ViewerGatewayOptions options_;
   const std::string token_;
@@ -244,6 +246,7 @@ bool RunGateway::OnText(Viewer viewer, std::string_view text) {
     ViewerState& state = viewers_[viewer];
     state.selected = std::move(*select);
     state.selection_new = true;
+    state.next_pictures = {};
     return true;
   }
   if (auto* const seek = std::get_if<SeekRequest>(&request.value())) {
@@ -323,10 +326,10 @@ void RunGateway::OnPeriod() {
     if (world != 0) {
       rows_.Assign(content_.state, update_, world != world_);
       readings_.SetState(content_.world->scene, content_.state);
-      measure_all_ = Clock::now() >= next_readings_;
     }
     world_ = world;
   }
+  measure_all_ = Clock::now() >= next_readings_;
   bool all_know = true;
   for (auto& [viewer, state] : viewers_) {
     if (state.foxglove) {
@@ -344,8 +347,14 @@ void RunGateway::OnPeriod() {
 }
 
 bool RunGateway::NeedsUpdate(const ViewerState& viewer) const {
-  if (viewer.in_past) return viewer.past && (viewer.past_new || viewer.selection_new);
-  return world_ != 0 && (viewer.world != world_ || viewer.update != update_ || viewer.selection_new);
+  const bool is_new = viewer.selection_new || LateReadingsAreDue(viewer);
+  if (viewer.in_past) return viewer.past && (viewer.past_new || is_new);
+  return world_ != 0 && (viewer.world != world_ || viewer.update != update_ || is_new);
+}
+
+// Of a run that is paused, the readings that its last update left out follow by themselves.
+bool RunGateway::LateReadingsAreDue(const ViewerState& viewer) const {
+  return viewer.readings_missing && (measure_all_ || !viewer.selected.all) && Clock::now() >= viewer.next_pictures;
 }
 
 std::string RunGateway::SessionText() const {
@@ -434,6 +443,7 @@ std::shared_ptr<const std::string> RunGateway::MakeUpdate(ViewerState& viewer) {
   rows_.Write(writer, viewer.update);
   WriteEvents(writer, viewer);
   if (content_.status) Write(writer, *content_.status);
+  viewer.readings_missing = !has_readings;
   if (has_readings) WriteReadings(writer, viewer, content_.world->scene->world(), readings_);
   viewer.update = update_;
   viewer.selection_new = false;
@@ -466,13 +476,23 @@ std::vector<RobotId> RunGateway::SelectedRobots(const ViewerState& viewer, const
   return robots;
 }
 
-void RunGateway::WriteReadings(ByteWriter& writer, const ViewerState& viewer, const WorldDescription& world,
+void RunGateway::WriteReadings(ByteWriter& writer, ViewerState& viewer, const WorldDescription& world,
                                RobotReadings& readings) {
   const auto start = Clock::now();
   const std::vector<RobotId> robots = SelectedRobots(viewer, world);
+  const bool has_pictures = start >= viewer.next_pictures;
+  viewer.readings_missing = false;
   writer.WriteCount(robots.size());
-  for (const RobotId robot : robots) writer.Append(readings.Of(robot));
+  for (const RobotId robot : robots) {
+    if (world.robot(robot).name != viewer.selected.pictures) {
+      readings.Write(writer, robot, Pictures::kNone);
+    } else {
+      viewer.readings_missing = readings.Write(writer, robot, has_pictures ? Pictures::kMeasured : Pictures::kKept);
+    }
+  }
   const auto end = Clock::now();
+  if (has_pictures)
+    viewer.next_pictures = end + std::max<Clock::duration>(kPicturePeriod, kMeasuringShare * (end - start));
   if (viewer.selected.all) next_readings_ = end + kMeasuringShare * (end - start);
 }
 

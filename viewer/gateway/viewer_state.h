@@ -1,6 +1,7 @@
 // ViewerState: the messages that one viewer has received, and those that it is to receive.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -19,15 +20,17 @@ struct ViewerState {
 
   SelectRequest selected;
   std::deque<std::string> texts;
-  std::uint32_t world = 0;                   // number of the world that it has; 0: none
-  std::uint64_t update = 0;                  // of that world that it has received last; 0: none
-  std::uint64_t event = 0;                   // number of the last event
-  bool selection_new = false;                // since the last update
-  std::unique_ptr<FoxgloveClient> foxglove;  // null: the page
-  bool in_past = false;                      // it shows, or waits for, a past state
-  std::shared_ptr<const PastState> past;     // null: not found yet
-  bool past_new = false;                     // it was not sent yet
-  bool knows_session = false;                // the session message was sent, as it is now
+  std::uint32_t world = 0;                                   // number of the world that it has; 0: none
+  std::uint64_t update = 0;                                  // of that world that it has received last; 0: none
+  std::uint64_t event = 0;                                   // number of the last event
+  bool selection_new = false;                                // since the last update
+  bool readings_missing = false;                             // the last update left out some of the selection
+  std::chrono::steady_clock::time_point next_pictures = {};  // camera images are not sent earlier
+  std::unique_ptr<FoxgloveClient> foxglove;                  // null: the page
+  bool in_past = false;                                      // it shows, or waits for, a past state
+  std::shared_ptr<const PastState> past;                     // null: not found yet
+  bool past_new = false;                                     // it was not sent yet
+  bool knows_session = false;                                // the session message was sent, as it is now
 };
 
 }  // namespace troupe

@@ -77,6 +77,9 @@ TEST(PageRequestTest, ReadsSelections) {
   const Result<PageRequest> names = ParsePageRequest(R"({"type": "select", "robots": ["a", "b"]})");
   ASSERT_TRUE(names.ok());
   EXPECT_EQ(std::get<SelectRequest>(names.value()), (SelectRequest{false, {"a", "b"}}));
+  const Result<PageRequest> pictures = ParsePageRequest(R"({"type": "select", "robots": ["a"], "pictures": "a"})");
+  ASSERT_TRUE(pictures.ok());
+  EXPECT_EQ(std::get<SelectRequest>(pictures.value()), (SelectRequest{false, {"a"}, "a"}));
   const Result<PageRequest> all = ParsePageRequest(R"({"type": "select", "robots": "all"})");
   ASSERT_TRUE(all.ok());
   EXPECT_TRUE(std::get<SelectRequest>(all.value()).all);

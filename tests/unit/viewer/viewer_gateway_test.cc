@@ -97,7 +97,19 @@ FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
   return frame;
 }
 
-// With one sensor of one scan, no joints, grippers, objects, events or status.
+// Robot r0 with a camera.
+SessionMessage CameraWorld() {
+  SessionMessage session = LaserWorld();
+  RobotDescription& robot = session.world.robots[0];
+  CameraParameters camera;
+  camera.X_MS.z = 0.3;
+  camera.width = 8;
+  camera.height = 6;
+  robot.sensors.push_back({.name = "eye", .model = robot.root, .parameters = camera});
+  return session;
+}
+
+// With one ranger of one scan, perhaps a camera, and no joints, grippers, objects, events or status.
 struct ParsedUpdate {
   explicit ParsedUpdate(const std::string& bytes) {
     ByteReader reader(bytes);
@@ -124,17 +136,32 @@ struct ParsedUpdate {
     for (std::uint32_t i = 0; i < measured; ++i) {
       readings.push_back(reader.ReadCount());
       reading_tick = reader.Read<std::uint64_t>();
-      EXPECT_EQ(reader.ReadCount(), 1u);
+      const std::uint32_t sensors = reader.ReadCount();
       EXPECT_EQ(reader.ReadText(), "ranger:0");
       EXPECT_EQ(reader.ReadByte(), 1);
       EXPECT_EQ(reader.ReadCount(), 1u);
       reader.ReadPose();
       for (int k = 0; k < 3; ++k) reader.ReadDouble();
+      EXPECT_EQ(reader.ReadCount(), 0u);  // elevations
       std::vector<double>& ranges = scans.emplace_back(reader.ReadCount());
       for (double& range : ranges) range = reader.ReadDouble();
+      if (sensors == 1) continue;
+      EXPECT_EQ(reader.ReadText(), "eye");
+      camera = reader.ReadByte();
+      if (*camera != kCamera) continue;
+      reader.ReadPose();
+      width = reader.ReadCount();
+      height = reader.ReadCount();
+      for (int k = 0; k < 6; ++k) reader.ReadDouble();  // lens and limits
+      picture = reader.ReadText();
     }
     EXPECT_TRUE(reader.at_end());
   }
+
+  // The kinds of a camera's reading.
+  static constexpr std::uint8_t kNone = 0;
+  static constexpr std::uint8_t kCamera = 7;
+  static constexpr std::uint8_t kKept = 255;
 
   bool is_past() const { return (flags & 16) != 0; }
 
@@ -150,6 +177,10 @@ struct ParsedUpdate {
   std::vector<std::uint32_t> readings;  // robots
   Tick reading_tick = 0;
   std::vector<std::vector<double>> scans;
+  std::optional<std::uint8_t> camera;  // the kind of its reading
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::string picture;
 };
 
 class ViewerGatewayTest : public testing::Test {
@@ -278,6 +309,56 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
     const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
     EXPECT_EQ(all.scans[robot], expected.scans[0].ranges);
   }
+}
+
+std::string PictureAt(const SessionMessage& world, Tick tick) {
+  const Scene scene(world.world);
+  BodyIndex bodies(scene);
+  const WorldState state = FrameAt(world, tick).state;
+  bodies.Assign(state);
+  SensorSuite suite(scene, RobotId(0));
+  const auto& colors = suite.Measure(1, {scene, bodies, &state}, tick).As<CameraReading>()->colors;
+  return {colors.begin(), colors.end()};
+}
+
+TEST_F(ViewerGatewayTest, CameraImagesAreThoseOfTheRobotWhosePanelIsOpen) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = CameraWorld();
+  run.OnSession(world);
+  run.OnFrame(FrameAt(world, 1));
+  client->SendText(R"({"type": "select", "robots": ["r0"]})");
+  const auto has_camera = [](const ParsedUpdate& update) { return update.camera.has_value(); };
+  EXPECT_EQ(*AwaitUpdate(*client, has_camera).camera, ParsedUpdate::kNone);
+  client->SendText(R"({"type": "select", "robots": "all", "pictures": "r0"})");
+  const auto has_picture = [](const ParsedUpdate& update) { return update.camera == ParsedUpdate::kCamera; };
+  const ParsedUpdate shown = AwaitUpdate(*client, has_picture);
+  EXPECT_EQ(shown.width, 8u);
+  EXPECT_EQ(shown.height, 6u);
+  EXPECT_EQ(shown.picture, PictureAt(world, 1));
+}
+
+TEST_F(ViewerGatewayTest, CameraImagesAreFewAndThatOfTheLastStateFollows) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = CameraWorld();
+  run.OnSession(world);
+  run.OnFrame(FrameAt(world, 1));
+  client->SendText(R"({"type": "select", "robots": ["r0"], "pictures": "r0"})");
+  const auto has_picture = [](const ParsedUpdate& update) { return update.camera == ParsedUpdate::kCamera; };
+  AwaitUpdate(*client, has_picture);
+  // Until a state comes so soon after an image that it has none.
+  Tick tick = 1;
+  for (bool was_kept = false; !was_kept;) {
+    run.OnFrame(FrameAt(world, ++tick));
+    was_kept = AwaitUpdate(*client, [&](const ParsedUpdate& update) { return update.tick == tick; }).camera ==
+               ParsedUpdate::kKept;
+  }
+  const ParsedUpdate late = AwaitUpdate(*client, has_picture);
+  EXPECT_EQ(late.tick, tick);
+  EXPECT_EQ(late.picture, PictureAt(world, tick));
 }
 
 TEST_F(ViewerGatewayTest, RequestsReachTheRunAndTheirRepliesTheViewer) {

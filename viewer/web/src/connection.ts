@@ -46,9 +46,9 @@ export class Connection {
     this.connect();
   }
 
-  // Whose readings the gateway sends.
-  select(robots: string[] | 'all'): void {
-    this.send({type: 'select', robots});
+  // Whose readings the gateway sends. `pictures`: the robot whose camera images are among them.
+  select(robots: string[] | 'all', pictures: string): void {
+    this.send({type: 'select', robots, pictures});
   }
 
   // A request for the run. The reply of a lost connection says so.

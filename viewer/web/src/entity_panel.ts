@@ -2,8 +2,9 @@
 import {byId, fixed, make, setText} from './dom';
 import {drawPolarPlot} from './polar_plot';
 import {degrees} from './pose';
-import {OBJECT_MODES, type Pose} from './protocol';
+import {OBJECT_MODES, scansOf, type Pose} from './protocol';
 import {robotState} from './robot_list';
+import {SensorViews} from './sensor_views';
 import {SpeedPlot} from './speed_plot';
 import {nameOf, poseOf, type Entity, type Run} from './run';
 
@@ -18,6 +19,7 @@ export class EntityPanel {
   private readonly plot = byId<HTMLCanvasElement>('panel-plot');
   private readonly speedCanvas = byId<HTMLCanvasElement>('panel-speed');
   private readonly speeds = new SpeedPlot(this.speedCanvas);
+  private readonly sensors = new SensorViews(byId('panel-readings'));
   private readonly cells = new Map<string, HTMLElement>();
 
   show(run: Run, entity: Entity | null): void {
@@ -31,7 +33,9 @@ export class EntityPanel {
 
   // At each update, also between two texts.
   note(run: Run, entity: Entity | null): void {
-    if (entity?.kind === 'robot') this.speeds.add(run, entity.index);
+    if (entity?.kind !== 'robot') return;
+    this.speeds.add(run, entity.index);
+    this.sensors.note(run, entity.index);
   }
 
   private showRobot(run: Run, robot: number, pose: Pose): void {
@@ -56,12 +60,21 @@ export class EntityPanel {
     this.showJoints(run, robot);
     this.speedCanvas.hidden = false;
     this.speeds.draw();
+    this.showScans(run, robot);
+    this.sensors.show(run, robot);
+  }
+
+  private showScans(run: Run, robot: number): void {
     const readings = run.readings.get(robot)?.readings ?? [];
-    const hasScans = readings.some(reading => reading.scans.length > 0);
-    byId('panel-sensors').hidden = !hasScans;
-    if (!hasScans) return;
-    const rays = readings.reduce((sum, r) => sum + r.scans.reduce((n, scan) => n + scan.ranges.length, 0), 0);
-    const nearest = Math.min(...readings.flatMap(r => r.scans.map(scan => Math.min(...scan.ranges))));
+    const scans = readings.flatMap(scansOf);
+    byId('panel-sensors').hidden = scans.length === 0;
+    if (scans.length === 0) return;
+    let rays = 0;
+    let nearest = Infinity;
+    for (const {ranges} of scans) {
+      rays += ranges.length;
+      for (const range of ranges) nearest = Math.min(nearest, range);
+    }
     setText(byId('panel-sensor-text'), `${rays} rays, nearest ${fixed(nearest, 2)} m`);
     drawPolarPlot(this.plot, readings);
   }
@@ -81,6 +94,7 @@ export class EntityPanel {
     this.joints.replaceChildren();
     this.speedCanvas.hidden = true;
     byId('panel-sensors').hidden = true;
+    this.sensors.clear();
   }
 
   private poseFacts(pose: Pose): Array<[string, string]> {

@@ -179,7 +179,7 @@ class Viewer {
 
   private sendSelection(): void {
     const name = this.run && this.selected?.kind === 'robot' ? this.run.world.robots[this.selected.index].name : '';
-    this.connection.select(this.allRays ? 'all' : name ? [name] : []);
+    this.connection.select(this.allRays ? 'all' : name ? [name] : [], name);
   }
 
   private refreshPanels(): void {

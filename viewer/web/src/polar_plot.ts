@@ -1,7 +1,7 @@
 // The ranges of a robot's rangers around it, ahead upwards.
 import {compose} from './pose';
-import type {Reading} from './protocol';
-import {bearing} from './rays';
+import {scansOf, type Reading} from './protocol';
+import {bearing, flattestPlane, raysOf} from './rays';
 
 function color(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -15,7 +15,7 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
   const context = canvas.getContext('2d')!;
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, size, size);
-  const scans = readings.flatMap(reading => reading.scans);
+  const scans = readings.flatMap(scansOf);
   const reach = Math.max(0.1, ...scans.map(scan => scan.max + Math.hypot(scan.pose.x, scan.pose.y)));
   const center = size / 2;
   const scale = (center - 12) / reach;
@@ -43,11 +43,14 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
   for (const scan of scans) {
     const outline: Array<[number, number]> = [at(scan.pose.x, scan.pose.y)];
     const hits: Array<[number, number]> = [];
-    scan.ranges.forEach((range, i) => {
-      const spread = scan.ranges.length > 1 ? [0] : [-0.04, 0, 0.04];
+    const count = raysOf(scan);
+    const plane = flattestPlane(scan);
+    const level = Math.cos(scan.elevations[plane] ?? 0);
+    scan.ranges.subarray(plane * count, (plane + 1) * count).forEach((range, i) => {
+      const spread = count > 1 ? [0] : [-0.04, 0, 0.04];
       for (const side of spread) {
         const p = compose(
-          {...scan.pose, heading: scan.pose.heading + bearing(scan, i) + side}, {x: range, y: 0, z: 0, heading: 0});
+          {...scan.pose, heading: scan.pose.heading + bearing(scan, i) + side}, {x: range * level, y: 0, z: 0, heading: 0});
         outline.push(at(p.x, p.y));
         if (side === 0 && range < scan.max) hits.push(at(p.x, p.y));
       }

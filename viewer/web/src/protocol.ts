@@ -1,7 +1,7 @@
-// The messages of the gateway: viewer/gateway/world_message.cc and viewer_gateway.cc write them. Numbers are
+// The messages of the gateway: viewer/gateway/world_message.cc, viewer_gateway.cc and robot_readings.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise.
 
-export const PROTOCOL = 2;
+export const PROTOCOL = 3;
 
 export interface Pose {
   x: number;
@@ -142,21 +142,108 @@ export interface Scan {
   fov: number;
   min: number;
   max: number;
-  ranges: Float64Array;
+  elevations: Float64Array;  // by plane; empty: one horizontal plane
+  ranges: Float64Array;  // of all rays of the first plane, then of the next
 }
 
 export interface Beam {
   from: [number, number];  // in the gripper's model
   to: [number, number];
   z: number;
-  broken: boolean;
+  brokenBy: number;  // object; -1: none
 }
+
+export interface Fiducial {
+  id: number;
+  model: number;
+  range: number;
+  bearing: number;  // in the finder
+  pose: Pose;  // of the model, in the world
+}
+
+export interface BumperSegment {
+  pose: Pose;  // of its middle in the robot, x pointing away from the robot
+  length: number;
+  pressedBy: number;  // model; -1: none
+}
+
+export interface Contact {
+  part: number;  // models
+  other: number;
+  x: number;
+  y: number;
+  bottom: number;
+  top: number;
+}
+
+export interface Blob {
+  color: [number, number, number];
+  left: number;  // pixels
+  top: number;
+  right: number;
+  bottom: number;
+  range: number;
+}
+
+// Poses: of the sensor in the robot.
+export interface CameraContent {
+  kind: 'camera';
+  pose: Pose;
+  width: number;  // pixels
+  height: number;
+  focalX: number;  // pixels
+  focalY: number;
+  centerX: number;
+  centerY: number;
+  min: number;
+  max: number;
+  colors: Uint8Array;  // red, green and blue of each pixel, rows from the top
+}
+
+export interface BlobsContent {
+  kind: 'blobs';
+  pose: Pose;
+  width: number;  // pixels
+  height: number;
+  fov: number;
+  range: number;
+  blobs: Blob[];
+}
+
+export interface Reception {
+  from: number;  // robot
+  toAll: boolean;
+  size: number;  // bytes
+  bytes: Uint8Array;  // the first ones
+  rssi: number;  // dBm
+  tick: number;  // in which it was sent
+  place: {range: number; bearing: number; elevation: number} | null;  // of the sender's antenna, if it is measured
+}
+
+// By kind of sensor. `none`: the page does not show it; `kept`: the reading before still counts.
+export type Content =
+  | {kind: 'none'}
+  | {kind: 'kept'}
+  | {kind: 'ranger'; scans: Scan[]}
+  | {kind: 'beams'; gripperModel: number; beams: Beam[]}
+  | {kind: 'fiducials'; pose: Pose; min: number; max: number; fov: number; fiducials: Fiducial[]}
+  | {kind: 'bumper'; height: number; segments: BumperSegment[]}
+  | {kind: 'contacts'; contacts: Contact[]}
+  | BlobsContent
+  | CameraContent
+  | {kind: 'radio'; pose: Pose; range: number; receptions: Reception[]}
+  | {kind: 'imu'; pose: Pose; heading: number; turn: number; force: [number, number, number]};
+
+export type ContentOf<Kind extends Content['kind']> = Extract<Content, {kind: Kind}>;
 
 export interface Reading {
   sensor: string;
-  scans: Scan[];  // of a ranger
-  beams: Beam[];  // of a gripper
-  gripperModel: number;  // of the beams; -1: none
+  tick: number;  // of the measurement
+  content: Content;
+}
+
+export function scansOf(reading: Reading): Scan[] {
+  return reading.content.kind === 'ranger' ? reading.content.scans : [];
 }
 
 export interface RobotReadings {
@@ -291,20 +378,67 @@ function readWorld(r: Reader): World {
   };
 }
 
-function readReading(r: Reader): Reading {
-  const reading: Reading = {sensor: r.text(), scans: [], beams: [], gripperModel: -1};
-  const kind = r.u8();
-  if (kind === 1) {
-    reading.scans = r.list((): Scan => ({
-      pose: r.pose(), fov: r.f64(), min: r.f64(), max: r.f64(), ranges: r.doubles(r.u32()),
-    }));
-  } else if (kind === 2) {
-    reading.gripperModel = r.u32();
-    reading.beams = r.list((): Beam => ({
-      from: [r.f64(), r.f64()], to: [r.f64(), r.f64()], z: r.f64(), broken: r.flag(),
-    }));
-  }
-  return reading;
+// By the number of the kind in a message.
+const CONTENT_READERS: Record<number, (r: Reader) => Content> = {
+  0: () => ({kind: 'none'}),
+  1: r => ({
+    kind: 'ranger',
+    scans: r.list((): Scan => ({
+      pose: r.pose(), fov: r.f64(), min: r.f64(), max: r.f64(), elevations: r.doubles(r.u32()), ranges: r.doubles(r.u32()),
+    })),
+  }),
+  2: r => ({
+    kind: 'beams', gripperModel: r.u32(),
+    beams: r.list((): Beam => ({from: [r.f64(), r.f64()], to: [r.f64(), r.f64()], z: r.f64(), brokenBy: r.i32()})),
+  }),
+  3: r => ({
+    kind: 'fiducials', pose: r.pose(), min: r.f64(), max: r.f64(), fov: r.f64(),
+    fiducials: r.list((): Fiducial => ({id: r.i32(), model: r.u32(), range: r.f64(), bearing: r.f64(), pose: r.pose()})),
+  }),
+  4: r => ({
+    kind: 'bumper', height: r.f64(),
+    segments: r.list((): BumperSegment => ({pose: r.pose(), length: r.f64(), pressedBy: r.i32()})),
+  }),
+  5: r => ({
+    kind: 'contacts',
+    contacts: r.list((): Contact => ({
+      part: r.u32(), other: r.u32(), x: r.f64(), y: r.f64(), bottom: r.f64(), top: r.f64(),
+    })),
+  }),
+  6: r => ({
+    kind: 'blobs', pose: r.pose(), width: r.u32(), height: r.u32(), fov: r.f64(), range: r.f64(),
+    blobs: r.list((): Blob => ({
+      color: [r.f64(), r.f64(), r.f64()], left: r.u32(), top: r.u32(), right: r.u32(), bottom: r.u32(), range: r.f64(),
+    })),
+  }),
+  7: r => ({
+    kind: 'camera', pose: r.pose(), width: r.u32(), height: r.u32(), focalX: r.f64(), focalY: r.f64(), centerX: r.f64(),
+    centerY: r.f64(), min: r.f64(), max: r.f64(), colors: r.bytes(r.u32()),
+  }),
+  8: r => ({
+    kind: 'radio', pose: r.pose(), range: r.f64(),
+    receptions: r.list((): Reception => ({
+      from: r.u32(), toAll: r.flag(), size: r.u32(), bytes: r.bytes(r.u32()), rssi: r.f64(), tick: Number(r.u64()),
+      place: r.flag() ? {range: r.f64(), bearing: r.f64(), elevation: r.f64()} : null,
+    })),
+  }),
+  9: r => ({
+    kind: 'imu', pose: r.pose(), heading: r.f64(), turn: r.f64(), force: [r.f64(), r.f64(), r.f64()],
+  }),
+  255: () => ({kind: 'kept'}),
+};
+
+function readRobotReadings(r: Reader): RobotReadings {
+  const robot = r.u32();
+  const tick = Number(r.u64());
+  const readings = r.list((): Reading => {
+    const sensor = r.text();
+    const kind = r.u8();
+    const read = CONTENT_READERS[kind];
+    if (!read) throw new Error(`found a reading of kind ${kind}, expected 0 to 9 or 255`);
+    return {sensor, tick, content: read(r)};
+  });
+  return {robot, tick, readings};
 }
 
 function readStatus(r: Reader): RunStatus {
@@ -339,9 +473,7 @@ function readUpdate(r: Reader): Update {
       position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
     })),
     status: (flags & 4) !== 0 ? readStatus(r) : null,
-    readings: (flags & 8) !== 0
-      ? r.list((): RobotReadings => ({robot: r.u32(), tick: Number(r.u64()), readings: r.list(() => readReading(r))}))
-      : null,
+    readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }
 

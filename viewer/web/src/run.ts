@@ -1,6 +1,6 @@
 // Run: the newest state of the run, as the updates of the gateway add up.
 import type {
-  JointRow, ObjectRow, Pose, RobotReadings, RobotRow, RunEvent, RunStatus, Update, World,
+  JointRow, ObjectRow, Pose, Reading, RobotReadings, RobotRow, RunEvent, RunStatus, Update, World,
 } from './protocol';
 import {EventType} from './protocol';
 
@@ -46,7 +46,7 @@ export class Run {
     }
     if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
     if (update.status) this.status = update.status;
-    if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, readings]));
+    if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, this.withKept(readings)]));
     this.tick = update.tick;
     this.hash = update.hash;
     this.edition = update.edition;
@@ -57,6 +57,16 @@ export class Run {
     this.paused = update.paused;
     this.over = update.last;
     this.hasState = true;
+  }
+
+  // Those that the gateway has not sent again are the ones of before.
+  private withKept(received: RobotReadings): RobotReadings {
+    const before = this.readings.get(received.robot)?.readings ?? [];
+    const readings = received.readings.map((reading, i): Reading => {
+      if (reading.content.kind !== 'kept') return reading;
+      return before[i]?.sensor === reading.sensor ? before[i] : {...reading, content: {kind: 'none'}};
+    });
+    return {...received, readings};
   }
 
   // The objects that the robot's grippers hold, as indices.

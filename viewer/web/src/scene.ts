@@ -13,6 +13,7 @@ import {Motion} from './motion';
 import {Quality} from './quality';
 import {Rays} from './rays';
 import {poseOf, type Entity, type Run} from './run';
+import {SensorMarks} from './sensor_marks';
 import {StaticMap} from './static_map';
 import {Trails} from './trails';
 import {toMatrix} from './pose';
@@ -51,6 +52,7 @@ export class WorldScene {
   private readonly sun = new DirectionalLight(0xffffff, 1.7);
   private readonly material = new MeshLambertMaterial({vertexColors: true});
   private readonly rays = new Rays();
+  private readonly marks = new SensorMarks();
   private readonly ring = new Mesh(
     new RingGeometry(1.12, 1.26, 48), new MeshBasicMaterial({transparent: true, opacity: 0.9, depthWrite: false}));
   private readonly ghost = new Mesh(
@@ -77,7 +79,7 @@ export class WorldScene {
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     parent.append(this.renderer.domElement);
     this.labels = new Labels(parent);
-    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.trails.lines, this.ring, this.ghost);
+    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.marks.group, this.trails.lines, this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
@@ -169,6 +171,7 @@ export class WorldScene {
     const selected = this.selected;
     this.setting.bodies.place(run, selected);
     this.rays.show(run, this.setting.bodies);
+    this.marks.show(run);
     const pose = selected ? poseOf(run, selected) : null;
     this.ring.visible = pose !== null;
     if (pose && selected) {

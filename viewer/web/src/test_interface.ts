@@ -3,7 +3,7 @@ import {Vector3} from 'three';
 import type {Connection, EditReply, Reply} from './connection';
 import type {FileDocument} from './file_client';
 import type {FileEditor} from './file_editor';
-import type {Pose} from './protocol';
+import {scansOf, type Pose} from './protocol';
 import {findEntity, type Run} from './run';
 import type {WorldScene} from './scene';
 
@@ -21,6 +21,8 @@ export interface TestInterface {
   robots(): ShownRobot[];
   // Of the robot: by sensor, the ranges of each scan, at the tick of the measurement.
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
+  // Of the robot: by sensor, the tick of the measurement and the decoded content as JSON; bytes in hexadecimal digits.
+  contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
   select(name: string): void;
   request(command: string, more?: object): Promise<Reply>;
   // Of an editor: its file as last heard of, a request, and the places of points on the window.
@@ -67,8 +69,20 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       const readings = run?.readings.get(robot);
       if (!readings) return null;
       const sensors: Record<string, number[][]> = {};
-      for (const {sensor, scans} of readings.readings) sensors[sensor] = scans.map(scan => [...scan.ranges]);
+      for (const reading of readings.readings) sensors[reading.sensor] = scansOf(reading).map(scan => [...scan.ranges]);
       return {tick: readings.tick, sensors};
+    },
+    contents: name => {
+      const run = host.run();
+      const robot = run?.world.robots.findIndex(r => r.present && r.name === name) ?? -1;
+      const readings = run?.readings.get(robot)?.readings;
+      if (!readings) return null;
+      const plain = (_: string, value: unknown): unknown => {
+        if (value instanceof Uint8Array) return Array.from(value, byte => byte.toString(16).padStart(2, '0')).join('');
+        return value instanceof Float64Array ? [...value] : value;
+      };
+      return Object.fromEntries(
+        readings.map(({sensor, tick, content}) => [sensor, {tick, content: JSON.parse(JSON.stringify(content, plain))}]));
     },
     select: name => host.select(name),
     request: (command, more = {}) => connection.request(command, more),
