@@ -35,6 +35,15 @@ void Write(ByteWriter& writer, const ObjectState& object) {
   writer.WriteId(object.holder);
 }
 
+void Write(ByteWriter& writer, const StoreState& store) {
+  writer.Write(store.joules);
+  writer.Write(store.charge_watts);
+}
+
+void Write(ByteWriter& writer, const LightState& light) {
+  writer.WriteByte(light.is_switched_on);
+}
+
 template <typename Row>
 void WriteChanged(ByteWriter& writer, const std::vector<Row>& rows, const std::vector<std::uint64_t>& changed,
                   std::uint64_t since) {
@@ -56,6 +65,8 @@ void StateRows::Assign(const WorldState& state, std::uint64_t number, bool fresh
   Note(state_.joints, state.joints, number, fresh, joints_);
   Note(state_.grippers, state.grippers, number, fresh, grippers_);
   Note(state_.objects, state.objects, number, fresh, objects_);
+  Note(state_.stores, state.stores, number, fresh, stores_);
+  Note(state_.lights, state.lights, number, fresh, lights_);
   state_ = state;
 }
 
@@ -64,6 +75,8 @@ void StateRows::Write(ByteWriter& writer, std::uint64_t since) const {
   WriteChanged(writer, state_.joints, joints_, since);
   WriteChanged(writer, state_.grippers, grippers_, since);
   WriteChanged(writer, state_.objects, objects_, since);
+  WriteChanged(writer, state_.stores, stores_, since);
+  WriteChanged(writer, state_.lights, lights_, since);
 }
 
 }  // namespace troupe

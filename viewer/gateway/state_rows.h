@@ -15,7 +15,8 @@ class StateRows {
   // `number` grows with each call. `fresh`: another world; all rows have changed.
   void Assign(const WorldState& state, std::uint64_t number, bool fresh);
 
-  // Writes the rows of robots, joints, grippers and objects that have changed after update `since`; 0: all.
+  // Writes the rows of robots, joints, grippers, objects, stores and lights that have changed after update `since`;
+  // 0: all.
   void Write(ByteWriter& writer, std::uint64_t since) const;
 
  private:
@@ -24,6 +25,8 @@ class StateRows {
   std::vector<std::uint64_t> joints_;
   std::vector<std::uint64_t> grippers_;
   std::vector<std::uint64_t> objects_;
+  std::vector<std::uint64_t> stores_;
+  std::vector<std::uint64_t> lights_;
 };
 
 }  // namespace troupe

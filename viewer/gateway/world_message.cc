@@ -122,6 +122,37 @@ void Write(ByteWriter& writer, const GripperDescription& gripper) {
   writer.WriteId(gripper.lift);
 }
 
+void WriteStores(ByteWriter& writer, const WorldDescription& world) {
+  const std::vector<ModelId> stores = FindStores(world);
+  writer.WriteCount(stores.size());
+  for (const ModelId model : stores) {
+    const PowerDescription& power = world.model(model).power;
+    writer.WriteCount(model.index());
+    writer.Write(power.capacity);
+    writer.WriteByte(power.endless);
+  }
+}
+
+// All lights: those of robots have a row in states, the others are always switched as at load.
+void WriteLights(ByteWriter& writer, const WorldDescription& world) {
+  std::vector<std::int32_t> rows(world.models.size(), -1);
+  std::int32_t count = 0;
+  for (const LightPlace& light : FindLights(world)) rows[light.model.index()] = count++;
+  const std::size_t place = writer.ReserveCount();
+  std::size_t lights = 0;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const Blinking& blinking = world.models[i].blinking;
+    if (!blinking.is_light()) continue;
+    writer.WriteCount(i);
+    writer.Write(rows[i]);
+    writer.Write(blinking.period_ns);
+    writer.Write(blinking.on_ns);
+    writer.WriteByte(blinking.is_switched_on);
+    ++lights;
+  }
+  writer.FillCount(place, lights);
+}
+
 }  // namespace
 
 std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
@@ -145,6 +176,8 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const GripperDescription& gripper : world.grippers) Write(writer, gripper);
   writer.WriteCount(world.objects.size());
   for (const ModelId object : world.objects) writer.WriteCount(object.index());
+  WriteStores(writer, world);
+  WriteLights(writer, world);
   return writer.TakeBytes();
 }
 

@@ -18,6 +18,8 @@ struct Copy {
   std::vector<JointState> joints;
   std::vector<std::optional<ObjectId>> clamped;
   std::vector<ObjectState> objects;
+  std::vector<StoreState> stores;
+  std::vector<LightState> lights;
 
   template <typename Row, typename Read>
   static std::size_t ReadRows(test::ByteReader& reader, std::vector<Row>& rows, Read read) {
@@ -52,6 +54,11 @@ struct Copy {
       const std::int32_t index = reader.ReadIndex();
       row.holder = index < 0 ? std::nullopt : std::optional(GripperId(static_cast<std::size_t>(index)));
     });
+    count += ReadRows(reader, stores, [&](StoreState& row) {
+      row.joules = reader.ReadDouble();
+      row.charge_watts = reader.ReadDouble();
+    });
+    count += ReadRows(reader, lights, [&](LightState& row) { row.is_switched_on = reader.ReadByte() != 0; });
     EXPECT_TRUE(reader.at_end());
     return count;
   }
@@ -63,6 +70,8 @@ WorldState SomeState() {
   state.joints.resize(10);
   state.grippers.resize(4);
   state.objects.resize(8);
+  state.stores.resize(6);
+  state.lights.resize(5);
   return state;
 }
 
@@ -76,6 +85,8 @@ void ExpectEqual(const Copy& copy, const WorldState& state) {
   ASSERT_EQ(copy.clamped.size(), state.grippers.size());
   for (std::size_t i = 0; i < state.grippers.size(); ++i) EXPECT_EQ(copy.clamped[i], state.grippers[i].clamped);
   EXPECT_EQ(copy.objects, state.objects);
+  EXPECT_EQ(copy.stores, state.stores);
+  EXPECT_EQ(copy.lights, state.lights);
 }
 
 std::string Difference(const StateRows& rows, std::uint64_t since) {
@@ -106,8 +117,10 @@ TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {
     ObjectState& object = state.objects[below(state.objects.size())];
     object.mode = ObjectMode::kHeld;
     object.holder = GripperId(below(4));
+    state.stores[below(state.stores.size())].joules -= 0.5;
+    state.lights[below(state.lights.size())].is_switched_on = below(2) == 0;
     rows.Assign(state, update, update == 1);
-    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 42u : 6u);
+    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 53u : 8u);
     ExpectEqual(quick, state);
     if (below(10) == 0) {
       slow.Apply(Difference(rows, slow_has));
@@ -122,7 +135,7 @@ TEST(StateRowsTest, NothingIsSentOfAStateThatDoesNotChange) {
   rows.Assign(SomeState(), 1, true);
   rows.Assign(SomeState(), 2, false);
   EXPECT_EQ(Copy().Apply(Difference(rows, 1)), 0u);
-  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 42u);
+  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 53u);
 }
 
 TEST(StateRowsTest, AnotherWorldIsSentWhole) {

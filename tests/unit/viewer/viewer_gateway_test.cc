@@ -129,7 +129,8 @@ struct ParsedUpdate {
       for (int k = 0; k < 3; ++k) reader.ReadFloat();
       reader.ReadByte();
     }
-    for (int kind = 0; kind < 4; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);  // joints, grippers, objects, events
+    // Joints, grippers, objects, stores, lights, events.
+    for (int kind = 0; kind < 6; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
     const std::uint32_t measured = reader.ReadCount();

@@ -1,5 +1,5 @@
 // Bodies: the robots and the objects in the scene. A body is a tree of links, as in common/spatial/scene.h: link 0 is
-// its root with everything that no joint moves. Links of equal geometry are instances of one mesh, so that a thousand
+// its root with everything that no joint moves, but for lights, which are links of their own. Links of equal geometry are instances of one mesh, so that a thousand
 // robots are drawn by a few calls.
 import {
   Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Raycaster, Sphere,
@@ -16,7 +16,8 @@ interface Part {
 }
 
 interface Link {
-  joint: number;  // -1: link 0
+  joint: number;  // -1: link 0, or a light
+  light: number;  // of the world's lights: drawn by itself, because it may be dark; -1: none
   parent: number;  // link
   pose: Pose;  // in the parent link, at joint position 0
   parts: Part[];
@@ -38,6 +39,7 @@ interface Batch {
 }
 
 const PLAIN = new Color(1, 1, 1);
+export const DARK = new Color(0.06, 0.06, 0.06);  // a quarter of the colour's components, as cameras see it
 const STALLED = new Color(1.25, 0.5, 0.45);
 const SELECTED = new Color(1.2, 1.2, 1.25);
 
@@ -52,7 +54,10 @@ export class Bodies {
   private readonly previews = new Map<string, Group>();
   private readonly ghost = new MeshLambertMaterial({vertexColors: true, transparent: true, opacity: 0.5});
 
+  private readonly lightOfModel: Map<number, number>;
+
   constructor(private readonly world: World, material: MeshLambertMaterial) {
+    this.lightOfModel = new Map(world.lights.map(({model}, i) => [model, i]));
     world.robots.forEach((robot, index) => {
       if (robot.present) this.addBody({kind: 'robot', index}, robot.root);
     });
@@ -86,7 +91,8 @@ export class Bodies {
       body.links.forEach((link, i) => {
         if (!link.batch?.mesh) return;
         link.batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));
-        link.batch.mesh.setColorAt(link.instance, color);
+        const isDark = link.light >= 0 && !run.isLit(this.world.lights[link.light]);
+        link.batch.mesh.setColorAt(link.instance, isDark ? DARK : color);
       });
     }
     for (const {mesh} of this.batches.values()) {
@@ -114,7 +120,7 @@ export class Bodies {
 
   // The pose at which link 0 of an entity is drawn.
   drawnPose(entity: Entity): Pose | null {
-    const link = this.bodyOf(entity)?.links.find(l => l.joint < 0);
+    const link = this.bodyOf(entity)?.links[0];
     if (!link?.batch?.mesh) return null;
     link.batch.mesh.getMatrixAt(link.instance, this.matrix);
     const e = this.matrix.elements;
@@ -170,6 +176,10 @@ export class Bodies {
     const poses: Pose[] = [root];
     for (let i = 1; i < body.links.length; ++i) {
       const link = body.links[i];
+      if (link.joint < 0) {
+        poses.push(compose(poses[link.parent], link.pose));
+        continue;
+      }
       const position = run.joints[link.joint]?.position ?? 0;
       poses.push(compose(compose(poses[link.parent], link.pose), jointMotion(this.world.joints[link.joint], position)));
     }
@@ -177,7 +187,9 @@ export class Bodies {
   }
 
   private addBody(entity: Entity, root: number): void {
-    const links: Link[] = [{joint: -1, parent: 0, pose: IDENTITY, parts: [], batch: null, instance: 0}];
+    const links: Link[] = [{joint: -1, light: -1, parent: 0, pose: IDENTITY, parts: [], batch: null, instance: 0}];
+    const addLink = (joint: number, light: number, parent: number, pose: Pose): number =>
+      links.push({joint, light, parent, pose, parts: [], batch: null, instance: 0}) - 1;
     const body: Body = {entity, links, radius: 0.05, top: 0};
     const models = this.world.models;
     const places = new Map<number, {link: number; pose: Pose}>([[root, {link: 0, pose: IDENTITY}]]);
@@ -188,31 +200,31 @@ export class Bodies {
         if (!parent) continue;
         const pose = compose(parent.pose, models[m].pose);
         const joint = this.world.joints.findIndex(j => j.model === m);
-        if (joint >= 0) {
-          links.push({joint, parent: parent.link, pose, parts: [], batch: null, instance: 0});
-          places.set(m, {link: links.length - 1, pose: IDENTITY});
-        } else {
-          places.set(m, {link: parent.link, pose});
-        }
+        if (joint >= 0) places.set(m, {link: addLink(joint, -1, parent.link, pose), pose: IDENTITY});
+        else places.set(m, {link: parent.link, pose});
       }
       const place = places.get(m)!;
       this.linkOfModel.set(m, {body, ...place});
-      if (!models[m].removed) links[place.link].parts.push({model: m, pose: place.pose});
+      if (models[m].removed) continue;
+      const light = this.lightOfModel.get(m);
+      if (light === undefined) links[place.link].parts.push({model: m, pose: place.pose});
+      else links[addLink(-1, light, place.link, place.pose)].parts.push({model: m, pose: IDENTITY});
     }
-    for (const link of links) this.addInstance(link, entity, link.joint < 0 ? body : null);
+    for (const link of links) this.addInstance(link, entity, body);
     this.bodies.push(body);
     (entity.kind === 'robot' ? this.ofRobots : this.ofObjects)[entity.index] = body;
   }
 
-  private addInstance(link: Link, entity: Entity, measured: Body | null): void {
+  private addInstance(link: Link, entity: Entity, body: Body): void {
     const models = this.world.models;
-    const isRobot = entity.kind === 'robot';
+    const isRoot = link === body.links[0];
+    const withNose = isRoot && entity.kind === 'robot';
     const key = JSON.stringify([
-      isRobot && link.joint < 0, link.parts.map(({model, pose}) => [models[model].shape, models[model].color, pose]),
+      withNose, link.parts.map(({model, pose}) => [models[model].shape, models[model].color, pose]),
     ]);
     let batch = this.batches.get(key);
     if (!batch) {
-      const geometry = this.makeGeometry(link, isRobot && link.joint < 0);
+      const geometry = this.makeGeometry(link, withNose);
       if (!geometry) return;
       batch = {geometry, owners: [], mesh: null};
       this.batches.set(key, batch);
@@ -220,12 +232,12 @@ export class Bodies {
     link.batch = batch;
     link.instance = batch.owners.length;
     batch.owners.push(entity);
-    if (!measured) return;
+    if (!isRoot) return;
     const box = batch.geometry.boundingBox ?? new Box3();
-    measured.radius = new Sphere().setFromPoints([
+    body.radius = new Sphere().setFromPoints([
       new Vector3(box.min.x, box.min.y, 0), new Vector3(box.max.x, box.max.y, 0),
     ]).radius;
-    measured.top = box.max.z;
+    body.top = box.max.z;
   }
 
   private makeGeometry(link: Link, withNose: boolean): BufferGeometry | null {

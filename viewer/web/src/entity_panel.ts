@@ -3,6 +3,7 @@ import {byId, fixed, make, setText} from './dom';
 import {drawPolarPlot} from './polar_plot';
 import {degrees} from './pose';
 import {OBJECT_MODES, scansOf, type Pose} from './protocol';
+import {PowerRows} from './power_rows';
 import {robotState} from './robot_list';
 import {SensorViews} from './sensor_views';
 import {SpeedPlot} from './speed_plot';
@@ -19,6 +20,7 @@ export class EntityPanel {
   private readonly plot = byId<HTMLCanvasElement>('panel-plot');
   private readonly speedCanvas = byId<HTMLCanvasElement>('panel-speed');
   private readonly speeds = new SpeedPlot(this.speedCanvas);
+  private readonly power = new PowerRows(byId('panel-power'));
   private readonly sensors = new SensorViews(byId('panel-readings'));
   private readonly cells = new Map<string, HTMLElement>();
 
@@ -58,6 +60,7 @@ export class EntityPanel {
     }
     this.showFacts(facts);
     this.showJoints(run, robot);
+    this.power.show(run, robot);
     this.speedCanvas.hidden = false;
     this.speeds.draw();
     this.showScans(run, robot);
@@ -95,6 +98,7 @@ export class EntityPanel {
     this.speedCanvas.hidden = true;
     byId('panel-sensors').hidden = true;
     this.sensors.clear();
+    this.power.clear();
   }
 
   private poseFacts(pose: Pose): Array<[string, string]> {

@@ -76,6 +76,21 @@ export interface Gripper {
   lift: number;  // joint; -1: none
 }
 
+// A store of energy.
+export interface Store {
+  model: number;
+  capacity: number;  // J
+  endless: boolean;
+}
+
+export interface Light {
+  model: number;
+  row: number;  // of the lights of a state; -1: it is on no robot, and always switched as at load
+  period: number;  // ns; in each it is on first
+  on: number;  // ns
+  switchedOn: boolean;  // at load
+}
+
 export interface World {
   number: number;
   name: string;
@@ -87,6 +102,8 @@ export interface World {
   joints: Joint[];
   grippers: Gripper[];
   objects: number[];  // models
+  stores: Store[];
+  lights: Light[];
 }
 
 export interface RobotRow {
@@ -106,6 +123,11 @@ export interface ObjectRow {
   pose: Pose;
   mode: number;  // OBJECT_MODES
   holder: number;  // gripper; -1: none
+}
+
+export interface StoreRow {
+  joules: number;
+  chargeWatts: number;
 }
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
@@ -267,6 +289,8 @@ export interface Update {
   joints: Array<[number, JointRow]>;
   grippers: Array<[number, number]>;
   objects: Array<[number, ObjectRow]>;
+  stores: Array<[number, StoreRow]>;
+  lights: Array<[number, boolean]>;  // switched on
   events: RunEvent[];
   status: RunStatus | null;
   readings: RobotReadings[] | null;  // null: the ones before still count
@@ -375,6 +399,10 @@ function readWorld(r: Reader): World {
     })),
     grippers: r.list((): Gripper => ({name: r.text(), robot: r.u32(), lift: r.i32()})),
     objects: r.list(() => r.u32()),
+    stores: r.list((): Store => ({model: r.u32(), capacity: r.f64(), endless: r.flag()})),
+    lights: r.list((): Light => ({
+      model: r.u32(), row: r.i32(), period: Number(r.u64()), on: Number(r.u64()), switchedOn: r.flag(),
+    })),
   };
 }
 
@@ -469,6 +497,8 @@ function readUpdate(r: Reader): Update {
     joints: r.list((): [number, JointRow] => [r.u32(), {position: r.f64(), blocked: r.flag()}]),
     grippers: r.list((): [number, number] => [r.u32(), r.i32()]),
     objects: r.list((): [number, ObjectRow] => [r.u32(), {pose: r.pose(), mode: r.u8(), holder: r.i32()}]),
+    stores: r.list((): [number, StoreRow] => [r.u32(), {joules: r.f64(), chargeWatts: r.f64()}]),
+    lights: r.list((): [number, boolean] => [r.u32(), r.flag()]),
     events: r.list((): RunEvent => ({
       position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
     })),

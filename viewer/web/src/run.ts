@@ -1,6 +1,6 @@
 // Run: the newest state of the run, as the updates of the gateway add up.
 import type {
-  JointRow, ObjectRow, Pose, Reading, RobotReadings, RobotRow, RunEvent, RunStatus, Update, World,
+  JointRow, Light, ObjectRow, Pose, Reading, RobotReadings, RobotRow, RunEvent, RunStatus, StoreRow, Update, World,
 } from './protocol';
 import {EventType} from './protocol';
 
@@ -11,6 +11,8 @@ export class Run {
   joints: JointRow[] = [];
   grippers: number[] = [];  // the object between the pads; -1: none
   objects: ObjectRow[] = [];
+  stores: StoreRow[] = [];
+  lights: boolean[] = [];  // switched on
   events: RunEvent[] = [];
   status: RunStatus | null = null;
   readings = new Map<number, RobotReadings>();  // by robot
@@ -39,6 +41,8 @@ export class Run {
     for (const [i, row] of update.joints) this.joints[i] = row;
     for (const [i, row] of update.grippers) this.grippers[i] = row;
     for (const [i, row] of update.objects) this.objects[i] = row;
+    for (const [i, row] of update.stores) this.stores[i] = row;
+    for (const [i, row] of update.lights) this.lights[i] = row;
     for (const event of update.events) {
       if (event.type === EventType.Left) this.lostAgents.add(event.robot);
       if (event.type === EventType.Joined) this.lostAgents.delete(event.robot);
@@ -57,6 +61,16 @@ export class Run {
     this.paused = update.paused;
     this.over = update.last;
     this.hasState = true;
+  }
+
+  isSwitchedOn(light: Light): boolean {
+    return light.row >= 0 ? this.lights[light.row] ?? light.switchedOn : light.switchedOn;
+  }
+
+  // Blinking follows simulated time.
+  isLit(light: Light): boolean {
+    const time = this.tick * Math.round(this.world.interval * 1e9);
+    return this.isSwitchedOn(light) && time % light.period < light.on;
   }
 
   // Those that the gateway has not sent again are the ones of before.
@@ -91,6 +105,13 @@ export function sameEntity(a: Entity | null, b: Entity | null): boolean {
 
 export function rootOf(world: World, entity: Entity): number {
   return entity.kind === 'robot' ? world.robots[entity.index].root : world.objects[entity.index];
+}
+
+// True if the model is `root` or below it.
+export function isInTree(world: World, model: number, root: number): boolean {
+  let at = model;
+  while (at >= 0 && at !== root) at = world.models[at].parent;
+  return at === root;
 }
 
 export function nameOf(world: World, entity: Entity): string {

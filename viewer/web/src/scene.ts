@@ -170,6 +170,7 @@ export class WorldScene {
     const run = this.drawn = this.motion.view(this.run, now);
     const selected = this.selected;
     this.setting.bodies.place(run, selected);
+    this.setting.map.show(run);
     this.rays.show(run, this.setting.bodies);
     this.marks.show(run);
     const pose = selected ? poseOf(run, selected) : null;

@@ -1,11 +1,14 @@
-// The static map: everything that never moves, merged into one mesh, with lines along its upper edges.
+// The static map: everything that never moves, merged into one mesh, with lines along its upper edges. Lights are meshes
+// of their own, because they may be dark.
 import {
   BufferGeometry, Color, DataTexture, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
   MeshLambertMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace,
 } from 'three';
+import {DARK} from './bodies';
 import {GeometryBuilder, mixed, softened, type Rgb} from './geometry';
 import {compose, toMatrix} from './pose';
-import type {Area, Pose, World} from './protocol';
+import type {Area, Light, Pose, World} from './protocol';
+import type {Run} from './run';
 
 const SLATE: Rgb = [0.36, 0.41, 0.48];
 
@@ -18,18 +21,27 @@ interface Layer {
 export class StaticMap {
   readonly group = new Group();
   private readonly disposables: Array<{dispose(): void}> = [];
+  private readonly lights: Array<{light: Light; material: MeshLambertMaterial}> = [];
   private readonly edges = new LineBasicMaterial({transparent: true, opacity: 0.35});
 
   // `moves`: of the index of a model.
   constructor(world: World, material: MeshLambertMaterial, moves: (model: number) => boolean) {
     const poses: Pose[] = [];
     const layers = new Map<number, Layer>();
+    const lightOfModel = new Map(world.lights.map(light => [light.model, light]));
     world.models.forEach((model, i) => {
       poses.push(model.parent < 0 ? model.pose : compose(poses[model.parent], model.pose));
       if (model.removed || moves(i)) return;
       const shape = world.shapes[model.shape];
       const isMap = shape.rectangles.length > 0 || shape.area !== null;
       const rgb = model.color.slice(0, 3) as Rgb;
+      const light = lightOfModel.get(i);
+      if (light) {
+        const builder = new GeometryBuilder();
+        builder.addShape(shape, poses[i], softened(rgb));
+        this.addLight(light, builder, material);
+        return;
+      }
       const color = isMap ? mixed(rgb, SLATE, 0.8) : softened(rgb);
       const opacity = Math.round(Math.min(1, Math.max(0.15, model.color[3])) * 10) / 10;
       if (!layers.has(opacity)) layers.set(opacity, {builder: new GeometryBuilder(), opacity});
@@ -38,6 +50,14 @@ export class StaticMap {
     });
     for (const layer of layers.values()) this.addLayer(layer, material);
     this.disposables.push(this.edges);
+  }
+
+  // Dark lights are dark.
+  show(run: Run): void {
+    for (const {light, material} of this.lights) {
+      if (run.isLit(light)) material.color.setRGB(1, 1, 1);
+      else material.color.copy(DARK);
+    }
   }
 
   setEdgeColor(color: Color): void {
@@ -61,6 +81,16 @@ export class StaticMap {
     mesh.castShadow = opacity === 1;
     mesh.receiveShadow = true;
     this.group.add(mesh, new LineSegments(this.kept(builder.buildEdges()), this.edges));
+  }
+
+  private addLight(light: Light, builder: GeometryBuilder, shared: MeshLambertMaterial): void {
+    if (builder.empty) return;
+    const material = shared.clone();
+    const mesh = new Mesh(this.kept(builder.build()), material);
+    mesh.castShadow = mesh.receiveShadow = true;
+    this.group.add(mesh, new LineSegments(this.kept(builder.buildEdges()), this.edges));
+    this.disposables.push(material);
+    this.lights.push({light, material});
   }
 
   // A dense bitmap is a picture in the plane of its upper side.

@@ -23,6 +23,8 @@ export interface TestInterface {
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
   // Of the robot: by sensor, the tick of the measurement and the decoded content as JSON; bytes in hexadecimal digits.
   contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
+  // Of all lights: whether they are lit, by the names of their models.
+  lights(): Record<string, boolean>;
   select(name: string): void;
   request(command: string, more?: object): Promise<Reply>;
   // Of an editor: its file as last heard of, a request, and the places of points on the window.
@@ -83,6 +85,10 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       };
       return Object.fromEntries(
         readings.map(({sensor, tick, content}) => [sensor, {tick, content: JSON.parse(JSON.stringify(content, plain))}]));
+    },
+    lights: () => {
+      const run = host.run();
+      return Object.fromEntries((run?.world.lights ?? []).map(light => [run!.world.models[light.model].name, run!.isLit(light)]));
     },
     select: name => host.select(name),
     request: (command, more = {}) => connection.request(command, more),
