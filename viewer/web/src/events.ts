@@ -19,10 +19,14 @@ export function eventText(world: World, event: RunEvent): string {
     case EventType.Released: return `${robot}: ${event.detail} has released ${model(event.object, 'an object')}`;
     case EventType.Landed: return `${model(event.object, 'an object')} rests on ${model(event.other, 'the ground')}`;
     case EventType.Unstable: return `${model(event.object, 'an object')} rests unstably on ${model(event.other, 'the ground')}`;
+    case EventType.OutOfEnergy: return `${robot} is out of energy`;
+    case EventType.Said: return `${robot} says: ${event.detail}`;
   }
 }
 
-const WARNINGS = [EventType.Left, EventType.ProposalRejected, EventType.Blocked, EventType.StallBegan, EventType.Unstable];
+const WARNINGS = [
+  EventType.Left, EventType.ProposalRejected, EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy,
+];
 
 export function eventColor(event: RunEvent): string {
   const name = event.type === EventType.Left || event.type === EventType.ProposalRejected ? '--red'

@@ -134,7 +134,7 @@ export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
 
 // As EventType of common/model/event.h.
 export const enum EventType {
-  StallBegan, StallEnded, Joined, Left, ProposalRejected, Blocked, Gripped, Released, Landed, Unstable,
+  StallBegan, StallEnded, Joined, Left, ProposalRejected, Blocked, Gripped, Released, Landed, Unstable, OutOfEnergy, Said,
 }
 
 export interface RunEvent {

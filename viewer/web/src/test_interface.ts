@@ -23,6 +23,8 @@ export interface TestInterface {
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
   // Of the robot: by sensor, the tick of the measurement and the decoded content as JSON; bytes in hexadecimal digits.
   contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
+  // By index.
+  names(): {models: string[]; robots: string[]};
   // Of all lights: whether they are lit, by the names of their models.
   lights(): Record<string, boolean>;
   select(name: string): void;
@@ -85,6 +87,10 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       };
       return Object.fromEntries(
         readings.map(({sensor, tick, content}) => [sensor, {tick, content: JSON.parse(JSON.stringify(content, plain))}]));
+    },
+    names: () => {
+      const world = host.run()?.world;
+      return {models: world?.models.map(({name}) => name) ?? [], robots: world?.robots.map(({name}) => name) ?? []};
     },
     lights: () => {
       const run = host.run();
