@@ -249,6 +249,15 @@ struct ControlReply {
   bool operator==(const ControlReply&) const = default;
 };
 
+// What the service does in a tick: wall times in s, on average over about the last second; 0: no tick was made.
+struct PhaseSeconds {
+  double wait = 0.0;  // for proposals, and for the time of the tick
+  double step = 0.0;
+  double record = 0.0;  // output files and ROS messages
+  double publish = 0.0;
+  bool operator==(const PhaseSeconds&) const = default;
+};
+
 // Service to tools, twice a second: the progress of the run.
 struct StatusMessage {
   RunId run = 0;
@@ -264,6 +273,7 @@ struct StatusMessage {
   Edition edition = 0;
   Incarnation incarnation = 0;
   std::optional<double> speed = {};  // that the run is paced to, multiple of real time; none: it is not paced
+  PhaseSeconds phases = {};
   bool operator==(const StatusMessage&) const = default;
 };
 

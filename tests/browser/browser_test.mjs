@@ -155,6 +155,9 @@ async function showsTheRunAsItIs() {
     await stateOf(page, 'the run plays', state => !state.paused && state.tick >= tick);
     await sample(page);
   }
+  // Of ticks of 100 ms the service waits for most.
+  await stateOf(page, 'the phases of ticks arrive', ({phases}) => phases?.step > 0 && phases.wait > phases.step);
+  await until('the phases are shown', async () => /wait \d+.* · step .* ms/.test(await page.textContent('#phases')));
   await page.keyboard.press(' ');
   const paused = await stateOf(page, 'the run is paused', state => state.paused);
   assert.ok(paused.tick < ticks, 'the pause came in time');

@@ -63,6 +63,8 @@ void Write(ByteWriter& writer, const StatusMessage& status) {
   writer.WriteCount(named);
   for (std::size_t i = 0; i < named; ++i) writer.WriteText(status.waiting_for[i]);
   writer.Write(status.speed.value_or(0.0));
+  const PhaseSeconds& phases = status.phases;
+  for (const double seconds : {phases.wait, phases.step, phases.record, phases.publish}) writer.Write(seconds);
 }
 
 class RunGateway final : public ViewerGateway, private WebHandler {

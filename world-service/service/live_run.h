@@ -12,6 +12,7 @@
 #include "common/protocol/transport.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "common/trace/phase_times.h"
 #include "common/trace/tick_trace.h"
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
@@ -32,6 +33,7 @@ struct CoordinatorOptions {
   bool has_history = false;             // agents can be sent the states of the past
   std::size_t threads = 1;              // of the step
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
+  PhaseTimes* phase_times = nullptr;    // likewise
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;
   std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its

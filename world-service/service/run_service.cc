@@ -320,7 +320,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   std::unique_ptr<ServiceEndpoint> endpoint_;  // last: it ends before the members that its deliveries use
 };
 
-CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTrace* trace) {
+CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTrace* trace, PhaseTimes& phase_times) {
   CoordinatorOptions coordinator;
   coordinator.settings = options.settings;
   coordinator.run = options.resumed ? options.resumed->run : MakeRunId();
@@ -332,6 +332,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.has_history = options.history != nullptr;
   coordinator.threads = options.threads;
   if (trace != nullptr) coordinator.trace = trace->AddLane();
+  coordinator.phase_times = &phase_times;
   coordinator.host = HostName();
   coordinator.pid = static_cast<std::uint32_t>(getpid());
   return coordinator;
@@ -348,7 +349,8 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
     if (!created.ok()) return created.error();
     trace = std::move(created).value();
   }
-  const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get());
+  PhaseTimes phase_times;
+  const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get(), phase_times);
   Driver driver(scene, options, coordinator, std::move(endpoint), observers, trace.get());
 
   Status failure;  // the first

@@ -38,6 +38,10 @@ StatusMessage RunStatistics::MakeStatus(double now) {
   status.edition = run_.frame.edition;
   status.incarnation = run_.options.incarnation;
   status.speed = engine_.speed();
+  if (const PhaseTimes* const times = run_.options.phase_times; times != nullptr) {
+    status.phases = {times->Mean(TickPhase::kWait), times->Mean(TickPhase::kStep), times->Mean(TickPhase::kRecord),
+                     times->Mean(TickPhase::kPublish)};
+  }
   status.waiting_for = MissingRobots(now);
   if (!status.waiting_for.empty()) {
     status.waiting_seconds = now - (run_.phase == RunPhase::kGathering ? run_.created_at : engine_.committed_at());

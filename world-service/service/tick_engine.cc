@@ -285,7 +285,7 @@ void TickEngine::Commit(double now) {
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
   FrameMessage& frame = run_.frame;
-  Enter(run_.options.trace, TickPhase::kStep, run_.next_tick());
+  EnterPhase(TickPhase::kStep, run_.next_tick());
   const std::vector<RobotCommand> commands = std::exchange(frame.commands, {});
   commands_.Elapse();
   ++steps_;
@@ -303,7 +303,13 @@ void TickEngine::Commit(double now) {
   Publish({.now = now, .proposals = proposals, .commands = commands});
 }
 
+// The phases of the trace, and their means.
+void TickEngine::EnterPhase(TickPhase phase, Tick tick) {
+  Enter(run_.options.trace, run_.options.phase_times, phase, tick);
+}
+
 void TickEngine::Resume(double now) {
+  if (run_.options.phase_times != nullptr) run_.options.phase_times->Restart();  // a pause is no wait
   run_.frame.paused = false;
   run_.frame.commands = commands_.ForNextTick(run_.world());
   ReportProgress(now);
@@ -349,18 +355,18 @@ void TickEngine::Publish(const Origin& origin) {
   const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;
   };
-  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
+  EnterPhase(TickPhase::kRecord, frame.state.tick);
   const RunProgress progress = Progress();
   for (RunObserver* observer : run_.observers) note(observer->OnCommit(tick, progress));
   if (!failure.ok()) return Fail(failure.error(), now);
-  Enter(run_.options.trace, TickPhase::kPublish, frame.state.tick);
+  EnterPhase(TickPhase::kPublish, frame.state.tick);
   run_.endpoint.SendFrame(frame);  // before the observers' other work, so that the agents work meanwhile
-  Enter(run_.options.trace, TickPhase::kRecord, frame.state.tick);
+  EnterPhase(TickPhase::kRecord, frame.state.tick);
   Opened(now);
   for (RunObserver* observer : run_.observers) note(observer->OnTick(tick));
   if (!failure.ok()) return Fail(failure.error(), now);
   if (frame.last) return End(now);
-  Enter(run_.options.trace, TickPhase::kWait, run_.next_tick());
+  EnterPhase(TickPhase::kWait, run_.next_tick());
 }
 
 void TickEngine::Stop(double now) {

@@ -106,6 +106,7 @@ class TickEngine {
   RunProgress Progress() const;
   // The barrier for the next tick.
   void Opened(double now);
+  void EnterPhase(TickPhase phase, Tick tick);
   // The inputs that led to a frame: of a step, or an edit.
   struct Origin {
     double now = 0.0;

@@ -17,6 +17,10 @@ troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
   wire.edition = message.edition;
   wire.incarnation = message.incarnation;
   wire.speed = message.speed.value_or(0.0);
+  wire.phase_wait_time = message.phases.wait;
+  wire.phase_step_time = message.phases.step;
+  wire.phase_record_time = message.phases.record;
+  wire.phase_publish_time = message.phases.publish;
   return wire;
 }
 
@@ -35,6 +39,7 @@ Result<StatusMessage> FromWire(const troupe_wire_Status& wire) {
   message.edition = wire.edition;
   message.incarnation = wire.incarnation;
   if (wire.speed > 0.0) message.speed = wire.speed;
+  message.phases = {wire.phase_wait_time, wire.phase_step_time, wire.phase_record_time, wire.phase_publish_time};
   return message;
 }
 

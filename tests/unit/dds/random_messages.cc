@@ -386,7 +386,8 @@ StatusMessage RandomMessages::Status() {
           Number(),
           static_cast<Edition>(Bits()),
           static_cast<Incarnation>(Bits()),
-          Coin() ? std::optional(Number(0.1, 9.0)) : std::nullopt};
+          Coin() ? std::optional(Number(0.1, 9.0)) : std::nullopt,
+          {Number(), Number(), Number(), Number()}};
 }
 
 }  // namespace troupe::test

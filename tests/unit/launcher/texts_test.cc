@@ -64,7 +64,11 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   status.run = 1;
   status.waiting_for = {"c"};
   top.OnStatus(status);
+  EXPECT_THAT(top.Text(20), Not(HasSubstr("a tick of the service")));
+  status.phases = {0.0951, 0.002, 0.0015, 0.00042};
+  top.OnStatus(status);
   const std::string text = top.Text(20);
+  EXPECT_THAT(text, HasSubstr("wait 95.10 ms, step 2.00 ms, record 1.50 ms, publish 0.42 ms\n"));
   const auto place = [&](const std::string& part) {
     const std::size_t found = text.find(part);
     EXPECT_NE(found, std::string::npos) << part << " in\n" << text;

@@ -41,6 +41,18 @@ TEST_F(RunStatisticsTest, MeasureTheRealTimeFactorSinceTheStatusBefore) {
   EXPECT_NEAR(statistics.MakeSummary().sim_seconds, 0.2, 1e-12);
 }
 
+TEST_F(RunStatisticsTest, HaveThePhasesOfATick) {
+  PhaseTimes times;
+  options_.phase_times = &times;
+  MakeAndBegin();
+  const WorldEditor editor(*run_, *engine_);
+  RunStatistics statistics(*run_, *engine_, editor, now_);
+  EXPECT_EQ(statistics.MakeStatus(now_).phases, PhaseSeconds());
+  for (int tick = 0; tick < 10; ++tick) AnswerBoth();
+  const PhaseSeconds phases = statistics.MakeStatus(now_).phases;
+  for (const double time : {phases.wait, phases.step, phases.record, phases.publish}) EXPECT_GT(time, 0.0);
+}
+
 TEST_F(RunStatisticsTest, ListTheSlowestRobotFirst) {
   MakeAndBegin();
   const WorldEditor editor(*run_, *engine_);

@@ -157,6 +157,7 @@ export interface RunStatus {
   waitingCount: number;
   waitingFor: string[];  // the first ones
   speed: number;  // that the run is paced to, multiple of real time; 0: none
+  phases: {wait: number; step: number; record: number; publish: number};  // s, of a tick of the service; 0: no tick was made
 }
 
 export interface Scan {
@@ -473,7 +474,7 @@ function readStatus(r: Reader): RunStatus {
   return {
     targetTicks: Number(r.u64()), wallSeconds: r.f64(), realTimeFactor: r.f64(), robots: r.u32(), agents: r.u32(),
     waitingSeconds: r.f64(), waitingCount: r.u32(), waitingFor: r.list(() => r.text()),
-    speed: r.f64(),
+    speed: r.f64(), phases: {wait: r.f64(), step: r.f64(), record: r.f64(), publish: r.f64()},
   };
 }
 

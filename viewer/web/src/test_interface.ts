@@ -3,7 +3,7 @@ import {Vector3} from 'three';
 import type {Connection, EditReply, Reply} from './connection';
 import type {FileDocument} from './file_client';
 import type {FileEditor} from './file_editor';
-import {scansOf, type Pose} from './protocol';
+import {scansOf, type Pose, type RunStatus} from './protocol';
 import {findEntity, type Run} from './run';
 import type {WorldScene} from './scene';
 
@@ -17,7 +17,7 @@ export interface ShownRobot {
 
 export interface TestInterface {
   connected(): boolean;
-  state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number; past: boolean; first: number; last: number; speed: number} | null;
+  state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number; past: boolean; first: number; last: number; speed: number; phases: RunStatus['phases'] | null} | null;
   robots(): ShownRobot[];
   // Of the robot: by sensor, the ranges of each scan, at the tick of the measurement.
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
@@ -54,6 +54,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       return {
         tick: run.tick, hash: run.hash, paused: run.paused, over: run.over, edition: run.edition, past: run.past,
         first: run.first, last: run.last, speed: run.status?.speed ?? 0,
+        phases: run.status?.phases ?? null,
       };
     },
     robots: () => {

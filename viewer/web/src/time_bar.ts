@@ -9,6 +9,10 @@ function clock(seconds: number): string {
   return whole > 0 ? `${whole} min ${fixed(seconds - 60 * whole, 1)} s` : `${fixed(seconds, 1)} s`;
 }
 
+function milliseconds(seconds: number): string {
+  return fixed(1000 * seconds, seconds < 0.01 ? 2 : seconds < 0.1 ? 1 : 0);
+}
+
 export class TimeBar {
   private run: Run | null = null;
   private readonly play = byId<HTMLButtonElement>('play');
@@ -65,6 +69,9 @@ export class TimeBar {
     setText(byId('tick'), status && status.targetTicks > 0 ? `tick ${run.tick} of ${status.targetTicks}` : `tick ${run.tick}`);
     setText(byId('factor'), past ? (run.past ? 'the past' : 'going back') : run.over ? 'the run is over' : run.paused ? 'paused'
       : status ? `${fixed(status.realTimeFactor, status.realTimeFactor < 10 ? 1 : 0)} × real time` : '');
+    const phases = Object.entries(status?.phases ?? {});
+    const live = status !== null && !past && !run.over && !run.paused && phases.some(([, seconds]) => seconds > 0);
+    setText(byId('phases'), live ? phases.map(([name, s]) => `${name} ${milliseconds(s)}`).join(' · ') + ' ms' : '');
     const waiting = byId('waiting');
     const names = status?.waitingFor ?? [];
     waiting.hidden = names.length === 0 || run.over || past;
