@@ -223,14 +223,25 @@ struct EntityBox {
   bool operator==(const EntityBox&) const = default;
 };
 
+// The agent of a robot.
+struct AgentReport {
+  std::string host;
+  std::uint32_t pid = 0;
+  bool present = false;          // false: lost
+  double answer_seconds = 0.0;   // from a frame to the answer, smoothed over some ticks; 0: no answer yet
+  std::uint64_t times_last = 0;  // ticks in which the robot's agent was the last to answer
+  bool operator==(const AgentReport&) const = default;
+};
+
 // The unit of edits: a model without a parent, with its whole tree.
 struct EntityReport {
   std::string name;
   std::string type;  // as in the world file
   EntityKind kind = EntityKind::kModel;
   Pose X_WE = {};
-  Twist twist = {};    // in E
-  EntityBox box = {};  // only in the service's process, and if the request asks for it
+  Twist twist = {};                       // in E
+  EntityBox box = {};                     // only in the service's process, and if the request asks for it
+  std::optional<AgentReport> agent = {};  // of a robot that has one, or has lost it
   bool operator==(const EntityReport&) const = default;
 };
 

@@ -27,6 +27,7 @@ struct CtlOptions {
   ControlRequest request;
   double timeout_seconds = 0.0;  // 0: no limit
   std::string pose;              // text for ParsePoseText; empty: none
+  bool lists_agents = false;     // of the entities
 };
 
 const char* Word(EntityKind kind) {
@@ -74,6 +75,20 @@ void Print(const EntityReport& entity) {
              X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
 }
 
+void PrintAgents(const ControlReply& reply) {
+  fmt::print("{:<20} {:<8} {:<20} {:>8} {:>10} {:>10}\n", "ROBOT", "AGENT", "HOST", "PID", "ANSWER MS", "TIMES LAST");
+  for (const EntityReport& entity : reply.entities) {
+    if (entity.kind != EntityKind::kRobot) continue;
+    if (!entity.agent) {
+      fmt::print("{:<20} {:<8}\n", entity.name, "none");
+      continue;
+    }
+    const AgentReport& agent = *entity.agent;
+    fmt::print("{:<20} {:<8} {:<20} {:>8} {:>10.2f} {:>10}\n", entity.name, agent.present ? "present" : "lost",
+               agent.host, agent.pid, 1e3 * agent.answer_seconds, agent.times_last);
+  }
+}
+
 void Print(ControlCommand command, const ControlReply& reply) {
   if (command == ControlCommand::kSpawnables) {
     for (const EntityReport& model : reply.entities) fmt::print("{:<24} {}\n", model.name, model.type);
@@ -101,7 +116,11 @@ int CtlCommand(CtlOptions options) {
     const Result<ControlReply> reply = SendRequest(options);
     if (!reply.ok()) return Fail(reply.error());
     if (!reply.value().done) return Fail(Failure(reply.value().problem));
-    Print(options.request.command, reply.value());
+    if (options.lists_agents) {
+      PrintAgents(reply.value());
+    } else {
+      Print(options.request.command, reply.value());
+    }
     return kExitDone;
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
@@ -207,6 +226,12 @@ void AddListActions(CLI::App* command, const SharedOptions& options) {
   AddName(
       AddAction(command, options, "get", "Print the pose of a robot, an object or a model", ControlCommand::kEntities),
       options);
+  AddAction(command, options, "agents", "List the agents of the robots: host, process id, time to answer a frame",
+            ControlCommand::kEntities)
+      ->callback([options] {
+        options->request.command = ControlCommand::kEntities;
+        options->lists_agents = true;
+      });
   AddAction(command, options, "spawnables", "List the models of the run's world file", ControlCommand::kSpawnables);
 }
 

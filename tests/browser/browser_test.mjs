@@ -155,6 +155,12 @@ async function showsTheRunAsItIs() {
     await stateOf(page, 'the run plays', state => !state.paused && state.tick >= tick);
     await sample(page);
   }
+  await until('the agent is shown', async () => /agent.*, process \d+, answers in [\d.]+ ms/.test(await page.textContent('#panel-facts')));
+  await page.hover('.robot');
+  await until('the agent of the row is shown', async () => {
+    await page.mouse.move(60, 130 + 4 * Math.random());
+    return /, process \d+/.test(await page.getAttribute('.robot', 'title') ?? '');
+  });
   // Of ticks of 100 ms the service waits for most.
   await stateOf(page, 'the phases of ticks arrive', ({phases}) => phases?.step > 0 && phases.wait > phases.step);
   await until('the phases are shown', async () => /wait \d+.* · step .* ms/.test(await page.textContent('#phases')));

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "common/base/host_name.h"
 #include "common/dds/tools/control_client.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
@@ -64,6 +65,11 @@ TEST(Control, TheCommandLinePausesStepsAndResumes) {
   const Finished stepped = ctl({"step", "3"});
   EXPECT_EQ(std::stoull(stepped.output.substr(12)), std::stoull(paused.output.substr(12)) + 3);
   EXPECT_THAT(ctl({"play"}).output, testing::StartsWith("playing tick "));
+  const Finished agents = ctl({"agents"});
+  EXPECT_EQ(agents.exit_status, 0);
+  EXPECT_THAT(agents.output, testing::StartsWith("ROBOT                AGENT    HOST "));
+  EXPECT_THAT(agents.output,
+              testing::ContainsRegex("\nr0 +present +" + HostName() + " +[0-9]+ +[0-9]+\\.[0-9]{2} +[0-9]+\n"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130) << run.output();
 }

@@ -20,13 +20,14 @@ struct CommandName {
   ControlCommand command;
 };
 
-constexpr std::array<CommandName, 13> kCommands = {{{"status", ControlCommand::kStatus},
+constexpr std::array<CommandName, 14> kCommands = {{{"status", ControlCommand::kStatus},
                                                     {"pause", ControlCommand::kPause},
                                                     {"play", ControlCommand::kPlay},
                                                     {"step", ControlCommand::kStep},
                                                     {"reset", ControlCommand::kReset},
                                                     {"spawn", ControlCommand::kSpawn},
                                                     {"delete", ControlCommand::kDelete},
+                                                    {"entities", ControlCommand::kEntities},
                                                     {"set_pose", ControlCommand::kSetPose},
                                                     {"spawnables", ControlCommand::kSpawnables},
                                                     {"speed", ControlCommand::kSpeed},
@@ -117,6 +118,7 @@ Result<PageRequest> ParseControl(const Json& object) {
     request.name = TextIn(object, "name");
     if (request.name.empty()) return Malformed("no name", "that of a robot, an object or a model");
   }
+  if (*command == ControlCommand::kEntities) request.name = TextIn(object, "name");
   if (*command == ControlCommand::kSpawn) {
     request.source = TextIn(object, "source");
     if (!IsModelName(request.source)) return Malformed("source '" + request.source + "'", "a model of the world file");
@@ -219,10 +221,17 @@ std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
   if (reply.ok()) {
     text["state"] = ToString(reply.value().state);
     text["tick"] = reply.value().tick;
-    Json names = Json::array();
-    for (const EntityReport& entity : reply.value().entities)
-      names.push_back({{"name", entity.name}, {"type", entity.type}});
-    text["entities"] = std::move(names);
+    Json entities = Json::array();
+    for (const EntityReport& entity : reply.value().entities) {
+      Json& listed = entities.emplace_back(Json{{"name", entity.name}, {"type", entity.type}});
+      if (!entity.agent) continue;
+      listed["agent"] = {{"host", entity.agent->host},
+                         {"pid", entity.agent->pid},
+                         {"present", entity.agent->present},
+                         {"answer_seconds", entity.agent->answer_seconds},
+                         {"times_last", entity.agent->times_last}};
+    }
+    text["entities"] = std::move(entities);
   }
   return text.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -5,6 +5,7 @@
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
+//   {"type": "control", "id": 9, "command": "entities", "name": "r0"}: without a name all of them
 //   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, ...}: page_robot_command.h
 //   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
 //   {"type": "live"}

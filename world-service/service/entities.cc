@@ -1,5 +1,6 @@
 #include "world-service/service/entities.h"
 
+#include <map>
 #include <set>
 
 namespace troupe {
@@ -26,6 +27,21 @@ std::vector<EntityReport> ListEntities(const WorldDescription& world, const Worl
     if (!world.models[i].parent && !world.models[i].removed) listed.push_back(std::move(entities[i]));
   }
   return listed;
+}
+
+void SetAgents(const WorldDescription& world, const Membership& members, std::vector<EntityReport>& entities) {
+  std::map<std::string, RobotId> robots;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (IsThere(world, RobotId(i))) robots.emplace(world.robots[i].name, RobotId(i));
+  }
+  const std::vector<Membership::Waits> waits = members.WaitsOfRobots();
+  for (EntityReport& entity : entities) {
+    const auto robot = robots.find(entity.name);
+    const Member* const member = robot == robots.end() ? nullptr : members.MemberOf(robot->second);
+    if (member == nullptr) continue;
+    entity.agent = AgentReport{member->host, member->pid, member->present, member->answer_seconds,
+                               waits[robot->second.index()].times_last};
+  }
 }
 
 std::string FreeName(const WorldDescription& world, const std::string& base) {

@@ -185,6 +185,11 @@ bool Membership::IsPresent(RobotId robot) const {
   return owner && members_.at(*owner).present;
 }
 
+const Member* Membership::MemberOf(RobotId robot) const {
+  const std::optional<AgentId>& owner = owners_[robot.index()];
+  return owner ? &members_.at(*owner) : nullptr;
+}
+
 std::vector<RobotId> Membership::AbsentRobots() const {
   std::vector<RobotId> absent;
   for (const auto& [name, robot] : robot_by_name_) {

@@ -26,6 +26,7 @@ struct Member {
   std::optional<double> silent_since;  // of the first frame that it left unanswered, when that is not the current one
   std::uint64_t times_last = 0;        // ticks in which it was the last to answer
   double waited_seconds = 0.0;         // that the barrier waited for it alone
+  double answer_seconds = 0.0;         // from a frame to its answer, smoothed; 0: it has not answered yet
 };
 
 // "host, pid 123"
@@ -75,6 +76,8 @@ class Membership {
   std::vector<AgentId> LostMembers() const;
   bool all_robots_present() const { return present_robots_ == robot_by_name_.size(); }
   bool IsPresent(RobotId robot) const;
+  // The member of the robot, also a lost one; null: none has joined for it.
+  const Member* MemberOf(RobotId robot) const;
   // But for removed ones.
   std::size_t robots() const { return robot_by_name_.size(); }
   std::vector<RobotId> AbsentRobots() const;

@@ -242,6 +242,7 @@ Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, 
     if (!root.ok()) return root.error();
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
   }
+  SetAgents(run_.world(), run_.members, entities);
   if (with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);
   return entities;
 }

@@ -16,6 +16,7 @@ constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that m
 constexpr double kLongestEnd = 1.0;          // for agents to leave
 constexpr double kAskPeriod = 0.1;           // from one request to an agent to join again to the next
 constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
+constexpr double kNewestAnswer = 0.1;        // its share in the smoothed time of an agent's answers
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
@@ -105,6 +106,9 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
     return;
   }
   Collect(*member, proposal, now);
+  const double answer = now - committed_at_;
+  double& smoothed = member->answer_seconds;
+  smoothed = smoothed == 0.0 ? answer : smoothed + kNewestAnswer * (answer - smoothed);
   if (barrier_.complete()) {
     ++member->times_last;
     member->waited_seconds += now - arrived_at_;

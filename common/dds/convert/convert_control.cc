@@ -10,6 +10,23 @@ namespace {
 
 constexpr auto kLastCommand = static_cast<std::uint8_t>(kLastControlCommand);
 
+troupe_wire_RobotAgent AgentToWire(const std::optional<AgentReport>& agent, WireArena& arena) {
+  const AgentReport report = agent.value_or(AgentReport());
+  troupe_wire_RobotAgent wire{};
+  wire.known = agent.has_value();
+  wire.host = arena.Copy(report.host);
+  wire.pid = report.pid;
+  wire.present = report.present;
+  wire.answer_time = report.answer_seconds;
+  wire.times_last = report.times_last;
+  return wire;
+}
+
+std::optional<AgentReport> AgentFromWire(const troupe_wire_RobotAgent& wire) {
+  if (!wire.known) return std::nullopt;
+  return AgentReport{Text(wire.host), wire.pid, wire.present, wire.answer_time, wire.times_last};
+}
+
 }  // namespace
 
 troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
@@ -43,9 +60,14 @@ troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena) {
   wire.edition = message.edition;
   troupe_wire_Entity* out = arena.Fill(wire.entities, message.entities.size());
   for (const EntityReport& entity : message.entities) {
-    *out++ = {arena.Copy(entity.name), arena.Copy(entity.type), static_cast<std::uint8_t>(entity.kind),
-              PoseToWire(entity.X_WE), entity.twist.vx,         entity.twist.vy,
-              entity.twist.wz};
+    *out++ = {arena.Copy(entity.name),
+              arena.Copy(entity.type),
+              static_cast<std::uint8_t>(entity.kind),
+              PoseToWire(entity.X_WE),
+              entity.twist.vx,
+              entity.twist.vy,
+              entity.twist.wz,
+              AgentToWire(entity.agent, arena)};
   }
   return wire;
 }
@@ -99,7 +121,9 @@ Result<ControlReply> FromWire(const troupe_wire_ControlReply& wire) {
                                 Text(entity.type),
                                 static_cast<EntityKind>(entity.kind),
                                 PoseFromWire(entity.pose),
-                                {entity.vx, entity.vy, entity.wz}});
+                                {entity.vx, entity.vy, entity.wz},
+                                {},
+                                AgentFromWire(entity.agent)});
   }
   return message;
 }

@@ -57,6 +57,10 @@ TEST(ConvertTest, AStatusKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Status);
 }
 
+TEST(ConvertTest, AControlReplyKeepsEveryField) {
+  ExpectRoundTrip(&test::RandomMessages::Reply);
+}
+
 TEST(ConvertTest, TheHashOfTheWorldSurvives) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const SessionMessage session = test::RandomMessages(seed).Session();

@@ -373,6 +373,27 @@ ProposalMessage RandomMessages::Proposal() {
   return message;
 }
 
+ControlReply RandomMessages::Reply() {
+  ControlReply message;
+  message.client = Bits();
+  message.number = Bits();
+  message.done = Coin();
+  message.problem = Text();
+  message.state = static_cast<RunState>(Below(4));
+  message.tick = Bits();
+  message.state_hash = Bits();
+  message.edition = static_cast<Edition>(Bits());
+  for (std::uint64_t i = 0; i < Below(4); ++i) {
+    EntityReport entity{.name = Text(), .type = Text(), .kind = static_cast<EntityKind>(Below(3))};
+    entity.X_WE = RandomPose();
+    entity.twist = {Number(), Number(), Number()};
+    if (Coin())
+      entity.agent = AgentReport{Text(), static_cast<std::uint32_t>(Bits()), Coin(), Number(0.0, 5.0), Bits()};
+    message.entities.push_back(std::move(entity));
+  }
+  return message;
+}
+
 StatusMessage RandomMessages::Status() {
   return {Bits(),
           Bits(),

@@ -19,6 +19,7 @@ class RandomMessages {
   HistoryMessage History();
   ProposalMessage Proposal();
   StatusMessage Status();
+  ControlReply Reply();
   RobotCommand Command(RobotId robot);
 
  private:

@@ -280,6 +280,27 @@ TEST_F(EditedWorldTest, ListsTheEntities) {
   EXPECT_EQ(replies.back().problem, "the world has no entity 'nobody'");
 }
 
+TEST_F(EditedWorldTest, ListsTheAgentsOfRobots) {
+  StartAndHold();
+  Ask(ControlCommand::kPlay);
+  now += 0.2;
+  Propose(1);
+  now += 0.3;
+  Propose(2);
+  coordinator->OnAgentGone(2, now);
+  Ask(ControlCommand::kEntities);
+  ASSERT_EQ(replies.back().entities.size(), 2u);
+  const std::optional<AgentReport> first = replies.back().entities[0].agent;
+  const std::optional<AgentReport> second = replies.back().entities[1].agent;
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(first->present);
+  EXPECT_NEAR(first->answer_seconds, 0.2, 1e-9);
+  EXPECT_EQ(first->times_last, 0u);
+  EXPECT_FALSE(second->present);
+  EXPECT_NEAR(second->answer_seconds, 0.5, 1e-9);
+  EXPECT_EQ(second->times_last, 1u);
+}
+
 TEST_F(EditedWorldTest, ContinuesWithoutTheAgentOfADeletedRobot) {
   StartAndHold();
   Ask(Request(ControlCommand::kDelete, "r0"));

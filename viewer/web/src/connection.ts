@@ -10,12 +10,21 @@ export interface SessionInfo {
   problem: string;
 }
 
+// Of a robot.
+export interface AgentInfo {
+  host: string;
+  pid: number;
+  present: boolean;  // false: lost
+  answer_seconds: number;  // from a frame to the answer, smoothed
+  times_last: number;  // ticks in which it was the last to answer
+}
+
 export interface Reply {
   done: boolean;
   problem: string;
   state?: string;
   tick?: number;
-  entities?: Array<{name: string; type: string}>;
+  entities?: Array<{name: string; type: string; agent?: AgentInfo}>;
 }
 
 // Of an edit; with the members that viewer/editor gives it.

@@ -1,4 +1,6 @@
 // The panel of the selected robot or object.
+import {agentText} from './agents';
+import type {AgentInfo} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {drawPolarPlot} from './polar_plot';
 import {degrees} from './pose';
@@ -24,12 +26,13 @@ export class EntityPanel {
   private readonly sensors = new SensorViews(byId('panel-readings'));
   private readonly cells = new Map<string, HTMLElement>();
 
-  show(run: Run, entity: Entity | null): void {
+  // `agent`: of the robot, if it is known.
+  show(run: Run, entity: Entity | null, agent: AgentInfo | null): void {
     const pose = entity ? poseOf(run, entity) : null;
     this.panel.hidden = !pose;
     if (!entity || !pose) return;
     setText(byId('panel-name'), nameOf(run.world, entity));
-    if (entity.kind === 'robot') this.showRobot(run, entity.index, pose);
+    if (entity.kind === 'robot') this.showRobot(run, entity.index, pose, agent);
     else this.showObject(run, entity.index, pose);
   }
 
@@ -40,7 +43,7 @@ export class EntityPanel {
     this.sensors.note(run, entity.index);
   }
 
-  private showRobot(run: Run, robot: number, pose: Pose): void {
+  private showRobot(run: Run, robot: number, pose: Pose, agent: AgentInfo | null): void {
     const description = run.world.robots[robot];
     const row = run.robots[robot];
     const held = run.held(robot);
@@ -55,6 +58,7 @@ export class EntityPanel {
       ['turning', `${fixed(degrees(row.wz), 1)} °/s`],
       ['controller', description.controller],
     ];
+    if (agent) facts.push(['agent', agentText(agent)]);
     if (held.length > 0) {
       facts.push(['holds', held.map(i => nameOf(run.world, {kind: 'object', index: i})).join(', ')]);
     }

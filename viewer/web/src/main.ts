@@ -1,5 +1,6 @@
 // The page of `troupe view`.
-import {Connection, type SessionInfo} from './connection';
+import {Agents, agentText} from './agents';
+import {Connection, type AgentInfo, type SessionInfo} from './connection';
 import {byId, setText, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
@@ -35,7 +36,9 @@ class Viewer {
   private readonly grippers: GripperButtons;
   private readonly video: Video;
   private readonly panel = new EntityPanel();
-  private readonly robots = new RobotList(robot => this.selectAndCenter({kind: 'robot', index: robot}));
+  private readonly agents: Agents;
+  private readonly robots = new RobotList(
+    robot => this.selectAndCenter({kind: 'robot', index: robot}), robot => this.agentHint(robot));
   private readonly events = new EventList(event => this.showEvent(event));
   private readonly refresh = throttled(PANEL_PERIOD, () => this.refreshPanels());
 
@@ -54,6 +57,7 @@ class Viewer {
       onSession: info => this.onSession(info),
       onMessage: message => this.onMessage(message),
     });
+    this.agents = new Agents(this.connection, () => this.refresh());
     this.timeBar = new TimeBar(this.connection, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {
       run: () => this.run,
@@ -186,11 +190,22 @@ class Viewer {
     this.timeBar.show(this.run);
     if (!this.run?.hasState) return;
     this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
-    this.panel.show(this.run, this.selected);
+    this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
     byId('drive').hidden = byId('send').hidden = this.selectedRobot < 0 || (this.info?.view_only ?? false);
     this.events.show(this.run);
     setText(byId('world-name'), this.run.world.name);
+  }
+
+  // Of the live run; a recording has none.
+  private agentOf(robot: number): AgentInfo | null {
+    if (!this.run || robot < 0 || !this.online || this.info?.recording || this.run.past || this.run.over) return null;
+    return this.agents.of(this.run.world.robots[robot].name);
+  }
+
+  private agentHint(robot: string): string {
+    const agent = this.agentOf(this.run?.world.robots.findIndex(r => r.present && r.name === robot) ?? -1);
+    return agent ? agentText(agent) : '';
   }
 
   private showConnection(): void {

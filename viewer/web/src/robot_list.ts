@@ -27,7 +27,8 @@ export class RobotList {
   private rows = new Map<number, Row>();  // by robot
   private key = '';
 
-  constructor(private readonly onSelect: (robot: number) => void) {}
+  // `hint`: of a robot, for its row, when the pointer comes to it.
+  constructor(private readonly onSelect: (robot: number) => void, private readonly hint: (robot: string) => string) {}
 
   show(run: Run, selected: number): void {
     const wanted = this.search.value.trim().toLowerCase();
@@ -58,6 +59,9 @@ export class RobotList {
     for (const i of robots.slice(0, MOST_SHOWN)) {
       const row: Row = {element: make('button', 'robot'), dot: make('span', 'dot'), state: make('span', 'robot-state')};
       row.element.append(row.dot, make('span', 'robot-name', run.world.robots[i].name), row.state);
+      row.element.onpointermove = () => {
+        row.element.title = this.hint(run.world.robots[i].name);
+      };
       row.element.onclick = () => this.onSelect(i);
       this.rows.set(i, row);
       this.list.append(row.element);
