@@ -383,7 +383,7 @@ ControlReply RandomMessages::Reply() {
   message.tick = Bits();
   message.state_hash = Bits();
   message.edition = static_cast<Edition>(Bits());
-  for (std::uint64_t i = 0; i < Below(4); ++i) {
+  for (std::uint64_t count = Below(4); count > 0; --count) {
     EntityReport entity{.name = Text(), .type = Text(), .kind = static_cast<EntityKind>(Below(3))};
     entity.X_WE = RandomPose();
     entity.twist = {Number(), Number(), Number()};

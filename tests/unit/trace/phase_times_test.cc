@@ -44,9 +44,9 @@ TEST_F(PhaseTimesTest, AreMeansOfATickWithAllPartsOfAPhase) {
 
 TEST_F(PhaseTimesTest, ForgetWhatIsLongerAgoThanASecond) {
   for (int i = 0; i < 30; ++i) Tick(90, 10, 0, 0);
-  for (int i = 0; i < 10; ++i) Tick(98, 2, 0, 0);
+  for (int i = 0; i < 4; ++i) Tick(98, 2, 0, 0);
   EXPECT_GT(Mean(TickPhase::kStep), 0.002);
-  for (int i = 0; i < 3; ++i) Tick(98, 2, 0, 0);
+  for (int i = 0; i < 9; ++i) Tick(98, 2, 0, 0);
   EXPECT_NEAR(Mean(TickPhase::kStep), 0.002, 1e-9);
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/gateway/page_request.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -149,6 +150,22 @@ TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
       "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
       "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
   EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")), R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
+}
+
+TEST(PageRequestTest, AsksForTheAgentOfARobot) {
+  const Result<PageRequest> request =
+      ParsePageRequest(R"({"type": "control", "id": 4, "command": "entities", "name": "r0"})");
+  ASSERT_TRUE(request.ok());
+  const PageControl& control = std::get<PageControl>(request.value());
+  EXPECT_EQ(control.request.command, ControlCommand::kEntities);
+  EXPECT_EQ(control.request.name, "r0");
+  EXPECT_TRUE(IsQuestion(control.request.command));
+  ControlReply reply;
+  reply.entities.push_back({"r0", "position"});
+  reply.entities[0].agent = AgentReport{"bench7", 4711, true, 0.25, 3};
+  EXPECT_THAT(PageReplyText(4, reply),
+              testing::HasSubstr(R"("agent":{"answer_seconds":0.25,"host":"bench7","pid":4711,"present":true,)"
+                                 R"("times_last":3})"));
 }
 
 TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
