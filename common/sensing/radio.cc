@@ -65,6 +65,26 @@ class Radio final : public Sensor {
     double distance;  // m
   };
 
+  // The strength at its range of one radio after another: most are alike.
+  class WeakestStrength {
+   public:
+    double Of(const RadioParameters& radio) {
+      if (radio.range != range_ || radio.power != power_ || radio.path_loss_exponent != exponent_) {
+        range_ = radio.range;
+        power_ = radio.power;
+        exponent_ = radio.path_loss_exponent;
+        strength_ = RadioStrength(radio, radio.range, 0.0);
+      }
+      return strength_;
+    }
+
+   private:
+    double range_ = -1.0;
+    double power_ = 0.0;
+    double exponent_ = 0.0;
+    double strength_ = 0.0;
+  };
+
   void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
     reading.tick = tick;
     RadioReading& content = ContentOf<RadioReading>(reading);
@@ -74,38 +94,32 @@ class Radio final : public Sensor {
     if (world.state == nullptr || world.state->transmissions.empty()) return;
     const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
     std::vector<Candidate> candidates;
-    std::vector<Antenna> antennas;
+    std::vector<RadioSignal> signals;
+    WeakestStrength weakest;
     for (const RadioTransmission& transmission : world.state->transmissions) {
       if (transmission.due != tick) continue;
       const std::optional<Candidate> candidate = FindCandidate(world, transmission, X_WS);
       if (!candidate) continue;
       candidates.push_back(*candidate);
-      antennas.push_back({transmission.from, candidate->X_WT.translation(), candidate->X_WT.z});
+      signals.push_back({.from = {transmission.from, candidate->X_WT.translation(), candidate->X_WT.z},
+                         .sender = candidate->sender,
+                         .clear = RadioStrength(*candidate->sender, candidate->distance, 0.0),
+                         .weakest = weakest.Of(*candidate->sender)});
     }
     if (candidates.empty()) return;
-    RadioPaths paths(world, {robot(), X_WS.translation(), X_WS.z}, antennas);
+    content.receptions.reserve(candidates.size());
+    RadioPaths paths(world, {robot(), X_WS.translation(), X_WS.z}, signals);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const auto& [transmission, sender, X_WT, distance] = candidates[i];
-      if (!Passes(*sender, distance, paths.AtLeast(i))) continue;
-      const RadioObstacles obstacles = paths.All(i);
-      if (!Passes(*sender, distance, obstacles)) continue;
+      const RadioTransmission* const transmission = candidates[i].transmission;
+      const std::optional<double> strength = paths.StrengthOf(i);
+      if (!strength) continue;
       content.receptions.push_back({.from = transmission->from,
                                     .to_all = !transmission->message.to,
                                     .bytes = transmission->message.bytes,
-                                    .rssi = RadioStrength(*sender, distance, LossBy(*sender, obstacles)),
+                                    .rssi = *strength,
                                     .tick = transmission->sent,
-                                    .place = PlaceIn(world, *transmission, X_WS, X_WT)});
+                                    .place = PlaceIn(world, *transmission, X_WS, candidates[i].X_WT)});
     }
-  }
-
-  static double LossBy(const RadioParameters& sender, const RadioObstacles& obstacles) {
-    return sender.wall_loss * static_cast<double>(obstacles.walls) +
-           sender.body_loss * static_cast<double>(obstacles.bodies);
-  }
-
-  static bool Passes(const RadioParameters& sender, double distance, const RadioObstacles& obstacles) {
-    const double loss = LossBy(sender, obstacles);
-    return loss == 0.0 || RadioStrength(sender, distance, loss) >= RadioStrength(sender, sender.range, 0.0);
   }
 
   // The radio that sent the message; null if this one cannot receive it, wherever the two are.

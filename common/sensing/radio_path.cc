@@ -44,26 +44,28 @@ std::size_t CountWalls(std::vector<Stretch>& stretches) {
 }  // namespace
 
 // Horizontal rays are cast all together. Nearly all lines are clear, or of no use beyond their first obstacle.
-RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& from, std::span<const Antenna> ends)
-    : world_(world), from_(from), ends_(ends), first_(ends.size()), is_clear_(ends.size(), false) {
+RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& to, std::span<const RadioSignal> signals)
+    : world_(world), to_(to), signals_(signals), first_(signals.size()), is_clear_(signals.size(), false) {
   std::vector<Ray> rays;
-  std::vector<std::size_t> end_of_ray;
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const Vec2 way = ends[i].at - from.at;
+  std::vector<std::size_t> signal_of_ray;
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const Antenna& from = signals[i].from;
+    const Vec2 way = from.at - to.at;
     const double length = std::sqrt(way.squaredNorm());
-    if (!(length > kTouchTolerance)) {
+    const bool ignores_obstacles = signals[i].sender->wall_loss == 0.0 && signals[i].sender->body_loss == 0.0;
+    if (!(length > kTouchTolerance) || ignores_obstacles) {
       is_clear_[i] = true;
-    } else if (ends[i].z == from.z) {
-      rays.push_back({from.at, way / length, from.z, length});
-      end_of_ray.push_back(i);
+    } else if (from.z == to.z) {
+      rays.push_back({to.at, way / length, to.z, length});
+      signal_of_ray.push_back(i);
     }
   }
   std::vector<std::optional<RayHit>> hits;
-  CastRays(world.scene, world.bodies, rays, from.robot, hits);
+  CastRays(world.scene, world.bodies, rays, to.robot, hits);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    const std::size_t i = end_of_ray[k];
+    const std::size_t i = signal_of_ray[k];
     const std::optional<BodyId> body = hits[k] ? world.scene.body_of(hits[k]->model) : std::nullopt;
-    if (!hits[k] || (body && world.bodies.owner(*body) == ends[i].robot)) {
+    if (!hits[k] || (body && world.bodies.owner(*body) == signals[i].from.robot)) {
       is_clear_[i] = true;
     } else if (!body) {
       first_[i].walls = 1;
@@ -73,18 +75,28 @@ RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& from, std::span<
   }
 }
 
-RadioObstacles RadioPaths::All(std::size_t i) {
-  if (is_clear_[i]) return {};
-  const Antenna& to = ends_[i];
-  const Vec2 way = to.at - from_.at;
+std::optional<double> RadioPaths::StrengthOf(std::size_t i) {
+  const RadioSignal& signal = signals_[i];
+  if (is_clear_[i]) return signal.clear;
+  if (!signal.Passes(first_[i])) return std::nullopt;
+  const RadioObstacles obstacles = CountObstacles(signal.from);
+  if (!signal.Passes(obstacles)) return std::nullopt;
+  return signal.clear - signal.LossBy(obstacles);
+}
+
+RadioObstacles RadioPaths::CountObstacles(const Antenna& from) {
+  const Vec2 way = from.at - to_.at;
   const double length = std::sqrt(way.squaredNorm());
   if (!caster_) {
     double reach = 0.0;
-    for (const Antenna& end : ends_) reach = std::max(reach, std::sqrt((end.at - from_.at).squaredNorm()));
-    caster_.emplace(world_.scene, world_.bodies, from_.at, reach, from_.robot, Sight::kRangers);
+    for (std::size_t i = 0; i < signals_.size(); ++i) {
+      if (is_clear_[i] || !signals_[i].Passes(first_[i])) continue;
+      reach = std::max(reach, std::sqrt((signals_[i].from.at - to_.at).squaredNorm()));
+    }
+    caster_.emplace(world_.scene, world_.bodies, to_.at, reach, to_.robot, Sight::kRangers);
   }
-  caster_->Cut(way / length, {std::min(from_.z, to.z), std::max(from_.z, to.z)}, cuts_);
-  const double slope = (to.z - from_.z) / length;
+  caster_->Cut(way / length, {std::min(to_.z, from.z), std::max(to_.z, from.z)}, length, cuts_);
+  const double slope = (from.z - to_.z) / length;
   struct InBody {
     Stretch stretch;
     std::optional<BodyId> body;  // nothing: static
@@ -93,10 +105,10 @@ RadioObstacles RadioPaths::All(std::size_t i) {
   double end = length;
   for (const ColumnCut& cut : cuts_) {
     if (cut.enter >= length) break;
-    const std::optional<Stretch> stretch = StretchIn(cut, from_.z, slope, length);
+    const std::optional<Stretch> stretch = StretchIn(cut, to_.z, slope, length);
     if (!stretch) continue;
     const std::optional<BodyId> body = world_.scene.body_of(cut.model);
-    if (body && world_.bodies.owner(*body) == to.robot) {
+    if (body && world_.bodies.owner(*body) == from.robot) {
       end = std::min(end, stretch->enter);
     } else {
       parts.push_back({*stretch, body});

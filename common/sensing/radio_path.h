@@ -29,23 +29,41 @@ struct Antenna {
   double z = 0.0;     // m
 };
 
-// The lines from one antenna to several of other robots. A line ends where it enters the other robot; bodies of its own
-// robot, objects that either robot holds, and bodies that rangers do not see do not count; on a vertical line none
-// does.
+// A message on its way from an antenna, as strong as without obstacles.
+struct RadioSignal {
+  Antenna from;
+  const RadioParameters* sender = nullptr;  // never null
+  double clear = 0.0;                       // dBm
+  double weakest = 0.0;                     // dBm, of messages that are received
+
+  double LossBy(const RadioObstacles& obstacles) const {
+    return sender->wall_loss * static_cast<double>(obstacles.walls) +
+           sender->body_loss * static_cast<double>(obstacles.bodies);
+  }
+  bool Passes(const RadioObstacles& obstacles) const {
+    const double loss = LossBy(obstacles);
+    return loss == 0.0 || clear - loss >= weakest;
+  }
+};
+
+// The lines from one antenna to the senders of signals on other robots. A line ends where it enters the other robot;
+// bodies of its own robot, objects that either robot holds, and bodies that rangers do not see do not count; on a
+// vertical line none does.
 class RadioPaths {
  public:
-  // REQUIRES: the world stays as it is; `ends` outlive the paths.
-  RadioPaths(const SensedWorld& world, const Antenna& from, std::span<const Antenna> ends);
+  // REQUIRES: the world stays as it is; `signals` outlive the paths.
+  RadioPaths(const SensedWorld& world, const Antenna& to, std::span<const RadioSignal> signals);
 
-  // Obstacles that line i has at the least: all, if it has none. Quick.
-  RadioObstacles AtLeast(std::size_t i) const { return first_[i]; }
-  RadioObstacles All(std::size_t i);
+  // The strength of signal i behind all its obstacles, dBm; nothing if it is too weak.
+  std::optional<double> StrengthOf(std::size_t i);
 
  private:
+  RadioObstacles CountObstacles(const Antenna& from);
+
   const SensedWorld& world_;
-  Antenna from_;
-  std::span<const Antenna> ends_;
-  std::vector<RadioObstacles> first_;  // by end
+  Antenna to_;
+  std::span<const RadioSignal> signals_;
+  std::vector<RadioObstacles> first_;  // by signal: obstacles that it has at the least; all, if it has none
   std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
   std::optional<ColumnCaster> caster_;
   std::vector<ColumnCut> cuts_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "common/spatial/convex_piece.h"
 
@@ -62,6 +63,64 @@ Rectangle BoxAround(const Vec2& center, double reach) {
   return {center.x() - reach, center.y() - reach, center.x() + reach, center.y() + reach};
 }
 
+bool Sees(Sight sight, double ranger_return) {
+  return sight == Sight::kBodies || ranger_return >= 0.0;
+}
+
+// A half plane, and the list of its cuts.
+struct Column {
+  Vec2 origin;
+  Vec2 direction;
+  double reach;
+  ZRange z;
+  Sight sight;
+  std::vector<ColumnCut>& cuts;
+
+  void Add(std::span<const Vec2> vertices, const ZRange& heights, ModelId model) {
+    const std::optional<Stretch> stretch = StretchWithin(vertices, origin, direction);
+    if (stretch && stretch->enter <= reach) cuts.push_back(CutOf(*stretch, heights, model));
+  }
+  // `center`: relative to the origin.
+  bool MayCutDisc(const Vec2& center, double radius) const {
+    const double along = direction.dot(center);
+    return std::abs(Cross(direction, center)) <= radius && along >= -radius && along - radius <= reach;
+  }
+};
+
+// `is_new(i)`: false for a piece that was tested already.
+template <typename IsNew>
+void CutStaticPieces(const StaticIndex& index, IsNew is_new, Column& column) {
+  const Eigen::Array2d inverse = column.direction.array().inverse();
+  index.WalkRay(column.origin, column.direction, inverse, column.reach,
+                [&](std::span<const std::uint32_t> pieces, double /*walked*/) {
+                  for (const std::uint32_t i : pieces) {
+                    if (!is_new(i)) continue;
+                    const ConvexPiece& piece = index.kept_pieces()[i];
+                    if (!Sees(column.sight, piece.ranger_return) || !HasHeight(piece.z)) continue;
+                    if (OverlapsHeights(piece.z, column.z)) column.Add(piece.vertices, piece.z, piece.model);
+                  }
+                  return true;
+                });
+  for (const PixelPieces& area : index.areas()) {
+    if (!Sees(column.sight, area.ranger_return()) || !OverlapsHeights(area.z(), column.z)) continue;
+    area.WalkRay(column.origin, column.direction, column.reach, [&](const PixelRectangle& pixels, double /*walked*/) {
+      area.ForEachIn(pixels,
+                     [&](const PixelPieces::Corners4& corners) { column.Add(corners, area.z(), area.model()); });
+      return true;
+    });
+  }
+}
+
+void SortCuts(std::vector<ColumnCut>& cuts) {
+  // A total order: the cells of an index, in whose order the pieces are found, do not matter.
+  std::sort(cuts.begin(), cuts.end(), [](const ColumnCut& a, const ColumnCut& b) {
+    return std::tie(a.enter, a.model, a.leave, a.z.min, a.z.max) <
+           std::tie(b.enter, b.model, b.leave, b.z.min, b.z.max);
+  });
+  // A piece may have been found in several cells.
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+}
+
 }  // namespace
 
 ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double reach,
@@ -75,7 +134,7 @@ ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Ve
   std::sort(ids.begin(), ids.end());
   for (const BodyId id : ids) {
     for (const ConvexPiece& piece : bodies.pieces_in_world(id)) {
-      if (!Sees(piece.ranger_return) || !HasHeight(piece.z)) continue;
+      if (!Sees(sight_, piece.ranger_return) || !HasHeight(piece.z)) continue;
       const Vec2 center = BoundingBox(piece.vertices).center();
       double radius = 0.0;
       for (const Vec2& vertex : piece.vertices) radius = std::max(radius, (vertex - center).norm());
@@ -84,53 +143,17 @@ ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Ve
   }
 }
 
-void ColumnCaster::CutStaticPieces(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts) {
-  const StaticIndex& index = scene_.static_index();
-  const Eigen::Array2d inverse = direction.array().inverse();
-  const auto add = [&](std::span<const Vec2> vertices, const ZRange& heights, ModelId model) {
-    const std::optional<Stretch> stretch = StretchWithin(vertices, origin_, direction);
-    if (stretch && stretch->enter <= reach_) cuts.push_back(CutOf(*stretch, heights, model));
-  };
-  ++number_;
-  index.WalkRay(origin_, direction, inverse, reach_, [&](std::span<const std::uint32_t> pieces, double /*walked*/) {
-    for (const std::uint32_t i : pieces) {
-      if (tested_[i] == number_) continue;
-      tested_[i] = number_;
-      const ConvexPiece& piece = index.kept_pieces()[i];
-      if (!Sees(piece.ranger_return) || !HasHeight(piece.z) || !OverlapsHeights(piece.z, z)) continue;
-      add(piece.vertices, piece.z, piece.model);
-    }
-    return true;
-  });
-  for (const PixelPieces& area : index.areas()) {
-    if (!Sees(area.ranger_return()) || !OverlapsHeights(area.z(), z)) continue;
-    area.WalkRay(origin_, direction, reach_, [&](const PixelRectangle& pixels, double /*walked*/) {
-      area.ForEachIn(pixels, [&](const PixelPieces::Corners4& corners) { add(corners, area.z(), area.model()); });
-      return true;
-    });
-  }
-}
-
-void ColumnCaster::Cut(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts) {
+void ColumnCaster::Cut(const Vec2& direction, const ZRange& z, double length, std::vector<ColumnCut>& cuts) {
   cuts.clear();
-  CutStaticPieces(direction, z, cuts);
+  Column column{origin_, direction, length, z, sight_, cuts};
+  ++number_;
+  const auto is_new = [&](std::uint32_t piece) { return std::exchange(tested_[piece], number_) != number_; };
+  CutStaticPieces(scene_.static_index(), is_new, column);
   for (const NearPiece& near : near_) {
-    if (std::abs(Cross(direction, near.center)) > near.radius || direction.dot(near.center) < -near.radius ||
-        !OverlapsHeights(near.piece->z, z)) {
-      continue;
-    }
-    const std::optional<Stretch> stretch = StretchWithin(near.piece->vertices, origin_, direction);
-    if (stretch && stretch->enter <= reach_) {
-      cuts.push_back(CutOf(*stretch, near.piece->z, near.piece->model));
-    }
+    if (!column.MayCutDisc(near.center, near.radius) || !OverlapsHeights(near.piece->z, z)) continue;
+    column.Add(near.piece->vertices, near.piece->z, near.piece->model);
   }
-  // A total order: the cells of an index, in whose order the pieces are found, do not matter.
-  std::sort(cuts.begin(), cuts.end(), [](const ColumnCut& a, const ColumnCut& b) {
-    return std::tie(a.enter, a.model, a.leave, a.z.min, a.z.max) <
-           std::tie(b.enter, b.model, b.leave, b.z.min, b.z.max);
-  });
-  // A piece of an area may have been found in several cells.
-  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+  SortCuts(cuts);
 }
 
 std::optional<ColumnHit> HitOf(const ClimbingRay& ray, const ColumnCut& cut) {

@@ -45,7 +45,9 @@ class ColumnCaster {
 
   // Replaces `cuts` by all that the half plane cuts within the reach and the heights `z`, in the order of `enter`, then
   // of models. REQUIRES: |direction| = 1
-  void Cut(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts);
+  void Cut(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts) { Cut(direction, z, reach_, cuts); }
+  // The same within `length` m. REQUIRES: length <= reach
+  void Cut(const Vec2& direction, const ZRange& z, double length, std::vector<ColumnCut>& cuts);
 
  private:
   struct NearPiece {
@@ -53,8 +55,6 @@ class ColumnCaster {
     double radius;  // m
     const ConvexPiece* piece;
   };
-  bool Sees(double ranger_return) const { return sight_ == Sight::kBodies || ranger_return >= 0.0; }
-  void CutStaticPieces(const Vec2& direction, const ZRange& z, std::vector<ColumnCut>& cuts);
 
   const Scene& scene_;
   Vec2 origin_;

@@ -82,7 +82,7 @@ std::string SessionTop::RunText(double ticks_per_second) const {
   text += fmt::format("\n{:.1f} ticks a second, {:.2f} x real time, {} robots, {} agents, {} robots have lost theirs",
                       ticks_per_second, status_->real_time_factor, status_->robots, status_->agents, lost_.size());
   if (const PhaseSeconds& phases = status_->phases; phases != PhaseSeconds()) {
-    text += fmt::format("\na tick of the service: wait {:.2f} ms, step {:.2f} ms, record {:.2f} ms, publish {:.2f} ms",
+    text += fmt::format("\nphases of a tick: wait {:.2f} ms, step {:.2f} ms, record {:.2f} ms, publish {:.2f} ms",
                         1e3 * phases.wait, 1e3 * phases.step, 1e3 * phases.record, 1e3 * phases.publish);
   }
   if (!status_->waiting_for.empty()) {

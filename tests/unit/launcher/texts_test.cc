@@ -64,7 +64,7 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   status.run = 1;
   status.waiting_for = {"c"};
   top.OnStatus(status);
-  EXPECT_THAT(top.Text(20), Not(HasSubstr("a tick of the service")));
+  EXPECT_THAT(top.Text(20), Not(HasSubstr("phases of a tick")));
   status.phases = {0.0951, 0.002, 0.0015, 0.00042};
   top.OnStatus(status);
   const std::string text = top.Text(20);
