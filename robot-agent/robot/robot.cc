@@ -224,7 +224,7 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
     for (const LightCommand& light : source->lights) lights.push_back({light.light, light.on});
     for (const CameraCommand& camera : source->cameras) cameras.push_back(OrderOf(description(), camera));
   }
-  std::string say = SaidText(external.command.say.empty() ? std::move(command.say) : external.command.say);
+  std::string say = SaidText(external.command.say.empty() ? command.say : external.command.say);
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
