@@ -40,8 +40,8 @@ Rgb Lit(const Color& color, double light) {
 }
 
 // Sides are lit from the south-west, so that neighbouring walls differ.
-double LightOn(const ColumnHit& hit) {
-  switch (hit.face) {
+double LightOn(PrismFace face, const Vec2& normal) {
+  switch (face) {
     case PrismFace::kTop:
       return kTopLight;
     case PrismFace::kUnderside:
@@ -50,7 +50,7 @@ double LightOn(const ColumnHit& hit) {
     case PrismFace::kInside:
       break;
   }
-  return 0.74 - 0.10 * hit.normal.x() - 0.16 * hit.normal.y();
+  return 0.74 - 0.10 * normal.x() - 0.16 * normal.y();
 }
 
 // The optics: the slopes of the rays of the image's columns and rows, per m of depth.
@@ -87,62 +87,88 @@ class Optics {
 // One column of the image while it is being filled.
 class Column {
  public:
-  explicit Column(std::uint32_t height) : hits_(height) {}
+  explicit Column(const Optics& optics, std::uint32_t height)
+      : optics_(optics), ups_(height), slopes_(height), distances_(height), surfaces_(height) {
+    for (std::uint32_t row = 0; row < height; ++row) ups_[row] = optics.Up(row);
+  }
+
+  // The surface that a pixel shows: a face of one of the cuts, the ground or nothing.
+  class Surface {
+   public:
+    static constexpr Surface Nothing() { return Surface(0); }
+    static constexpr Surface Ground() { return Surface(1); }
+    static constexpr Surface Face(std::size_t cut, PrismFace face) {
+      return Surface(static_cast<std::uint32_t>(2 + 4 * cut) + static_cast<std::uint32_t>(face));
+    }
+    constexpr Surface() = default;
+
+    bool is_face() const { return number_ >= 2; }
+    std::size_t cut() const { return (number_ - 2) / 4; }
+    PrismFace face() const { return static_cast<PrismFace>((number_ - 2) % 4); }
+    bool operator==(const Surface&) const = default;
+
+   private:
+    explicit constexpr Surface(std::uint32_t number) : number_(number) {}
+    std::uint32_t number_ = 0;
+  };
 
   // `stretch`: m of horizontal distance for each m of depth. `reach`: m, horizontally.
-  void Fill(const Optics& optics, double z, double stretch, double reach, const std::vector<ColumnCut>& cuts) {
+  void Fill(double z, double stretch, double reach, std::span<const ColumnCut> cuts) {
     stretch_ = stretch;
-    const auto rows = static_cast<std::uint32_t>(hits_.size());
-    for (std::uint32_t row = 0; row < rows; ++row) {
-      Pixel& pixel = hits_[row];
-      pixel.slope = optics.Up(row) / stretch;
-      const double ground = pixel.slope < 0.0 && z > 0.0 ? -z / pixel.slope : reach + 1.0;
-      pixel.shows_ground = ground <= reach;
-      pixel.hit = {std::min(ground, reach), {}, PrismFace::kTop, {0.0, 0.0}};
-      pixel.shows_body = false;
-    }
-    for (const ColumnCut& cut : cuts) {
+    FillWithGround(z, reach);
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      const ColumnCut& cut = cuts[i];
       const Interval rise{cut.z.min - z, cut.z.max - z};
-      std::uint32_t first = 0;
-      std::uint32_t end = rows;
+      std::size_t first = 0;
+      std::size_t end = ups_.size();
       if (cut.enter > 0.0) {
         // The rows from the highest to the lowest slope of the cut's corners, and one more for rounding.
         const double high = std::max(rise.max / cut.enter, rise.max / cut.leave) * stretch;
         const double low = std::min(rise.min / cut.enter, rise.min / cut.leave) * stretch;
-        first = Clamped(std::floor(optics.RowAt(high)) - 1.0, rows);
-        end = Clamped(std::ceil(optics.RowAt(low)) + 2.0, rows);
+        first = Clamped(std::floor(optics_.RowAt(high)) - 1.0);
+        end = Clamped(std::ceil(optics_.RowAt(low)) + 2.0);
       }
-      for (std::uint32_t row = first; row < end; ++row) Update(hits_[row], z, cut);
+      for (std::size_t row = first; row < end; ++row) Update(row, z, i, cuts);
     }
   }
 
-  struct Pixel {
-    double slope = 0.0;
-    ColumnHit hit = {};  // `model` only if it shows a body
-    bool shows_body = false;
-    bool shows_ground = false;
-  };
-  const Pixel& pixel(std::uint32_t row) const { return hits_[row]; }
-  double Depth(const Pixel& pixel) const { return pixel.hit.distance / stretch_; }
+  Surface surface(std::size_t row) const { return surfaces_[row]; }
+  double depth(std::size_t row) const { return distances_[row] / stretch_; }
 
  private:
-  static std::uint32_t Clamped(double row, std::uint32_t rows) {
-    return static_cast<std::uint32_t>(std::clamp(row, 0.0, static_cast<double>(rows)));
+  std::size_t Clamped(double row) const {
+    return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(ups_.size())));
   }
 
-  static void Update(Pixel& pixel, double z, const ColumnCut& cut) {
-    if (cut.enter > pixel.hit.distance) return;
-    const std::optional<ColumnHit> hit = HitOf({z, pixel.slope}, cut);
-    if (!hit || hit->distance > pixel.hit.distance) return;
+  void FillWithGround(double z, double reach) {
+    for (std::size_t row = 0; row < ups_.size(); ++row) {
+      const double slope = ups_[row] / stretch_;
+      const double ground = slope < 0.0 && z > 0.0 ? -z / slope : reach + 1.0;
+      slopes_[row] = slope;
+      distances_[row] = std::min(ground, reach);
+      surfaces_[row] = ground <= reach ? Surface::Ground() : Surface::Nothing();
+    }
+  }
+
+  void Update(std::size_t row, double z, std::size_t i, std::span<const ColumnCut> cuts) {
+    const ColumnCut& cut = cuts[i];
+    if (cut.enter > distances_[row]) return;
+    const std::optional<CutHit> hit = HitOf({z, slopes_[row]}, cut);
+    if (!hit || hit->distance > distances_[row]) return;
     // At the same distance a body comes before the ground, and of bodies the lowest model id.
-    if (hit->distance == pixel.hit.distance && pixel.shows_body && pixel.hit.model < hit->model) return;
-    pixel.hit = *hit;
-    pixel.shows_body = true;
-    pixel.shows_ground = false;
+    const Surface shown = surfaces_[row];
+    if (hit->distance == distances_[row] && shown.is_face() && cuts[shown.cut()].model < cut.model) return;
+    distances_[row] = hit->distance;
+    surfaces_[row] = Surface::Face(i, hit->face);
   }
 
-  std::vector<Pixel> hits_;
+  const Optics& optics_;
   double stretch_ = 1.0;
+  // By row. Upwards, per m of depth and of horizontal distance; m, horizontally; and the surface at that distance.
+  std::vector<double> ups_;
+  std::vector<double> slopes_;
+  std::vector<double> distances_;
+  std::vector<Surface> surfaces_;
 };
 
 class Camera final : public Sensor {
@@ -208,7 +234,7 @@ class Camera final : public Sensor {
     const double widest = std::sqrt(1.0 + optics.Aside(0) * optics.Aside(0));
     ColumnCaster caster(world.scene, world.bodies, X_WS.translation(), parameters().range.max * widest, robot(),
                         Sight::kBodies);
-    Column column(height);
+    Column column(optics, height);
     std::vector<ColumnCut> cuts;
     for (std::uint32_t x = 0; x < width; ++x) {
       const double aside = optics.Aside(x);
@@ -217,45 +243,38 @@ class Camera final : public Sensor {
       const ZRange seen{X_WS.z + std::min(0.0, parameters().range.max * optics.Up(height - 1)),
                         X_WS.z + std::max(0.0, parameters().range.max * optics.Up(0))};
       caster.Cut(to_world.Rotate(Vec2(1.0, aside) / stretch), seen, cuts);
-      column.Fill(optics, X_WS.z, stretch, reach, cuts);
-      Shade shade;
-      for (std::uint32_t y = 0; y < height; ++y) {
-        WritePixel(world, tick, column, column.pixel(y), std::size_t{y} * width + x, shade, content);
-      }
+      column.Fill(X_WS.z, stretch, reach, cuts);
+      WriteColumn(world, tick, column, cuts, x, content);
     }
   }
 
-  // The colour of a face. Most pixels of a column show the face of the pixel before.
-  struct Shade {
-    std::optional<ColumnHit> hit = {};
-    Rgb rgb = {};
-  };
-
-  const Rgb& ColorOf(const SensedWorld& world, Tick tick, const ColumnHit& hit, Shade& shade) const {
-    const bool is_same =
-        shade.hit && shade.hit->model == hit.model && shade.hit->face == hit.face && shade.hit->normal == hit.normal;
-    if (!is_same) shade = {hit, Lit(ColorOfModel(world, hit.model, tick), LightOn(hit))};
-    return shade.rgb;
-  }
-
-  void WritePixel(const SensedWorld& world, Tick tick, const Column& column, const Column::Pixel& pixel,
-                  std::size_t place, Shade& shade, CameraReading& content) const {
+  void WriteColumn(const SensedWorld& world, Tick tick, const Column& column, std::span<const ColumnCut> cuts,
+                   std::uint32_t x, CameraReading& content) const {
     Rgb rgb = kSky;
     std::int32_t model = CameraReading::kNothing;
-    float depth = std::numeric_limits<float>::infinity();
-    if (pixel.shows_body || pixel.shows_ground) {
-      const double ahead = column.Depth(pixel);
-      depth = ahead < parameters().range.min ? -std::numeric_limits<float>::infinity() : static_cast<float>(ahead);
-      rgb = kGroundColor;
-      model = CameraReading::kGround;
-      if (pixel.shows_body) {
-        rgb = ColorOf(world, tick, pixel.hit, shade);
-        model = static_cast<std::int32_t>(pixel.hit.model.index());
+    Column::Surface shown = Column::Surface::Nothing();
+    for (std::uint32_t y = 0; y < content.height; ++y) {
+      const Column::Surface surface = column.surface(y);
+      if (surface != shown) {
+        shown = surface;
+        if (surface.is_face()) {
+          const ColumnCut& cut = cuts[surface.cut()];
+          rgb = Lit(ColorOfModel(world, cut.model, tick), LightOn(surface.face(), cut.normal));
+          model = static_cast<std::int32_t>(cut.model.index());
+        } else {
+          const bool is_ground = surface == Column::Surface::Ground();
+          rgb = is_ground ? kGroundColor : kSky;
+          model = is_ground ? CameraReading::kGround : CameraReading::kNothing;
+        }
       }
+      const double depth = column.depth(y);
+      const std::size_t place = std::size_t{y} * content.width + x;
+      std::copy(rgb.begin(), rgb.end(), content.colors.begin() + static_cast<std::ptrdiff_t>(3 * place));
+      content.depths[place] = surface == Column::Surface::Nothing() ? std::numeric_limits<float>::infinity()
+                              : depth < parameters().range.min      ? -std::numeric_limits<float>::infinity()
+                                                                    : static_cast<float>(depth);
+      content.models[place] = model;
     }
-    std::copy(rgb.begin(), rgb.end(), content.colors.begin() + static_cast<std::ptrdiff_t>(3 * place));
-    content.depths[place] = depth;
-    content.models[place] = model;
   }
 
   Optics optics_;        // without a tilt

@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::uint64_t kRadioStream = 0x726164696f;  // "radio"
 
+// Room reserved for the messages within range.
+constexpr std::size_t kUsualSignals = 32;
+
 enum class RadioDraw : std::uint64_t { kLoss = 0, kRange = 1, kBearing = 2 };
 
 class Radio final : public Sensor {
@@ -95,9 +98,14 @@ class Radio final : public Sensor {
     const Pose X_WS = world.bodies.X_WM(description().model) * parameters().X_MS;
     std::vector<Candidate> candidates;
     std::vector<RadioSignal> signals;
+    candidates.reserve(kUsualSignals);
+    signals.reserve(kUsualSignals);
     WeakestStrength weakest;
+    const double reach = world.scene.max_radio_reach();
     for (const RadioTransmission& transmission : world.state->transmissions) {
       if (transmission.due != tick) continue;
+      const Pose& X_WB = world.bodies.X_WB(world.scene.body_of(transmission.from));
+      if ((X_WB.translation() - X_WS.translation()).squaredNorm() > reach * reach) continue;
       const std::optional<Candidate> candidate = FindCandidate(world, transmission, X_WS);
       if (!candidate) continue;
       candidates.push_back(*candidate);
@@ -151,8 +159,8 @@ class Radio final : public Sensor {
     const RadioParameters* const sender = SenderOf(world, transmission);
     if (sender == nullptr) return std::nullopt;
     const ModelId model = world.scene.world().robot(transmission.from).sensors[transmission.message.radio].model;
-    if (IsSurelyFar(world, transmission.from, model, *sender, X_WS.translation())) return std::nullopt;
-    const Pose X_WT = world.bodies.X_WM(model) * sender->X_MS;
+    const Pose X_WM = world.bodies.X_WM(model);
+    const Pose X_WT = sender->X_MS == Pose() ? X_WM : X_WM * sender->X_MS;
     const double height = X_WT.z - X_WS.z;
     const double distance = std::sqrt((X_WT.translation() - X_WS.translation()).squaredNorm() + height * height);
     if (distance > sender->range) return std::nullopt;
@@ -160,17 +168,6 @@ class Radio final : public Sensor {
     const double received = (1.0 - sender->loss) * (1.0 - by_distance);
     if (received < 1.0 && Random(world, transmission, RadioDraw::kLoss) >= received) return std::nullopt;
     return Candidate{&transmission, sender, X_WT, distance};
-  }
-
-  // From the pose of the robot alone, which is quicker than that of its antenna.
-  static bool IsSurelyFar(const SensedWorld& world, RobotId robot, ModelId model, const RadioParameters& radio,
-                          const Vec2& from) {
-    const BodyId body = world.scene.body_of(robot);
-    if (world.scene.link_of(model) != 0) return false;
-    const double offset = std::sqrt(world.scene.X_LM(model).translation().squaredNorm()) +
-                          std::sqrt(radio.X_MS.translation().squaredNorm());
-    const double reach = (radio.range + offset) * (1.0 + 1e-9);
-    return (world.bodies.X_WB(body).translation() - from).squaredNorm() > reach * reach;
   }
 
   std::optional<RadioReception::Place> PlaceIn(const SensedWorld& world, const RadioTransmission& transmission,

@@ -10,33 +10,28 @@
 namespace troupe {
 namespace {
 
-// The part of a line that climbs by `slope` m for each m, from height `z`, within a cut: m along the line's foot.
-struct Stretch {
-  double enter;
-  double leave;
-};
-
-std::optional<Stretch> StretchIn(const ColumnCut& cut, double z, double slope, double length) {
-  Stretch stretch{cut.enter, std::min(cut.leave, length)};
+// The part of a line that climbs by `slope` m for each m, from height `z`, within a cut.
+std::optional<LinePart> PartIn(const ColumnCut& cut, double z, double slope, double length) {
+  LinePart part{cut.enter, std::min(cut.leave, length)};
   if (slope == 0.0) {
     if (!cut.z.Contains(z)) return std::nullopt;
   } else {
     const double at_min = (cut.z.min - z) / slope;
     const double at_max = (cut.z.max - z) / slope;
-    stretch.enter = std::max(stretch.enter, std::min(at_min, at_max));
-    stretch.leave = std::min(stretch.leave, std::max(at_min, at_max));
+    part.enter = std::max(part.enter, std::min(at_min, at_max));
+    part.leave = std::min(part.leave, std::max(at_min, at_max));
   }
-  if (!(stretch.leave - stretch.enter > kTouchTolerance)) return std::nullopt;
-  return stretch;
+  if (!(part.leave - part.enter > kTouchTolerance)) return std::nullopt;
+  return part;
 }
 
-std::size_t CountWalls(std::vector<Stretch>& stretches) {
-  std::sort(stretches.begin(), stretches.end(), [](const Stretch& a, const Stretch& b) { return a.enter < b.enter; });
+std::size_t CountWalls(std::vector<LinePart>& parts) {
+  std::sort(parts.begin(), parts.end(), [](const LinePart& a, const LinePart& b) { return a.enter < b.enter; });
   std::size_t walls = 0;
   double end = -std::numeric_limits<double>::infinity();
-  for (const Stretch& stretch : stretches) {
-    if (stretch.enter - end >= kWallGap) ++walls;
-    end = std::max(end, stretch.leave);
+  for (const LinePart& part : parts) {
+    if (part.enter - end >= kWallGap) ++walls;
+    end = std::max(end, part.leave);
   }
   return walls;
 }
@@ -48,6 +43,8 @@ RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& to, std::span<co
     : world_(world), to_(to), signals_(signals), first_(signals.size()), is_clear_(signals.size(), false) {
   std::vector<Ray> rays;
   std::vector<std::size_t> signal_of_ray;
+  rays.reserve(signals.size());
+  signal_of_ray.reserve(signals.size());
   for (std::size_t i = 0; i < signals.size(); ++i) {
     const Antenna& from = signals[i].from;
     const Vec2 way = from.at - to.at;
@@ -97,36 +94,32 @@ RadioObstacles RadioPaths::CountObstacles(const Antenna& from) {
   }
   caster_->Cut(way / length, {std::min(to_.z, from.z), std::max(to_.z, from.z)}, length, cuts_);
   const double slope = (from.z - to_.z) / length;
-  struct InBody {
-    Stretch stretch;
-    std::optional<BodyId> body;  // nothing: static
-  };
-  std::vector<InBody> parts;
+  obstacles_.clear();
   double end = length;
   for (const ColumnCut& cut : cuts_) {
     if (cut.enter >= length) break;
-    const std::optional<Stretch> stretch = StretchIn(cut, to_.z, slope, length);
-    if (!stretch) continue;
+    const std::optional<LinePart> part = PartIn(cut, to_.z, slope, length);
+    if (!part) continue;
     const std::optional<BodyId> body = world_.scene.body_of(cut.model);
     if (body && world_.bodies.owner(*body) == from.robot) {
-      end = std::min(end, stretch->enter);
+      end = std::min(end, part->enter);
     } else {
-      parts.push_back({*stretch, body});
+      obstacles_.push_back({*part, body});
     }
   }
-  std::vector<Stretch> walls;
-  std::vector<BodyId> bodies;
-  for (const InBody& part : parts) {
-    if (!(std::min(part.stretch.leave, end) - part.stretch.enter > kTouchTolerance)) continue;
-    if (part.body) {
-      bodies.push_back(*part.body);
+  walls_.clear();
+  bodies_.clear();
+  for (const ObstacleOnLine& obstacle : obstacles_) {
+    if (!(std::min(obstacle.part.leave, end) - obstacle.part.enter > kTouchTolerance)) continue;
+    if (obstacle.body) {
+      bodies_.push_back(*obstacle.body);
     } else {
-      walls.push_back(part.stretch);
+      walls_.push_back(obstacle.part);
     }
   }
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-  return {CountWalls(walls), bodies.size()};
+  std::sort(bodies_.begin(), bodies_.end());
+  bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+  return {CountWalls(walls_), bodies_.size()};
 }
 
 }  // namespace troupe

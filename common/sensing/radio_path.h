@@ -29,6 +29,18 @@ struct Antenna {
   double z = 0.0;     // m
 };
 
+// A part of the line between two antennas: m from the one that receives, along the line's foot.
+struct LinePart {
+  double enter;
+  double leave;
+};
+
+// The part of the line that is in an obstacle.
+struct ObstacleOnLine {
+  LinePart part;
+  std::optional<BodyId> body;  // nothing: static
+};
+
 // A message on its way from an antenna, as strong as without obstacles.
 struct RadioSignal {
   Antenna from;
@@ -66,7 +78,11 @@ class RadioPaths {
   std::vector<RadioObstacles> first_;  // by signal: obstacles that it has at the least; all, if it has none
   std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
   std::optional<ColumnCaster> caster_;
+  // Of one line; kept for their room.
   std::vector<ColumnCut> cuts_;
+  std::vector<ObstacleOnLine> obstacles_;
+  std::vector<LinePart> walls_;
+  std::vector<BodyId> bodies_;
 };
 
 }  // namespace troupe

@@ -87,7 +87,11 @@ Pose BodyIndex::X_WM(ModelId model) const {
   const BodyId body = *scene_->body_of(model);
   const std::uint32_t link = scene_->link_of(model);
   const Pose& X_WB = X_WB_[body.index()];
-  return link == 0 ? X_WB * scene_->X_LM(model) : X_WB * X_BL(body)[link] * scene_->X_LM(model);
+  const Pose& X_LM = scene_->X_LM(model);
+  if (link != 0) return X_WB * X_BL(body)[link] * X_LM;
+  // X_WB * X_LM, with the same bits.
+  const Vec2 p = transform(body) * X_LM.translation();
+  return {p.x(), p.y(), X_WB.z + X_LM.z, WrapAngle(X_WB.heading + X_LM.heading)};
 }
 
 const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {

@@ -125,22 +125,28 @@ void SortCuts(std::vector<ColumnCut>& cuts) {
 
 ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Vec2& origin, double reach,
                            std::optional<RobotId> viewer, Sight sight)
-    : scene_(scene), origin_(origin), reach_(reach), sight_(sight) {
+    : scene_(scene), bodies_(bodies), origin_(origin), reach_(reach), sight_(sight) {
   tested_.resize(scene.static_index().kept_pieces().size(), 0);
-  std::vector<BodyId> ids;
   bodies.ForEachNear(BoxAround(origin, reach), [&](BodyId id) {
-    if (!viewer || bodies.owner(id) != viewer) ids.push_back(id);
+    if (viewer && bodies.owner(id) == viewer) return;
+    const double radius = scene.body(id).radius * (1.0 + 1e-9) + 1e-9;
+    near_.push_back({id, {bodies.X_WB(id).translation() - origin_, radius}, std::nullopt});
   });
-  std::sort(ids.begin(), ids.end());
-  for (const BodyId id : ids) {
-    for (const ConvexPiece& piece : bodies.pieces_in_world(id)) {
+}
+
+std::span<const ColumnCaster::NearPiece> ColumnCaster::PiecesOf(NearBody& near) {
+  if (!near.first_piece) {
+    near.first_piece = pieces_.size();
+    for (const ConvexPiece& piece : bodies_.pieces_in_world(near.id)) {
       if (!Sees(sight_, piece.ranger_return) || !HasHeight(piece.z)) continue;
       const Vec2 center = BoundingBox(piece.vertices).center();
       double radius = 0.0;
       for (const Vec2& vertex : piece.vertices) radius = std::max(radius, (vertex - center).norm());
-      near_.push_back({center - origin_, radius * (1.0 + 1e-9) + 1e-9, &piece});
+      pieces_.push_back({{center - origin_, radius * (1.0 + 1e-9) + 1e-9}, &piece});
     }
+    near.piece_count = pieces_.size() - *near.first_piece;
   }
+  return std::span(pieces_).subspan(*near.first_piece, near.piece_count);
 }
 
 void ColumnCaster::Cut(const Vec2& direction, const ZRange& z, double length, std::vector<ColumnCut>& cuts) {
@@ -149,35 +155,30 @@ void ColumnCaster::Cut(const Vec2& direction, const ZRange& z, double length, st
   ++number_;
   const auto is_new = [&](std::uint32_t piece) { return std::exchange(tested_[piece], number_) != number_; };
   CutStaticPieces(scene_.static_index(), is_new, column);
-  for (const NearPiece& near : near_) {
-    if (!column.MayCutDisc(near.center, near.radius) || !OverlapsHeights(near.piece->z, z)) continue;
-    column.Add(near.piece->vertices, near.piece->z, near.piece->model);
+  for (NearBody& body : near_) {
+    if (!column.MayCutDisc(body.disc.center, body.disc.radius)) continue;
+    for (const NearPiece& near : PiecesOf(body)) {
+      if (!column.MayCutDisc(near.disc.center, near.disc.radius) || !OverlapsHeights(near.piece->z, z)) continue;
+      column.Add(near.piece->vertices, near.piece->z, near.piece->model);
+    }
   }
   SortCuts(cuts);
 }
 
-std::optional<ColumnHit> HitOf(const ClimbingRay& ray, const ColumnCut& cut) {
-  const double z_enter = ray.z + ray.slope * cut.enter;
-  if (cut.z.Contains(z_enter)) {
-    return ColumnHit{cut.enter, cut.model, cut.enter > 0.0 ? PrismFace::kSide : PrismFace::kInside, cut.normal};
-  }
-  const bool from_above = z_enter >= cut.z.max;
-  if (from_above ? ray.slope >= 0.0 : ray.slope <= 0.0) return std::nullopt;
-  const double distance = ((from_above ? cut.z.max : cut.z.min) - ray.z) / ray.slope;
-  if (distance > cut.leave) return std::nullopt;
-  // Not before the cut, where rounding may place a hit on an edge.
-  return ColumnHit{
-      std::max(distance, cut.enter), cut.model, from_above ? PrismFace::kTop : PrismFace::kUnderside, {0.0, 0.0}};
-}
-
 std::optional<ColumnHit> FirstHit(const ClimbingRay& ray, std::span<const ColumnCut> cuts) {
-  std::optional<ColumnHit> first;
+  std::optional<CutHit> first;
+  const ColumnCut* first_cut = nullptr;
   for (const ColumnCut& cut : cuts) {
     if (first && cut.enter > first->distance) break;
-    const std::optional<ColumnHit> hit = HitOf(ray, cut);
-    if (hit && (!first || std::tie(hit->distance, hit->model) < std::tie(first->distance, first->model))) first = hit;
+    const std::optional<CutHit> hit = HitOf(ray, cut);
+    if (!hit) continue;
+    if (first && std::tie(first->distance, first_cut->model) <= std::tie(hit->distance, cut.model)) continue;
+    first = hit;
+    first_cut = &cut;
   }
-  return first;
+  if (!first) return std::nullopt;
+  const bool is_side = first->face == PrismFace::kSide || first->face == PrismFace::kInside;
+  return ColumnHit{first->distance, first_cut->model, first->face, is_side ? first_cut->normal : Vec2(0.0, 0.0)};
 }
 
 }  // namespace troupe

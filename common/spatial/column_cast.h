@@ -6,6 +6,7 @@
 // prism that ends at the origin is behind it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -50,17 +51,32 @@ class ColumnCaster {
   void Cut(const Vec2& direction, const ZRange& z, double length, std::vector<ColumnCut>& cuts);
 
  private:
+  // m, the center relative to the origin.
+  struct Disc {
+    Vec2 center;
+    double radius;
+  };
   struct NearPiece {
-    Vec2 center;    // m, relative to the origin, of a disc around the piece
-    double radius;  // m
+    Disc disc;  // around it
     const ConvexPiece* piece;
   };
+  struct NearBody {
+    BodyId id;
+    Disc disc;  // around all its pieces
+    // Those that are seen, in pieces_, once a half plane has cut the disc.
+    std::optional<std::size_t> first_piece;
+    std::size_t piece_count = 0;
+  };
+
+  std::span<const NearPiece> PiecesOf(NearBody& near);
 
   const Scene& scene_;
+  const BodyIndex& bodies_;
   Vec2 origin_;
   double reach_;
   Sight sight_;
-  std::vector<NearPiece> near_;  // of moving bodies
+  std::vector<NearBody> near_;
+  std::vector<NearPiece> pieces_;
   // By static piece: the number of the last half plane that was tested against it.
   std::vector<std::uint32_t> tested_;
   std::uint32_t number_ = 0;
@@ -74,15 +90,29 @@ struct ClimbingRay {
 
 enum class PrismFace : std::uint8_t { kSide, kTop, kUnderside, kInside };
 
+struct CutHit {
+  double distance = 0.0;  // m, horizontally
+  PrismFace face = PrismFace::kSide;
+};
+
+// The place at which the ray is first in the cut; nothing if it passes above or below.
+inline std::optional<CutHit> HitOf(const ClimbingRay& ray, const ColumnCut& cut) {
+  const double z_enter = ray.z + ray.slope * cut.enter;
+  if (cut.z.Contains(z_enter)) return CutHit{cut.enter, cut.enter > 0.0 ? PrismFace::kSide : PrismFace::kInside};
+  const bool from_above = z_enter >= cut.z.max;
+  if (from_above ? ray.slope >= 0.0 : ray.slope <= 0.0) return std::nullopt;
+  const double distance = ((from_above ? cut.z.max : cut.z.min) - ray.z) / ray.slope;
+  if (distance > cut.leave) return std::nullopt;
+  // Not before the cut, where rounding may place a hit on an edge.
+  return CutHit{std::max(distance, cut.enter), from_above ? PrismFace::kTop : PrismFace::kUnderside};
+}
+
 struct ColumnHit {
   double distance = 0.0;  // m, horizontally
   ModelId model;
   PrismFace face = PrismFace::kSide;
   Vec2 normal{0.0, 0.0};  // of a kSide
 };
-
-// The horizontal distance at which the ray is first in the cut; nothing if it passes above or below.
-std::optional<ColumnHit> HitOf(const ClimbingRay& ray, const ColumnCut& cut);
 
 // The nearest hit of the ray; of cuts at the same distance the one with the lowest model id counts.
 // REQUIRES: `cuts` as from ColumnCaster::Cut.

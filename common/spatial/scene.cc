@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+#include <variant>
 
 #include "common/model/model_poses.h"
 
@@ -25,6 +27,7 @@ Scene::Scene(WorldDescription world) : world_(std::move(world)) {
     max_body_radius_ = std::max(max_body_radius_, body.radius);
     ray_shape_of_.push_back(ray_shapes_.Add(body));
   }
+  MeasureRadioReach();
 }
 
 void Scene::FindBodies() {
@@ -88,6 +91,20 @@ void Scene::FindStoresOfModels() {
     if (!of_drive) continue;
     stores_[*of_drive].robot = RobotId(i);
     stores_[*of_drive].mass = world_.model(robot.root).power.mass;
+  }
+}
+
+void Scene::MeasureRadioReach() {
+  for (const RobotDescription& robot : world_.robots) {
+    for (const SensorDescription& sensor : robot.sensors) {
+      const auto* const radio = std::get_if<RadioParameters>(&sensor.parameters);
+      if (radio == nullptr) continue;
+      const double offset = X_LM(sensor.model).translation().norm() + radio->X_MS.translation().norm();
+      const double reach = (radio->range + offset) * (1.0 + 1e-9);
+      // Joints may take an antenna farther.
+      const bool is_fixed = link_of(sensor.model) == 0;
+      max_radio_reach_ = std::max(max_radio_reach_, is_fixed ? reach : std::numeric_limits<double>::infinity());
+    }
   }
 }
 

@@ -88,6 +88,8 @@ class Scene {
   std::span<const SensorPlace> imus() const { return imus_; }
   // The cameras, in the order of CameraState.
   std::span<const SensorPlace> cameras() const { return cameras_; }
+  // No message gets farther than that from the pose of the robot that sends it, m; 0 without radios.
+  double max_radio_reach() const { return max_radio_reach_; }
 
   // As in the model's description, but close together in memory.
   double ranger_return(ModelId model) const { return ranger_returns_[model.index()]; }
@@ -103,6 +105,7 @@ class Scene {
  private:
   void FindBodies();
   void FindStoresOfModels();
+  void MeasureRadioReach();
   void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas);
   void MeasureBody(Body& body) const;
 
@@ -117,6 +120,7 @@ class Scene {
   std::vector<std::optional<std::size_t>> store_of_;  // by model
   std::vector<SensorPlace> imus_;
   std::vector<SensorPlace> cameras_;
+  double max_radio_reach_ = 0.0;
   std::vector<LightPlace> lights_;
   std::vector<std::optional<std::size_t>> light_of_;  // by model
   std::vector<Body> bodies_;
