@@ -123,33 +123,32 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
   if (auto difference = CompareAll("joints", found.joints, expected.joints, joints)) return difference;
   if (auto difference = CompareAll("grippers", found.grippers, expected.grippers, grippers)) return difference;
   if (auto difference = CompareAll("objects", found.objects, expected.objects, objects)) return difference;
-  const std::vector<ModelId> models = FindStores(world);
-  const auto stores = [&](std::size_t i, const StoreState& a, const StoreState& b) {
+  const auto stores = [&, models = FindStores(world)](std::size_t i, const StoreState& a, const StoreState& b) {
     Comparison comparison(world, i < models.size() ? models[i] : ModelId(0));
     comparison.Number("energy", a.joules, b.joules);
     comparison.Number("charge", a.charge_watts, b.charge_watts);
     return comparison.first();
   };
   if (auto difference = CompareAll("stores of energy", found.stores, expected.stores, stores)) return difference;
-  const std::vector<SensorPlace> places = FindImus(world);
-  const auto imus = [&](std::size_t i, const ImuState& a, const ImuState& b) {
-    Comparison comparison(world, i < places.size() ? world.robot(places[i].robot).root : ModelId(0));
+  const auto robot_of = [&](const std::vector<SensorPlace>& places, std::size_t i) {
+    return i < places.size() ? world.robot(places[i].robot).root : ModelId(0);
+  };
+  const auto imus = [&, places = FindImus(world)](std::size_t i, const ImuState& a, const ImuState& b) {
+    Comparison comparison(world, robot_of(places, i));
     comparison.Number("former vx of an IMU", a.vx, b.vx);
     comparison.Number("former vy of an IMU", a.vy, b.vy);
     comparison.Number("former vz of an IMU", a.vz, b.vz);
     return comparison.first();
   };
   if (auto difference = CompareAll("inertial measurement units", found.imus, expected.imus, imus)) return difference;
-  const std::vector<LightPlace> light_places = FindLights(world);
-  const auto lights = [&](std::size_t i, const LightState& a, const LightState& b) {
-    Comparison comparison(world, i < light_places.size() ? light_places[i].model : ModelId(0));
+  const auto lights = [&, places = FindLights(world)](std::size_t i, const LightState& a, const LightState& b) {
+    Comparison comparison(world, i < places.size() ? places[i].model : ModelId(0));
     comparison.Flag("switched on", a.is_switched_on, b.is_switched_on);
     return comparison.first();
   };
   if (auto difference = CompareAll("lights", found.lights, expected.lights, lights)) return difference;
-  const std::vector<SensorPlace> camera_places = FindCameras(world);
-  const auto cameras = [&](std::size_t i, const CameraState& a, const CameraState& b) {
-    Comparison comparison(world, i < camera_places.size() ? world.robot(camera_places[i].robot).root : ModelId(0));
+  const auto cameras = [&, places = FindCameras(world)](std::size_t i, const CameraState& a, const CameraState& b) {
+    Comparison comparison(world, robot_of(places, i));
     comparison.Number("pan of a camera", a.pan, b.pan);
     comparison.Number("tilt of a camera", a.tilt, b.tilt);
     return comparison.first();

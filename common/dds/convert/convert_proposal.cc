@@ -33,6 +33,17 @@ void MessagesToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal
   }
 }
 
+// Calls `take(proposal, i)` for the proposal of each of the ascending robots; false if there is none, or it refuses.
+template <typename Take>
+bool ForEachRow(std::span<const std::uint32_t> robots, std::vector<Proposal>& proposals, const Take& take) {
+  auto proposal = proposals.begin();
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    while (proposal != proposals.end() && proposal->robot.index() < robots[i]) ++proposal;
+    if (proposal == proposals.end() || proposal->robot.index() != robots[i] || !take(*proposal, i)) return false;
+  }
+  return true;
+}
+
 Status MessagesFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
   const auto robot = Elements(wire.message_robot);
   const auto radio = Elements(wire.message_radio);
@@ -42,30 +53,22 @@ Status MessagesFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>&
   if (!SameLength(robot, radio, to, length)) {
     return Error{{}, "proposal with columns of radio messages of different lengths, expected one row for each"};
   }
-  auto proposal = proposals.begin();
-  for (std::size_t i = 0; i < robot.size(); ++i) {
-    while (proposal != proposals.end() && proposal->robot.index() < robot[i]) ++proposal;
-    if (proposal == proposals.end() || proposal->robot.index() != robot[i] || to[i] < -1) {
-      return Error{{}, "proposal with a radio message of or to a robot that it does not have"};
-    }
-    if (length[i] > bytes.size())
-      return Error{{}, "proposal with fewer bytes of radio messages than their lengths say"};
+  bool lengths_fit = true;
+  const bool rows_fit = ForEachRow(robot, proposals, [&](Proposal& proposal, std::size_t i) {
+    lengths_fit = length[i] <= bytes.size();
+    if (!lengths_fit || to[i] < -1) return false;
     const auto own = bytes.first(length[i]);
     bytes = bytes.subspan(length[i]);
-    RadioMessage& message = proposal->messages.emplace_back();
+    RadioMessage& message = proposal.messages.emplace_back();
     message.radio = radio[i];
     if (to[i] >= 0) message.to = RobotId(static_cast<std::size_t>(to[i]));
     message.bytes.assign(own.begin(), own.end());
-  }
+    return true;
+  });
+  if (!lengths_fit) return Error{{}, "proposal with fewer bytes of radio messages than their lengths say"};
+  if (!rows_fit) return Error{{}, "proposal with a radio message of or to a robot that it does not have"};
   if (!bytes.empty()) return Error{{}, "proposal with more bytes of radio messages than their lengths say"};
   return {};
-}
-
-// The proposal of a robot from `proposal` on; the end if there is none.
-template <typename Iterator>
-Iterator FindRobot(Iterator proposal, Iterator end, std::uint32_t robot) {
-  while (proposal != end && proposal->robot.index() < robot) ++proposal;
-  return proposal != end && proposal->robot.index() == robot ? proposal : end;
 }
 
 void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& wire, WireArena& arena) {
@@ -119,28 +122,22 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
     return Error{{},
                  "proposal with columns of lights, cameras or texts of different lengths, expected one row for each"};
   }
-  auto proposal = proposals.begin();
-  for (std::size_t i = 0; i < light_robot.size(); ++i) {
-    proposal = FindRobot(proposal, proposals.end(), light_robot[i]);
-    if (proposal == proposals.end() || light_on[i] > 1) {
-      return Error{{}, "proposal with a light of a robot that it does not have, or neither on nor off"};
-    }
-    proposal->lights.push_back({light_number[i], light_on[i] == 1});
-  }
-  proposal = proposals.begin();
-  for (std::size_t i = 0; i < camera_robot.size(); ++i) {
-    proposal = FindRobot(proposal, proposals.end(), camera_robot[i]);
-    if (proposal == proposals.end()) return Error{{}, "proposal with a camera of a robot that it does not have"};
-    proposal->cameras.push_back({camera_sensor[i], camera_pan[i], camera_tilt[i]});
-  }
-  proposal = proposals.begin();
-  for (std::size_t i = 0; i < say_robot.size(); ++i) {
-    proposal = FindRobot(proposal, proposals.end(), say_robot[i]);
-    if (proposal == proposals.end() || !proposal->say.empty()) {
-      return Error{{}, "proposal with a text of a robot that it does not have, or with two of one robot"};
-    }
-    proposal->say = Text(say[i]);
-  }
+  const bool lights_fit = ForEachRow(light_robot, proposals, [&](Proposal& proposal, std::size_t i) {
+    proposal.lights.push_back({light_number[i], light_on[i] == 1});
+    return light_on[i] <= 1;
+  });
+  if (!lights_fit) return Error{{}, "proposal with a light of a robot that it does not have, or neither on nor off"};
+  const bool cameras_fit = ForEachRow(camera_robot, proposals, [&](Proposal& proposal, std::size_t i) {
+    proposal.cameras.push_back({camera_sensor[i], camera_pan[i], camera_tilt[i]});
+    return true;
+  });
+  if (!cameras_fit) return Error{{}, "proposal with a camera of a robot that it does not have"};
+  const bool texts_fit = ForEachRow(say_robot, proposals, [&](Proposal& proposal, std::size_t i) {
+    if (!proposal.say.empty()) return false;
+    proposal.say = Text(say[i]);
+    return true;
+  });
+  if (!texts_fit) return Error{{}, "proposal with a text of a robot that it does not have, or with two of one robot"};
   return {};
 }
 
