@@ -4,6 +4,9 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS troupe world-service robot-agent RUNTIME)
+if(TARGET ros-service-bridge)
+  install(TARGETS ros-service-bridge RUNTIME)
+endif()
 install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 
 # Public headers, and the headers of the tree that these include. Those keep their paths below include/troupe, so that the
@@ -63,8 +66,17 @@ foreach(subcommand run replay check top view edit host snapshot ctl goto teleop 
 endforeach()
 troupe_manual_page(world-service "")
 troupe_manual_page(robot-agent "")
+if(TARGET ros-service-bridge)
+  troupe_manual_page(ros-service-bridge "")
+endif()
 add_custom_target(manual_pages ALL DEPENDS ${pages})
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
-# Builds all that is installed, and no tests; for scripts/package.
-add_custom_target(installed DEPENDS troupe world-service robot-agent libtroupe troupe_controller_support manual_pages)
+# The programs of a run, and no tests: for scripts/run. The bridge is there where Fast DDS is.
+add_custom_target(programs DEPENDS troupe world-service robot-agent)
+if(TARGET ros-service-bridge)
+  add_dependencies(programs ros-service-bridge)
+endif()
+# All that is installed, and no tests: for scripts/package.
+add_custom_target(installed DEPENDS libtroupe troupe_controller_support manual_pages)
+add_dependencies(installed programs)

@@ -22,7 +22,7 @@ set(may_include_common/worldfile/build/types
   common/base common/geometry common/model common/worldfile/build/properties common/worldfile/stage
   common/worldfile/text)
 set(may_include_common/worldfile/build
-  common/base common/geometry common/model common/run common/spatial common/worldfile/build/properties
+  common/base common/geometry common/image common/model common/run common/spatial common/worldfile/build/properties
   common/worldfile/build/types common/worldfile/stage common/worldfile/text)
 set(may_include_common/worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial
@@ -99,6 +99,10 @@ set(may_include_robot-agent
   common/base common/command_line common/dds/binding common/dds/transport common/protocol common/ros common/run common/security
   robot-agent/program robot-agent/ros)
 
+# For ROS clients on Fast DDS, which only this folder includes.
+set(may_include_ros-service-bridge
+  common/base common/command_line common/ros common/ros_dds common/run)
+
 # The public headers, each with a rule of its own: folders on all levels include one.
 set(may_include_include/troupe/version.h "")
 set(may_include_include/troupe/sensor.h common/base common/geometry common/model)
@@ -121,9 +125,9 @@ set(may_include_viewer/gateway
 
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
-  common/base common/geometry common/model common/protocol common/spatial common/worldfile/build common/worldfile/edit
-  common/worldfile/scenario common/worldfile/stage common/worldfile/text include/troupe/simulation.h
-  robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
+  common/base common/bitmap common/geometry common/image common/model common/protocol common/spatial
+  common/worldfile/build common/worldfile/edit common/worldfile/scenario common/worldfile/stage common/worldfile/text
+  include/troupe/simulation.h robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
 
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
@@ -155,13 +159,14 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/recording common/wire
-  common/ros common/ros_dds robot-agent/ros world-service/observers/ros)
+  common/ros common/ros_dds robot-agent/ros ros-service-bridge world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
   ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
-  ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
+  ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/ros-service-bridge/*.h ${ROOT}/ros-service-bridge/*.cc
+  ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
   ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc ${ROOT}/viewer/gateway/*.h ${ROOT}/viewer/gateway/*.cc
   ${ROOT}/viewer/editor/*.h ${ROOT}/viewer/editor/*.cc)
 foreach(file IN LISTS files)
@@ -176,7 +181,9 @@ foreach(file IN LISTS files)
   file(STRINGS ${ROOT}/${file} lines REGEX "^#include ")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^#include [\"<]([^\">]*)[\">].*" "\\1" header "${line}")
-    if(header MATCHES "^dds/" AND NOT folder IN_LIST dds_folders)
+    if(header MATCHES "^fast(dds|rtps)/" AND NOT folder STREQUAL "ros-service-bridge")
+      list(APPEND failures "${file} includes ${header}: Fast DDS stays in ros-service-bridge")
+    elseif(header MATCHES "^dds/" AND NOT folder IN_LIST dds_folders)
       list(APPEND failures "${file} includes ${header}: DDS stays in common/dds")
     elseif(line MATCHES "\"")
       get_filename_component(from ${header} DIRECTORY)

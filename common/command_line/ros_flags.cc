@@ -118,6 +118,11 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
           [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
   AddText(app, group, "--ros-names", "robot (default): topics below /ROBOT; plain: /odom, /scan ... of a single robot",
           {"robot", "plain"}, [&options](const std::string& word) { options.plain_names = word == "plain"; });
+  AddText(app, group, "--ros-services",
+          "Programs whose service calls are answered, by their RMW: cyclone, fastrtps or both (default: both where "
+          "ros-service-bridge is installed, else cyclone)",
+          {"cyclone", "fastrtps", "both"},
+          [&options](const std::string& word) { options.service_clients = *ros::ParseServiceClients(word); });
   app.add_option("--ros-relay", options.relay_port, "Port of the world service's relay of discovery")
       ->type_name("PORT")
       ->group("");
@@ -145,6 +150,9 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   for (const std::string& peer : options.static_peers) arguments.push_back("--ros-peers=" + peer);
   if (options.infinite_ranges) {
     arguments.emplace_back(*options.infinite_ranges ? "--ros-no-hit=inf" : "--ros-no-hit=range-max");
+  }
+  if (options.service_clients) {
+    arguments.push_back(std::string("--ros-services=") + ToString(*options.service_clients));
   }
   if (options.relay_port != 0) arguments.push_back("--ros-relay=" + std::to_string(options.relay_port));
   if (options.plain_names) arguments.emplace_back("--ros-names=plain");

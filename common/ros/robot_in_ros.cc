@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace troupe::ros {
 namespace {
@@ -16,6 +17,14 @@ std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> RobotDomains(const WorldDescription& world) {
+  std::set<std::uint32_t> domains;
+  for (const RobotDescription& robot : world.robots) {
+    if (robot.ros.domain) domains.insert(*robot.ros.domain);
+  }
+  return {domains.begin(), domains.end()};
+}
 
 bool IsNamespace(const std::string& text) {
   if (!text.starts_with("/")) return false;

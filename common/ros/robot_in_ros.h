@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/model/world_description.h"
@@ -27,6 +28,9 @@ RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const Ro
 // robots of one domain.
 Status CheckDomains(const WorldDescription& world, const RosOptions& options,
                     std::optional<std::uint32_t> simulation_domain);
+
+// The domains of robots with one of their own, each once.
+std::vector<std::uint32_t> RobotDomains(const WorldDescription& world);
 
 // True for "/fleet/anna": a slash before each part, which begins with a letter and has letters, digits and single
 // underscores.

@@ -13,6 +13,8 @@ constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::
                                            Distribution::kKilted, Distribution::kRolling};
 constexpr DiscoveryRange kRanges[] = {DiscoveryRange::kOff, DiscoveryRange::kLocalhost, DiscoveryRange::kSubnet,
                                       DiscoveryRange::kSystemDefault};
+constexpr ServiceClients kServiceClients[] = {ServiceClients::kCyclone, ServiceClients::kFastDds,
+                                              ServiceClients::kBoth};
 constexpr std::uint32_t kMaxDomain = 230;
 
 std::string_view Environment(const char* name) {
@@ -150,6 +152,35 @@ const char* ToString(CommandType type) {
       return "both";
   }
   return "";
+}
+
+std::optional<ServiceClients> ParseServiceClients(const std::string& name) {
+  for (const ServiceClients clients : kServiceClients) {
+    if (name == ToString(clients)) return clients;
+  }
+  return std::nullopt;
+}
+
+const char* ToString(ServiceClients clients) {
+  switch (clients) {
+    case ServiceClients::kCyclone:
+      return "cyclone";
+    case ServiceClients::kFastDds:
+      return "fastrtps";
+    case ServiceClients::kBoth:
+      return "both";
+  }
+  return "";
+}
+
+bool UsesBridge(const RosOptions& options) {
+  return options.service_clients.value_or(ServiceClients::kCyclone) != ServiceClients::kCyclone &&
+         !options.session.empty() && options.security.strategy == SecurityStrategy::kOff &&
+         options.discovery != DiscoveryRange::kOff;
+}
+
+std::string BridgePartition(const std::string& session) {
+  return "troupe/" + session;
 }
 
 }  // namespace troupe::ros

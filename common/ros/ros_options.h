@@ -16,6 +16,10 @@ enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolli
 // The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
 
+// The programs whose calls of services are answered: those on rmw_cyclonedds by the processes of the run, those on
+// rmw_fastrtps by a ros-service-bridge.
+enum class ServiceClients : std::uint8_t { kCyclone, kFastDds, kBoth };
+
 // More processes than these do not discover each other, because discovery would grow with the square of their number.
 inline constexpr std::size_t kMostMutualProcesses = 10;
 
@@ -49,6 +53,9 @@ struct RosOptions {
   std::uint16_t relay_port = 0;              // of a DiscoveryRelay on this machine, for a quiet participant; 0: none
   bool map_to_odom = true;                   // publish the true pose of each odom frame in the map
   std::optional<bool> infinite_ranges = {};  // RunSettings::ros_infinite_ranges; nothing: the scenario's
+  // Nothing: the launcher chooses; in other programs as kCyclone.
+  std::optional<ServiceClients> service_clients = {};
+  std::string session = {};  // of the run; part of the name of its bridge's partition
   RosSecurity security = {};
   EnvironmentFaults faults = {};  // of settings that no option has replaced
 };
@@ -60,8 +67,17 @@ RosOptions OptionsFromEnvironment();
 // `name`: in lower case.
 std::optional<Distribution> ParseDistribution(const std::string& name);
 std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name);
+std::optional<ServiceClients> ParseServiceClients(const std::string& name);
 const char* ToString(Distribution distribution);
 const char* ToString(DiscoveryRange range);  // "system-default"
 const char* ToString(CommandType type);
+const char* ToString(ServiceClients clients);
+
+// Whether the services of this run are reached through a ros-service-bridge. It has no keys, and cannot discover a run
+// that is discovered by no program.
+bool UsesBridge(const RosOptions& options);
+
+// The DDS partition in which a bridge reaches the services of a run.
+std::string BridgePartition(const std::string& session);
 
 }  // namespace troupe::ros

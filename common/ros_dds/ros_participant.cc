@@ -34,6 +34,16 @@ dds::DomainConfig ConfigOf(const RosOptions& options, const Enclave& enclave) {
   return config;
 }
 
+// Clients on Cyclone DDS are in no partition: for Cyclone they match "*", but not for Fast DDS, whose clients would
+// send requests here that have no number of the call; so these discover the bridge alone.
+dds::Qos ServicePartitions(const RosOptions& options) {
+  dds::Qos qos;
+  if (!UsesBridge(options)) return qos;
+  dds::Partitions partitions = {{BridgePartition(options.session)}};
+  if (options.service_clients == ServiceClients::kBoth) partitions.names.emplace_back("*");
+  return qos << partitions;
+}
+
 dds_guid_t GuidOf(dds_entity_t entity) {
   dds_guid_t guid{};
   dds::Check(dds_get_guid(entity, &guid), "reading an entity's GUID");
@@ -115,7 +125,9 @@ RosParticipant::RosParticipant(const RosOptions& options, const Enclave& enclave
     : distribution_(options.distribution),
       participant_(ConfigOf(options, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
       publisher_(participant_),
-      subscriber_(participant_) {
+      subscriber_(participant_),
+      service_publisher_(participant_, ServicePartitions(options)),
+      service_subscriber_(participant_, ServicePartitions(options)) {
   if (distribution_ == Distribution::kHumble) {
     announcer_ =
         std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);

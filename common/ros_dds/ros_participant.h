@@ -27,6 +27,9 @@ class RosParticipant {
   const dds::DomainParticipant& participant() const { return participant_; }
   const dds::Publisher& publisher() const { return publisher_; }
   const dds::Subscriber& subscriber() const { return subscriber_; }
+  // Of services. With a bridge they are in its partition.
+  const dds::Publisher& service_publisher() const { return service_publisher_; }
+  const dds::Subscriber& service_subscriber() const { return service_subscriber_; }
   Distribution distribution() const { return distribution_; }
 
   // `node_namespace` begins with a slash, `name` has none. Returns the index of the node.
@@ -62,6 +65,8 @@ class RosParticipant {
   dds::DomainParticipant participant_;
   dds::Publisher publisher_;
   dds::Subscriber subscriber_;
+  dds::Publisher service_publisher_;
+  dds::Subscriber service_subscriber_;
   std::unique_ptr<Announcer> announcer_;
   std::optional<WriterWatch> watch_;  // guarded by the mutex of the nodes
   std::atomic<std::uint64_t> readers_ = 0;

@@ -1,6 +1,6 @@
 // RosService<Request, Response>: a service as rmw_cyclonedds lays it out: two topics, whose types begin with the id of
-// the caller and the number of its call. Callers on rmw_fastrtps get no answer: they send these two beside the message,
-// where Cyclone's interface gives no access.
+// the caller and the number of its call. Callers on rmw_fastrtps send these two beside the message, where Cyclone's
+// interface gives no access; the program ros-service-bridge passes their calls on.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "common/dds/binding/data_reader.h"
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/wire.h"
+#include "common/ros/bridge_call.h"
 #include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
@@ -42,9 +43,9 @@ class RosService {
         response_topic_(node.participant->participant(), "rr" + node.Resolve(name) + "Reply"),
         participant_(node.participant),
         handler_(std::move(handler)),
-        writer_(participant_->publisher(), response_topic_,
+        writer_(participant_->service_publisher(), response_topic_,
                 dds::Qos(qos) << ServiceUserData<Response>(participant_->distribution(), id_)),
-        reader_(participant_->subscriber(), request_topic_,
+        reader_(participant_->service_subscriber(), request_topic_,
                 dds::Qos(qos) << ServiceUserData<Request>(participant_->distribution(), id_)) {
     participant_->AddReader(node.index, reader_.handle());
     participant_->AddWriter(node.index, writer_.handle());
@@ -106,7 +107,8 @@ class RosService {
     const auto sample = batch.samples[i];
     if (sample.info().valid()) {
       if (!HasReaderOf(writer_.handle(), reader_.handle(), sample.info().publication_handle())) return;
-      handler_({sample.data().client_guid, sample.data().sequence_number}, sample.data());
+      const RosCaller caller{sample.data().client_guid, sample.data().sequence_number};
+      if (recent_.Add(caller.client_guid, caller.sequence_number)) handler_(caller, sample.data());
     }
     batch.handled[i] = true;
   }
@@ -116,7 +118,8 @@ class RosService {
   dds::Topic<Response> response_topic_;
   RosParticipant* participant_;
   Handler handler_;
-  std::mutex mutex_;  // guards waiting_
+  std::mutex mutex_;  // guards recent_ and waiting_
+  RecentBridgeCalls recent_;
   dds::DataWriter<Response> writer_;
   dds::DataReader<Request> reader_;
   std::list<Batch> waiting_;  // destroyed before reader_, which lent the samples

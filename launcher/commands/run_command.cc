@@ -12,6 +12,7 @@
 #include "launcher/commands/check_ros_options.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/in_process_viewer.h"
+#include "launcher/supervise/bridge_process.h"
 #include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
 #include "launcher/supervise/in_process_run.h"
@@ -33,6 +34,7 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
+  if (const Status status = ChooseServiceClients(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());

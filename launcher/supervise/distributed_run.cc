@@ -13,6 +13,7 @@
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/agent_restarts.h"
+#include "launcher/supervise/bridge_process.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/run_hosts.h"
@@ -48,6 +49,7 @@ class DistributedRun {
  private:
   void SuperviseUntilServiceEnds();
   void StartViewer(const ReadyReport& ready);
+  void StartBridge(const ReadyReport& ready);
   void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
@@ -87,6 +89,7 @@ class DistributedRun {
   ServiceProcess service_;
   AgentFleet agents_;
   ViewerProcess viewer_;
+  BridgeProcess bridge_;
   AgentRestarts restarts_;  // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
@@ -110,6 +113,7 @@ void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
+  if (bridge_.NextDue()) wake = std::min(wake.value_or(*bridge_.NextDue()), *bridge_.NextDue());
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
@@ -129,7 +133,9 @@ void DistributedRun::ProcessEvents() {
   const bool dies = !service_.process().running() && !service_restarts_.due();
   const std::vector<std::size_t> ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
+  const std::optional<std::string> bridge = bridge_.Poll(Seconds(Clock::now()));
   PrintOutput();
+  if (bridge) progress_.Tell(*bridge);
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
@@ -140,6 +146,7 @@ void DistributedRun::ProcessEvents() {
     service_.process().Kill();
     agents_.Kill();
     viewer_.Kill();
+    bridge_.Kill();
   }
 }
 
@@ -191,6 +198,7 @@ void DistributedRun::React(const ReadyReport& ready) {
   const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
   if (!started.ok()) return Fail(FailedRun(started.error()));
   StartViewer(ready);
+  StartBridge(ready);
 }
 
 // The agents that live find the service by themselves.
@@ -203,6 +211,16 @@ void DistributedRun::StartViewer(const ReadyReport& ready) {
   if (options_.headless) return;
   const Status started = viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(ready.port), keys_);
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
+}
+
+// The services of a secured run answer clients on rmw_cyclonedds, as without a bridge.
+void DistributedRun::StartBridge(const ReadyReport& ready) {
+  if (!ready.ros) return;
+  if (options_.ros.security.strategy != ros::SecurityStrategy::kOff) {
+    return progress_.Tell("ROS services answer clients on rmw_cyclonedds only: their bridge to others has no keys");
+  }
+  const Status started = bridge_.Start(*hosts_.all().front(), options_, ready.ros_robot_domains);
+  if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -335,8 +353,9 @@ void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
   viewer_.Stop();
+  bridge_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
+  while (!agents_.all_ended() || viewer_.running() || bridge_.running()) ProcessEvents();
   PrintOutput();
 }
 

@@ -24,6 +24,7 @@
 #include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
+#include "launcher/supervise/in_process_bridge.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/output_parts.h"
 #include "launcher/supervise/progress.h"
@@ -155,10 +156,12 @@ std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
 }
 
 // Waits until `done` is readable. The first stop request sets `stop`, the second ends the process.
-void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
-  pollfd waited[] = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
+void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop, InProcessBridge& bridge) {
+  std::vector<pollfd> waited = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
+  for (const int descriptor : bridge.descriptors()) waited.push_back({descriptor, POLLIN, 0});
   while (waited[1].revents == 0) {
-    poll(waited, 2, -1);
+    poll(waited.data(), waited.size(), bridge.WaitMilliseconds());
+    bridge.Process();
     if (!signals.ReadStopRequest()) continue;
     if (stop) std::_Exit(kExitInterrupted);
     stop = true;
@@ -223,7 +226,7 @@ class InProcessRun {
   }
 
   // Runs until service and agents have ended, and merges the scans.
-  Result<RunSummary> Run(SignalWatch& signals) {
+  Result<RunSummary> Run(SignalWatch& signals, InProcessBridge& bridge) {
     const int done = eventfd(0, EFD_CLOEXEC);
     std::atomic<bool> agent_stop = false;
     Result<RunSummary> summary = Failure("the run did not end");
@@ -243,7 +246,7 @@ class InProcessRun {
         if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
-    WaitForEnd(done, signals, stop_);
+    WaitForEnd(done, signals, stop_, bridge);
     service_thread.join();
     if (!summary.ok()) agent_stop = true;
     if (agent_thread.joinable()) agent_thread.join();
@@ -320,18 +323,21 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
   service.history = history.get();
   std::unique_ptr<RunObserver> gateway;
+  InProcessBridge bridge;
   RunObservers observers;
   if (service.settings.ros) {
     const Status domains = ros::CheckDomains(scene->world(), options.ros, std::nullopt);
     if (!domains.ok()) return FailedRun(domains.error());
     gateway = MakeRosWorldGateway(options.ros, scene);
     observers.push_back(gateway.get());
+    bridge.Start(options, ros::RobotDomains(scene->world()));
   }
   for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
   if (!options.headless) run.AddViewer(make_viewer);
-  const Result<RunSummary> summary = run.Run(signals);
+  const Result<RunSummary> summary = run.Run(signals, bridge);
+  bridge.Stop(signals);
   const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
   if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));
   if (!merged.ok()) return FailedRun(merged.error());

@@ -61,6 +61,7 @@ std::variant<AgentCommandLine, int> ParseAgentCommandLine(int argc, const char* 
   AddOptions(app, line, faults);
   if (const std::optional<int> exit_status = ParseCommandLine(app, argc, argv)) return *exit_status;
   line.faults = ParseFaults(faults).value();
+  line.ros.session = line.network.session;
   NetworkSettings& network = line.network;
   if (network.network_interface.empty()) {
     network.network_interface = network.service_address.empty() ? kLoopbackInterface : kAutomaticInterface;

@@ -173,7 +173,7 @@ std::string StepAThousandTimes(const std::string& hashes, OutputFolder& folder) 
   Program client({ProgramPath("fastdds_client"), RosDomain(), "step", "1000", "/r0=0.4"});
   client.WaitForLine("\"stepped\"");
   EXPECT_EQ(client.Wait(), 0);
-  EXPECT_THAT(client.output(), testing::HasSubstr(R"({"steps":1000,"topic":"stepped"})"));
+  EXPECT_THAT(client.output(), testing::HasSubstr(R"({"repeated":0,"steps":1000,"topic":"stepped"})"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130) << run.output();
   return folder.Read(hashes);

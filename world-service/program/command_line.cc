@@ -90,6 +90,7 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   line.faults = ParseFaults(faults).value();
   line.service.threads = line.threads.value_or(1);
   line.service.session = line.network.session;
+  line.ros.session = line.network.session;
   line.service.lease_seconds = line.network.lease_seconds;
   return line;
 }

@@ -49,6 +49,13 @@ Qos& Qos::operator<<(const Partition& policy) {
   return *this;
 }
 
+Qos& Qos::operator<<(const Partitions& policy) {
+  std::vector<const char*> names;
+  for (const std::string& name : policy.names) names.push_back(name.c_str());
+  dds_qset_partition(qos_.get(), static_cast<std::uint32_t>(names.size()), names.data());
+  return *this;
+}
+
 Qos& Qos::operator<<(const WriterDataLifecycle& policy) {
   dds_qset_writer_data_lifecycle(qos_.get(), policy.autodispose_unregistered_instances);
   return *this;

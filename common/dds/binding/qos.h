@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/dds/binding/duration.h"
 
@@ -54,6 +55,11 @@ struct Partition {
   std::string name;
 };
 
+// Several of them. An endpoint in no partition is in "", which "*" matches.
+struct Partitions {
+  std::vector<std::string> names;
+};
+
 // Bytes that travel with the announcement of a participant, a reader or a writer.
 struct UserData {
   std::string bytes;
@@ -93,6 +99,7 @@ class Qos {
   Qos& operator<<(const Lifespan& policy);
   Qos& operator<<(const Liveliness& policy);
   Qos& operator<<(const Partition& policy);
+  Qos& operator<<(const Partitions& policy);
   Qos& operator<<(const WriterDataLifecycle& policy);
   Qos& operator<<(const IgnoreLocal& policy);
   Qos& operator<<(const UserData& policy);

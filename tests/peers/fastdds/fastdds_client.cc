@@ -1,5 +1,4 @@
-// A client of ROS services on Fast DDS. It puts the caller's numbers before each message, as rmw_cyclonedds does and
-// Troupe's services expect. Prints JSON lines and ends after the last response. Loopback only.
+// A client of ROS services on Fast DDS. Prints JSON lines and ends after the last response. Loopback only.
 //   fastdds_client DOMAIN step N [/ROBOT=VX]            steps a paused run N times, after a Twist if one is given
 //   fastdds_client DOMAIN gripper /ROBOT/GRIPPER GOAL ...   sends goals to the action gripper_cmd, one after another
 // GOAL: an opening in m; GOAL!OPENING cancels it as soon as the fingers have opened further than OPENING.
@@ -8,6 +7,7 @@
 
 #include "actionsPubSubTypes.h"
 #include "geometryPubSubTypes.h"
+#include "navigationPubSubTypes.h"
 #include "peer.h"
 #include "service_client.h"
 #include "simulationPubSubTypes.h"
@@ -26,14 +26,15 @@ void Step(Peer& peer, int steps, const char* drive) {
   }
   Client<srv::StepSimulation_Request_PubSubType, srv::StepSimulation_Response_PubSubType> client(
       peer, "/world/step_simulation");
-  client.CallUntilAnswered(srv::StepSimulation_Request_());  // zero steps
+  client.WaitForService();
   if (commands != nullptr) {
     Until([&] {
       PublicationMatchedStatus status;
       commands->get_publication_matched_status(status);
       return status.current_count > 0;
     });
-    // As CallUntilAnswered; but a command has no response, so it is repeated for long enough.
+    // A command written before the robot has discovered this writer is lost, and DDS does not report when discovery is
+    // complete; so it is repeated for long enough.
     for (int i = 0; i < 100; ++i) {
       commands->write(&twist);
       usleep(10'000);
@@ -51,7 +52,7 @@ void Step(Peer& peer, int steps, const char* drive) {
     request.steps(1);
     done += client.Call(request).result().result() == 1;
   }
-  Print({{"topic", "stepped"}, {"steps", done}});
+  Print({{"topic", "stepped"}, {"steps", done}, {"repeated", client.repeated()}});
   peer.Close();
 }
 
@@ -76,7 +77,7 @@ class Gripper {
           opening_ = feedback.position();
         },
         false);
-    status_reader_ = peer.Read<action_msgs::msg::dds_::GoalStatusArray_PubSubType>(
+    peer.Read<action_msgs::msg::dds_::GoalStatusArray_PubSubType>(
         name + "/gripper_cmd/_action/status",
         [](const action_msgs::msg::dds_::GoalStatusArray_& message) {
           json line = {{"topic", "status"}, {"goals", json::array()}};
@@ -86,18 +87,11 @@ class Gripper {
           Print(line);
         },
         true);
-    action::GripperCommand_SendGoal_Request_ refused;
-    refused.goal().command().position(std::nan(""));
-    action_msgs::srv::dds_::CancelGoal_Request_ unknown;
-    unknown.goal_info().goal_id().uuid()[15] = 1;
-    send_goal_.CallUntilAnswered(refused);
-    get_result_.CallUntilAnswered(action::GripperCommand_GetResult_Request_());
-    cancel_.CallUntilAnswered(unknown);
-    Until([&] {
-      SubscriptionMatchedStatus status;
-      status_reader_->get_subscription_matched_status(status);
-      return status.current_count > 0;
-    });
+    send_goal_.WaitForService();
+    get_result_.WaitForService();
+    cancel_.WaitForService();
+    const std::string robot = name.substr(0, name.rfind('/'));
+    AwaitSampleOf<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/odom");
   }
 
   void Do(const std::string& goal) {
@@ -136,7 +130,6 @@ class Gripper {
       get_result_;
   Client<action_msgs::srv::dds_::CancelGoal_Request_PubSubType, action_msgs::srv::dds_::CancelGoal_Response_PubSubType>
       cancel_;
-  DataReader* status_reader_ = nullptr;
   std::atomic<double> opening_ = 0.0;  // m, of the newest feedback
   std::uint8_t id_ = 0;
 };

@@ -37,13 +37,12 @@ class World {
         set_state_(peer, "/world/set_entity_state"),
         get_state_(peer, "/world/get_entity_state"),
         step_(peer, "/world/step_simulation") {
-    // By requests that change nothing.
-    features_.CallUntilAnswered({});
-    spawn_.CallUntilAnswered({});
-    delete_.CallUntilAnswered({});
-    set_state_.CallUntilAnswered({});
-    get_state_.CallUntilAnswered({});
-    step_.CallUntilAnswered({});
+    features_.WaitForService();
+    spawn_.WaitForService();
+    delete_.WaitForService();
+    set_state_.WaitForService();
+    get_state_.WaitForService();
+    step_.WaitForService();
   }
 
   void Features() {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -38,31 +39,33 @@ template <typename PubSubType>
 class Listener : public DataReaderListener {
  public:
   using Message = typename PubSubType::type;
-  explicit Listener(std::function<void(const Message&)> consume) : consume_(std::move(consume)) {}
+  using Consume = std::function<void(const Message&, const SampleInfo&)>;
+  explicit Listener(Consume consume) : consume_(std::move(consume)) {}
   std::atomic<int> received = 0;
   void on_data_available(DataReader* reader) override {
     Message message;
     SampleInfo info;
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
-      consume_(message);
+      consume_(message, info);
       ++received;
     }
   }
 
  private:
-  std::function<void(const Message&)> consume_;
+  Consume consume_;
 };
 
 class Peer {
  public:
-  explicit Peer(std::uint32_t domain) {
+  explicit Peer(std::uint32_t domain, DomainParticipantListener* listener = nullptr) {
     DomainParticipantQos qos;
     auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     transport->interfaceWhiteList = {"127.0.0.1"};
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(transport);
-    participant_ = DomainParticipantFactory::get_instance()->create_participant(domain, qos);
+    participant_ =
+        DomainParticipantFactory::get_instance()->create_participant(domain, qos, listener, StatusMask::none());
     if (participant_ == nullptr) throw std::runtime_error("cannot make a participant");
     subscriber_ = participant_->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
     publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
@@ -80,6 +83,14 @@ class Peer {
   template <typename PubSubType>
   DataReader* Read(const std::string& topic, std::function<void(const typename PubSubType::type&)> consume,
                    bool latched = false, const std::atomic<int>** received = nullptr) {
+    return ReadWithInfo<PubSubType>(
+        topic, [consume = std::move(consume)](const auto& message, const SampleInfo&) { consume(message); }, latched,
+        received);
+  }
+  // The same with what the sample has beside the message.
+  template <typename PubSubType>
+  DataReader* ReadWithInfo(const std::string& topic, typename Listener<PubSubType>::Consume consume,
+                           bool latched = false, const std::atomic<int>** received = nullptr) {
     DataReaderQos qos = DATAREADER_QOS_DEFAULT;
     qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
     qos.durability().kind = latched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;

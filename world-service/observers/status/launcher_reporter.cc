@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/base/json_text.h"
 #include "world-service/observers/status/reporter.h"
@@ -21,8 +22,10 @@ class LauncherReporter final : public Reporter {
 
   void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     Json robots = Json::array();
+    std::set<std::uint32_t> ros_domains;
     for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
       if (IsThere(loaded.world, RobotId(i))) robots.push_back(loaded.world.robots[i].name);
+      if (loaded.world.robots[i].ros.domain) ros_domains.insert(*loaded.world.robots[i].ros.domain);
     }
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
@@ -35,7 +38,8 @@ class LauncherReporter final : public Reporter {
           {"participant", contact.participant},
           {"ros", loaded.settings.ros},
           {"ros_relay", contact.ros_relay},
-          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
+          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges},
+          {"ros_robot_domains", ros_domains}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {

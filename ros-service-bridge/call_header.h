@@ -1,0 +1,31 @@
+// The header that rmw_cyclonedds puts before a request and its response: the id of the client and the number of its
+// call, 8 bytes each, after the 4 bytes that state the encoding. Pure functions on serialized samples.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::ros {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct CallHeader {
+  std::uint64_t client_guid = 0;
+  std::int64_t sequence_number = 0;
+
+  friend bool operator==(const CallHeader&, const CallHeader&) = default;
+};
+
+// Nothing for a sample that is not in the encoding of ROS: plain CDR of either byte order.
+std::optional<Bytes> WithHeader(std::span<const std::uint8_t> sample, const CallHeader& header);
+
+struct HeadedSample {
+  CallHeader header;
+  Bytes sample;  // without the header
+};
+// Likewise, and nothing for a sample that is too short.
+std::optional<HeadedSample> SplitHeader(std::span<const std::uint8_t> sample);
+
+}  // namespace troupe::ros

@@ -1,0 +1,197 @@
+// The services of whole runs, called by programs on Fast DDS that act like rmw_fastrtps_cpp, through
+// ros-service-bridge. They share no code with it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/ros_dds/simulation_types.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_client.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+std::string Domain() {
+  return std::to_string(TestRosOptions().domain);
+}
+
+Program Caller(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {ProgramPath("fastdds_caller"), Domain()});
+  return Program(std::move(arguments));
+}
+
+// The lines of a caller on one topic.
+std::vector<json> LinesOn(Program& caller, const std::string& topic) {
+  std::vector<json> found;
+  std::istringstream lines(caller.output());
+  for (std::string text; std::getline(lines, text);) {
+    json line = json::parse(text, nullptr, false);
+    if (line.is_object() && line["topic"] == topic) found.push_back(std::move(line));
+  }
+  return found;
+}
+
+class ServiceBridgeTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* program : {"ros-service-bridge", "fastdds_caller"}) {
+      if (!std::filesystem::exists(ProgramPath(program))) {
+        GTEST_SKIP() << program << " was not built: needs libfastrtps-dev and fastddsgen";
+      }
+    }
+  }
+
+  static Program Run(std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"--speed", "1", "--ros", "--ros-interface", "lo", "--ros-domain", Domain()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunPen(std::move(arguments));
+  }
+  static std::vector<pid_t> BridgesOf(const Program& run) {
+    std::vector<pid_t> bridges = ChildrenOf(run.pid());
+    std::erase_if(bridges,
+                  [](pid_t child) { return CommandLineOf(child).find("ros-service-bridge") == std::string::npos; });
+    return bridges;
+  }
+  static void End(Program& run) {
+    const std::vector<pid_t> bridges = BridgesOf(run);
+    run.Signal(SIGINT);
+    EXPECT_EQ(run.Wait(), 130) << run.output();
+    for (const pid_t bridge : bridges) EXPECT_TRUE(IsGoneSoon(bridge));
+  }
+};
+
+TEST_F(ServiceBridgeTest, ClientsOfBothImplementationsAreAnsweredOnceEach) {
+  constexpr int kCalls = 1000;
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"states", std::to_string(kCalls)});
+  const ros::RosParticipant participant(TestRosOptions());
+  Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
+         simulation_interfaces_srv_dds__GetSimulationState_Response_>
+      client(participant, "/world/get_simulation_state");
+  int answered = 0;
+  caller.WaitForLine("calling");
+  for (int i = 0; i < kCalls; ++i) {
+    client.Call({}, [&](const auto& response) { answered += response.result.result == 1; });
+    ASSERT_FALSE(HasFatalFailure()) << i;
+  }
+  EXPECT_EQ(answered, kCalls);
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  EXPECT_THAT(caller.output(), HasSubstr(R"({"answered":1000,"calls":1000,"repeated":0,"topic":"called"})"));
+  EXPECT_THAT(caller.output(), HasSubstr(R"("matched":[1,1])")) << "the service itself is no match";
+  End(run);
+}
+
+TEST_F(ServiceBridgeTest, PassesOnActionsAndLargeResponses) {
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program steps = Caller({"simulate", "20"});
+  EXPECT_EQ(steps.Wait(), 0) << steps.output();
+  EXPECT_THAT(steps.output(),
+              HasSubstr(R"({"accepted":true,"feedback":20,"result":1,"status":4,"topic":"simulated"})"));
+  Program describer = Caller({"describe", "20"});
+  EXPECT_EQ(describer.Wait(), 0) << describer.output();
+  EXPECT_THAT(describer.output(), HasSubstr(R"({"found":20,"parts":)"));
+  End(run);
+}
+
+// A call during the loss of the bridge has no answer; all others have one.
+TEST_F(ServiceBridgeTest, ABridgeThatIsKilledIsStartedAgain) {
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"states", "400", "1"});
+  caller.WaitForLine("quarter");
+  const std::vector<pid_t> bridges = BridgesOf(run);
+  ASSERT_EQ(bridges.size(), 1u);
+  kill(bridges.front(), SIGKILL);
+  run.WaitForLine("the bridge of ROS services");
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  const std::vector<json> called = LinesOn(caller, "called");
+  ASSERT_EQ(called.size(), 1u) << caller.output();
+  const int answered = called.front()["answered"];
+  EXPECT_GE(answered, 390);
+  EXPECT_EQ(answered + static_cast<int>(LinesOn(caller, "timeout").size()), 400);
+  EXPECT_EQ(called.front()["repeated"], 0);
+  End(run);
+}
+
+TEST_F(ServiceBridgeTest, FollowsRobotsThatAreSpawnedAndDeleted) {
+  const std::string session = TestSession("bridge");
+  Program run = Run({"--paused", "--session", session});
+  run.WaitForLine(", ready");
+  const auto edit = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "ctl");
+    arguments.insert(arguments.end(), {"--session", session, "--domain", std::to_string(TestDomain())});
+    const Finished edited = Finish(Troupe(std::move(arguments)));
+    EXPECT_EQ(edited.exit_status, 0) << edited.output;
+  };
+  edit({"spawn", "rover", "--name", "late", "--pose", "0.5,-2,0,0"});
+  Program caller = Caller({"leaves", "/late/robot"});
+  EXPECT_THAT(caller.WaitForLine("parameters"), HasSubstr("use_sim_time"));
+  edit({"delete", "late"});
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  EXPECT_THAT(caller.output(), HasSubstr("gone"));
+  Program other = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(other.Wait(), 0) << other.output();
+  EXPECT_THAT(other.output(), HasSubstr("use_sim_time"));
+  End(run);
+}
+
+// As `ros2 service list` of rmw_fastrtps_cpp reads it from discovery.
+TEST_F(ServiceBridgeTest, AClientOnFastDdsDiscoversOneServerOfEachService) {
+  Program run = Run({"--paused", "--ros-distro", "jazzy"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"endpoints"});
+  for (const char* service : {"reset", "world/simulate_steps/_action/get_result", "world/get_type_description",
+                              "r0/robot/list_parameters", "r3/robot/get_parameters"}) {
+    caller.WaitForLine("rq/" + std::string(service) + "Request");
+    caller.WaitForLine("rr/" + std::string(service) + "Reply");
+  }
+  std::map<std::string, int> found;
+  for (const json& line : LinesOn(caller, "found")) {
+    EXPECT_EQ(++found[line["on"]], 1) << line;
+    EXPECT_THAT(line["user_data"].get<std::string>(), HasSubstr("typehash=RIHS01_")) << line;
+  }
+  EXPECT_GT(found.size(), 60u);
+  EXPECT_THAT(caller.output(),
+              HasSubstr(R"("on":"rq/resetRequest","topic":"found","type":"std_srvs::srv::dds_::Empty_Request_")"));
+  caller.Signal(SIGTERM);
+  caller.Wait();
+  End(run);
+}
+
+TEST_F(ServiceBridgeTest, ServesARunInOneProcess) {
+  Program run = Run({"--paused", "--in-process"});
+  run.WaitForLine(", ready");
+  Program steps = Caller({"simulate", "20"});
+  EXPECT_EQ(steps.Wait(), 0) << steps.output();
+  ASSERT_EQ(BridgesOf(run).size(), 1u);
+  kill(BridgesOf(run).front(), SIGKILL);
+  run.WaitForLine("it is started again");
+  Program parameters = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(parameters.Wait(), 0) << parameters.output();
+  End(run);
+}
+
+TEST_F(ServiceBridgeTest, RunsWithoutBridgeOnRequest) {
+  Program run = Run({"--paused", "--ros-services", "cyclone"});
+  run.WaitForLine(", ready");
+  EXPECT_TRUE(BridgesOf(run).empty());
+  End(run);
+}
+
+}  // namespace
+}  // namespace troupe::test
