@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "common/image/grey_image.h"
 #include "common/image/image_file.h"
 
 namespace troupe {
@@ -21,7 +22,13 @@ struct ImageFile {
   std::int64_t size = 0;  // bytes
 };
 
+// The file of an image; the error tells that it cannot be opened.
+Result<ImageFile> OpenImage(const std::string& path);
+// True if the content begins as that of a PNG file.
+bool IsPng(const ImageFile& file);
+
 Result<Bitmap> ReadPng(const ImageFile& file, const PixelRule& rule);
+Result<GreyImage> ReadGreyPng(const ImageFile& file);
 Result<Bitmap> ReadPgm(const ImageFile& file, const PixelRule& rule);
 
 }  // namespace troupe

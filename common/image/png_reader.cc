@@ -24,7 +24,9 @@ constexpr std::array<std::uint64_t, 256> kMirrored = [] {
 
 class PngReader {
  public:
-  PngReader(const ImageFile& file, const PixelRule& rule) : file_(file), rule_(rule) {
+  // `may_pack`: rows of one bit a pixel stay so.
+  PngReader(const ImageFile& file, const PixelRule& rule, bool may_pack)
+      : file_(file), rule_(rule), may_pack_(may_pack) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, OnError, OnWarning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
@@ -33,18 +35,51 @@ class PngReader {
   PngReader& operator=(const PngReader&) = delete;
 
   Result<Bitmap> Read() {
-    if (png_ == nullptr || info_ == nullptr) return Fail("libpng cannot be started");
-    if (!Guarded([this] { ReadHeader(); })) return Fail(message_.data());
-    if (Status error = CheckSize(); !error.ok()) return error.error();
-    if (!Guarded([this] { SetTransformations(); })) return Fail(message_.data());
-    Bitmap bitmap(static_cast<int>(png_get_image_width(png_, info_)),
-                  static_cast<int>(png_get_image_height(png_, info_)));
-    const bool ok = passes_ > 1 ? ReadInterlaced(bitmap) : ReadRows(bitmap);
+    if (Status error = ReadStart(); !error.ok()) return error.error();
+    Bitmap bitmap(width(), height());
+    const bool ok =
+        ReadPixels([&](const png_byte* samples, int y) { SetRow(samples, bitmap, bitmap.height() - 1 - y); });
     if (!ok) return Fail(message_.data());
     return bitmap;
   }
 
+  Result<GreyImage> ReadGrey() {
+    if (Status error = ReadStart(); !error.ok()) return error.error();
+    GreyImage image{width(), height(), {}};
+    const std::int64_t pixels = std::int64_t{image.width} * std::int64_t{image.height};
+    if (pixels > kMaxGreyPixels) {
+      return Error{{file_.path},
+                   "found an image of " + std::to_string(pixels) + " pixels, expected at most " +
+                       std::to_string(kMaxGreyPixels)};
+    }
+    const std::size_t row = static_cast<std::size_t>(image.width);
+    image.values.resize(static_cast<std::size_t>(pixels));
+    const bool ok = ReadPixels([&](const png_byte* samples, int y) {
+      for (std::size_t x = 0; x < row; ++x)
+        image.values[static_cast<std::size_t>(y) * row + x] = samples[x * channels_];
+    });
+    if (!ok) return Fail(message_.data());
+    return image;
+  }
+
  private:
+  int width() const { return static_cast<int>(png_get_image_width(png_, info_)); }
+  int height() const { return static_cast<int>(png_get_image_height(png_, info_)); }
+
+  Status ReadStart() {
+    if (png_ == nullptr || info_ == nullptr) return Fail("libpng cannot be started");
+    if (!Guarded([this] { ReadHeader(); })) return Fail(message_.data());
+    if (Status error = CheckSize(); !error.ok()) return error;
+    if (!Guarded([this] { SetTransformations(); })) return Fail(message_.data());
+    return {};
+  }
+
+  // `set_row`: of the samples of a row, y counts from the top.
+  template <typename SetRow>
+  bool ReadPixels(SetRow set_row) {
+    return passes_ > 1 ? ReadInterlaced(set_row) : ReadRows(set_row);
+  }
+
   // The calls must be of trivial frames: no object with a destructor between the jump and here.
   template <typename Calls>
   bool Guarded(Calls calls) {
@@ -104,7 +139,7 @@ class PngReader {
     const png_byte type = png_get_color_type(png_, info_);
     if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png_);
     // Black and white needs no unpacking: large maps are mostly that.
-    is_packed_ = type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) == 1 &&
+    is_packed_ = may_pack_ && type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) == 1 &&
                  png_get_valid(png_, info_, PNG_INFO_tRNS) == 0 &&
                  png_get_interlace_type(png_, info_) == PNG_INTERLACE_NONE;
     if (type == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8 && !is_packed_) {
@@ -117,28 +152,29 @@ class PngReader {
     row_bytes_ = png_get_rowbytes(png_, info_);
   }
 
-  bool ReadRows(Bitmap& bitmap) {
+  template <typename SetRow>
+  bool ReadRows(SetRow set_row) {
     std::vector<png_byte> row(row_bytes_);
     png_byte* const data = row.data();
-    for (int y = bitmap.height() - 1; y >= 0; --y) {
+    const int rows = height();
+    for (int y = 0; y < rows; ++y) {
       if (!Guarded([this, data] { png_read_row(png_, data, nullptr); })) return false;
-      SetRow(data, bitmap, y);
+      set_row(data, y);
     }
     return ReadEnd();
   }
 
-  bool ReadInterlaced(Bitmap& bitmap) {
-    const std::size_t height = static_cast<std::size_t>(bitmap.height());
-    std::vector<png_byte> pixels(row_bytes_ * height);
+  template <typename SetRow>
+  bool ReadInterlaced(SetRow set_row) {
+    const std::size_t rows = static_cast<std::size_t>(height());
+    std::vector<png_byte> pixels(row_bytes_ * rows);
     for (int pass = 0; pass < passes_; ++pass) {
-      for (std::size_t row = 0; row < height; ++row) {
+      for (std::size_t row = 0; row < rows; ++row) {
         png_byte* const data = pixels.data() + row * row_bytes_;
         if (!Guarded([this, data] { png_read_row(png_, data, nullptr); })) return false;
       }
     }
-    for (std::size_t row = 0; row < height; ++row) {
-      SetRow(pixels.data() + row * row_bytes_, bitmap, static_cast<int>(height - 1 - row));
-    }
+    for (std::size_t row = 0; row < rows; ++row) set_row(pixels.data() + row * row_bytes_, static_cast<int>(row));
     return ReadEnd();
   }
 
@@ -185,6 +221,7 @@ class PngReader {
 
   const ImageFile& file_;
   const PixelRule& rule_;
+  const bool may_pack_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
   std::array<char, 200> message_{};
@@ -197,7 +234,11 @@ class PngReader {
 }  // namespace
 
 Result<Bitmap> ReadPng(const ImageFile& file, const PixelRule& rule) {
-  return PngReader(file, rule).Read();
+  return PngReader(file, rule, true).Read();
+}
+
+Result<GreyImage> ReadGreyPng(const ImageFile& file) {
+  return PngReader(file, PixelRule(), false).ReadGrey();
 }
 
 }  // namespace troupe

@@ -1,53 +1,21 @@
 // Drives the page of `troupe view` in a headless Chromium against live runs.
 //   node browser_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {existsSync, mkdirSync, readFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
+import {mkdirSync, readFileSync} from 'node:fs';
+import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files] = process.argv.slice(2);
-
-function skip(reason) {
-  console.log(`browser_test: ${reason}; nothing was checked`);
-  process.exit(77);
-}
-
-const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(path => existsSync(path));
-if (!chromium) skip('chromium is not installed');
-let playwright;
-try {
-  playwright = createRequire(`${source}/viewer/web/package.json`)('playwright-core');
-} catch {
-  skip('the packages of viewer/web are not installed');
-}
-
+const pages = await Pages.launch('browser_test', source);
 const troupe = `${programs}/troupe`;
 const scenario = `${source}/worlds/scenarios/demo.json`;
 const domain = String(101 + (process.pid % 19));
 const session = `browser-${process.pid}`;
 mkdirSync(files, {recursive: true});
-
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
-const problems = [];  // of all pages: errors, and requests to elsewhere
-let gatewayIsDown = false;
+const path = name => `${files}/${name}`;
 
 async function open(url) {
-  const page = await browser.newPage({viewport: {width: 800, height: 500}});
-  page.on('console', message => {
-    if (['error', 'warning'].includes(message.type()) && !gatewayIsDown && !message.text().includes('GPU stall')) {
-      problems.push(message.text());
-    }
-  });
-  page.on('pageerror', error => problems.push(error.message));
-  page.on('request', request => {
-    const to = new URL(request.url());
-    if (to.protocol.startsWith('http') && to.hostname !== '127.0.0.1') problems.push(`request to ${to}`);
-  });
-  page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
-  await page.goto(url);
+  const page = await pages.open(url, 800, 500);
   await stateOf(page, 'the page has a state', state => state !== null);
   return page;
 }
@@ -127,7 +95,6 @@ const run = (name, more) => new Program(troupe, [
 ]);
 
 async function showsTheRunAsItIs() {
-  const path = name => `${files}/${name}`;
   const ticks = 120;
   const reference = run('reference', ['--headless', '--ticks', String(ticks), '--hash-log', path('reference.hash')]);
   assert.equal(await reference.end, 0, reference.lines.join('\n'));
@@ -182,13 +149,13 @@ async function showsTheRunAsItIs() {
 
   // Without its gateway the run goes on, and the page connects to the next one.
   const [gateway] = viewed.children('view');
-  gatewayIsDown = true;
+  pages.mayComplain = true;
   process.kill(gateway, 'SIGKILL');
   await until('the page knows', async () => !(await page.evaluate(() => window.troupe.connected())));
   const second = new Program(troupe, ['view', `${session}-viewed`, '--domain', domain, '--listen', new URL(url).host]);
   await second.line('viewer: ');
   await connected(page);
-  gatewayIsDown = false;
+  pages.mayComplain = false;
   await sample(page);
   await page.click('#play');
   await stateOf(page, 'the run plays', state => state.tick > paused.tick);
@@ -252,7 +219,7 @@ async function editsTheRun() {
   assert.equal(reply.done, false);
   assert.match(reply.problem, /view-only/);
   assert.ok(await watching.isDisabled('#play'));
-  gatewayIsDown = true;
+  pages.mayComplain = true;
   await watching.close();
   assert.equal(await only.stop(), 0);
   await page.close();
@@ -309,14 +276,13 @@ async function drivesARobot() {
   await until('bela is deleted', async () => !(await bela()));
   await page.click('#undo');
   await until('bela is there again', bela);
-  gatewayIsDown = true;
+  pages.mayComplain = true;
   await page.close();
   await driven.stop();
-  gatewayIsDown = false;
+  pages.mayComplain = false;
 }
 
 async function showsThePast() {
-  const path = name => `${files}/${name}`;
   const ticks = 400;
   const recorded = run('recorded', [
     '--ticks', String(ticks), '--speed', '2', '--poses', path('past.csv'), '--hash-log', path('past.hash'),
@@ -343,9 +309,9 @@ async function showsThePast() {
   await stateOf(live, 'the page returns to the live run', state => !state.past && state.tick > past.tick);
   await stateOf(live, 'the run is over', state => state.over);
   assert.equal(await recorded.end, 0, recorded.lines.join('\n'));
-  gatewayIsDown = true;
+  pages.mayComplain = true;
   await live.close();
-  gatewayIsDown = false;
+  pages.mayComplain = false;
 
   const replayed = new Program(troupe, ['view', path('past.mcap'), '--listen', '127.0.0.1:0']);
   const page = await open(`${await replayed.line('viewer: ')}#tick=333&smooth=0`);
@@ -361,10 +327,10 @@ async function showsThePast() {
   await stateOf(page, 'the recording plays backwards', state => state.tick < 120);
   await page.click('#back');
   assert.equal((await page.evaluate(() => window.troupe.request('pause'))).done, false);
-  gatewayIsDown = true;
+  pages.mayComplain = true;
   await page.close();
   assert.equal(await replayed.stop(), 0);
-  gatewayIsDown = false;
+  pages.mayComplain = false;
 
   const poses = readPoses(path('past.csv'));
   const hashes = readHashes(path('past.hash'));
@@ -375,22 +341,4 @@ async function showsThePast() {
   }
 }
 
-let failed = false;
-try {
-  await showsTheRunAsItIs();
-  await editsTheRun();
-  gatewayIsDown = false;
-  await drivesARobot();
-  await showsThePast();
-  assert.deepEqual(problems, [], 'no errors on the page, and no request leaves this host');
-  console.log('browser_test: passed');
-} catch (error) {
-  failed = true;
-  console.error(error);
-  for (const program of Program.all) console.error(program.lines.join('\n'));
-}
-for (const program of Program.all) {
-  if (!program.ended) program.child.kill('SIGKILL');
-}
-await browser.close();
-process.exit(failed ? 1 : 0);
+await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast], path);

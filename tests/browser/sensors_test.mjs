@@ -2,49 +2,20 @@
 // logs of the same runs.
 //   node sensors_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files] = process.argv.slice(2);
-
-function skip(reason) {
-  console.log(`sensors_test: ${reason}; nothing was checked`);
-  process.exit(77);
-}
-
-const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(path => existsSync(path));
-if (!chromium) skip('chromium is not installed');
-let playwright;
-try {
-  playwright = createRequire(`${source}/viewer/web/package.json`)('playwright-core');
-} catch {
-  skip('the packages of viewer/web are not installed');
-}
-
+const pages = await Pages.launch('sensors_test', source);
 const troupe = `${programs}/troupe`;
 const domain = String(101 + (process.pid % 19));
 const session = `sensors-${process.pid}`;
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
-const problems = [];  // of all pages
-let runIsOver = false;
-
 async function open(url) {
-  const page = await browser.newPage({viewport: {width: 1280, height: 800}});
-  page.on('console', message => {
-    if (['error', 'warning'].includes(message.type()) && !runIsOver && !message.text().includes('GPU stall')) {
-      problems.push(message.text());
-    }
-  });
-  page.on('pageerror', error => problems.push(error.message));
-  page.setDefaultTimeout(120_000);
-  await page.goto(url);
+  const page = await pages.open(url, 1280, 800);
   await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
   return page;
 }
@@ -133,11 +104,11 @@ const canvasOf = (page, sensor) => page.$eval(`[data-sensor="${sensor}"] canvas`
 const textOf = (page, sensor) => page.textContent(`[data-sensor="${sensor}"]`);
 
 async function end(page, run, what) {
-  runIsOver = true;
+  pages.mayComplain = true;
   await page.click('#play');
   assert.equal(await run.end, 0, `${what}: ${run.lines.join('\n')}`);
   await page.close();
-  runIsOver = false;
+  pages.mayComplain = false;
 }
 
 async function showsAllKindsOfSensors() {
@@ -255,21 +226,4 @@ async function showsEnergyAndLights() {
   await end(page, run, 'the run with energy');
 }
 
-let failed = false;
-for (const test of [showsAllKindsOfSensors, showsRadioMessages, showsEnergyAndLights]) {
-  try {
-    await test();
-    console.log(`${test.name}: passed`);
-  } catch (error) {
-    failed = true;
-    console.error(`${test.name}: ${error.stack}`);
-    for (const [i, page] of browser.contexts().flatMap(context => context.pages()).entries()) {
-      await page.screenshot({path: path(`failure-${test.name}-${i}.png`)}).catch(() => {});
-      await page.close();
-    }
-  }
-}
-await browser.close();
-for (const program of Program.all) await program.stop();
-assert.deepEqual(problems, []);
-process.exit(failed ? 1 : 0);
+await pages.runAll([showsAllKindsOfSensors, showsRadioMessages, showsEnergyAndLights], path);

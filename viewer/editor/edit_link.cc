@@ -137,7 +137,7 @@ Status EditLink::StartTest(const std::string& model, double probe_height) {
   if (editor_->world() == nullptr) return Failure("no world is loaded");
   WorldDescription world = editor_->world()->loaded.world;
   if (!model.empty()) {
-    Result<LoadedWorld> made = MakeTestWorld(editor_->world()->tree, model, probe_height, editor_->allowed());
+    Result<LoadedWorld> made = MakeTestWorld(editor_->world()->tree, model, probe_height, editor_->files());
     if (!made.ok()) return made.error();
     world = std::move(made.value().world);
     world.name = "test of " + model;
@@ -313,7 +313,7 @@ Result<std::string> EditLink::Edit(std::string_view text) {
     EndTest();
   } else {
     if (test_ && op != "document" && op != "text" && op != "palette" && op != "help" && op != "entity" &&
-        op != "model" && op != "save") {
+        op != "model" && op != "bitmaps" && op != "save") {
       EndTest();
     }
     reply = editor_->Apply(request);

@@ -126,12 +126,12 @@ Pose PoseInWorld(const WorldDescription& world, ModelId id) {
 }
 
 Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
-                                                       const std::string& path, const AllowedPaths& allowed) {
+                                                       const std::string& path, const NamedFiles& files) {
   auto edited = std::make_unique<EditableWorld>();
   std::set<const WorldNode*> shelf;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.allowed = allowed;
+  overrides.allowed = files.allowed;
   if (kind == EditedKind::kScenario) {
     Result<LoadedWorld> loaded = LoadScenarioText(text, path, overrides);
     if (!loaded.ok()) return loaded.error();
@@ -141,12 +141,12 @@ Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const st
     edited->tree = std::move(tree).value();
   } else {
     ParseOptions options;
-    options.allowed = allowed;
+    options.allowed = files.allowed;
     Result<WorldTree> tree = ParseStageText(text, path, options);
     if (!tree.ok()) return tree.error();
     edited->tree = std::move(tree).value();
     if (kind == EditedKind::kInclude) AddShelf(edited->tree, path, shelf);
-    Result<LoadedWorld> loaded = BuildWorld(edited->tree, overrides);
+    Result<LoadedWorld> loaded = BuildWorld(edited->tree, overrides, {.images = files.images});
     if (!loaded.ok()) return loaded.error();
     edited->loaded = std::move(loaded).value();
   }
@@ -181,7 +181,7 @@ WorldTree WithoutModels(const WorldTree& tree) {
           .directory = tree.directory};
 }
 
-Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed) {
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const NamedFiles& files) {
   Result<WorldNode> node = Instantiate(tree, model, {});
   if (!node.ok()) return node.error();
   if (!IsBody(node.value().type)) return Error{{}, "found " + Quoted(model) + ", expected a model or a robot"};
@@ -191,8 +191,8 @@ Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, 
   made.Set(NumbersProperty("pose", {0.0, 0.0, 0.0, 0.0}, {}));
   alone.world.children.push_back(std::move(made));
   LoadOverrides overrides;
-  overrides.allowed = allowed;
-  return BuildWorld(alone, overrides);
+  overrides.allowed = files.allowed;
+  return BuildWorld(alone, overrides, {.images = files.images});
 }
 
 }  // namespace troupe

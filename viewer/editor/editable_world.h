@@ -9,6 +9,7 @@
 
 #include "common/base/allowed_paths.h"
 #include "common/base/result.h"
+#include "common/image/image_source.h"
 #include "common/worldfile/build/loaded_world.h"
 #include "common/worldfile/stage/world_tree.h"
 
@@ -22,6 +23,12 @@ enum class EditedKind : std::uint8_t {
 
 // The error names a file of another kind.
 Result<EditedKind> KindOf(const std::string& path);
+
+// The files that a text may name, and the contents of images that are edited and not saved.
+struct NamedFiles {
+  AllowedPaths allowed;
+  ImageSource images = nullptr;
+};
 
 // A model without a parent in the world: the unit of edits.
 struct EditedEntity {
@@ -44,10 +51,10 @@ struct EditableWorld {
   const EditedEntity* Find(const std::string& name) const;
 };
 
-// `path` names the text in messages, and is where its relative paths start. `allowed`: the files that the text may
-// name. The tree of the result does not move.
+// `path` names the text in messages, and is where its relative paths start. The tree of the result does not move. The
+// images of a scenario are read from their files.
 Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
-                                                       const std::string& path, const AllowedPaths& allowed);
+                                                       const std::string& path, const NamedFiles& files);
 
 // The types and defines that give models, and the models themselves, one alone in a world.
 struct PaletteModel {
@@ -58,7 +65,7 @@ struct PaletteModel {
 std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
 // The world properties, defines and files of a tree, without its models.
 WorldTree WithoutModels(const WorldTree& tree);
-Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const AllowedPaths& allowed);
+Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const NamedFiles& files);
 
 // The factors from the units of the tree's files to metres and radians.
 struct FileUnits {

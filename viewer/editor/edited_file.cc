@@ -1,39 +1,18 @@
 #include "viewer/editor/edited_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <stdlib.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "common/worldfile/text/text_file.h"
+#include "viewer/editor/file_replacement.h"
 
 namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
-
-Error CannotWrite(const std::string& path, const char* what) {
-  return {{path},
-          fmt::format("cannot {}: {}; the file is as it was", what, std::strerror(errno)),
-          ErrorCode::kOutputFailed};
-}
-
-bool WriteAll(int descriptor, const std::string& text) {
-  std::size_t written = 0;
-  while (written < text.size()) {
-    const ssize_t count = write(descriptor, text.data() + written, text.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    written += static_cast<std::size_t>(count);
-  }
-  return true;
-}
 
 // Nothing: there is no file.
 Result<std::optional<std::string>> ReadIfThere(const std::string& path) {
@@ -61,17 +40,36 @@ Result<EditedFile> EditedFile::Open(const std::string& path, const std::string& 
   return EditedFile(path, initial, std::nullopt);
 }
 
-void EditedFile::Change(std::string text, std::string label) {
-  if (text == states_[at_].text) return;
+// Images that a state shares with the one before need no memory.
+std::size_t EditedFile::BytesOf(const State& state, const State* before) const {
+  std::size_t bytes = state.text.size();
+  for (const auto& [path, picture] : state.versions) {
+    const PicturePointer old = pictures_.Find(before != nullptr ? before->versions : PictureVersions(), path);
+    if (picture != nullptr && picture != old) bytes += picture->BytesBeyond(old.get());
+  }
+  return bytes;
+}
+
+void EditedFile::Change(std::string text, PictureVersions versions, std::string label) {
+  if (text == states_[at_].text && versions == states_[at_].versions) return;
   states_.resize(at_ + 1);
-  states_.push_back({std::move(text), std::move(label)});
+  states_.push_back({std::move(text), std::move(versions), std::move(label), 0});
+  states_.back().bytes = BytesOf(states_.back(), &states_[at_]);
   std::size_t bytes = 0;
-  for (const State& state : states_) bytes += state.text.size();
+  for (const State& state : states_) bytes += state.bytes;
   while (states_.size() > 2 && (states_.size() > kMostStates || bytes > kMostHistoryBytes)) {
-    bytes -= states_.front().text.size();
+    bytes -= states_[0].bytes + states_[1].bytes;
     states_.erase(states_.begin());
+    states_[0].bytes = BytesOf(states_[0], nullptr);
+    bytes += states_[0].bytes;
   }
   at_ = states_.size() - 1;
+}
+
+bool EditedFile::is_modified(const std::set<std::string>& named) const {
+  if (!on_disk_ || *on_disk_ != text()) return true;
+  const std::vector<std::string> modified = pictures_.Modified(versions());
+  return std::any_of(modified.begin(), modified.end(), [&](const auto& path) { return named.contains(path); });
 }
 
 std::optional<std::string> EditedFile::undo_label() const {
@@ -82,7 +80,9 @@ std::optional<std::string> EditedFile::redo_label() const {
   return at_ + 1 < states_.size() ? std::optional(states_[at_ + 1].label) : std::nullopt;
 }
 
-Status EditedFile::Save(bool overwrite) {
+Status EditedFile::Save(bool overwrite, const std::set<std::string>& named) {
+  std::vector<std::string> changed = pictures_.Modified(versions());
+  std::erase_if(changed, [&](const std::string& path) { return !named.contains(path); });
   if (!overwrite) {
     const Result<std::optional<std::string>> now = ReadIfThere(path_);
     if (!now.ok()) return now.error();
@@ -92,8 +92,28 @@ Status EditedFile::Save(bool overwrite) {
                                             : "was created";
       return Error{{path_}, fmt::format("the file {} since it was read; it is not saved", what), ErrorCode::kNoRoom};
     }
+    for (const std::string& path : changed) {
+      if (Status conflict = pictures_.CheckUnchanged(path); !conflict.ok()) return conflict;
+    }
   }
-  if (Status failure = ReplaceFile(path_, text()); !failure.ok()) return failure;
+  std::vector<FileReplacement> replacements;
+  std::vector<std::string> contents;
+  for (const std::string& path : changed) {
+    Result<std::string> bytes = EncodeGreyPng(Picture(path)->Image());
+    if (!bytes.ok()) return bytes.error();
+    Result<FileReplacement> replacement = FileReplacement::Prepare(path, bytes.value());
+    if (!replacement.ok()) return replacement.error();
+    replacements.push_back(std::move(replacement).value());
+    contents.push_back(std::move(bytes).value());
+  }
+  Result<FileReplacement> of_text = FileReplacement::Prepare(path_, text());
+  if (!of_text.ok()) return of_text.error();
+  // The images first: the text of a new one names a file that exists.
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (Status failure = replacements[i].Commit(); !failure.ok()) return failure;
+    pictures_.SetSaved(changed[i], Picture(changed[i]), contents[i]);
+  }
+  if (Status failure = of_text.value().Commit(); !failure.ok()) return failure;
   on_disk_ = text();
   return {};
 }
@@ -102,40 +122,9 @@ Status EditedFile::Reload() {
   Result<std::string> text = ReadTextFile(path_, {path_});
   if (!text.ok()) return text.error();
   on_disk_ = text.value();
-  Change(std::move(text).value(), "the reading of the file");
-  return {};
-}
-
-Status ReplaceFile(const std::string& named, const std::string& text) {
-  std::error_code error;
-  // A link stays one.
-  const fs::path path = fs::exists(named, error) ? fs::canonical(named, error) : fs::path(named);
-  if (error) return Error{{named}, "cannot find the file: " + error.message(), ErrorCode::kOutputFailed};
-  mode_t mode = 0644;
-  if (struct stat status{}; stat(path.c_str(), &status) == 0) {
-    if (access(path.c_str(), W_OK) != 0) return CannotWrite(named, "write the file");
-    mode = status.st_mode & 07777;
-  }
-  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
-  std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
-  const int descriptor = mkostemp(temporary.data(), O_CLOEXEC);
-  if (descriptor < 0) return CannotWrite(named, "create a file beside it");
-  bool done = WriteAll(descriptor, text) && fchmod(descriptor, mode) == 0 && fsync(descriptor) == 0;
-  int reason = errno;
-  done = close(descriptor) == 0 && done;
-  if (done && rename(temporary.c_str(), path.c_str()) != 0) {
-    reason = errno;
-    done = false;
-  }
-  if (!done) {
-    unlink(temporary.c_str());
-    errno = reason;
-    return CannotWrite(named, "save");
-  }
-  if (const int directory = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); directory >= 0) {
-    fsync(directory);  // the name, too; a file system that cannot do it keeps the content
-    close(directory);
-  }
+  PictureVersions read = versions();
+  pictures_.Reload(read);
+  Change(std::move(text).value(), std::move(read), "the reading of the file");
   return {};
 }
 

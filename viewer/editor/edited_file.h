@@ -1,22 +1,25 @@
-// EditedFile: the text of a file that is edited, its history, and its saving. The file on disk is only ever replaced as
-// a whole, by a file that is written completely.
+// EditedFile: the text of a file that is edited and the images that belong to it, their history, and their saving. The
+// files on disk are only ever replaced as a whole, by files that are written completely.
 //
 // Threads: one.
 #pragma once
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
+#include "viewer/editor/edited_pictures.h"
 
 namespace troupe {
 
 class EditedFile {
  public:
   static constexpr std::size_t kMostStates = 500;               // of the history
-  static constexpr std::size_t kMostHistoryBytes = 64'000'000;  // of their texts
+  static constexpr std::size_t kMostHistoryBytes = 64'000'000;  // of their texts and pixels
 
   // A file that does not exist yet begins with `initial`. The error names a folder that does not exist, or a file that
   // cannot be read.
@@ -24,10 +27,19 @@ class EditedFile {
 
   const std::string& path() const { return path_; }
   const std::string& text() const { return states_[at_].text; }
-  bool is_modified() const { return !on_disk_ || *on_disk_ != text(); }
+  // `named`: the images that the text names; others are not written.
+  bool is_modified(const std::set<std::string>& named) const;
+
+  // The images that are edited. To open one or to create it is no edit.
+  EditedPictures& pictures() { return pictures_; }
+  const EditedPictures& pictures() const { return pictures_; }
+  const PictureVersions& versions() const { return states_[at_].versions; }
+  // As edited; null: the file on disk counts, or there is none.
+  PicturePointer Picture(const std::string& path) const { return pictures_.Find(versions(), path); }
 
   // `label`: what the edit does, "the move of r0".
-  void Change(std::string text, std::string label);
+  void Change(std::string text, std::string label) { Change(std::move(text), versions(), std::move(label)); }
+  void Change(std::string text, PictureVersions versions, std::string label);
   // The label of the edit that would be undone or redone; nothing: there is none.
   std::optional<std::string> undo_label() const;
   std::optional<std::string> redo_label() const;
@@ -35,28 +47,30 @@ class EditedFile {
   void Undo() { --at_; }
   void Redo() { ++at_; }
 
-  // The error's code is kNoRoom if the file has changed on disk since it was read or saved, unless `overwrite`.
-  Status Save(bool overwrite);
-  // Reads the file again, as an edit.
+  // Writes the text, and those of the `named` images that are changed. No file is replaced before all are written. The
+  // error's code is kNoRoom if one has changed on disk since it was read or saved, unless `overwrite`.
+  Status Save(bool overwrite, const std::set<std::string>& named);
+  // Reads the file and the edited images again, as an edit.
   Status Reload();
 
  private:
   struct State {
     std::string text;
-    std::string label;  // of the edit that made it
+    PictureVersions versions;
+    std::string label;      // of the edit that made it
+    std::size_t bytes = 0;  // that it does not share with the one before
   };
 
   EditedFile(std::string path, std::string text, std::optional<std::string> on_disk)
-      : path_(std::move(path)), on_disk_(std::move(on_disk)), states_{{std::move(text), ""}} {}
+      : path_(std::move(path)), on_disk_(std::move(on_disk)), states_{{std::move(text), {}, "", 0}} {}
+
+  std::size_t BytesOf(const State& state, const State* before) const;
 
   std::string path_;
   std::optional<std::string> on_disk_;  // as read or saved; nothing: there was no file
+  EditedPictures pictures_;
   std::vector<State> states_;
   std::size_t at_ = 0;
 };
-
-// Replaces the file at `path`, or creates it. On an error the file is as before. The content is on the disk when it
-// returns.
-Status ReplaceFile(const std::string& path, const std::string& text);
 
 }  // namespace troupe

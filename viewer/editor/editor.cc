@@ -17,35 +17,14 @@
 #include "common/worldfile/text/file_lookup.h"
 #include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor_place.h"
+#include "viewer/editor/file_numbers.h"
 #include "viewer/editor/request_values.h"
 
 namespace troupe {
 namespace {
 
-constexpr int kPoseDecimals = 4;     // of metres: a tenth of a millimetre
-constexpr int kHeadingDecimals = 2;  // of degrees
-constexpr int kRadianDecimals = 5;
-
 std::string PlaceText(const SourceLocation& where) {
   return fmt::format("{}:{}", where.file, where.line);
-}
-
-double WrappedDegrees(double degrees) {
-  degrees = std::remainder(degrees, 360.0);
-  return degrees <= -180.0 ? degrees + 360.0 : degrees;
-}
-
-// The numbers of a property of the node, as in the file.
-std::vector<Value::Number> NumbersOf(const WorldNode& node, const std::string& name) {
-  std::vector<Value::Number> numbers;
-  const Property* const property = node.Find(name);
-  const auto* const tuple =
-      property != nullptr ? std::get_if<std::vector<Value::Scalar>>(&property->value.content) : nullptr;
-  for (std::size_t i = 0; tuple != nullptr && i < tuple->size(); ++i) {
-    const auto* const number = std::get_if<Value::Number>(&(*tuple)[i]);
-    numbers.push_back(number != nullptr ? *number : Value::Number{0.0, "0"});
-  }
-  return numbers;
 }
 
 void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) {
@@ -78,7 +57,7 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
   AddSearchedFolders(editor->allowed_);
   // All that the file names at first.
   const Result<std::unique_ptr<EditableWorld>> first =
-      MakeEditedWorld(kind.value(), editor->text(), path, AllowedPaths::All());
+      MakeEditedWorld(kind.value(), editor->text(), path, {AllowedPaths::All()});
   if (first.ok()) {
     AddFoldersOf(first.value()->tree.files, editor->allowed_);
     AddFoldersOf(first.value()->loaded.files, editor->allowed_);
@@ -87,11 +66,12 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
     }
   }
   editor->Load();
+  editor->first_images_ = editor->NamedImages();
   return editor;
 }
 
 void Editor::Load() {
-  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text(), path(), allowed_);
+  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text(), path(), files());
   error_.reset();
   if (!world.ok()) {
     error_ = world.error();
@@ -107,14 +87,24 @@ Status Editor::CheckText() const {
   return {};
 }
 
-Status Editor::Commit(std::string text, const std::string& label, const std::string& model) {
-  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text, path(), allowed_);
+NamedFiles Editor::FilesWith(const PictureVersions& versions) const {
+  const auto source = [this, versions](const std::string& path, const PixelRule& rule) -> std::optional<Bitmap> {
+    const PicturePointer picture = file_.pictures().Find(versions, path);
+    return picture != nullptr ? std::optional(picture->Occupied(rule)) : std::nullopt;
+  };
+  return {allowed_, source};
+}
+
+Status Editor::Commit(std::string text, const PictureVersions& versions, const std::string& label,
+                      const std::string& model) {
+  const NamedFiles files = FilesWith(versions);
+  Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text, path(), files);
   if (!world.ok()) return world.error();
   if (!model.empty()) {
-    if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model, allowed_); !built.ok())
+    if (const Result<LoadedWorld> built = BuildAlone(world.value()->tree, model, files); !built.ok())
       return built.error();
   }
-  file_.Change(std::move(text), label);
+  file_.Change(std::move(text), versions, label);
   world_ = std::move(world).value();
   error_.reset();
   ++version_;
@@ -172,21 +162,8 @@ WrittenValue Editor::PoseValue(const EditedEntity& entity, const Pose& pose) con
   const Pose before = PoseInWorld(world_->loaded.world, entity.model);
   const Pose X_PM = Inverse(Pose{entity.X_WP.x, entity.X_WP.y, 0.0, entity.X_WP.heading}) * pose;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
-  old.resize(4, Value::Number{0.0, "0"});
-  const double turn = units.radians == 1.0 ? 2.0 * std::numbers::pi : 360.0;
-  const double heading = units.radians == 1.0 ? X_PM.heading : WrappedDegrees(X_PM.heading / units.radians);
-  const double numbers[] = {X_PM.x / units.metres, X_PM.y / units.metres,
-                            old[2].value + (pose.z - before.z) / units.metres, heading};
-  std::vector<WrittenScalar> tuple;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const bool is_angle = i == 3;
-    const int decimals = !is_angle ? kPoseDecimals : units.radians == 1.0 ? kRadianDecimals : kHeadingDecimals;
-    double change = numbers[i] - old[i].value;
-    if (is_angle) change = std::remainder(change, turn);
-    const bool is_same = std::abs(change) < 0.5 * std::pow(10.0, -decimals);
-    tuple.emplace_back(WrittenNumber{is_same ? old[i].text : PlainNumber(numbers[i], decimals)});
-  }
-  return {std::move(tuple)};
+  const double z = old.size() == 4 ? old[2].value * units.metres : 0.0;
+  return ChangedPose(std::move(old), {X_PM.x, X_PM.y, z + pose.z - before.z, X_PM.heading}, units);
 }
 
 Status Editor::SetPose(const std::string& name, const Pose& pose) {
@@ -207,14 +184,14 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   const std::string label = "the move of " + entity.name;
   const double degrees = WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
   const auto number = [](double value, int decimals) { return PlainNumber(value, decimals); };
-  const std::string x = number(pose.x, kPoseDecimals);
-  const std::string y = number(pose.y, kPoseDecimals);
-  const std::string z = number(pose.z, kPoseDecimals);
+  const std::string x = number(pose.x, kLengthDecimals);
+  const std::string y = number(pose.y, kLengthDecimals);
+  const std::string z = number(pose.z, kLengthDecimals);
   const std::string heading = number(degrees, kHeadingDecimals);
   const std::string flat = fmt::format("[{}, {}, {}]", x, y, heading);
   const std::string raised = fmt::format("[{}, {}, {}, {}]", x, y, z, heading);
   const Pose before = PoseInWorld(world_->loaded.world, entity.model);
-  const bool keeps_z = std::abs(pose.z - before.z) < 0.5 * std::pow(10.0, -kPoseDecimals);
+  const bool keeps_z = std::abs(pose.z - before.z) < 0.5 * std::pow(10.0, -kLengthDecimals);
   if (entity.where.file == path()) {
     const Result<Place> place = PlaceOf(entity);
     if (!place.ok()) return place.error();
@@ -249,10 +226,10 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   const double factor = 1.0 / units.metres;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
   old.resize(4, Value::Number{0.0, "0"});
-  const std::string in_file =
-      fmt::format("[{}, {}, {}, {}]", number(pose.x * factor, kPoseDecimals), number(pose.y * factor, kPoseDecimals),
-                  number(old[2].value + (pose.z - before.z) * factor, kPoseDecimals),
-                  units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
+  const std::string in_file = fmt::format("[{}, {}, {}, {}]", number(pose.x * factor, kLengthDecimals),
+                                          number(pose.y * factor, kLengthDecimals),
+                                          number(old[2].value + (pose.z - before.z) * factor, kLengthDecimals),
+                                          units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
   if (const JsonItem* const overrides = root.Find("override")) {
     for (const JsonItem& rule : overrides->items) {
       const JsonItem* const match = rule.Find("match");
@@ -268,20 +245,19 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
 }
 
-// An entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and form.
-Status Editor::AddWritten(const WrittenModel& model, const std::string& label) {
+Result<std::string> Editor::WithAdded(const WrittenModel& model) const {
   if (kind_ != EditedKind::kScenario) {
     const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
     if (!syntax.ok()) return syntax.error();
-    return Commit(WithEntry(text(), syntax.value().body(), model), label);
+    return WithEntry(text(), syntax.value().body(), model);
   }
   const Result<JsonItem> root = ReadJsonSyntax(text(), path());
   if (!root.ok()) return root.error();
   const Result<WorldNode> node = Instantiate(world_->tree, model.type, {});
   const char* const list = node.ok() && node.value().type == "position" ? "robots" : "models";
   const std::string entry = ToScenarioEntry(model);
-  if (const JsonItem* const holder = root.value().Find(list)) return Commit(WithElement(text(), *holder, entry), label);
-  return Commit(WithMember(text(), root.value(), list, "[\n    " + entry + "\n  ]"), label);
+  if (const JsonItem* const holder = root.value().Find(list)) return WithElement(text(), *holder, entry);
+  return WithMember(text(), root.value(), list, "[\n    " + entry + "\n  ]");
 }
 
 Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
@@ -301,7 +277,10 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   std::vector<double> numbers{pose.x / units.metres, pose.y / units.metres, pose.z / units.metres, heading};
   if (is_scenario && pose.z == 0.0) numbers.erase(numbers.begin() + 2);
   written.Set("pose", Tuple(numbers));
-  if (Status failure = AddWritten(written, "the addition of " + name); !failure.ok()) return failure.error();
+  Result<std::string> added = WithAdded(written);
+  if (!added.ok()) return added.error();
+  if (Status failure = Commit(std::move(added).value(), "the addition of " + name); !failure.ok())
+    return failure.error();
   return name;
 }
 

@@ -36,8 +36,9 @@ class Editor {
   std::uint64_t version() const { return version_; }  // counts the worlds
   const std::string& path() const { return file_.path(); }
   const std::string& text() const { return file_.text(); }
-  bool is_modified() const { return file_.is_modified(); }
-  const AllowedPaths& allowed() const { return allowed_; }
+  bool is_modified() const { return file_.is_modified(NamedImages()); }
+  // With the images as they are edited. Valid until the next edit.
+  NamedFiles files() const { return FilesWith(file_.versions()); }
   // True for a shared library that the file named when it was opened: a page is not to choose code that runs.
   bool MayRun(const std::string& controller) const { return libraries_.contains(controller); }
 
@@ -54,13 +55,19 @@ class Editor {
  private:
   // The place of a statement, or of a scenario's entry, that may be edited.
   struct Place;
+  struct EditedPart;
   using Json = nlohmann::json;
 
   Editor(EditedFile file, EditedKind kind) : file_(std::move(file)), kind_(kind) {}
 
   void Load();
+  NamedFiles FilesWith(const PictureVersions& versions) const;
   // `model`: a define that must give a model, though the file may have none of it.
-  Status Commit(std::string text, const std::string& label, const std::string& model = "");
+  Status Commit(std::string text, const std::string& label, const std::string& model = "") {
+    return Commit(std::move(text), file_.versions(), label, model);
+  }
+  Status Commit(std::string text, const PictureVersions& versions, const std::string& label,
+                const std::string& model = "");
   Status CheckText() const;  // the error of the text, if it has one
 
   Result<const EditedEntity*> FindEntity(const std::string& name) const;
@@ -69,7 +76,9 @@ class Editor {
   std::string FreeName(const std::string& prefix) const;
   WrittenValue PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);
-  Status AddWritten(const WrittenModel& model, const std::string& label);
+  // The text with an entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and
+  // form.
+  Result<std::string> WithAdded(const WrittenModel& model) const;
   Status SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
                  const std::string& label);
 
@@ -84,13 +93,30 @@ class Editor {
   Result<Json> SetModel(const Json& request);
   Result<Json> ChangePart(const Json& request);
   Result<Json> SetRegion(const Json& request);
-  // The body of a define, or of a part in it by the indices of its entries.
-  Result<Place> PlaceOfPart(const Json& request) const;
+
+  Result<Json> BitmapReport();
+  Result<Json> CreateBitmap(const Json& request);
+  Result<Json> DrawBitmap(const Json& request);
+  // The images that the world names as bitmaps, without links.
+  std::set<std::string> NamedImages() const;
+  // The image of a model. The error tells why it cannot be drawn into.
+  Result<std::string> DrawableImage(const EditedEntity& entity) const;
+  // The file of a model's bitmap; nothing: it has none, or one that may not be read.
+  std::optional<std::string> ImageOf(const WorldNode& node) const;
+  // The text in which all models of an image have their walls where they were before it changed.
+  Result<std::string> WithPixelsInPlace(const std::string& image, const GreyPicture& before,
+                                        const GreyPicture& after) const;
+
+  Result<std::unique_ptr<EditedPart>> FindEditedPart(const Json& request) const;
+  Status AddPart(const EditedPart& parent, const Json& request);
+  Status ShapePart(const EditedPart& edited, const Json& request);
+  Status SetGripperRoles(const EditedPart& edited, const Json& request);
 
   EditedFile file_;
   const EditedKind kind_;
   AllowedPaths allowed_;
   std::set<std::string> libraries_;
+  std::set<std::string> first_images_;  // that the file named when it was opened
   std::unique_ptr<EditableWorld> world_;
   std::optional<Error> error_;  // of the text
   std::uint64_t version_ = 0;

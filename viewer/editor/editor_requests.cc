@@ -48,7 +48,7 @@ Result<Json> Editor::Apply(const Json& request) {
     return Json{{"text", text()}};
   }
   if (op == "set_text") return SetText(request);
-  if (op == "save") return done(file_.Save(request.value("overwrite", Json()) == true));
+  if (op == "save") return done(file_.Save(request.value("overwrite", Json()) == true, NamedImages()));
   if (op == "reload") {
     if (Status failure = file_.Reload(); !failure.ok()) return failure.error();
     Load();
@@ -86,6 +86,9 @@ Result<Json> Editor::Apply(const Json& request) {
   if (op == "delete") return done(Remove(TextIn(request, "name")));
   if (op == "rename") return done(Rename(TextIn(request, "name"), TextIn(request, "to")));
   if (op == "add_model") return AddModel(request);
+  if (op == "bitmaps") return BitmapReport();
+  if (op == "create_bitmap") return CreateBitmap(request);
+  if (op == "draw_bitmap") return DrawBitmap(request);
   if (op == "model") return ModelReport(TextIn(request, "name"));
   if (op == "set_model") return SetModel(request);
   if (op == "change_part") return ChangePart(request);
@@ -96,7 +99,7 @@ Result<Json> Editor::Apply(const Json& request) {
 Result<Json> Editor::Document() const {
   Json document = {{"file", path()},
                    {"kind", KindText(kind_)},
-                   {"modified", file_.is_modified()},
+                   {"modified", is_modified()},
                    {"version", version_},
                    {"error", error_ ? error_->ToString() : ""}};
   if (error_) document["error_place"] = WhereJson(error_->where);
@@ -154,7 +157,7 @@ Result<Json> Editor::Palette() const {
                 {"here", model.where.file == path()},
                 {"where", WhereJson(model.where)}};
     if (models.size() < kMostPictures) {
-      const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name, allowed_);
+      const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name, files());
       if (alone.ok()) row["picture"] = PictureOf(alone.value().world);
     }
     models.push_back(std::move(row));

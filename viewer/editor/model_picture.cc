@@ -33,11 +33,17 @@ void Add(Json& blocks, const Polygon& outline, const ZRange& z, const Pose& X_WM
 }  // namespace
 
 Json PictureOf(const WorldDescription& world) {
+  std::vector<ModelId> all;
+  for (std::size_t i = 0; i < world.models.size(); ++i) all.emplace_back(i);
+  return PictureOf(world, all);
+}
+
+Json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models) {
   Json blocks = Json::array();
-  for (std::size_t i = 0; i < world.models.size(); ++i) {
-    const ModelDescription& model = world.models[i];
+  for (const ModelId id : models) {
+    const ModelDescription& model = world.model(id);
     if (model.removed) continue;
-    const Pose X_WM = PoseInWorld(world, ModelId(i));
+    const Pose X_WM = PoseInWorld(world, id);
     const Shape& shape = world.shape(model.shape);
     for (const Block& block : shape.blocks) Add(blocks, block.outline, block.z, X_WM, model.color);
     for (const Rectangle& r : shape.rectangles) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/model/world_description.h"
 
@@ -9,5 +10,7 @@ namespace troupe {
 
 // [{"outline": [[x, y], ...], "z": [min, max], "color": [r, g, b]}], in m and the world's frame; at most some hundred.
 nlohmann::json PictureOf(const WorldDescription& world);
+// Of these models alone, without their children.
+nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models);
 
 }  // namespace troupe

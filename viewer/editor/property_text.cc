@@ -37,4 +37,8 @@ bool IsPropertyName(std::string_view name) {
          std::all_of(index.begin(), index.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
+bool IsTypeName(std::string_view name) {
+  return IsPropertyName(name) && name.find('[') == std::string_view::npos;
+}
+
 }  // namespace troupe

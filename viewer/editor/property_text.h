@@ -14,4 +14,7 @@ std::string ValueText(const Value& value);
 // A name, perhaps with an index: "point[0]".
 bool IsPropertyName(std::string_view name);
 
+// The name of a type or a define: without an index.
+bool IsTypeName(std::string_view name);
+
 }  // namespace troupe

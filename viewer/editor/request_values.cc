@@ -15,6 +15,7 @@ using Json = nlohmann::json;
 constexpr double kLargest = 1e6;
 constexpr std::size_t kMostBlocks = 200;
 constexpr std::size_t kMostCorners = 1000;
+constexpr std::size_t kMostProperties = 100;
 
 std::optional<double> NumberOf(const Json& value) {
   if (!value.is_number()) return std::nullopt;
@@ -93,6 +94,21 @@ Result<PropertyChange> PropertyChangeIn(const nlohmann::json& object) {
   if (!read.ok()) return read.error();
   change.value = std::move(read).value();
   return change;
+}
+
+Result<WrittenProperties> PropertiesIn(const Json& request) {
+  WrittenProperties properties;
+  const auto given = request.find("properties");
+  if (given == request.end()) return properties;
+  if (!given->is_object() || given->size() > kMostProperties) return Error{{}, "found no object of properties"};
+  for (const auto& [name, text] : given->items()) {
+    if (!IsPropertyName(name) || !text.is_string())
+      return Error{{}, "found the property " + Quoted(name) + ", expected a text"};
+    Result<WrittenValue> value = ReadValueText(text.get<std::string>());
+    if (!value.ok()) return Error{{}, Quoted(name) + ": " + value.error().message};
+    properties.emplace_back(name, std::move(value).value());
+  }
+  return properties;
 }
 
 Status CheckName(const std::string& name) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -36,6 +37,10 @@ struct PropertyChange {
   std::optional<WrittenValue> value;  // nothing: it is removed
 };
 Result<PropertyChange> PropertyChangeIn(const nlohmann::json& object);
+
+// "properties": {"color": "\"red\"", ...}, values as text of a world file. Up to 100.
+using WrittenProperties = std::vector<std::pair<std::string, WrittenValue>>;
+Result<WrittenProperties> PropertiesIn(const nlohmann::json& request);
 
 // A name that fits between quotes on a line of both languages.
 Status CheckName(const std::string& name);

@@ -8,7 +8,6 @@
 #include "common/worldfile/build/build_world.h"
 #include "common/worldfile/edit/text_change.h"
 #include "common/worldfile/stage/stage_parser.h"
-#include "viewer/editor/editable_world.h"
 
 namespace troupe {
 namespace {
@@ -62,8 +61,8 @@ bool HasRanger(const WorldNode& node) {
 }  // namespace
 
 Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height,
-                                  const AllowedPaths& allowed) {
-  const Result<LoadedWorld> alone = BuildAlone(tree, model, allowed);
+                                  const NamedFiles& files) {
+  const Result<LoadedWorld> alone = BuildAlone(tree, model, files);
   if (!alone.ok()) return alone.error();
   const ModelDescription& root = alone.value().world.models.front();
   const double half = std::max(kLeastHalf, 1.5 * std::max(root.size_x, root.size_y));
@@ -95,8 +94,8 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
                                     {-half + kProbeWidth, 0, 0, 0}, "SteelBlue"));
   }
   LoadOverrides overrides;
-  overrides.allowed = allowed;
-  return BuildWorld(test, overrides);
+  overrides.allowed = files.allowed;
+  return BuildWorld(test, overrides, {.images = files.images});
 }
 
 }  // namespace troupe

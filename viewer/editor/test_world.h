@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "common/base/allowed_paths.h"
 #include "common/base/result.h"
 #include "common/worldfile/build/loaded_world.h"
 #include "common/worldfile/stage/world_tree.h"
+#include "viewer/editor/editable_world.h"
 
 namespace troupe {
 
@@ -15,6 +15,6 @@ inline constexpr const char* kProbe = "probe";  // name of the plain robot
 
 // `tree`: that defines the model. `probe_height`: m, of the plain robot.
 Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height,
-                                  const AllowedPaths& allowed);
+                                  const NamedFiles& files);
 
 }  // namespace troupe

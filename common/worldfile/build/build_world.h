@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/base/result.h"
+#include "common/image/image_source.h"
 #include "common/worldfile/build/loaded_world.h"
 #include "common/worldfile/stage/world_tree.h"
 
@@ -9,6 +10,7 @@ namespace troupe {
 
 struct BuildOptions {
   bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk
+  ImageSource images = nullptr;  // of images that are not read from their files
 };
 
 // Every property of every node is either honoured or named in a warning with its place.

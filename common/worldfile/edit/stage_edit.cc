@@ -1,7 +1,6 @@
 #include "common/worldfile/edit/stage_edit.h"
 
 #include <cstdlib>
-#include <optional>
 #include <utility>
 
 namespace troupe {
@@ -116,64 +115,6 @@ std::string WithDefine(const std::string& text, const StageSyntax& syntax, const
   }
   const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
   return text + (ended ? "" : end_of_line) + (text.empty() ? "" : end_of_line) + written;
-}
-
-Result<std::string> WithBlocks(const std::string& text, const std::string& path, const std::string& define,
-                               const std::vector<WrittenModel>& blocks) {
-  std::string changed = text;
-  for (std::size_t i = 0;; ++i) {
-    const Result<StageSyntax> syntax = ReadStageSyntax(changed, path);
-    if (!syntax.ok()) return syntax.error();
-    const Statement* const holder = FindDefine(syntax.value(), define);
-    if (holder == nullptr) return Error{{path}, "found no define '" + define + "'"};
-    std::vector<const Statement*> old;
-    for (const Statement& statement : holder->statements) {
-      if (statement.kind == StatementKind::kEntry && statement.name == "block") old.push_back(&statement);
-    }
-    if (i >= blocks.size()) {
-      if (old.size() <= blocks.size()) return changed;
-      changed = WithoutStatement(changed, *old.back());
-      continue;
-    }
-    if (i >= old.size()) {
-      changed = WithEntry(changed, BodyOf(*holder), blocks[i]);
-      continue;
-    }
-    // Corners that are too many go first; a property at a time, because each moves the others.
-    const int line = old[i]->line;
-    const int column = old[i]->column;
-    std::vector<std::string> surplus;
-    for (const Statement& statement : old[i]->statements) {
-      if (!statement.name.starts_with("point[")) continue;
-      bool is_wanted = false;
-      for (const auto& [name, value] : blocks[i].properties) is_wanted = is_wanted || name == statement.name;
-      if (!is_wanted) surplus.push_back(statement.name);
-    }
-    std::optional<StageSyntax> now;  // of `changed`
-    const auto apply = [&](const auto& edit) -> Status {
-      if (!now) {
-        Result<StageSyntax> read = ReadStageSyntax(changed, path);
-        if (!read.ok()) return read.error();
-        now = std::move(read).value();
-      }
-      const auto found = FindStatement(*now, line, column);
-      if (found.empty()) return Error{{path}, "found no block any more"};
-      std::string after = edit(BodyOf(*found.back()));
-      if (after == changed) return {};
-      changed = std::move(after);
-      now.reset();
-      return {};
-    };
-    for (const std::string& name : surplus) {
-      const Status done = apply([&](const StageBody& body) { return WithoutProperty(changed, body, name); });
-      if (!done.ok()) return done.error();
-    }
-    for (const auto& property : blocks[i].properties) {
-      const Status done =
-          apply([&](const StageBody& body) { return WithProperty(changed, body, property.first, property.second); });
-      if (!done.ok()) return done.error();
-    }
-  }
 }
 
 }  // namespace troupe

@@ -1,6 +1,6 @@
 // Edits of a Stage file's text. Each returns the changed text; all bytes that the edit does not concern stay.
 //
-// REQUIRES, of all: `text` is the one that the syntax was read from.
+// stage_body_edit.h applies several to one body. REQUIRES, of all: `text` is the one that the syntax was read from.
 #pragma once
 
 #include <string>
@@ -24,8 +24,5 @@ std::string WithEntry(const std::string& text, const StageBody& body, const Writ
 // With a define before the first entry of the file, which may use it, or at the end.
 std::string WithDefine(const std::string& text, const StageSyntax& syntax, const std::string& name,
                        const WrittenModel& model);
-// With these blocks in place of those of the body: as many as there are change one by one.
-Result<std::string> WithBlocks(const std::string& text, const std::string& path, const std::string& define,
-                               const std::vector<WrittenModel>& blocks);
 
 }  // namespace troupe

@@ -30,6 +30,9 @@ Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const
   }
   const std::optional<std::string> resolved = allowed_.Resolve(path);
   if (!resolved) return Error{where, "bitmap: " + NotAllowed(path, allowed_)};
+  if (std::optional<Bitmap> given = source_ ? source_(*resolved, rule) : std::nullopt) {
+    return &by_path_.emplace(path, Entry{rule, CoverOf(std::move(*given))})->second.content;
+  }
   Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
   if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
   return &by_path_.emplace(path, Entry{rule, CoverOf(std::move(bitmap).value())})->second.content;

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "common/bitmap/dense_cover.h"
 #include "common/bitmap/rectangle_cover.h"
-#include "common/image/image_file.h"
+#include "common/image/image_source.h"
 
 namespace troupe {
 
@@ -37,8 +37,9 @@ BitmapRectangles CoverOf(Bitmap bitmap);
 
 class BitmapCache {
  public:
-  // Images are read from these files only.
-  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All()) : allowed_(std::move(allowed)) {}
+  // Images are read from these files only. `source`: of images that are not read from their files.
+  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All(), ImageSource source = nullptr)
+      : allowed_(std::move(allowed)), source_(std::move(source)) {}
 
   // The bitmap at `path` by `rule`. Errors are placed at `where`, which names it. Valid as long as the cache.
   Result<const BitmapRectangles*> Load(const std::string& path, const PixelRule& rule, const SourceLocation& where);
@@ -54,6 +55,7 @@ class BitmapCache {
     BitmapRectangles content;
   };
   AllowedPaths allowed_;
+  ImageSource source_;
   std::multimap<std::string, Entry> by_path_;
 };
 

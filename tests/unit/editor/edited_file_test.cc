@@ -23,13 +23,13 @@ TEST(EditedFileTest, SavedTextReplacesTheFileAsAWhole) {
   const std::string path = folder.Write("a.world", "old\n");
   chmod(path.c_str(), 0640);
   EditedFile file = Opened(path);
-  EXPECT_FALSE(file.is_modified());
+  EXPECT_FALSE(file.is_modified({}));
   file.Change("new\n", "the change");
-  EXPECT_TRUE(file.is_modified());
+  EXPECT_TRUE(file.is_modified({}));
   EXPECT_EQ(folder.Read("a.world"), "old\n");
-  ASSERT_TRUE(file.Save(false).ok());
+  ASSERT_TRUE(file.Save(false, {}).ok());
   EXPECT_EQ(folder.Read("a.world"), "new\n");
-  EXPECT_FALSE(file.is_modified());
+  EXPECT_FALSE(file.is_modified({}));
   struct stat status {};
   ASSERT_EQ(stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777, 0640U);
@@ -42,7 +42,7 @@ TEST(EditedFileTest, ALinkStaysALink) {
   std::filesystem::create_symlink("a.world", folder / "link.world");
   EditedFile file = Opened(folder / "link.world");
   file.Change("new\n", "the change");
-  ASSERT_TRUE(file.Save(false).ok());
+  ASSERT_TRUE(file.Save(false, {}).ok());
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.world"));
   EXPECT_EQ(folder.Read("a.world"), "new\n");
 }
@@ -53,7 +53,7 @@ TEST(EditedFileTest, AFileThatHasChangedOnDiskIsKept) {
   EditedFile file = Opened(path);
   file.Change("mine\n", "the change");
   folder.Write("a.world", "theirs\n");
-  const Status refused = file.Save(false);
+  const Status refused = file.Save(false, {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kNoRoom);
   EXPECT_EQ(folder.Read("a.world"), "theirs\n");
@@ -61,18 +61,18 @@ TEST(EditedFileTest, AFileThatHasChangedOnDiskIsKept) {
   EXPECT_EQ(file.text(), "theirs\n");
   file.Undo();
   EXPECT_EQ(file.text(), "mine\n");
-  ASSERT_TRUE(file.Save(false).ok());
+  ASSERT_TRUE(file.Save(false, {}).ok());
   std::filesystem::remove(path);
-  EXPECT_FALSE(file.Save(false).ok());
-  EXPECT_TRUE(file.Save(true).ok());
+  EXPECT_FALSE(file.Save(false, {}).ok());
+  EXPECT_TRUE(file.Save(true, {}).ok());
 }
 
 TEST(EditedFileTest, ANewFileDoesNotReplaceOneThatAppeared) {
   const TemporaryFolder folder;
   EditedFile file = Opened(folder / "new.world", "");
-  EXPECT_TRUE(file.is_modified());
+  EXPECT_TRUE(file.is_modified({}));
   folder.Write("new.world", "theirs\n");
-  EXPECT_FALSE(file.Save(false).ok());
+  EXPECT_FALSE(file.Save(false, {}).ok());
   EXPECT_EQ(folder.Read("new.world"), "theirs\n");
   EXPECT_FALSE(EditedFile::Open(folder / "none/new.world", "").ok());
 }
@@ -89,14 +89,14 @@ TEST(EditedFileTest, AFullDiskLeavesTheFileAsItWas) {
   rlimit small = before;
   small.rlim_cur = 4096;
   setrlimit(RLIMIT_FSIZE, &small);
-  const Status saved = file.Save(false);
+  const Status saved = file.Save(false, {});
   setrlimit(RLIMIT_FSIZE, &before);
   ASSERT_FALSE(saved.ok());
   EXPECT_EQ(saved.error().code, ErrorCode::kOutputFailed);
   EXPECT_EQ(folder.Read("a.world"), "old\n");
   EXPECT_EQ(folder.size(), 1U);
-  EXPECT_TRUE(file.is_modified());
-  EXPECT_TRUE(file.Save(false).ok());
+  EXPECT_TRUE(file.is_modified({}));
+  EXPECT_TRUE(file.Save(false, {}).ok());
 }
 
 TEST(EditedFileTest, HistoryIsBounded) {

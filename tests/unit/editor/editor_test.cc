@@ -7,38 +7,13 @@
 
 #include "common/worldfile/load_world.h"
 #include "tests/support/stage_worlds.h"
+#include "tests/unit/editor/edited_world.h"
 #include "tests/unit/editor/temporary_folder.h"
 
 namespace troupe {
 namespace {
 
 using Json = nlohmann::json;
-
-std::unique_ptr<Editor> OpenedEditor(const std::string& path) {
-  Result<std::unique_ptr<Editor>> editor = Editor::Open(path);
-  EXPECT_TRUE(editor.ok()) << (editor.ok() ? "" : editor.error().ToString());
-  return editor.ok() ? std::move(editor).value() : nullptr;
-}
-
-Json Applied(Editor& editor, const Json& request) {
-  Result<Json> reply = editor.Apply(request);
-  EXPECT_TRUE(reply.ok()) << request << ": " << (reply.ok() ? "" : reply.error().ToString());
-  return reply.ok() ? std::move(reply).value() : Json();
-}
-
-std::string Refused(Editor& editor, const Json& request) {
-  const std::string before = editor.text();
-  const Result<Json> reply = editor.Apply(request);
-  EXPECT_FALSE(reply.ok()) << request;
-  EXPECT_EQ(editor.text(), before);
-  return reply.ok() ? "" : reply.error().ToString();
-}
-
-std::string WithPart(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 const char* const kThings = "define crate model ( size [0.5 0.5 0.4] color \"brown\" gripper_return 1 )\n";
 const char* const kYard = R"(include "things.inc"

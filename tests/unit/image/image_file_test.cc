@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/image/grey_image.h"
 #include "tests/unit/image/write_png.h"
 
 namespace troupe {
@@ -54,6 +55,35 @@ class ImageFile : public testing::Test {
 
   std::string folder_;
 };
+
+TEST_F(ImageFile, GreyValuesAreThoseThatStageCompares) {
+  const auto values = [&](const PngContent& content) {
+    const Result<GreyImage> image = ReadGreyPng(WriteImage(content));
+    EXPECT_TRUE(image.ok());
+    return image.ok() ? image.value().values : std::vector<std::uint8_t>();
+  };
+  using Values = std::vector<std::uint8_t>;
+  EXPECT_EQ(values({.width = 2, .height = 2, .rows = {{0, 127}, {128, 255}}, .palette = {}}),
+            Values({0, 127, 128, 255}));
+  EXPECT_EQ(values({.width = 3, .height = 1, .bit_depth = 1, .rows = {{0x40}}, .palette = {}}), Values({0, 255, 0}));
+  EXPECT_EQ(values({.width = 1, .height = 1, .bit_depth = 16, .rows = {{0x80, 0x12}}, .palette = {}}), Values({0x80}));
+  EXPECT_EQ(
+      values(
+          {.width = 2, .height = 1, .color_type = PNG_COLOR_TYPE_RGB, .rows = {{1, 2, 3, 200, 5, 6}}, .palette = {}}),
+      Values({1, 200}));
+  EXPECT_EQ(values({.width = 2, .height = 2, .interlaced = true, .rows = {{1, 2}, {3, 4}}, .palette = {}}),
+            Values({1, 2, 3, 4}));
+  // Written and read again.
+  const GreyImage image{3, 2, {0, 50, 100, 150, 200, 250}};
+  const std::string bytes = EncodeGreyPng(image).value();
+  std::ofstream(Path("grey.png"), std::ios::binary) << bytes;
+  EXPECT_EQ(ReadGreyPng(Path("grey.png")).value().values, image.values);
+  EXPECT_EQ(bytes[24], 8);  // bits
+  EXPECT_EQ(bytes[25], PNG_COLOR_TYPE_GRAY);
+  std::ofstream(Path("cut.png"), std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_FALSE(ReadGreyPng(Path("cut.png")).ok());
+  EXPECT_FALSE(ReadGreyPng(Path("none.png")).ok());
+}
 
 TEST_F(ImageFile, GreyPixelsUpTo127AreOccupied) {
   EXPECT_EQ(Picture(WriteImage({3, 2, 8, PNG_COLOR_TYPE_GRAY, false, {{0, 127, 128}, {255, 1, 254}}, {}})),

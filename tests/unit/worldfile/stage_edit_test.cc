@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/worldfile/edit/stage_body_edit.h"
 #include "common/worldfile/stage/stage_parser.h"
 #include "tests/support/stage_worlds.h"
 
@@ -142,9 +143,9 @@ TEST(StageEditTest, BlocksChangeOneByOne) {
   const std::vector<Vec2> triangle{{0, 0}, {1, 0}, {1, 1}};
   const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   const auto edited = [&](const std::vector<WrittenModel>& blocks) {
-    Result<std::string> result = WithBlocks(text, "step.inc", "step", blocks);
-    EXPECT_TRUE(result.ok());
-    return result.ok() ? result.value() : "";
+    StageBodyEdit edit(text, "step.inc", 1, 8);
+    EXPECT_TRUE(edit.SetBlocks(blocks).ok());
+    return edit.text();
   };
   EXPECT_EQ(edited({WrittenBlock(square, 0, 0.5), WrittenBlock(triangle, 0.5, 1)}), text);
   EXPECT_EQ(edited({WrittenBlock(square, 0, 0.75), WrittenBlock(triangle, 0.5, 1)}),

@@ -88,7 +88,29 @@ export interface ModelPart {
   line: number;
   properties: Record<string, string>;
   parts?: ModelPart[];
+  // Of a part that is a model, in m and rad and in the frame of the whole model:
+  model?: string;  // base type
+  name?: string;
+  pose?: [number, number, number, number];  // x, y, z, heading
+  body?: [number, number, number, number];  // of the middle of its body's underside
+  size?: [number, number, number];
+  is_box?: boolean;  // its body is a box of that size
+  bodies?: PictureBlock[];
+  joint?: PartJoint;
+  gripper?: PartGripper;
 }
+
+export interface PartJoint {
+  type: 'linear' | 'rotational';
+  axis: [number, number, number];  // of length 1
+  limits: [number, number];  // m or rad
+  max_speed: number;
+}
+
+export type GripperRole = 'left_finger' | 'right_finger' | 'left_pad' | 'right_pad' | 'lift';
+
+// Its own paddles, or paths of the parts that it is made of.
+export type PartGripper = {paddle?: [number, number, number]} & Partial<Record<GripperRole, number[]>>;
 
 export interface ModelReport {
   name: string;
@@ -97,8 +119,9 @@ export interface ModelReport {
   here: boolean;
   metres: number;  // per unit of length of the file
   radians: number;  // per unit of angle
+  size: [number, number, number];
   blocks: PictureBlock[];
-  picture: PictureBlock[];
+  others: PictureBlock[];  // bodies of models that are not listed as parts
   properties: Record<string, string>;
   own: Record<string, string>;
   parts: ModelPart[];

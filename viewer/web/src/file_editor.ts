@@ -1,5 +1,6 @@
 // FileEditor: the page of `troupe edit`: the entities of the file, its models, properties, problems and text. The gateway
 // holds the file; each edit is a request, and the world that follows comes as that of a run.
+import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';
 import {Drawing, roomBetween, wallBetween, type DrawTool, type Point} from './drawing';
 import {byId, make, setText, toast} from './dom';
@@ -23,6 +24,7 @@ export class FileEditor {
   document: FileDocument | null = null;
   private readonly client: FileClient;
   private readonly drawing: Drawing;
+  private readonly bitmaps: BitmapDrawing;
   private readonly models: ModelEditor;
   private readonly regions: SpawnRegions;
   private help: HelpRow[] = [];
@@ -30,6 +32,7 @@ export class FileEditor {
   private palette: PaletteRow[] = [];
   private selected = '';
   private paletteVersion = -1;
+  private bitmapVersion = -1;
   private refreshing = false;
   private again = false;
 
@@ -38,6 +41,7 @@ export class FileEditor {
       private readonly host: FileEditorHost, private readonly viewOnly: boolean) {
     this.client = new FileClient(connection);
     this.drawing = new Drawing(scene, {drawn: (tool, from, to) => void this.drawn(tool, from, to)});
+    this.bitmaps = new BitmapDrawing(scene, this.client, {changed: () => void this.refresh()});
     this.models = new ModelEditor(this.client, {
       help: () => this.help,
       models: () => this.palette.map(row => row.name),
@@ -86,7 +90,10 @@ export class FileEditor {
       void this.save();
       return true;
     }
-    if (event.key === 'Escape') this.drawing.set('none');
+    if (event.key === 'Escape') {
+      this.drawing.set('none');
+      void this.bitmaps.set(false);
+    }
     return false;
   }
 
@@ -105,6 +112,11 @@ export class FileEditor {
     bind('file-model', () => this.models.openNew());
     bind('file-test', () => void (this.document?.testing ? this.endTest() : this.test('', 0)));
     for (const tool of ['wall', 'room', 'region'] as const) bind(`file-${tool}`, () => this.draw(tool));
+    bind('file-bitmap', () => {
+      this.editing.cancel();
+      this.drawing.set('none');
+      void this.bitmaps.set(!this.bitmaps.open);
+    });
     bind('file-rename', () => void this.renameSelected());
     bind('file-delete', () => void this.deleteSelected());
     byId('entity-search').oninput = () => this.showEntities();
@@ -114,7 +126,9 @@ export class FileEditor {
       if (this.document?.modified) event.preventDefault();
     });
     if (this.viewOnly) {
-      for (const id of ['file-save', 'file-wall', 'file-room', 'file-region', 'file-model', 'file-test', 'text-apply']) {
+      for (const id of [
+        'file-save', 'file-wall', 'file-room', 'file-bitmap', 'file-region', 'file-model', 'file-test', 'text-apply',
+      ]) {
         byId(id).hidden = true;
       }
     }
@@ -122,6 +136,7 @@ export class FileEditor {
 
   private draw(tool: DrawTool): void {
     this.editing.cancel();
+    void this.bitmaps.set(false);
     this.drawing.set(this.drawing.tool === tool ? 'none' : tool);
   }
 
@@ -137,6 +152,10 @@ export class FileEditor {
       this.document = reply as unknown as FileDocument;
       if (this.paletteVersion !== this.document.version) await this.loadPalette(this.document.version);
       this.showDocument(this.document);
+      if (this.document.version !== this.bitmapVersion) {
+        this.bitmapVersion = this.document.version;
+        await this.bitmaps.refresh();
+      }
     }
     this.refreshing = false;
   }
@@ -158,6 +177,7 @@ export class FileEditor {
     state.className = `badge ${shown.error ? 'lost' : shown.testing ? 'holding' : shown.modified ? 'stalled' : 'moving'}`;
     setText(byId('file-test'), shown.testing ? 'End test' : 'Test');
     byId('file-region').hidden = shown.kind !== 'scenario' || this.viewOnly;
+    byId('file-bitmap').hidden = shown.kind === 'scenario' || this.viewOnly;
     byId('file-model').hidden = shown.kind === 'scenario' || this.viewOnly;
     for (const [id, label] of [['undo', shown.undo], ['redo', shown.redo]] as const) {
       const button = byId<HTMLButtonElement>(id);
@@ -210,6 +230,7 @@ export class FileEditor {
       button.disabled = this.viewOnly;
       button.onclick = () => {
         this.drawing.set('none');
+        void this.bitmaps.set(false);
         this.editing.startAdding(row.name, row.type);
       };
       line.append(button);

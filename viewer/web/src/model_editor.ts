@@ -2,21 +2,9 @@
 import {byId, make, setText, toast} from './dom';
 import type {FileClient, HelpRow, ModelPart, ModelReport} from './file_client';
 import {ModelViews, type Fan, type ViewsState} from './model_views';
+import {placedParts} from './part_geometry';
+import {PartList} from './part_list';
 import {showProperties} from './property_rows';
-
-// Parts that can be added, as they begin.
-const PARTS: Record<string, {properties: Record<string, string>; sensor?: Record<string, string>}> = {
-  ranger: {properties: {size: '[0.1 0.1 0.1]'}, sensor: {range: '[0 5]', fov: '180', samples: '181'}},
-  camera: {properties: {resolution: '[64 48]'}},
-  fiducial: {properties: {range_max: '5'}},
-  blobfinder: {properties: {range: '5'}},
-  bumper: {properties: {bcount: '1', 'bpose[0]': '[0.2 0 0 0]', blength: '0.3'}},
-  contact: {properties: {}},
-  gripper: {properties: {pose: '[0.3 0 0 0]'}},
-  actuator: {properties: {size: '[0.1 0.1 0.5]', axis: '[0 0 1]', max_speed: '0.1'}},
-  model: {properties: {size: '[0.1 0.1 0.1]'}},
-  blinkenlight: {properties: {}},
-};
 
 const FLAGS: Array<[string, string, boolean]> = [
   ['model-collides', 'obstacle_return', true], ['model-movable', 'gripper_return', false],
@@ -38,6 +26,7 @@ export class ModelEditor {
     blocks: [], selected: -1, fans: [], newHeights: [0, 0.5], others: [],
   };
   private readonly views: ModelViews;
+  private readonly parts: PartList;
   private report: ModelReport | null = null;  // null: a new model
   private blocksChanged = false;
   private readonly box = byId('model-editor');
@@ -46,15 +35,29 @@ export class ModelEditor {
   private readonly color = byId<HTMLInputElement>('model-color');
 
   constructor(private readonly client: FileClient, private readonly host: ModelEditorHost) {
-    this.views = new ModelViews(byId('model-top'), byId('model-side'), this.state, () => {
-      this.blocksChanged = true;
-      this.showBlocks();
+    this.views = new ModelViews(byId('model-top'), byId('model-side'), this.state, {
+      blocksChanged: () => {
+        this.blocksChanged = true;
+        this.showBlocks();
+      },
+      partDrawn: outline => void this.parts.drawn(outline),
+      partSelected: path => this.showParts(path),
+      partShaped: (path, shape) => void this.change({part: path, action: 'shape', shape}),
+    });
+    this.parts = new PartList({
+      help: () => this.host.help(),
+      change: more => this.change(more),
+      select: path => {
+        this.views.parts.select(path);
+        this.showParts(path);
+        this.views.draw();
+      },
+      pick: picked => this.views.parts.setPick(picked),
+      setDrawsPart: draws => this.views.setDrawsPart(draws),
     });
     byId('model-close').onclick = () => this.close();
     byId('model-apply').onclick = () => void this.apply();
     byId('model-test').onclick = () => void this.test();
-    byId('part-add').onclick = () => void this.addPart([], byId<HTMLSelectElement>('part-type').value);
-    byId('part-type').replaceChildren(...Object.keys(PARTS).map(type => new Option(type, type)));
     // The page's keys are not for a text that is typed here.
     this.box.addEventListener('keydown', event => {
       if (event.key === 'Escape' && !this.views.cancel()) this.close();
@@ -72,6 +75,7 @@ export class ModelEditor {
     this.state.fans = [];
     this.state.others = [];
     this.state.selected = -1;
+    this.views.parts.setParts([]);
     this.name.value = '';
     this.base.value = 'model';
     this.color.value = 'gray60';
@@ -82,6 +86,7 @@ export class ModelEditor {
   async openModel(name: string): Promise<void> {
     const reply = await this.client.edit('model', {name});
     if (!reply.done) return;
+    this.views.parts.select(null);
     this.show(reply as unknown as ModelReport);
     this.open();
   }
@@ -117,7 +122,8 @@ export class ModelEditor {
     }
     this.state.blocks = report.blocks;
     this.state.selected = Math.min(this.state.selected, report.blocks.length - 1);
-    this.state.others = report.picture.slice(report.blocks.length);
+    this.state.others = report.others;
+    this.views.parts.setParts(placedParts(report.parts));
     this.state.fans = report.parts.flatMap(part => this.fansOf(part));
     this.blocksChanged = false;
   }
@@ -144,19 +150,18 @@ export class ModelEditor {
     this.name.disabled = !isNew;
     this.base.disabled = !isNew;
     byId<HTMLButtonElement>('model-apply').disabled = locked;
-    byId<HTMLButtonElement>('part-add').disabled = isNew || locked;
     setText(byId('model-error'), locked ? 'of an included file: edit it there' : '');
     this.showBlocks();
-    byId('model-parts').replaceChildren(
-      ...(isNew ? [make('div', 'faint', 'Apply the model first, then add sensors, joints and grippers.')]
-                : this.report!.parts.map(part => this.partRow(part, [part.index]))));
+    this.showParts(this.views.parts.selectedPart()?.path ?? null);
     const type = this.report?.type ?? 'model';
     if (this.report) {
       const {properties, own} = this.report;
       const shown = Object.keys(properties).map(name => ({name, value: own[name] ?? properties[name], own: name in own}));
       showProperties(byId('model-properties'), shown, this.host.help(), {
         types: ['*', type], locked, of: this.report.name,
-        set: (name, value) => this.change({part: [], action: 'set', property: name, value}),
+        set: async (property, value) => {
+          await this.change({part: [], action: 'set', property, value});
+        },
       });
     } else {
       byId('model-properties').replaceChildren();
@@ -199,34 +204,17 @@ export class ModelEditor {
     }));
   }
 
-  private partRow(part: ModelPart, path: number[]): HTMLElement {
-    const locked = !this.report?.here;
-    const row = make('div', 'part');
-    const title = make('h3', '', part.type);
-    const remove = make('button', 'plain', '✕');
-    remove.title = `Delete this ${part.type}`;
-    remove.hidden = locked;
-    remove.onclick = () => void this.change({part: path, action: 'remove'});
-    title.append(remove);
-    const properties = make('div', '');
-    const types = part.type === 'sensor' ? ['sensor'] : ['*', part.type];
-    showProperties(properties, Object.entries(part.properties).map(([name, value]) => ({name, value, own: true})), this.host.help(), {
-      types, locked, of: path.join('.'), set: (name, value) => this.change({part: path, action: 'set', property: name, value}),
-    });
-    row.append(title, properties, ...(part.parts ?? []).map(inner => this.partRow(inner, [...path, inner.index])));
-    return row;
+  private showParts(selected: number[] | null): void {
+    this.parts.show(this.report, this.views.parts.parts, selected);
   }
 
-  private async change(more: object): Promise<void> {
-    if (!this.report) return;
-    if (this.blocksChanged && !await this.apply()) return;
-    const reply = await this.client.edit('change_part', {model: this.report.name, ...more});
-    if (reply.done) await this.reload();
-  }
-
-  private addPart(part: number[], type: string): Promise<void> {
-    const {properties, sensor} = PARTS[type];
-    return this.change({part, action: 'add', kind: type, properties, sensor});
+  // True if the file is changed so.
+  private async change(more: object): Promise<boolean> {
+    if (!this.report) return false;
+    const done = (!this.blocksChanged || await this.apply())
+      && (await this.client.edit('change_part', {model: this.report.name, ...more})).done;
+    await this.reload();
+    return done;
   }
 
   private async reload(): Promise<void> {

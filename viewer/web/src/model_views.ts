@@ -1,6 +1,9 @@
-// The two views of the model editor: outlines of blocks from above, heights from the side. Metres; x to the right, y or
-// z up.
+// The two views of the model editor: outlines of blocks from above, heights from the side, and the parts in both.
+// Metres; x to the right, y or z up.
 import type {PictureBlock} from './file_client';
+import {snapTo} from './part_geometry';
+import {PartViews, type PartViewsHost} from './part_views';
+import {color, NEAR, Sheet, type Point2} from './sheet';
 
 export interface Fan {
   x: number;
@@ -8,6 +11,11 @@ export interface Fan {
   heading: number;
   fov: number;
   range: number;
+}
+
+export interface ModelViewsHost extends PartViewsHost {
+  blocksChanged(): void;
+  partDrawn(outline: Point2[]): void;
 }
 
 export interface ViewsState {
@@ -19,96 +27,39 @@ export interface ViewsState {
 }
 
 const SNAP = 0.05;  // m
-const NEAR = 9;  // px
 const LEAST_HEIGHT = 0.01;  // m
+const DRAG = 6;  // px, that a click may move
 
-const snap = (value: number): number => Math.round(Math.round(value / SNAP) * SNAP * 1e4) / 1e4;
-
-function color(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
-// A canvas with its own scale: the middle of its lower or central part is the origin.
-class Sheet {
-  scale = 200;  // px per m
-  readonly context: CanvasRenderingContext2D;
-
-  // `ground`: y 0 is near the lower edge.
-  constructor(readonly canvas: HTMLCanvasElement, private readonly ground: boolean) {
-    this.context = canvas.getContext('2d')!;
-  }
-
-  resize(): void {
-    const {clientWidth, clientHeight} = this.canvas;
-    if (this.canvas.width !== clientWidth || this.canvas.height !== clientHeight) {
-      this.canvas.width = clientWidth;
-      this.canvas.height = clientHeight;
-    }
-  }
-  get originY(): number {
-    return this.ground ? this.canvas.height - 28 : this.canvas.height / 2;
-  }
-  toPixel(a: number, b: number): [number, number] {
-    return [this.canvas.width / 2 + a * this.scale, this.originY - b * this.scale];
-  }
-  toMetres(event: MouseEvent): [number, number] {
-    const box = this.canvas.getBoundingClientRect();
-    return [
-      (event.clientX - box.left - this.canvas.width / 2) / this.scale, (this.originY - event.clientY + box.top) / this.scale,
-    ];
-  }
-  // On the window, for tests.
-  toClient(a: number, b: number): {x: number; y: number} {
-    const box = this.canvas.getBoundingClientRect();
-    const [x, y] = this.toPixel(a, b);
-    return {x: box.left + x, y: box.top + y};
-  }
-
-  drawGrid(): void {
-    const {context, canvas} = this;
-    context.clearRect(0, 0, canvas.width, canvas.height);
-    const step = [0.1, 0.5, 1, 5].find(s => s * this.scale >= 16) ?? 10;
-    const reach = Math.ceil(Math.max(canvas.width, canvas.height) / this.scale / step) + 1;
-    for (let i = -reach; i <= reach; ++i) {
-      context.strokeStyle = i === 0 ? color('--faint') : color('--grid');
-      context.lineWidth = i % 5 === 0 ? 1 : 0.4;
-      const [x, y] = this.toPixel(i * step, i * step);
-      context.beginPath();
-      context.moveTo(x, 0);
-      context.lineTo(x, canvas.height);
-      context.moveTo(0, y);
-      context.lineTo(canvas.width, y);
-      context.stroke();
-      if (i !== 0 && i % 5 === 0) {
-        context.fillStyle = color('--faint');
-        context.fillText(`${Math.round(i * step * 100) / 100} m`, x + 3, this.originY - 3);
-        context.fillText(`${Math.round(i * step * 100) / 100} m`, canvas.width / 2 + 3, y - 3);
-      }
-    }
-  }
-}
+const snap = (value: number): number => snapTo(value, SNAP);
 
 export class ModelViews {
+  readonly parts: PartViews;
   private readonly top: Sheet;
   private readonly side: Sheet;
-  private drawn: Array<[number, number]> = [];  // corners of the outline that is being drawn
-  private pointer: [number, number] | null = null;
+  private drawn: Point2[] = [];  // corners of the outline that is being drawn
+  private drawsPart = false;  // it is that of a new part
+  private pressed: MouseEvent | null = null;  // that began the outline, until it is released
+  private pointer: Point2 | null = null;
   private corner: {block: number; index: number} | null = null;  // that is dragged
   private edge: {block: number; upper: boolean} | null = null;
 
   constructor(
       top: HTMLCanvasElement, side: HTMLCanvasElement, private readonly state: ViewsState,
-      private readonly changed: () => void) {
+      private readonly host: ModelViewsHost) {
+    this.parts = new PartViews(host);
     this.top = new Sheet(top, false);
     this.side = new Sheet(side, true);
     top.addEventListener('pointerdown', event => this.onTopDown(event));
     top.addEventListener('pointermove', event => this.onTopMove(event));
+    top.addEventListener('pointerup', event => this.onTopUp(event));
     top.addEventListener('contextmenu', event => this.onTopMenu(event));
     side.addEventListener('pointerdown', event => this.onSideDown(event));
     side.addEventListener('pointermove', event => this.onSideMove(event));
     for (const sheet of [this.top, this.side]) {
       sheet.canvas.addEventListener('pointerup', () => {
         this.corner = this.edge = null;
+        this.parts.release();
+        this.draw();
       });
       sheet.canvas.addEventListener('wheel', event => {
         event.preventDefault();
@@ -128,6 +79,12 @@ export class ModelViews {
       for (const [x, y] of outline) reach = Math.max(reach, Math.abs(x), Math.abs(y));
       height = Math.max(height, z[1]);
     }
+    for (const {part} of this.parts.parts) {
+      for (const {outline, z} of part.bodies ?? []) {
+        for (const [x, y] of outline) reach = Math.max(reach, Math.abs(x), Math.abs(y));
+        height = Math.max(height, z[1]);
+      }
+    }
     this.top.resize();
     this.side.resize();
     const width = Math.min(this.top.canvas.width, this.top.canvas.height) || 400;
@@ -141,10 +98,18 @@ export class ModelViews {
     return (view === 'top' ? this.top : this.side).toClient(a, b);
   }
 
-  cancel(): boolean {
-    const was = this.drawn.length > 0;
+  // The next outline, or rectangle that is dragged, is that of a new part.
+  setDrawsPart(drawsPart: boolean): void {
+    this.drawsPart = drawsPart;
     this.drawn = [];
+    this.pressed = null;
     this.draw();
+  }
+
+  // True if there was something to cancel.
+  cancel(): boolean {
+    const was = [this.parts.cancel(), this.drawn.length > 0, this.drawsPart].includes(true);
+    this.setDrawsPart(false);
     return was;
   }
 
@@ -197,32 +162,20 @@ export class ModelViews {
       context.lineWidth = isSelected ? 2 : 1;
       context.stroke();
       if (!isSelected) return;
-      for (const corner of outline) this.mark(corner);
+      for (const corner of outline) top.square(corner, color('--accent'));
     });
-    if (this.drawn.length > 0) {
-      context.beginPath();
-      [...this.drawn, ...(this.pointer ? [this.pointer] : [])].forEach(([x, y], k) => {
-        const [px, py] = top.toPixel(x, y);
-        if (k === 0) context.moveTo(px, py);
-        else context.lineTo(px, py);
-      });
-      context.strokeStyle = color('--accent');
-      context.lineWidth = 2;
-      context.stroke();
-      for (const corner of this.drawn) this.mark(corner);
-    }
     context.lineWidth = 1;
+    this.parts.draw(top, 'top');
+    if (this.drawn.length > 0) {
+      const points = this.draggedRectangle() ?? [...this.drawn, ...(this.pointer ? [this.pointer] : [])];
+      top.line(points, {stroke: color('--accent'), width: 2});
+      for (const corner of this.drawn) top.square(corner, color('--accent'));
+    }
     // The model's front.
     const [x, y] = top.toPixel(0, 0);
     context.fillStyle = color('--red');
     context.fillRect(x, y - 1, 26, 2);
     context.fillText('x', x + 30, y + 4);
-  }
-
-  private mark([a, b]: [number, number]): void {
-    const [x, y] = this.top.toPixel(a, b);
-    this.top.context.fillStyle = color('--accent');
-    this.top.context.fillRect(x - 4, y - 4, 8, 8);
   }
 
   private drawSide(): void {
@@ -255,47 +208,90 @@ export class ModelViews {
       if (isSelected) context.fillText(`${z[0]} to ${z[1]} m`, right + 6, (top + bottom) / 2);
     });
     context.lineWidth = 1;
+    this.parts.draw(side, 'side');
   }
 
-  private isNear(event: MouseEvent, sheet: Sheet, [a, b]: [number, number]): boolean {
-    const at = sheet.toClient(a, b);
-    return Math.hypot(event.clientX - at.x, event.clientY - at.y) < NEAR;
+  private snapped(event: MouseEvent): Point2 {
+    const [x, y] = this.top.toMetres(event);
+    return this.drawsPart ? [snapTo(x), snapTo(y)] : [snap(x), snap(y)];
+  }
+
+  // The outline of a part that is dragged from corner to corner; null: corners are clicked.
+  private draggedRectangle(): Point2[] | null {
+    if (!this.drawsPart || !this.pressed || !this.pointer || this.drawn.length !== 1) return null;
+    const [[x0, y0], [x1, y1]] = [this.drawn[0], this.pointer];
+    if (Math.hypot(x1 - x0, y1 - y0) * this.top.scale < DRAG || x0 === x1 || y0 === y1) return null;
+    const [left, right] = [Math.min(x0, x1), Math.max(x0, x1)];
+    const [lower, upper] = [Math.min(y0, y1), Math.max(y0, y1)];
+    return [[left, lower], [right, lower], [right, upper], [left, upper], [left, lower]];
+  }
+
+  private finish(outline: Point2[]): void {
+    const isPart = this.drawsPart;
+    this.setDrawsPart(false);
+    if (isPart) {
+      this.host.partDrawn(outline);
+      return;
+    }
+    this.state.blocks.push({outline, z: [...this.state.newHeights]});
+    this.state.selected = this.state.blocks.length - 1;
+    this.host.blocksChanged();
+    this.draw();
+  }
+
+  private pressesPart(event: PointerEvent): boolean {
+    return !this.drawsPart && this.drawn.length === 0 && this.parts.press(event, this.top, 'top');
   }
 
   private onTopDown(event: PointerEvent): void {
     if (event.button !== 0) return;
     const {state} = this;
-    if (this.drawn.length === 0) {
+    if (this.parts.selectedPart() && this.pressesPart(event)) {
+      this.draw();
+      return;
+    }
+    if (this.drawn.length === 0 && !this.drawsPart) {
       // A corner of the selected block, or another block.
       const selected = state.blocks[state.selected];
-      const index = selected ? selected.outline.findIndex(corner => this.isNear(event, this.top, corner)) : -1;
+      const index = selected ? selected.outline.findIndex(corner => this.top.isNear(event, corner)) : -1;
       if (index >= 0) {
         this.corner = {block: state.selected, index};
         this.top.canvas.setPointerCapture(event.pointerId);
         return;
       }
     }
-    if (this.drawn.length >= 3 && this.isNear(event, this.top, this.drawn[0])) {
-      state.blocks.push({outline: this.drawn, z: [...state.newHeights]});
-      state.selected = state.blocks.length - 1;
-      this.drawn = [];
-      this.changed();
+    if (this.pressesPart(event)) {
       this.draw();
       return;
     }
-    const [x, y] = this.top.toMetres(event);
-    this.drawn.push([snap(x), snap(y)]);
+    if (this.drawn.length >= 3 && this.top.isNear(event, this.drawn[0])) {
+      this.finish(this.drawn);
+      return;
+    }
+    this.drawn.push(this.snapped(event));
+    this.pressed = event;
+    if (this.drawsPart) this.top.canvas.setPointerCapture(event.pointerId);
     this.draw();
   }
 
   private onTopMove(event: PointerEvent): void {
-    const [x, y] = this.top.toMetres(event);
-    this.pointer = [snap(x), snap(y)];
+    if (this.parts.move(event, this.top, 'top')) {
+      this.draw();
+      return;
+    }
+    this.pointer = this.snapped(event);
     if (this.corner) {
       this.state.blocks[this.corner.block].outline[this.corner.index] = this.pointer;
-      this.changed();
+      this.host.blocksChanged();
     }
     if (this.corner || this.drawn.length > 0) this.draw();
+  }
+
+  private onTopUp(event: PointerEvent): void {
+    this.pointer = this.snapped(event);
+    const rectangle = this.draggedRectangle();
+    this.pressed = null;
+    if (rectangle) this.finish(rectangle.slice(0, 4));
   }
 
   private onTopMenu(event: MouseEvent): void {
@@ -304,14 +300,19 @@ export class ModelViews {
     if (this.drawn.length > 0) {
       this.drawn.pop();
     } else if (block && block.outline.length > 3) {
-      const index = block.outline.findIndex(corner => this.isNear(event, this.top, corner));
+      const index = block.outline.findIndex(corner => this.top.isNear(event, corner));
       if (index >= 0) block.outline.splice(index, 1);
-      this.changed();
+      this.host.blocksChanged();
     }
     this.draw();
   }
 
   private onSideDown(event: PointerEvent): void {
+    if (event.button !== 0) return;
+    if (this.parts.press(event, this.side, 'side')) {
+      this.draw();
+      return;
+    }
     const [x, z] = this.side.toMetres(event);
     const near = NEAR / this.side.scale;
     const found = this.state.blocks.map((block, index) => ({block, index})).filter(({block}) => {
@@ -327,17 +328,21 @@ export class ModelViews {
       this.edge = {block: hit.index, upper};
       this.side.canvas.setPointerCapture(event.pointerId);
     }
-    this.changed();
+    this.host.blocksChanged();
     this.draw();
   }
 
   private onSideMove(event: PointerEvent): void {
+    if (this.parts.move(event, this.side, 'side')) {
+      this.draw();
+      return;
+    }
     if (!this.edge) return;
     const z = Math.max(0, snap(this.side.toMetres(event)[1]));
     const heights = this.state.blocks[this.edge.block].z;
     if (this.edge.upper) heights[1] = Math.max(z, heights[0] + LEAST_HEIGHT);
     else heights[0] = Math.min(z, heights[1] - LEAST_HEIGHT);
-    this.changed();
+    this.host.blocksChanged();
     this.draw();
   }
 }

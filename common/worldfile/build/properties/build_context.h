@@ -16,8 +16,8 @@
 namespace troupe {
 
 struct BuildContext {
-  BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed)
-      : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed) {}
+  BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed, const ImageSource& images)
+      : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed, images) {}
   BuildContext(const BuildContext&) = delete;  // `shapes` refers to `world`
   BuildContext& operator=(const BuildContext&) = delete;
 

@@ -1,0 +1,87 @@
+// Pages in a headless Chromium with software rendering, and the problems that they report.
+import {existsSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {Program} from './programs.mjs';
+
+// As Chromium draws where there is no graphics card, on any machine.
+export const SOFTWARE_GRAPHICS = [
+  '--no-sandbox', '--disable-gpu-compositing', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+];
+
+export class Pages {
+  // Ends the process as a skipped test, with the reason, where chromium or a package of the page is missing.
+  // `packages`: names of further packages, which `loaded` then has.
+  static async launch(test, source, packages = []) {
+    const skip = reason => {
+      console.log(`${test}: ${reason}; nothing was checked`);
+      process.exit(77);
+    };
+    const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(path => existsSync(path));
+    if (!executablePath) skip('chromium is not installed');
+    const loaded = {};
+    try {
+      const load = createRequire(`${source}/viewer/web/package.json`);
+      for (const name of ['playwright-core', ...packages]) loaded[name] = load(name);
+    } catch {
+      skip('the packages of viewer/web are not installed');
+    }
+    const browser = await loaded['playwright-core'].chromium.launch({
+      executablePath,
+      args: SOFTWARE_GRAPHICS,
+    });
+    return new Pages(browser, loaded);
+  }
+
+  constructor(browser, loaded) {
+    Object.assign(this, {browser, loaded, problems: [], mayComplain: false});
+  }
+
+  // A page at the address. Its errors, and requests to other hosts, are kept in `problems`; messages on its console are
+  // not while `mayComplain` is true, which it is no longer when a test begins.
+  async open(url, width, height) {
+    const page = await this.browser.newPage({viewport: {width, height}});
+    page.on('console', message => {
+      const isComplaint = ['error', 'warning'].includes(message.type()) && !message.text().includes('GPU stall');
+      if (isComplaint && !this.mayComplain) this.problems.push(message.text());
+    });
+    page.on('pageerror', error => this.problems.push(error.message));
+    page.on('request', request => {
+      const to = new URL(request.url());
+      if (to.protocol.startsWith('http') && to.hostname !== '127.0.0.1') this.problems.push(`request to ${to}`);
+    });
+    page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
+    await page.goto(url);
+    return page;
+  }
+
+  // Runs the tests one after the other, and ends the process: with 1 if one has failed. `path`: of a picture of a page
+  // that a failed test leaves, by its name. `check`: looked at when all programs have ended.
+  async runAll(tests, path, check) {
+    let failed = false;
+    const attempt = async (name, action) => {
+      try {
+        await action();
+        console.log(`${name}: passed`);
+      } catch (error) {
+        failed = true;
+        console.error(`${name}: ${error.stack}`);
+        for (const program of Program.all) if (!program.ended) console.error(program.lines.join('\n'));
+      }
+    };
+    for (const test of tests) {
+      this.mayComplain = false;
+      await attempt(test.name, test);
+      for (const [i, page] of this.browser.contexts().flatMap(context => context.pages()).entries()) {
+        await page.screenshot({path: path(`left-${test.name}-${i}.png`)}).catch(() => {});
+        await page.close();
+      }
+    }
+    await this.browser.close();
+    for (const program of Program.all) await program.stop();
+    await attempt('pagesReportNoProblems', () => {
+      if (this.problems.length > 0) throw new Error(this.problems.join('\n'));
+    });
+    if (check) await attempt('endsAsExpected', check);
+    process.exit(failed ? 1 : 0);
+  }
+}

@@ -1,0 +1,366 @@
+// The requests of the page that concern the parts of a model: sensors, joints and grippers.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+
+#include "common/worldfile/edit/stage_body_edit.h"
+#include "common/worldfile/edit/stage_edit.h"
+#include "common/worldfile/stage/node_names.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "common/worldfile/text/quote.h"
+#include "viewer/editor/editor.h"
+#include "viewer/editor/editor_place.h"
+#include "viewer/editor/file_numbers.h"
+#include "viewer/editor/fitted_body.h"
+#include "viewer/editor/model_parts.h"
+#include "viewer/editor/model_picture.h"
+#include "viewer/editor/part_requests.h"
+#include "viewer/editor/property_text.h"
+
+namespace troupe {
+
+// A part of a define in this file, with the define as built.
+struct Editor::EditedPart {
+  std::string model;  // name of the define
+  StageSyntax syntax;
+  BuiltDefine built;
+  std::vector<ModelPart> parts;
+  PartPath path;                         // empty: the define itself
+  const Statement* statement = nullptr;  // its own, or the define's
+  const ModelPart* part = nullptr;       // null: the define itself
+};
+
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<double> InUnits(std::vector<double> lengths, double metres) {
+  for (double& length : lengths) length /= metres;
+  return lengths;
+}
+
+// In the frame F of a pose, and in the file's unit of length.
+std::vector<DrawnBlock> BlocksInFrame(std::vector<DrawnBlock> blocks, const Pose& X_DF, double metres) {
+  const Transform2 transform(X_DF);
+  for (DrawnBlock& block : blocks) {
+    for (Vec2& corner : block.outline) corner = transform.InverseTransform(corner) / metres;
+    block.z_min = (block.z_min - X_DF.z) / metres;
+    block.z_max = (block.z_max - X_DF.z) / metres;
+  }
+  return blocks;
+}
+
+WrittenValue AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
+  const double length = std::hypot(axis[0], axis[1], axis[2]);
+  const Vec2 xy = Transform2(Pose{0.0, 0.0, 0.0, heading}).InverseRotate({axis[0] / length, axis[1] / length});
+  return ChangedTuple(old, {xy.x(), xy.y(), axis[2] / length});
+}
+
+std::string FreePartName(const std::vector<std::string>& used, const std::string& prefix) {
+  std::string name = prefix;
+  for (int number = 2; std::find(used.begin(), used.end(), name) != used.end(); ++number) {
+    name = prefix + std::to_string(number);
+  }
+  return name;
+}
+
+// A number that the file gives or implies, of a property of one number.
+double NumberOf(const WorldNode& node, const std::string& name, double otherwise) {
+  const Property* const property = node.Find(name);
+  const auto* const number = property != nullptr ? std::get_if<Value::Number>(&property->value.content) : nullptr;
+  return number != nullptr ? number->value : otherwise;
+}
+
+// Changes the limits of a joint, and its start if that would be beyond them. In the file's unit.
+Status SetLimits(StageBodyEdit& edit, const WorldNode& node, double min, double max, int decimals) {
+  if (min > max) return Error{{}, "found limits in the wrong order, expected the lower one first"};
+  const double least = 0.5 * std::pow(10.0, -decimals);
+  const auto set = [&](const char* name, double value, double before) -> Status {
+    return std::abs(value - before) < least ? Status() : edit.Set(name, Number(value, decimals));
+  };
+  if (Status failure = set("min_position", min, NumberOf(node, "min_position", 0.0)); !failure.ok()) return failure;
+  if (Status failure = set("max_position", max, NumberOf(node, "max_position", 1.0)); !failure.ok()) return failure;
+  if (node.Find("start_position") == nullptr) return {};
+  const double start = NumberOf(node, "start_position", 0.0);
+  return set("start_position", std::clamp(start, min, max), start);
+}
+
+}  // namespace
+
+// A define of the file or of its includes.
+Result<Json> Editor::ModelReport(const std::string& name) const {
+  if (Status broken = CheckText(); !broken.ok()) return broken.error();
+  const auto define = world_->tree.defines.find(name);
+  if (define == world_->tree.defines.end()) return Error{{}, "found no model " + Quoted(name)};
+  const Result<BuiltDefine> built = BuildDefine(world_->tree, name, files());
+  if (!built.ok()) return built.error();
+  const WorldDescription& world = built.value().world;
+  const FileUnits& units = built.value().units;
+  const bool here = kind_ != EditedKind::kScenario && define->second.where.file == path();
+  Json inherited = Json::object();
+  for (const Property& property : built.value().node.properties) inherited[property.name] = ValueText(property.value);
+  const ModelDescription& root = world.models.front();
+  Json report = {{"name", name},
+                 {"base", define->second.base},
+                 {"type", built.value().node.type},
+                 {"here", here},
+                 {"metres", units.metres},
+                 {"radians", units.radians},
+                 {"where", {{"file", define->second.where.file}, {"line", define->second.where.line}}},
+                 {"size", {root.size_x, root.size_y, root.size_z}},
+                 {"blocks", PictureOf(world, {ModelId(0)})},
+                 {"properties", std::move(inherited)},
+                 {"own", Json::object()},
+                 {"parts", Json::array()}};
+  std::vector<ModelPart> parts;
+  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  if (!syntax.ok() && here) return syntax.error();
+  const Statement* const statement = here ? FindDefine(syntax.value(), name) : nullptr;
+  if (statement != nullptr) {
+    for (const Statement& inner : statement->statements) {
+      if (inner.kind == StatementKind::kProperty) report["own"][inner.name] = std::string(inner.value.Of(text()));
+    }
+    parts = PartsOf(built.value(), *statement, path());
+    report["parts"] = PartsReport(built.value(), parts, text());
+  }
+  report["others"] = BodiesOfOthers(built.value(), parts);
+  return report;
+}
+
+Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const Json& request) const {
+  if (Status broken = CheckText(); !broken.ok()) return broken.error();
+  if (kind_ == EditedKind::kScenario) return Error{{}, "a scenario has no models of its own"};
+  auto edited = std::make_unique<EditedPart>();
+  edited->model = TextIn(request, "model");
+  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  if (!syntax.ok()) return syntax.error();
+  edited->syntax = std::move(syntax).value();
+  const Statement* const define = FindDefine(edited->syntax, edited->model);
+  if (define == nullptr) return Error{{}, "found no model " + Quoted(edited->model) + " in this file"};
+  Result<BuiltDefine> built = BuildDefine(world_->tree, edited->model, files());
+  if (!built.ok()) return built.error();
+  edited->built = std::move(built).value();
+  edited->parts = PartsOf(edited->built, *define, path());
+  Result<PartPath> path_of_part = PartPathIn(request, "part");
+  if (!path_of_part.ok()) return path_of_part.error();
+  edited->path = std::move(path_of_part).value();
+  edited->part = FindPart(edited->parts, edited->path);
+  if (edited->part == nullptr && !edited->path.empty()) return Error{{}, "found no part of that number"};
+  edited->statement = edited->part != nullptr ? edited->part->statement : define;
+  return edited;
+}
+
+// {"model", "part": [indices], "action": "set", "property", "value": text or null}
+// {"model", "part": of the parent, "action": "add", "kind": type, "name": prefix of its name, "properties": {...},
+//  "sensor": {...}, "shape": of part_requests.h}
+// {"model", "part", "action": "remove"}
+// {"model", "part", "action": "shape", "shape": ...}
+// {"model", "part": a gripper, "action": "roles", "roles": ...}
+Result<Json> Editor::ChangePart(const Json& request) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(request);
+  if (!found.ok()) return found.error();
+  const EditedPart& edited = *found.value();
+  const std::string action = TextIn(request, "action");
+  Status status;
+  if (action == "remove") {
+    if (edited.part == nullptr) return Error{{}, "found no part"};
+    status =
+        Commit(WithoutStatement(text(), *edited.statement), "the deletion of a part of " + edited.model, edited.model);
+  } else if (action == "add") {
+    status = AddPart(edited, request);
+  } else if (action == "set") {
+    const Result<PropertyChange> change = PropertyChangeIn(request);
+    if (!change.ok()) return change.error();
+    const auto& [property, value] = change.value();
+    const StageBody body = BodyOf(*edited.statement);
+    status = Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property),
+                    fmt::format("the {} of {}", property, edited.model), edited.model);
+  } else if (action == "shape") {
+    status = ShapePart(edited, request);
+  } else if (action == "roles") {
+    status = SetGripperRoles(edited, request);
+  } else {
+    return Error{{}, "found the action " + Quoted(action) + ", expected set, add, remove, shape or roles"};
+  }
+  if (!status.ok()) return status.error();
+  return Json::object();
+}
+
+Status Editor::AddPart(const EditedPart& parent, const Json& request) {
+  const std::string type = TextIn(request, "kind");
+  if (!IsTypeName(type)) return Error{{}, "found the part " + Quoted(type) + ", expected a type of model"};
+  Result<WrittenProperties> properties = PropertiesIn(request);
+  if (!properties.ok()) return properties.error();
+  const Result<PartShape> shape = PartShapeIn(request, true);
+  if (!shape.ok()) return shape.error();
+  if (parent.part != nullptr && !parent.part->model) return Error{{}, "a sensor of a ranger has no parts"};
+  const FileUnits& units = parent.built.units;
+  WrittenModel part{type, {}, {}};
+  if (const std::string prefix = TextIn(request, "name"); !prefix.empty()) {
+    if (Status wrong = CheckName(prefix); !wrong.ok()) return wrong;
+    const WorldNode& node = parent.part != nullptr ? *parent.part->node : parent.built.node;
+    part.Set("name", Text(FreePartName(ChildNames(node), prefix)));
+  }
+  const PartPlace place = PlaceBelow(parent.built, parent.parts, parent.path);
+  Pose X_DN = shape.value().pose.value_or(place.X_DP * Pose{0.0, 0.0, place.stack, 0.0});
+  std::vector<DrawnBlock> blocks = shape.value().blocks;
+  if (!blocks.empty()) {
+    // The part's origin is at the middle of its outline.
+    const BlockBounds bounds = BoundsOf(blocks);
+    X_DN = {0.5 * (bounds.min_x + bounds.max_x), 0.5 * (bounds.min_y + bounds.max_y), bounds.min_z, 0.0};
+    blocks = BlocksInFrame(std::move(blocks), X_DN, units.metres);
+  }
+  if (shape.value().pose || !blocks.empty()) {
+    Pose X_PN = Inverse(place.X_DP) * X_DN;
+    X_PN.z -= place.stack;
+    part.Set("pose", ChangedPose({}, X_PN, units));
+  }
+  if (!blocks.empty()) {
+    FittedBody body = Fitted(blocks);
+    part.Set("size", body.size);
+    if (!body.is_centred) part.Set("origin", body.origin);
+    if (!IsBox(blocks)) part.children = std::move(body.blocks);
+  } else if (shape.value().size) {
+    part.Set("size", Tuple(InUnits(*shape.value().size, units.metres)));
+  }
+  if (shape.value().axis) part.Set("axis", AxisValue({}, *shape.value().axis, X_DN.heading));
+  if (shape.value().limits) {
+    const std::vector<double> limits = InUnits(*shape.value().limits, units.metres);
+    if (limits[0] != 0.0) part.Set("min_position", Number(limits[0]));
+    part.Set("max_position", Number(limits[1]));
+  }
+  for (auto& [name, value] : properties.value()) part.Set(name, std::move(value));
+  if (const auto sensor = request.find("sensor"); sensor != request.end() && sensor->is_object()) {
+    Result<WrittenProperties> of_sensor = PropertiesIn({{"properties", *sensor}});
+    if (!of_sensor.ok()) return of_sensor.error();
+    part.children.push_back({"sensor", std::move(of_sensor).value(), {}});
+  }
+  return Commit(WithEntry(text(), BodyOf(*parent.statement), part), fmt::format("the {} of {}", type, parent.model),
+                parent.model);
+}
+
+Status Editor::ShapePart(const EditedPart& edited, const Json& request) {
+  if (edited.part == nullptr || !edited.part->model)
+    return Error{{}, "found no part with a place of its own, expected one of a model"};
+  const Result<PartShape> read = PartShapeIn(request, false);
+  if (!read.ok()) return read.error();
+  const PartShape& shape = read.value();
+  if (!shape.blocks.empty()) return Error{{}, "found blocks, expected them where a part is added"};
+  const FileUnits& units = edited.built.units;
+  const WorldNode& node = *edited.part->node;
+  const ModelDescription& model = edited.built.world.model(*edited.part->model);
+  const Pose before = PoseInWorld(edited.built.world, *edited.part->model);
+  const Pose X_DN = shape.pose.value_or(before);
+  StageBodyEdit edit(text(), path(), edited.statement->line, edited.statement->column);
+  const auto set = [&](const char* name, const WrittenValue& value) { return edit.Set(name, value); };
+  if (shape.pose) {
+    const PartPath above(edited.path.begin(), edited.path.end() - 1);
+    const PartPlace place = PlaceBelow(edited.built, edited.parts, above);
+    const std::vector<Value::Number> old = NumbersOf(node, "pose");
+    Pose X_PN = Inverse(place.X_DP) * X_DN;
+    X_PN.z = (old.size() == 4 ? old[2].value * units.metres : 0.0) + X_DN.z - before.z;
+    if (Status failure = set("pose", ChangedPose(old, X_PN, units)); !failure.ok()) return failure;
+  }
+  if (shape.size) {
+    const WrittenValue size = ChangedTuple(NumbersOf(node, "size"), InUnits(*shape.size, units.metres));
+    if (Status failure = set("size", size); !failure.ok()) return failure;
+  }
+  if (shape.paddle) {
+    const std::vector<double> whole = shape.size.value_or(std::vector{model.size_x, model.size_y, model.size_z});
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < 3; ++i) shares.push_back((*shape.paddle)[i] / whole[i]);
+    const WrittenValue value = ChangedTuple(NumbersOf(node, "paddle_size"), shares);
+    if (Status failure = set("paddle_size", value); !failure.ok()) return failure;
+  }
+  if (shape.axis) {
+    const WrittenValue axis = AxisValue(NumbersOf(node, "axis"), *shape.axis, X_DN.heading);
+    if (Status failure = set("axis", axis); !failure.ok()) return failure;
+  }
+  if (shape.limits) {
+    const Property* const type = node.Find("type");
+    const auto* const word = type != nullptr ? std::get_if<std::string>(&type->value.content) : nullptr;
+    const bool turns = word != nullptr && *word == "rotational";
+    const double unit = turns ? units.radians : units.metres;
+    const int decimals = turns ? AngleDecimals(units) : kLengthDecimals;
+    Status failure = SetLimits(edit, node, (*shape.limits)[0] / unit, (*shape.limits)[1] / unit, decimals);
+    if (!failure.ok()) return failure;
+  }
+  const char* const what = shape.limits || shape.axis ? "the joint" : shape.paddle ? "the paddles" : "the shape";
+  const bool only_pose = shape.pose && request["shape"].size() == 1;
+  return Commit(edit.text(), fmt::format("{} of {}", only_pose ? "the move of a part" : what, edited.model),
+                edited.model);
+}
+
+// The chosen parts get names where they have none.
+Status Editor::SetGripperRoles(const EditedPart& edited, const Json& request) {
+  if (edited.part == nullptr || !edited.part->model || edited.part->node->type != "gripper")
+    return Error{{}, "found no gripper, expected one"};
+  Result<GripperRoles> roles = GripperRolesIn(request);
+  if (!roles.ok()) return roles.error();
+  struct NewName {
+    const Statement* statement;
+    std::string name;
+  };
+  std::vector<NewName> names;
+  std::vector<std::pair<std::string, std::optional<std::string>>> values;
+  for (const auto& [role, path_of_part] : roles.value()) {
+    if (!path_of_part) {
+      values.emplace_back(role, std::nullopt);
+      continue;
+    }
+    const ModelPart* const part = FindPart(edited.parts, *path_of_part);
+    if (part == nullptr || !part->model) return Error{{}, "found no part of that number for " + Quoted(role)};
+    const bool is_inside = path_of_part->size() > edited.path.size() &&
+                           std::equal(edited.path.begin(), edited.path.end(), path_of_part->begin());
+    if (!is_inside && role != "lift") return Error{{}, "found a part outside of the gripper for " + Quoted(role)};
+    const std::string& top = is_inside ? edited.part->name : edited.built.world.models.front().name;
+    if (!part->name.starts_with(top + ".")) return Error{{}, "found a part with a full name, expected a plain one"};
+    std::string name = part->name.substr(top.size() + 1);
+    if (part->node->Find("name") == nullptr) {
+      const PartPath above(path_of_part->begin(), path_of_part->end() - 1);
+      const ModelPart* const parent = FindPart(edited.parts, above);
+      std::vector<std::string> used =
+          ChildNames(parent != nullptr && parent->node != nullptr ? *parent->node : edited.built.node);
+      const auto known = std::find_if(names.begin(), names.end(),
+                                      [&](const NewName& each) { return each.statement == part->statement; });
+      for (const NewName& each : names) used.push_back(each.name);
+      const std::size_t dot = name.rfind('.');
+      const std::string own = known != names.end() ? known->name : FreePartName(used, role);
+      name.resize(dot != std::string::npos ? dot + 1 : 0);
+      name += own;
+      if (known == names.end()) names.push_back({part->statement, own});
+    }
+    values.emplace_back(role, std::move(name));
+  }
+  // From the last statement to the first, so that none moves before its turn.
+  const auto is_later = [](const NewName& a, const NewName& b) {
+    return a.statement->span.begin > b.statement->span.begin;
+  };
+  std::sort(names.begin(), names.end(), is_later);
+  std::string changed = text();
+  const auto set_names = [&](auto applies) -> Status {
+    for (const NewName& each : names) {
+      if (!applies(each.statement->span.begin)) continue;
+      StageBodyEdit edit(changed, path(), each.statement->line, each.statement->column);
+      if (Status failure = edit.Set("name", Text(each.name)); !failure.ok()) return failure;
+      changed = edit.text();
+    }
+    return {};
+  };
+  const std::size_t at = edited.statement->span.begin;
+  if (Status failure = set_names([&](std::size_t begin) { return begin > at; }); !failure.ok()) return failure;
+  StageBodyEdit edit(changed, path(), edited.statement->line, edited.statement->column);
+  for (const auto& [role, name] : values) {
+    Status failure = name ? edit.Set(role, Text(*name)) : edit.Remove(role);
+    if (!failure.ok()) return failure;
+  }
+  changed = edit.text();
+  if (Status failure = set_names([&](std::size_t begin) { return begin < at; }); !failure.ok()) return failure;
+  return Commit(std::move(changed), "the fingers of " + edited.part->name, edited.model);
+}
+
+}  // namespace troupe

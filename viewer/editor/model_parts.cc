@@ -1,0 +1,231 @@
+#include "viewer/editor/model_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <span>
+
+#include "common/worldfile/stage/node_names.h"
+#include "common/worldfile/stage/stage_parser.h"
+#include "viewer/editor/file_numbers.h"
+#include "viewer/editor/model_picture.h"
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kDeepest = 8;
+
+class PartFinder {
+ public:
+  PartFinder(const BuiltDefine& built, const std::string& path) : path_(path) {
+    for (std::size_t i = 0; i < built.world.models.size(); ++i) models_.emplace(built.world.models[i].name, ModelId(i));
+  }
+
+  std::vector<ModelPart> Find(const Statement& holder, const WorldNode* node, const std::string& name,
+                              const PartPath& path) const {
+    const std::vector<std::string> given = node != nullptr ? ChildNames(*node) : std::vector<std::string>();
+    const std::span<const WorldNode> children = node != nullptr ? node->children : std::span<const WorldNode>();
+    std::vector<ModelPart> parts;
+    for (const Statement& statement : holder.statements) {
+      if (statement.kind != StatementKind::kEntry || statement.name == "block") continue;
+      ModelPart part;
+      part.path = path;
+      part.path.push_back(parts.size());
+      part.statement = &statement;
+      for (std::size_t i = 0; i < given.size(); ++i) {
+        const WorldNode& child = children[i];
+        const SourceLocation& where = child.where;
+        if (where.file != path_ || where.line != statement.line || where.column != statement.column) continue;
+        part.node = &child;
+        if (given[i].empty()) break;
+        part.name = FullName(name, given[i]);
+        if (const auto found = models_.find(part.name); found != models_.end()) part.model = found->second;
+      }
+      if (part.path.size() <= kDeepest) part.parts = Find(statement, part.node, part.name, part.path);
+      parts.push_back(std::move(part));
+    }
+    return parts;
+  }
+
+ private:
+  const std::string& path_;
+  std::map<std::string, ModelId> models_;
+};
+
+void AddListed(const std::vector<ModelPart>& parts, std::map<ModelId, const ModelPart*>& listed) {
+  for (const ModelPart& part : parts) {
+    if (part.model) listed.emplace(*part.model, &part);
+    AddListed(part.parts, listed);
+  }
+}
+
+// The listed part that a model belongs to: itself or its nearest ancestor; null: none.
+const ModelPart* OwnerOf(const BuiltDefine& built, const std::map<ModelId, const ModelPart*>& listed, ModelId id) {
+  for (std::optional<ModelId> at = id; at; at = built.world.model(*at).parent) {
+    if (const auto found = listed.find(*at); found != listed.end()) return found->second;
+  }
+  return nullptr;
+}
+
+Json PoseJson(const Pose& pose) {
+  return {pose.x, pose.y, pose.z, pose.heading};
+}
+
+const JointDescription* JointOf(const BuiltDefine& built, ModelId model) {
+  for (const JointDescription& joint : built.world.joints) {
+    if (joint.model == model) return &joint;
+  }
+  return nullptr;
+}
+
+Json JointJson(const JointDescription& joint, const Pose& X_DN) {
+  const Vec2 axis = Transform2(X_DN).Rotate(joint.axis_xy);
+  return {{"type", joint.type == JointType::kRevolute ? "rotational" : "linear"},
+          {"axis", {axis.x(), axis.y(), joint.axis_z}},
+          {"limits", {joint.position.min, joint.position.max}},
+          {"max_speed", joint.max_speed}};
+}
+
+class PartReporter {
+ public:
+  PartReporter(const BuiltDefine& built, const std::vector<ModelPart>& parts, const std::string& text)
+      : built_(built), text_(text) {
+    AddListed(parts, listed_);
+    for (std::size_t i = 0; i < built.world.models.size(); ++i) {
+      if (const ModelPart* const owner = OwnerOf(built, listed_, ModelId(i))) bodies_[owner].emplace_back(i);
+    }
+  }
+
+  Json Report(const std::vector<ModelPart>& parts) const {
+    Json list = Json::array();
+    for (const ModelPart& part : parts) {
+      Json properties = Json::object();
+      for (const Statement& inner : part.statement->statements) {
+        if (inner.kind == StatementKind::kProperty) properties[inner.name] = std::string(inner.value.Of(text_));
+      }
+      Json row = {{"index", part.path.back()},
+                  {"type", part.statement->name},
+                  {"line", part.statement->line},
+                  {"properties", std::move(properties)},
+                  {"parts", Report(part.parts)}};
+      if (part.model) AddModel(part, row);
+      list.push_back(std::move(row));
+    }
+    return list;
+  }
+
+ private:
+  void AddModel(const ModelPart& part, Json& row) const {
+    const ModelDescription& model = built_.world.model(*part.model);
+    const Pose X_DN = PoseInWorld(built_.world, *part.model);
+    row["model"] = part.node->type;
+    row["name"] = part.name.substr(std::min(part.name.size(), built_.world.models.front().name.size() + 1));
+    row["pose"] = PoseJson(X_DN);
+    row["body"] = PoseJson(X_DN * OriginOf(*part.node));
+    row["size"] = {model.size_x, model.size_y, model.size_z};
+    const Shape& shape = built_.world.shape(model.shape);
+    const bool has_blocks = std::any_of(part.node->children.begin(), part.node->children.end(),
+                                        [](const WorldNode& child) { return child.type == "block"; });
+    const bool is_gripper = part.node->type == "gripper";
+    row["is_box"] = !has_blocks && !is_gripper && shape.blocks.size() == 1 && shape.rectangles.empty();
+    row["bodies"] = PictureOf(built_.world, bodies_.at(listed_.at(*part.model)));
+    if (const JointDescription* const joint = JointOf(built_, *part.model)) row["joint"] = JointJson(*joint, X_DN);
+    if (is_gripper) row["gripper"] = GripperJson(part);
+  }
+
+  // In the part's frame.
+  Pose OriginOf(const WorldNode& node) const {
+    const std::vector<Value::Number> numbers = NumbersOf(node, "origin");
+    const FileUnits units = built_.units;
+    if (numbers.size() != 4) return {};
+    return {numbers[0].value * units.metres, numbers[1].value * units.metres, numbers[2].value * units.metres,
+            numbers[3].value * units.radians};
+  }
+
+  Json GripperJson(const ModelPart& part) const {
+    Json report = Json::object();
+    for (const GripperDescription& gripper : built_.world.grippers) {
+      if (built_.world.robot(gripper.robot).name + "." + gripper.name != part.name) continue;
+      const ModelId left = built_.world.joint(gripper.left).model;
+      if (!listed_.contains(left)) {
+        const ModelDescription& paddle = built_.world.model(left);
+        if (part.node->Find("left_finger") == nullptr) {
+          report["paddle"] = {paddle.size_x, paddle.size_y, paddle.size_z};
+        }
+        if (part.node->Find("lift") != nullptr) AddRole("lift", gripper.lift, report);
+        continue;
+      }
+      AddRole("left_finger", gripper.left, report);
+      AddRole("right_finger", gripper.right, report);
+      AddRole("lift", gripper.lift, report);
+      for (const auto& [role, pad] : {std::pair("left_pad", gripper.left_pad), {"right_pad", gripper.right_pad}}) {
+        const auto found = listed_.find(pad);
+        if (found != listed_.end() && part.node->Find(role) != nullptr) report[role] = found->second->path;
+      }
+    }
+    return report;
+  }
+
+  void AddRole(const char* role, const std::optional<JointId>& joint, Json& report) const {
+    if (!joint) return;
+    const auto found = listed_.find(built_.world.joint(*joint).model);
+    if (found != listed_.end()) report[role] = found->second->path;
+  }
+
+  const BuiltDefine& built_;
+  const std::string& text_;
+  std::map<ModelId, const ModelPart*> listed_;
+  std::map<const ModelPart*, std::vector<ModelId>> bodies_;
+};
+
+}  // namespace
+
+Result<BuiltDefine> BuildDefine(const WorldTree& tree, const std::string& name, const NamedFiles& files) {
+  Result<LoadedWorld> alone = BuildAlone(tree, name, files);
+  if (!alone.ok()) return alone.error();
+  Result<WorldNode> node = Instantiate(tree, name, {});
+  if (!node.ok()) return node.error();
+  return BuiltDefine{std::move(node).value(), std::move(alone.value().world), UnitsOf(tree)};
+}
+
+std::vector<ModelPart> PartsOf(const BuiltDefine& built, const Statement& define, const std::string& path) {
+  return PartFinder(built, path).Find(define, &built.node, built.world.models.front().name, {});
+}
+
+const ModelPart* FindPart(const std::vector<ModelPart>& parts, const PartPath& path) {
+  const std::vector<ModelPart>* list = &parts;
+  const ModelPart* found = nullptr;
+  for (const std::size_t index : path) {
+    if (index >= list->size()) return nullptr;
+    found = &(*list)[index];
+    list = &found->parts;
+  }
+  return found;
+}
+
+PartPlace PlaceBelow(const BuiltDefine& built, const std::vector<ModelPart>& parts, const PartPath& path) {
+  const ModelPart* const parent = FindPart(parts, path);
+  const WorldNode* const node = parent != nullptr ? parent->node : &built.node;
+  const ModelId model = parent != nullptr ? parent->model.value_or(ModelId(0)) : ModelId(0);
+  const Property* const stacks = node != nullptr ? node->Find("stack_children") : nullptr;
+  const auto* const flag = stacks != nullptr ? std::get_if<Value::Number>(&stacks->value.content) : nullptr;
+  const bool on_top = flag == nullptr || flag->value != 0.0;
+  return {PoseInWorld(built.world, model), on_top ? built.world.model(model).size_z : 0.0};
+}
+
+Json PartsReport(const BuiltDefine& built, const std::vector<ModelPart>& parts, const std::string& text) {
+  return PartReporter(built, parts, text).Report(parts);
+}
+
+Json BodiesOfOthers(const BuiltDefine& built, const std::vector<ModelPart>& parts) {
+  std::map<ModelId, const ModelPart*> listed;
+  AddListed(parts, listed);
+  std::vector<ModelId> others;
+  for (std::size_t i = 1; i < built.world.models.size(); ++i) {
+    if (OwnerOf(built, listed, ModelId(i)) == nullptr) others.emplace_back(i);
+  }
+  return PictureOf(built.world, others);
+}
+
+}  // namespace troupe
