@@ -9,7 +9,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// For so long the run is still observed without viewers: a page that is loaded again is gone for a moment.
+// For so long the run is observed without viewers: a page that is loaded again is gone for a moment, and one that is
+// loaded has no connection yet.
 constexpr auto kGraceTime = std::chrono::seconds(5);
 // Between two looks at the state of the observation.
 constexpr auto kPeriod = std::chrono::seconds(1);
@@ -36,6 +37,14 @@ void Follower::SetWanted(bool wanted) {
   changed_.notify_all();
 }
 
+void Follower::Expect() {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_until_ = Clock::now() + kGraceTime;
+  }
+  changed_.notify_all();
+}
+
 std::string Follower::problem() const {
   const std::lock_guard lock(mutex_);
   return problem_;
@@ -43,13 +52,12 @@ std::string Follower::problem() const {
 
 void Follower::Run() {
   std::unique_ptr<RunObservation> observation;
-  Clock::time_point wanted_until = Clock::now();
   std::unique_lock lock(mutex_);
   while (!ending_) {
     const auto now = Clock::now();
-    if (wanted_) wanted_until = now + kGraceTime;
-    const bool open = wanted_ && !observation;
-    const bool close = observation && now >= wanted_until;
+    if (wanted_) wanted_until_ = now + kGraceTime;
+    const bool open = now < wanted_until_ && !observation;
+    const bool close = observation && now >= wanted_until_;
     lock.unlock();
     // The next run of the session may have other keys.
     if (close || (feed_.ConsumeServiceGone() && observation)) {
@@ -68,7 +76,8 @@ void Follower::Run() {
     lock.lock();
     if (open) problem_ = std::move(problem);
     const bool wanted = wanted_;
-    changed_.wait_for(lock, kPeriod, [&] { return ending_ || wanted_ != wanted; });
+    const Clock::time_point until = wanted_until_;
+    changed_.wait_for(lock, kPeriod, [&] { return ending_ || wanted_ != wanted || wanted_until_ != until; });
   }
   lock.unlock();
   observation.reset();

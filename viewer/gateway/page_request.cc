@@ -198,7 +198,8 @@ bool IsQuestion(ControlCommand command) {
 }
 
 bool IsQuestion(const EditRequest& request) {
-  constexpr std::array<std::string_view, 6> kQuestions = {"document", "text", "palette", "help", "entity", "model"};
+  constexpr std::array<std::string_view, 7> kQuestions = {"document", "text",  "palette", "help",
+                                                          "entity",   "model", "bitmaps"};
   return std::find(kQuestions.begin(), kQuestions.end(), request.op) != kQuestions.end();
 }
 

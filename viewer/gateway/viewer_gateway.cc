@@ -114,6 +114,10 @@ class RunGateway final : public ViewerGateway, private WebHandler {
   bool HasShownEnd() const override { return shown_end_; }
 
  private:
+  void OnPage() override {
+    if (follower_) follower_->Expect();
+  }
+
   void OnOpened(Viewer viewer, std::string_view protocol) override {
     if (viewers_.empty()) server_->SetPeriod(1.0 / kUpdatesPerSecond);
     ViewerState& state = viewers_[viewer];

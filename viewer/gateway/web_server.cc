@@ -252,6 +252,7 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
   const std::string host = Header(socket, WSI_TOKEN_HOST);
   const Access access = rules.ForPage(host, path == "/" ? TokenIn(socket) : rules.token);
   if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, ToString(access));
+  if (path == "/") handler_.OnPage();
 
   std::array<unsigned char, LWS_PRE + 1024> buffer{};
   unsigned char* const start = buffer.data() + LWS_PRE;

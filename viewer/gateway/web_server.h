@@ -33,6 +33,8 @@ class WebHandler {
   using Viewer = std::uint64_t;  // never used twice
 
   virtual ~WebHandler() = default;
+  // Someone with access loads the page, and will probably open a connection.
+  virtual void OnPage() = 0;
   // `protocol`: one of WebServer::kProtocols.
   virtual void OnOpened(Viewer viewer, std::string_view protocol) = 0;
   virtual void OnClosed(Viewer viewer) = 0;

@@ -500,6 +500,17 @@ TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
   EXPECT_EQ(newest.poses[0].x, 0.001 * static_cast<double>(kTicks));
 }
 
+TEST_F(ViewerGatewayTest, ThePageThatIsLoadedStartsTheObservationForItsViewer) {
+  Start();
+  WebClient(port()).Get("/");
+  link_.AwaitObserver();
+  link_.AwaitNoObserver();  // the page never connects
+  auto client = Connect();
+  link_.AwaitObserver();
+  const std::lock_guard lock(link_.mutex);
+  EXPECT_EQ(link_.observed, 2);
+}
+
 TEST_F(ViewerGatewayTest, TheRunIsObservedOnlyWhileThereAreViewers) {
   Start();
   {

@@ -27,6 +27,7 @@ constexpr PageFile kFiles[] = {{"/", "text/html", "the page", false}, {"/viewer.
 // Sends each viewer `message` once, and an echo of each text.
 class EchoHandler : public WebHandler {
  public:
+  void OnPage() override { ++pages; }
   void OnOpened(Viewer viewer, std::string_view) override {
     ++open;
     const std::lock_guard lock(mutex);
@@ -61,6 +62,7 @@ class EchoHandler : public WebHandler {
 
   WebServer* server = nullptr;
   std::shared_ptr<const std::string> message;
+  std::atomic<int> pages = 0;
   std::atomic<int> open = 0;
   std::atomic<int> closed = 0;
   std::atomic<int> asked = 0;
@@ -234,7 +236,10 @@ TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
         HasSubstr(" 403 "))
         << query;
   }
+  WebClient(server_->port()).Get("/viewer.js");
+  EXPECT_EQ(handler_.pages, 0) << "whoever has no token starts nothing";
   EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
+  EXPECT_EQ(handler_.pages, 1);
   WebClient viewer(server_->port());
   viewer.Upgrade("/socket?token=secret");
 }

@@ -1,14 +1,15 @@
 // Bodies: the robots and the objects in the scene. A body is a tree of links, as in common/spatial/scene.h: link 0 is
-// its root with everything that no joint moves, but for lights, which are links of their own. Links of equal geometry are instances of one mesh, so that a thousand
-// robots are drawn by a few calls.
+// its root with everything that no joint moves, but for lights, which are links of their own. Links of equal geometry
+// are instances of one mesh, so that a thousand robots are drawn by a few calls.
 import {
-  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Raycaster, Sphere,
+  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, Raycaster, Sphere,
   Vector3,
 } from 'three';
-import {GeometryBuilder, softened, type Rgb} from './geometry';
+import {softened, type GeometryBuilder, type Rgb} from './geometry';
 import {compose, IDENTITY, jointMotion, toMatrix} from './pose';
 import type {Pose, World} from './protocol';
 import {poseOf, rootOf, sameEntity, type Entity, type Run} from './run';
+import type {SurfaceMaterial, Surfaces} from './surfaces';
 
 interface Part {
   model: number;
@@ -52,11 +53,13 @@ export class Bodies {
   private readonly linkOfModel = new Map<number, {body: Body; link: number; pose: Pose}>();
   private readonly matrix = new Matrix4();
   private readonly previews = new Map<string, Group>();
-  private readonly ghost = new MeshLambertMaterial({vertexColors: true, transparent: true, opacity: 0.5});
-
+  private readonly material: SurfaceMaterial;
+  private readonly ghost: SurfaceMaterial;
   private readonly lightOfModel: Map<number, number>;
 
-  constructor(private readonly world: World, material: MeshLambertMaterial) {
+  constructor(private readonly world: World, private readonly surfaces: Surfaces) {
+    this.material = surfaces.material({vertexColors: true});
+    this.ghost = surfaces.material({vertexColors: true, transparent: true, opacity: 0.5});
     this.lightOfModel = new Map(world.lights.map(({model}, i) => [model, i]));
     world.robots.forEach((robot, index) => {
       if (robot.present) this.addBody({kind: 'robot', index}, robot.root);
@@ -65,7 +68,7 @@ export class Bodies {
       if (!world.models[root].removed) this.addBody({kind: 'object', index}, root);
     });
     for (const batch of this.batches.values()) {
-      const mesh = new InstancedMesh(batch.geometry, material, batch.owners.length);
+      const mesh = new InstancedMesh(batch.geometry, this.material, batch.owners.length);
       mesh.instanceMatrix.setUsage(DynamicDrawUsage);
       mesh.frustumCulled = false;
       mesh.castShadow = true;
@@ -164,6 +167,8 @@ export class Bodies {
       batch.geometry.dispose();
       batch.mesh?.dispose();
     }
+    this.material.dispose();
+    this.ghost.dispose();
   }
 
   private bodyOf(entity: Entity): Body | undefined {
@@ -241,7 +246,7 @@ export class Bodies {
   }
 
   private makeGeometry(link: Link, withNose: boolean): BufferGeometry | null {
-    const builder = new GeometryBuilder();
+    const builder = this.surfaces.builder();
     for (const {model, pose} of link.parts) {
       const {shape, color} = this.world.models[model];
       builder.addShape(this.world.shapes[shape], pose, softened(color.slice(0, 3) as Rgb));

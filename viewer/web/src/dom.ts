@@ -24,7 +24,7 @@ export function fixed(value: number, digits: number): string {
 }
 
 // Calls at most once in `period` ms, and once more after the last call.
-export function throttled(period: number, call: () => void): () => void {
+export function throttled(period: () => number, call: () => void): () => void {
   let waiting = false;
   let last = 0;
   return () => {
@@ -34,7 +34,7 @@ export function throttled(period: number, call: () => void): () => void {
       waiting = false;
       last = performance.now();
       call();
-    }, Math.max(0, last + period - performance.now()));
+    }, Math.max(0, last + period() - performance.now()));
   };
 }
 

@@ -31,6 +31,9 @@ export class GeometryBuilder {
   private readonly edges = new Floats();
   private readonly color = new Color();
 
+  // `lightOn`: the factor for the colours of a face, by its normal.
+  constructor(private readonly lightOn: (nx: number, ny: number, nz: number) => number) {}
+
   get empty(): boolean {
     return this.positions.length === 0;
   }
@@ -127,7 +130,8 @@ export class GeometryBuilder {
   private vertex(x: number, y: number, z: number, nx: number, ny: number, nz: number): void {
     this.positions.push(x, y, z);
     this.normals.push(nx, ny, nz);
-    this.colors.push(this.color.r, this.color.g, this.color.b);
+    const light = this.lightOn(nx, ny, nz);
+    this.colors.push(light * this.color.r, light * this.color.g, light * this.color.b);
   }
 }
 

@@ -2,7 +2,7 @@
 // context takes seconds, so that edges are smooth with a card only.
 import {WebGLRenderer} from 'three';
 
-const ATTRIBUTES = {alpha: false, depth: true, stencil: false, premultipliedAlpha: true, preserveDrawingBuffer: true};
+const ATTRIBUTES = {alpha: false, depth: true, stencil: false, premultipliedAlpha: true, preserveDrawingBuffer: false};
 
 function drawsInSoftware(context: WebGL2RenderingContext): boolean {
   const info = context.getExtension('WEBGL_debug_renderer_info');

@@ -1,19 +1,20 @@
 // The ground: a plane with a grid whose lines are a round number of metres apart.
 import {
-  BufferAttribute, BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial,
-  PlaneGeometry, type Box3,
+  BufferAttribute, BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Mesh, PlaneGeometry,
+  type Box3,
 } from 'three';
+import type {SurfaceMaterial, Surfaces} from './surfaces';
 
 const MOST_LINES = 80;  // along each side
 
 export class Ground {
   readonly group = new Group();
   readonly step: number;  // m between thin lines
-  private readonly plane: Mesh<PlaneGeometry, MeshLambertMaterial>;
+  private readonly plane: Mesh<PlaneGeometry, SurfaceMaterial>;
   private readonly thin: LineSegments<BufferGeometry, LineBasicMaterial>;
   private readonly thick: LineSegments<BufferGeometry, LineBasicMaterial>;
 
-  constructor(box: Box3) {
+  constructor(box: Box3, private readonly surfaces: Surfaces) {
     const width = box.max.x - box.min.x;
     const depth = box.max.y - box.min.y;
     const margin = 0.08 * Math.max(width, depth) + 1;
@@ -25,7 +26,7 @@ export class Ground {
     const far = Math.ceil((box.max.y + margin) / snap) * snap;
     this.plane = new Mesh(
       new PlaneGeometry(right - left, far - near),
-      new MeshLambertMaterial({polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2}));
+      surfaces.material({polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2}));
     this.plane.position.set((left + right) / 2, (near + far) / 2, 0);
     this.plane.receiveShadow = true;
     const lines = (isThick: boolean): Float32Array => {
@@ -50,7 +51,7 @@ export class Ground {
   }
 
   setColors(plane: Color, line: Color): void {
-    this.plane.material.color = plane;
+    this.plane.material.color = this.surfaces.ofPlane(plane);
     this.thin.material.color = line;
     this.thin.material.opacity = 0.35;
     this.thick.material.color = line;

@@ -16,9 +16,22 @@ import {installTestInterface} from './test_interface';
 import {TimeBar} from './time_bar';
 import {save, Video} from './video';
 
-const PANEL_PERIOD = 100;  // ms between two texts of the panels
-
 class Viewer {
+  // First, so that the world is on its way while the graphics start.
+  private readonly connection = new Connection({
+    onOpen: () => {
+      this.online = true;
+      this.sendSelection();
+      this.showConnection();
+    },
+    onClosed: () => {
+      this.online = false;
+      this.timeBar.timeline.reset();
+      this.showConnection();
+    },
+    onSession: info => this.onSession(info),
+    onMessage: message => this.onMessage(message),
+  });
   private run: Run | null = null;
   private selected: Entity | null = null;
   private wantedName: string;  // selected as soon as the world has it
@@ -29,7 +42,6 @@ class Viewer {
   private file: FileEditor | null = null;  // of `troupe edit`
   private readonly scene = new WorldScene(byId('scene'), readFragment().fullQuality ?? false);
   private readonly systemTheme = matchMedia('(prefers-color-scheme: dark)');
-  private readonly connection: Connection;
   private readonly timeBar: TimeBar;
   private readonly editing: Editing;
   private readonly driving: Driving;
@@ -40,23 +52,9 @@ class Viewer {
   private readonly robots = new RobotList(
     robot => this.selectAndCenter({kind: 'robot', index: robot}), robot => this.agentHint(robot));
   private readonly events = new EventList(event => this.showEvent(event));
-  private readonly refresh = throttled(PANEL_PERIOD, () => this.refreshPanels());
+  private readonly refresh = throttled(() => this.scene.quality.panelPeriod, () => this.refreshPanels());
 
   constructor() {
-    this.connection = new Connection({
-      onOpen: () => {
-        this.online = true;
-        this.sendSelection();
-        this.showConnection();
-      },
-      onClosed: () => {
-        this.online = false;
-        this.timeBar.timeline.reset();
-        this.showConnection();
-      },
-      onSession: info => this.onSession(info),
-      onMessage: message => this.onMessage(message),
-    });
     this.agents = new Agents(this.connection, () => this.refresh());
     this.timeBar = new TimeBar(this.connection, () => this.remember());
     this.editing = new Editing(this.scene, this.connection, {

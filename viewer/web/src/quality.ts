@@ -1,5 +1,6 @@
 // Quality: draws less where the graphics are slow, as they are without a graphics card. It looks at the time from a
-// drawing to the next frame of the browser.
+// drawing to the next frame of the browser. There each name and each text of a panel costs as well: the browser composes
+// the page from them on the processor, too.
 const SLOW = 70;  // ms
 const PATIENCE = 4;  // slow drawings in a row
 
@@ -7,8 +8,20 @@ export class Quality {
   private slow = 0;
   private drawnAt: number | null = null;
 
-  // `level`: 0: everything; 1: no shadows; 2: fewer pixels as well. `fixed`: it remains at that.
+  // `level`: 0: everything; 1: no shadows; 2: fewer pixels, names and texts as well. `fixed`: it remains at that.
   constructor(public level: number, readonly fixed: boolean) {}
+
+  // Of the picture, for each of the page.
+  get pixelRatio(): number {
+    return this.level < 2 ? Math.min(window.devicePixelRatio, 2) : 0.75;
+  }
+  get mostNames(): number {
+    return this.level < 2 ? 120 : 25;
+  }
+  // ms between two texts of the panels.
+  get panelPeriod(): number {
+    return this.level < 2 ? 100 : 250;
+  }
 
   drawn(now: number): void {
     this.drawnAt = now;

@@ -47,7 +47,7 @@ export class RobotList {
     for (const [i, row] of this.rows) {
       const state = robotState(run, i, holders.has(i));
       const speed = run.robots[i] ? Math.hypot(run.robots[i].vx, run.robots[i].vy) : 0;
-      row.dot.className = `dot ${state}`;
+      if (row.dot.className !== `dot ${state}`) row.dot.className = `dot ${state}`;
       setText(row.state, state === 'moving' ? `${fixed(speed, 2)} m/s` : state);
       row.element.classList.toggle('selected', i === selected);
     }

@@ -1,8 +1,7 @@
 // WorldScene: the picture of a run. It is drawn anew only when something has changed.
 import {
-  AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane, Raycaster, RingGeometry, Scene, Vector2, Vector3,
-  type WebGLRenderer,
+  Box3, Color, Mesh, MeshBasicMaterial, Object3D, OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane,
+  Raycaster, RingGeometry, Scene, Vector2, Vector3, type WebGLRenderer,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies} from './bodies';
@@ -15,6 +14,7 @@ import {Rays} from './rays';
 import {poseOf, type Entity, type Run} from './run';
 import {SensorMarks} from './sensor_marks';
 import {StaticMap} from './static_map';
+import {Surfaces} from './surfaces';
 import {Trails} from './trails';
 import {toMatrix} from './pose';
 import type {Pose, World} from './protocol';
@@ -48,9 +48,7 @@ export class WorldScene {
   private readonly orthographic = new OrthographicCamera(-1, 1, 1, -1, 0.1, 5000);
   private readonly orbit: OrbitControls;
   private readonly top: OrbitControls;
-  private readonly sky = new HemisphereLight(0xffffff, 0x8a8f98, 1.9);
-  private readonly sun = new DirectionalLight(0xffffff, 1.7);
-  private readonly material = new MeshLambertMaterial({vertexColors: true});
+  private readonly surfaces: Surfaces;
   private readonly rays = new Rays();
   private readonly marks = new SensorMarks();
   private readonly ring = new Mesh(
@@ -73,13 +71,15 @@ export class WorldScene {
     const {renderer, fast} = makeGraphics(full);
     this.quality = new Quality(fast ? 0 : 2, full);
     this.renderer = renderer;
+    this.surfaces = new Surfaces(fast);
     this.renderer.debug.checkShaderErrors = false;  // a check waits until they are compiled
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     parent.append(this.renderer.domElement);
     this.labels = new Labels(parent);
-    this.scene.add(this.sky, this.sun, this.sun.target, new AmbientLight(0xffffff, 0.25), this.rays.group, this.marks.group, this.trails.lines, this.ring, this.ghost);
+    this.scene.add(
+      ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.ring, this.ghost);
     this.ring.visible = false;
     this.ghost.visible = false;
     this.ghost.add(new Mesh(new RingGeometry(1, 1.5, 3, 1, -0.12, 0.24), this.ghost.material));
@@ -103,7 +103,7 @@ export class WorldScene {
       requestAnimationFrame(frame);
       if (this.quality.next(now)) this.applyQuality();
       if (this.motion.moves(now) || this.moved) this.place();
-      if (!this.dirty) return;
+      if (!this.dirty || !this.setting) return;
       this.draw();
       this.quality.drawn(now);
     };
@@ -127,13 +127,14 @@ export class WorldScene {
   // `keepCamera`: the world has been edited, or is the one of before.
   setWorld(world: World, keepCamera: boolean): void {
     this.clear();
-    const bodies = new Bodies(world, this.material);
-    const map = new StaticMap(world, this.material, model => bodies.contains(model));
+    const bodies = new Bodies(world, this.surfaces);
+    const map = new StaticMap(world, this.surfaces, model => bodies.contains(model));
     const box = this.contentBox(world, map);
-    const ground = new Ground(box);
+    const ground = new Ground(box, this.surfaces);
     this.setting = {world, map, bodies, ground};
     this.scene.add(ground.group, map.group, bodies.group);
-    this.aimSun(box);
+    const {x, y} = box.getSize(new Vector3());
+    this.surfaces.aimSun(box.getCenter(new Vector3()), Math.max(x, y, 2));
     this.applyQuality();
     this.applyTheme();
     if (!keepCamera) {
@@ -294,8 +295,9 @@ export class WorldScene {
   private applyQuality(): void {
     const world = this.setting?.world;
     const isSmall = world !== undefined && world.robots.length + world.objects.length <= MOST_SHADOWS;
-    this.sun.castShadow = this.view === 'orbit' && isSmall && this.quality.level === 0;
-    this.renderer.setPixelRatio(this.quality.level < 2 ? Math.min(window.devicePixelRatio, 2) : 0.75);
+    this.surfaces.sun.castShadow = this.view === 'orbit' && isSmall && this.quality.level === 0;
+    this.renderer.setPixelRatio(this.quality.pixelRatio);
+    this.labels.most = this.quality.mostNames;
     this.invalidate();
   }
 
@@ -340,19 +342,6 @@ export class WorldScene {
     return box;
   }
 
-  private aimSun(box: Box3): void {
-    const center = box.getCenter(new Vector3());
-    const size = Math.max(box.max.x - box.min.x, box.max.y - box.min.y, 2);
-    this.sun.position.set(center.x - 0.45 * size, center.y - 0.75 * size, center.z + 1.3 * size);
-    this.sun.target.position.copy(center);
-    this.sun.shadow.mapSize.set(2048, 2048);
-    Object.assign(this.sun.shadow.camera, {
-      left: -0.8 * size, right: 0.8 * size, top: 0.8 * size, bottom: -0.8 * size, near: 0.1 * size, far: 4 * size,
-    });
-    this.sun.shadow.normalBias = 0.0006 * size;
-    this.sun.shadow.camera.updateProjectionMatrix();
-  }
-
   private frame(box: Box3): void {
     const center = box.getCenter(new Vector3()).setZ(0);
     // The box has the places of robots and objects, not their extents.
@@ -377,6 +366,7 @@ export class WorldScene {
     const width = Math.max(1, this.parent.clientWidth);
     const height = Math.max(1, this.parent.clientHeight);
     this.renderer.setSize(width, height);
+    this.labels.setSize(width, height);
     this.perspective.aspect = width / height;
     this.perspective.updateProjectionMatrix();
     Object.assign(this.orthographic, {left: (-10 * width) / height, right: (10 * width) / height, top: 10, bottom: -10});

@@ -2,13 +2,14 @@
 // of their own, because they may be dark.
 import {
   BufferGeometry, Color, DataTexture, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace,
+  NearestFilter, PlaneGeometry, SRGBColorSpace,
 } from 'three';
 import {DARK} from './bodies';
-import {GeometryBuilder, mixed, softened, type Rgb} from './geometry';
+import {mixed, softened, type GeometryBuilder, type Rgb} from './geometry';
 import {compose, toMatrix} from './pose';
 import type {Area, Light, Pose, World} from './protocol';
 import type {Run} from './run';
+import type {SurfaceMaterial, Surfaces} from './surfaces';
 
 const SLATE: Rgb = [0.36, 0.41, 0.48];
 
@@ -21,11 +22,11 @@ interface Layer {
 export class StaticMap {
   readonly group = new Group();
   private readonly disposables: Array<{dispose(): void}> = [];
-  private readonly lights: Array<{light: Light; material: MeshLambertMaterial}> = [];
+  private readonly lights: Array<{light: Light; material: SurfaceMaterial}> = [];
   private readonly edges = new LineBasicMaterial({transparent: true, opacity: 0.35});
 
   // `moves`: of the index of a model.
-  constructor(world: World, material: MeshLambertMaterial, moves: (model: number) => boolean) {
+  constructor(world: World, private readonly surfaces: Surfaces, moves: (model: number) => boolean) {
     const poses: Pose[] = [];
     const layers = new Map<number, Layer>();
     const lightOfModel = new Map(world.lights.map(light => [light.model, light]));
@@ -37,18 +38,18 @@ export class StaticMap {
       const rgb = model.color.slice(0, 3) as Rgb;
       const light = lightOfModel.get(i);
       if (light) {
-        const builder = new GeometryBuilder();
+        const builder = surfaces.builder();
         builder.addShape(shape, poses[i], softened(rgb));
-        this.addLight(light, builder, material);
+        this.addLight(light, builder);
         return;
       }
       const color = isMap ? mixed(rgb, SLATE, 0.8) : softened(rgb);
       const opacity = Math.round(Math.min(1, Math.max(0.15, model.color[3])) * 10) / 10;
-      if (!layers.has(opacity)) layers.set(opacity, {builder: new GeometryBuilder(), opacity});
+      if (!layers.has(opacity)) layers.set(opacity, {builder: surfaces.builder(), opacity});
       layers.get(opacity)!.builder.addShape(shape, poses[i], color);
       if (shape.area) this.addArea(shape.area, compose(poses[i], shape.area.pose), shape.top, color);
     });
-    for (const layer of layers.values()) this.addLayer(layer, material);
+    for (const layer of layers.values()) this.addLayer(layer);
     this.disposables.push(this.edges);
   }
 
@@ -68,24 +69,19 @@ export class StaticMap {
     for (const disposable of this.disposables) disposable.dispose();
   }
 
-  private addLayer({builder, opacity}: Layer, material: MeshLambertMaterial): void {
+  private addLayer({builder, opacity}: Layer): void {
     if (builder.empty) return;
-    let used = material;
-    if (opacity < 1) {
-      used = material.clone();
-      used.transparent = true;
-      used.opacity = opacity;
-      this.disposables.push(used);
-    }
-    const mesh = new Mesh(this.kept(builder.build()), used);
+    const material = this.surfaces.material({vertexColors: true, transparent: opacity < 1, opacity});
+    this.disposables.push(material);
+    const mesh = new Mesh(this.kept(builder.build()), material);
     mesh.castShadow = opacity === 1;
     mesh.receiveShadow = true;
     this.group.add(mesh, new LineSegments(this.kept(builder.buildEdges()), this.edges));
   }
 
-  private addLight(light: Light, builder: GeometryBuilder, shared: MeshLambertMaterial): void {
+  private addLight(light: Light, builder: GeometryBuilder): void {
     if (builder.empty) return;
-    const material = shared.clone();
+    const material = this.surfaces.material({vertexColors: true});
     const mesh = new Mesh(this.kept(builder.build()), material);
     mesh.castShadow = mesh.receiveShadow = true;
     this.group.add(mesh, new LineSegments(this.kept(builder.buildEdges()), this.edges));
