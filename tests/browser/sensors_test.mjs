@@ -94,9 +94,12 @@ function checkContents({tick, contents}, robot, log, names) {
 
 const namesOf = page => page.evaluate(() => window.troupe.names());
 
-// The colours on the canvas of a camera, as in the scan log.
+// The colours on the canvas of a camera, as in the scan log. They are read from a copy, because Chromium warns of a canvas
+// that is read often and was not made for it, as that of the page is not.
 const canvasOf = (page, sensor) => page.$eval(`[data-sensor="${sensor}"] canvas`, canvas => {
-  const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {willReadFrequently: true});
+  copy.drawImage(canvas, 0, 0);
+  const {data} = copy.getImageData(0, 0, canvas.width, canvas.height);
   let text = '';
   for (let i = 0; i < data.length; ++i) if (i % 4 !== 3) text += data[i].toString(16).padStart(2, '0');
   return text;
