@@ -1,7 +1,7 @@
 // Takes the pictures of the viewer and the editor in docs/pictures, in a headless Chromium with full quality. Not a test:
 // it fails only when it cannot take one. scripts/pictures runs it.
 //   node pictures.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES FOLDER_OF_STAGE_WORLDS [PICTURE ...]
-import {copyFileSync, existsSync, mkdirSync} from 'node:fs';
+import {existsSync, mkdirSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -43,10 +43,9 @@ async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false,
   await viewer.stop();
 }
 
+// A file in the editor, which does not save it.
 async function ofEditor(name, file, prepare) {
-  const copy = `${files}/${file.split('/').pop()}`;
-  copyFileSync(file, copy);
-  const editor = new Program(troupe, ['edit', copy, '--listen', '127.0.0.1:0', '--allow-files', source]);
+  const editor = new Program(troupe, ['edit', file, '--listen', '127.0.0.1:0']);
   const page = await pages.open(`${await editor.line('editor: ')}#quality=full`, 1280, 800);
   await until('the file is shown', () => page.evaluate(() => Boolean(window.troupe?.file() && window.troupe.state())));
   await prepare(page);
@@ -60,16 +59,25 @@ const scenarios = `${source}/worlds/scenarios`;
 const pictures = {
   viewer: () => ofRun('viewer', {world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna'}),
   viewer_top: () => ofRun('viewer_top', {world: `${scenarios}/demo.json`, tick: 160, hash: '&view=top&rays=all', dark: true}),
-  viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=surveyor', height: 800}),
-  viewer_stack: () => ofRun('viewer_stack', {world: `${scenarios}/stacking.json`, tick: 400, hash: '&robot=builder', at: [600, 380], steps: 3}),
-  viewer_lab: () => ofRun('viewer_lab', {world: `${stage}/uoa_robotics_lab.world`, tick: 40, hash: '&rays=all'}),
+  viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=scout', height: 800}),
+  viewer_stack: () => ofRun('viewer_stack', {world: `${scenarios}/stacking.json`, tick: 400, hash: '&robot=builder&follow=1', at: [640, 330], steps: 5}),
+  viewer_lab: () => ofRun('viewer_lab', {world: `${scenarios}/lab.json`, tick: 84, hash: '&rays=all', at: [640, 360], steps: 1}),
+  editor_world: () => ofEditor('editor_world', `${source}/worlds/office.world`, async page => {
+    await page.click('.entity:has-text("table2")');
+    await page.click('button:has-text("Home")');
+  }),
+  editor_model: () => ofEditor('editor_model', `${source}/worlds/include/grippers.inc`, async page => {
+    await page.click('.palette-line:has-text("stacker") .plain');
+    await page.locator('#model-editor').waitFor();
+    await page.click('.part-name:has-text("gripper")');
+  }),
   viewer_cave: () => ofRun('viewer_cave', {world: `${stage}/benchmark/cave.world`, tick: 600, hash: '&view=top'}),
 };
 
 try {
   for (const [name, picture] of Object.entries(pictures)) {
     if (chosen.length > 0 && !chosen.includes(name)) continue;
-    if (['viewer_lab', 'viewer_cave'].includes(name) && !existsSync(stage)) continue;
+    if (name === 'viewer_cave' && !existsSync(stage)) continue;
     await picture();
   }
 } catch (error) {
