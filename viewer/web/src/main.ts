@@ -133,6 +133,7 @@ class Viewer {
     if (!this.run || message.update.world !== this.run.world.number) return;
     const first = !this.run.hasState;
     this.run.apply(message.update);
+    this.timeBar.timeline.received(this.run);
     if (first) {
       this.selectWanted();
       if (this.file && !this.selected) this.wantedName = '';

@@ -92,14 +92,17 @@ export class Timeline {
     else toast(reply.problem, true);
   }
 
-  show(run: Run): void {
+  // With each state, more often than the page shows texts: the next one is asked for at once.
+  received(run: Run): void {
     this.run = run;
-    if (run.past) {
-      if (this.playing === 0 && this.wanted === null) this.position = run.position;
-      this.sent = null;
-      if (this.wanted === run.position) this.wanted = null;
-      this.send();
-    }
+    if (!run.past) return;
+    if (this.playing === 0 && this.wanted === null) this.position = run.position;
+    this.sent = null;
+    if (this.wanted === run.position) this.wanted = null;
+    this.send();
+  }
+
+  show(run: Run): void {
     if (document.activeElement !== this.slider || this.playing !== 0 || !this.past) {
       this.slider.min = String(run.first);
       this.slider.max = String(Math.max(run.last, run.first + 1));
