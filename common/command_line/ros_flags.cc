@@ -106,7 +106,7 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->type_name("SECONDS")
       ->group(group);
   app.add_option("--ros-clock-rate", options.clock_rate,
-                 "Rate of /clock in Hz of wall time, between the ticks of a run with --speed; 0: each tick (default)")
+                 "Rate of /clock in Hz of wall time, between the ticks; 0: each tick (default)")
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);

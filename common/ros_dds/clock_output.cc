@@ -26,21 +26,23 @@ ClockOutput::~ClockOutput() {
   thread_.join();
 }
 
-void ClockOutput::SetSpeed(std::optional<double> speed) {
-  const std::lock_guard lock(mutex_);
-  speed_ = speed;
-}
-
 void ClockOutput::Show(Tick tick, std::int64_t interval_ns, bool stays) {
   const std::int64_t ns = static_cast<std::int64_t>(tick) * interval_ns;
+  const auto now = WallClock::now();
   const std::lock_guard lock(mutex_);
-  const bool wakes = interval_ns_ == 0 || advances() != (!stays && speed_ && rate_ > 0.0);
+  std::optional<double> speed = speed_;
+  if (interval_ns_ > 0 && !stays_ && ns > tick_ns_ && now > shown_at_) {
+    const std::chrono::duration<double, std::nano> elapsed = now - shown_at_;
+    speed = static_cast<double>(ns - tick_ns_) / elapsed.count();
+  }
+  const bool wakes = interval_ns_ == 0 || Advances(stays_, speed_) != Advances(stays, speed);
   if (ns < tick_ns_) written_ns_ = ns;  // a reset
   tick_ns_ = ns;
   interval_ns_ = interval_ns;
   stays_ = stays;
-  shown_at_ = WallClock::now();
-  Write(ns, shown_at_);
+  speed_ = speed;
+  shown_at_ = now;
+  Write(ns, now);
   if (wakes) changed_.notify_one();
 }
 
@@ -60,13 +62,13 @@ void ClockOutput::Run() {
 }
 
 ClockOutput::WallClock::time_point ClockOutput::NextWrite() const {
-  const bool waits = !advances() || written_ns_ >= tick_ns_ + interval_ns_;  // for the next tick
+  const bool waits = !Advances(stays_, speed_) || written_ns_ >= tick_ns_ + interval_ns_;  // for the next tick
   const std::chrono::duration<double> period = waits ? kRepeatPeriod : std::chrono::duration<double>(1.0 / rate_);
   return written_at_ + std::chrono::duration_cast<WallClock::duration>(period);
 }
 
 std::int64_t ClockOutput::TimeAt(WallClock::time_point now) const {
-  if (!advances()) return tick_ns_;
+  if (!Advances(stays_, speed_)) return tick_ns_;
   const std::chrono::duration<double> elapsed = now - shown_at_;
   const double ns = elapsed.count() * *speed_ * static_cast<double>(kNsPerSecond);
   return tick_ns_ + static_cast<std::int64_t>(std::min(ns, static_cast<double>(interval_ns_)));

@@ -1,5 +1,6 @@
 // ClockOutput: the topic /clock. A thread of its own writes the time of each tick, repeats it while no tick follows, as
-// in a pause, and, if the options ask for it, writes the times between two ticks of a run that is paced.
+// in a pause, and, if the options ask for it, writes the times between two ticks. It takes the speed of the run from
+// the instants at which ticks arrive, because an agent is not told it.
 #pragma once
 
 #include <chrono>
@@ -20,8 +21,6 @@ class ClockOutput {
   ClockOutput(const RosNode& node, const RosOptions& options);
   ~ClockOutput();
 
-  // Simulated time of a second of wall time; none: the run is not paced.
-  void SetSpeed(std::optional<double> speed);
   // Writes the time of a committed tick. Time never decreases, unless the tick is an earlier one than that before.
   // `stays`: no tick follows for the time being.
   void Show(Tick tick, std::int64_t interval_ns, bool stays);
@@ -34,14 +33,15 @@ class ClockOutput {
   // Simulated time at `now`, ns.
   std::int64_t TimeAt(WallClock::time_point now) const;
   void Write(std::int64_t ns, WallClock::time_point now);
-  bool advances() const { return !stays_ && speed_ && rate_ > 0.0; }
+  // `speed`: as of speed_.
+  bool Advances(bool stays, std::optional<double> speed) const { return !stays && speed && rate_ > 0.0; }
 
   const double rate_;  // Hz of wall time; 0: only the ticks
   RosWriter<Clock> writer_;
   std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   bool stop_ = false;
-  std::optional<double> speed_;
+  std::optional<double> speed_;  // simulated time of a second of wall time, at the newest ticks; none: not known yet
   bool stays_ = true;
   std::int64_t tick_ns_ = 0;             // time of the newest tick
   std::int64_t interval_ns_ = 0;         // 0: before the first tick

@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <set>
 #include <vector>
 
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/simulation_types.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -92,6 +96,21 @@ TEST_F(RosDomains, TheRunIsTheSameAsWithoutRos) {
   }
   EXPECT_FALSE(hashes[0].empty());
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(RosDomains, TimeAdvancesBetweenTicksInTheDomainOfARobot) {
+  if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root and network namespaces";
+  ros::RosParticipant participant(InDomain(kFirstDomain));
+  ros::RosReader<ros::Clock> reader(ros::MakeNode(participant, "/", "reader"), "/clock", ros::Stream(10'000));
+  Program run = Troupe(Arguments({"--speed", "1", "--ros-clock-rate", "100", "--ticks", "40"}));
+  ASSERT_EQ(run.Wait(), 0) << run.output();
+  std::vector<std::int64_t> times;
+  reader.Drain([&](const ros::Clock& clock) {
+    times.push_back(clock.clock.sec * std::int64_t{1'000'000'000} + clock.clock.nanosec);
+  });
+  ASSERT_FALSE(times.empty());
+  EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+  EXPECT_GT(std::set<std::int64_t>(times.begin(), times.end()).size(), 100u) << "of 40 ticks";
 }
 
 TEST_F(RosDomains, ARobotCannotHaveTheDomainOfTheSimulation) {

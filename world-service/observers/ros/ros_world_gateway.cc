@@ -40,7 +40,6 @@ class RosWorldGateway final : public RunObserver {
   }
 
   Status OnBegin(const RunStart& start) override {
-    clock_.SetSpeed(start.settings.speed);
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
     participant_.Announce();
     return Status();
