@@ -152,6 +152,7 @@ async function measureSeeks() {
   if (await run.end !== 0) throw new Error(run.lines.join('\n'));
   const viewer = new Program(troupe, ['view', recording, '--listen', '127.0.0.1:0']);
   const page = await open(`${await viewer.line('viewer: ')}#smooth=0`);
+  await until('the timeline has its range', () => page.evaluate(() => document.getElementById('timeline').max === '10000'));
   const times = await page.evaluate(async () => {
     const slider = document.getElementById('timeline');
     const result = [];
