@@ -237,7 +237,7 @@ TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
         << query;
   }
   WebClient(server_->port()).Get("/viewer.js");
-  EXPECT_EQ(handler_.pages, 0) << "whoever has no token starts nothing";
+  EXPECT_EQ(handler_.pages, 0) << "a request without a token starts nothing";
   EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
   EXPECT_EQ(handler_.pages, 1);
   WebClient viewer(server_->port());
