@@ -4,9 +4,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "common/base/json_text.h"
+#include "common/ros/robot_in_ros.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/service/owner_permissions.h"
 
@@ -22,10 +22,8 @@ class LauncherReporter final : public Reporter {
 
   void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     Json robots = Json::array();
-    std::set<std::uint32_t> ros_domains;
     for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
       if (IsThere(loaded.world, RobotId(i))) robots.push_back(loaded.world.robots[i].name);
-      if (loaded.world.robots[i].ros.domain) ros_domains.insert(*loaded.world.robots[i].ros.domain);
     }
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
@@ -39,7 +37,7 @@ class LauncherReporter final : public Reporter {
           {"ros", loaded.settings.ros},
           {"ros_relay", contact.ros_relay},
           {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges},
-          {"ros_robot_domains", ros_domains}});
+          {"ros_robot_domains", ros::RobotDomains(loaded.world)}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {
