@@ -17,6 +17,7 @@
 #include "common/security/session_keys.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/observers/status/reporter.h"
+#include "world-service/program/agent_groups.h"
 #include "world-service/program/command_line.h"
 #include "world-service/program/prepared_run.h"
 #include "world-service/program/session_lock.h"
@@ -82,15 +83,16 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   DdsOptions dds;
   static_cast<NetworkSettings&>(dds) = line.network;
   dds.keys = std::move(keys).value();
-  dds.discovery_port = line.port;
+  dds.discovery_ports = line.ports;
+  dds.agent_groups = CountAgentGroups(line, run.loaded, !dds.keys.enclave.empty());
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
-  auto [transport, port, participant] = MakeDdsServiceTransport(dds);
+  auto [transport, participants] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
   const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run.loaded);
-  reporter.Ready(run.loaded, {port, participant, relay ? relay->port() : std::uint16_t{0}});
+  reporter.Ready(run.loaded, {participants, relay ? relay->port() : std::uint16_t{0}});
   RunObservers observers;
   std::unique_ptr<RunObserver> ros;
   if (options.settings.ros) {

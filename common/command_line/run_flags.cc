@@ -131,8 +131,19 @@ std::vector<std::string> RunArguments(const RunOverrides& overrides) {
   if (overrides.mode) arguments.push_back("--mode=" + ToString(*overrides.mode));
   if (overrides.speed) arguments.push_back("--speed=" + ToString(*overrides.speed));
   if (overrides.on_agent_loss) arguments.push_back("--on-agent-loss=" + ToString(*overrides.on_agent_loss));
+  if (overrides.robots_per_process) {
+    arguments.push_back(fmt::format("--robots-per-process={}", *overrides.robots_per_process));
+  }
   if (overrides.ros) arguments.emplace_back(*overrides.ros ? "--ros" : "--no-ros");
   return arguments;
+}
+
+void AddRobotsPerProcessFlag(CLI::App& app, std::optional<std::uint32_t>& robots, const std::string& group) {
+  app.add_option("--robots-per-process", robots,
+                 "Number of robots in one agent process (default: the scenario's, or 1)")
+      ->check(WholeNumber(1, 100000))
+      ->type_name("K")
+      ->group(group);
 }
 
 void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group) {

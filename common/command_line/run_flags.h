@@ -47,6 +47,9 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
 // The arguments that give another program of Troupe the same overrides, --ros or --no-ros included.
 std::vector<std::string> RunArguments(const RunOverrides& overrides);
 
+// --robots-per-process
+void AddRobotsPerProcessFlag(CLI::App& app, std::optional<std::uint32_t>& robots, const std::string& group = "Options");
+
 // --paused
 void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group = "Options");
 

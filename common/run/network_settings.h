@@ -15,6 +15,14 @@ inline constexpr const char* kSecurityAuto = "auto";
 inline constexpr const char* kSecurityOff = "off";
 inline constexpr double kDefaultLeaseSeconds = 2.0;  // wall time
 
+// A participant of a world service, for the agents that it serves.
+struct ServiceParticipant {
+  std::uint16_t port = 0;   // UDP, for NetworkSettings::service_address
+  std::string participant;  // for NetworkSettings::service_participant
+
+  bool operator==(const ServiceParticipant&) const = default;
+};
+
 struct NetworkSettings {
   std::uint32_t domain = 42;  // DDS domain of the simulation, 0 to kMaxDomain; ROS 2 uses another one
   std::string session;        // DDS partition: runs in different sessions are isolated; without '*' and '?'

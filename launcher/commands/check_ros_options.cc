@@ -19,7 +19,7 @@ std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld
   std::vector<std::string> enclaves = {ros::kWorldEnclave};
   if (!options.hosts.empty() || options.in_process) return enclaves;
   const std::vector<std::string> robots = ros::RobotNames(loaded.world);
-  const std::uint32_t packing = options.robots_per_process.value_or(loaded.settings.robots_per_process);
+  const std::uint32_t packing = options.run.robots_per_process.value_or(loaded.settings.robots_per_process);
   for (std::size_t i = 0; i < robots.size(); i += std::max(1U, packing)) enclaves.push_back("/" + robots[i]);
   return enclaves;
 }

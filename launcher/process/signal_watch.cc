@@ -27,7 +27,9 @@ bool SignalWatch::ReadStopRequest() {
   bool stop = false;
   signalfd_siginfo info;
   while (read(descriptor_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
-    stop = stop || info.ssi_signo != static_cast<unsigned>(SIGCHLD);
+    const bool is_child = info.ssi_signo == static_cast<unsigned>(SIGCHLD);
+    child_ended_ = child_ended_ || is_child;
+    stop = stop || !is_child;
   }
   stop_requested_ = stop_requested_ || stop;
   return stop;

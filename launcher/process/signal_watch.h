@@ -5,6 +5,8 @@
 
 #include <signal.h>
 
+#include <utility>
+
 namespace troupe {
 
 class SignalWatch {
@@ -18,6 +20,8 @@ class SignalWatch {
   int descriptor() const { return descriptor_; }
   // Consumes all pending signals. True if one of them requests a stop.
   bool ReadStopRequest();
+  // Whether ReadStopRequest has read since the last call that a child of this process has ended.
+  bool ReadChildEnd() { return std::exchange(child_ended_, false); }
   // Whether ReadStopRequest has ever returned true.
   bool stop_requested() const { return stop_requested_; }
 
@@ -25,6 +29,7 @@ class SignalWatch {
   sigset_t before_;
   int descriptor_ = -1;
   bool stop_requested_ = false;
+  bool child_ended_ = false;
 };
 
 }  // namespace troupe

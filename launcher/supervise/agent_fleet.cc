@@ -59,11 +59,11 @@ std::string RestartCommand(const Host& host, const std::vector<std::string>& arg
 AgentFleet::AgentFleet(const RunOptions& options, const RunKeys& keys)
     : options_(options), keys_(keys), scans_("--scans", options.scans), traces_("--trace", options.trace.file) {}
 
-Status AgentFleet::Start(const ReadyReport& ready, const std::string& service_address,
+Status AgentFleet::Start(const ReadyReport& ready, const std::vector<std::string>& service_addresses,
                          const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot) {
   sites_ = sites;
   ready_ = ready;
-  service_address_ = service_address;
+  service_addresses_ = service_addresses;
   if (Status failure = Plan(ready.robots, site_of_robot); !failure.ok()) return failure;
   return StartAfterJoins(0);
 }
@@ -82,7 +82,7 @@ Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector
 }
 
 Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
-  const std::size_t packing = options_.robots_per_process.value_or(std::max(1u, ready_.robots_per_process));
+  const std::size_t packing = std::max(1u, ready_.robots_per_process);
   std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
   const std::size_t first = group_sites_.size();
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
@@ -110,14 +110,16 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   const AgentSite& site = *group_sites_[agent.group];
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
-  options.network.service_participant = ready_.participant;
+  // In turn, so that of those that start at a time few are in one group.
+  const std::size_t group = agent.group % ready_.participants.size();
+  options.network.service_participant = ready_.participants[group].participant;
   if (options_.hosts.empty()) options.ros.relay_port = ready_.ros_relay;
   options.ros.infinite_ranges = options.ros.infinite_ranges.value_or(ready_.ros_infinite_ranges);
   Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
   if (!security.ok()) return security.error();
   options.network.security = std::move(security).value();
   std::vector<std::string> arguments =
-      AgentArguments(options, service_address_, agent.robots, ready_.libraries, ready_.ros);
+      AgentArguments(options, service_addresses_[group], agent.robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
   std::vector<std::string> restart_arguments = arguments;
   restart_arguments.emplace_back("--skip-deleted");
@@ -149,15 +151,20 @@ Status AgentFleet::Restart(std::size_t number) {
   return Status();
 }
 
-void AgentFleet::SetService(const std::string& participant) {
-  const std::string before = "--service-participant=" + ready_.participant;
+void AgentFleet::SetService(const std::vector<ServiceParticipant>& participants) {
+  const std::string option = "--service-participant=";
+  std::map<std::string, std::string> replaced;
+  for (std::size_t group = 0; group < std::min(ready_.participants.size(), participants.size()); ++group) {
+    ServiceParticipant& known = ready_.participants[group];
+    replaced[option + known.participant] = option + participants[group].participant;
+    known.participant = participants[group].participant;
+  }
   for (AgentProcess& agent : agents_) {
     for (std::string& argument : agent.restart_arguments) {
-      if (argument == before) argument = "--service-participant=" + participant;
+      if (const auto found = replaced.find(argument); found != replaced.end()) argument = found->second;
     }
     agent.restart_command = RestartCommand(*agent.host, agent.restart_arguments);
   }
-  ready_.participant = participant;
 }
 
 std::vector<std::size_t> AgentFleet::PollEnded() {

@@ -38,11 +38,12 @@ class AgentFleet {
   // Both must outlive this.
   AgentFleet(const RunOptions& options, const RunKeys& keys);
 
-  // Plans an agent for every `robots_per_process` consecutive robots of one site; site_of_robot[i] is the index in
-  // `sites` of the site of ready.robots[i]. Starts a limited number of agents, and StartAfterJoins the others: hundreds
-  // of agents that join at the same time delay each other.
-  Status Start(const ReadyReport& ready, const std::string& service_address, const std::vector<AgentSite>& sites,
-               const std::vector<std::size_t>& site_of_robot);
+  // `service_addresses`: by group of agents, as ready.participants. Plans an agent for every `robots_per_process`
+  // consecutive robots of one site; site_of_robot[i] is the index in `sites` of the site of ready.robots[i]. Starts a
+  // limited number of agents, and StartAfterJoins the others: hundreds of agents that join at the same time delay each
+  // other.
+  Status Start(const ReadyReport& ready, const std::vector<std::string>& service_addresses,
+               const std::vector<AgentSite>& sites, const std::vector<std::size_t>& site_of_robot);
 
   // Starts further agents. `agents`: the number of those that have joined.
   Status StartAfterJoins(std::size_t agents);
@@ -54,8 +55,9 @@ class AgentFleet {
   // trace. REQUIRES: PollEnded has returned it.
   Status Restart(std::size_t number);
 
-  // Another participant continues the run as its world service, for agents that are started from now on.
-  void SetService(const std::string& participant);
+  // Another process continues the run as its world service, with these participants, at the same addresses: for agents
+  // that are started from now on.
+  void SetService(const std::vector<ServiceParticipant>& participants);
 
   // The numbers of the agents that ended since the last call.
   std::vector<std::size_t> PollEnded();
@@ -102,7 +104,7 @@ class AgentFleet {
   std::vector<const AgentSite*> group_sites_;  // in the order of robots
   std::vector<AgentSite> sites_;
   ReadyReport ready_;
-  std::string service_address_;
+  std::vector<std::string> service_addresses_;
   std::size_t running_ = 0;
   double peak_memory_mib_ = 0.0;  // of the processes that were replaced
 };

@@ -48,7 +48,7 @@ class DistributedRun {
 
  private:
   void SuperviseUntilServiceEnds();
-  void StartViewer(const ReadyReport& ready);
+  void StartViewer();
   void StartBridge(const ReadyReport& ready);
   void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
@@ -93,11 +93,11 @@ class DistributedRun {
   AgentRestarts restarts_;  // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
-  std::optional<std::uint16_t> service_port_;  // once it is ready
-  Tick tick_ = 0;                              // of the newest status
-  Edition new_robots_edition_ = 0;             // the newest that has added robots
-  bool rebuilds_ = false;                      // agents are started again until the run ends
-  std::map<std::size_t, Tick> ended_at_;       // with rebuilds_: by agent, when it last ended
+  std::vector<std::uint16_t> service_ports_;  // by group of agents, once it is ready
+  Tick tick_ = 0;                             // of the newest status
+  Edition new_robots_edition_ = 0;            // the newest that has added robots
+  bool rebuilds_ = false;                     // agents are started again until the run ends
+  std::map<std::size_t, Tick> ended_at_;      // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -131,7 +131,9 @@ void DistributedRun::ProcessEvents() {
   for (const auto& host : hosts_.all()) host->Receive();
   service_.process().Poll();
   const bool dies = !service_.process().running() && !service_restarts_.due();
-  const std::vector<std::size_t> ended = agents_.PollEnded();
+  // Hundreds of agents are not polled for each report of the service. The ends of those on remote hosts are messages.
+  std::vector<std::size_t> ended;
+  if (signals_.ReadChildEnd() || !options_.hosts.empty()) ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
   const std::optional<std::string> bridge = bridge_.Poll(Seconds(Clock::now()));
   PrintOutput();
@@ -183,8 +185,12 @@ void DistributedRun::ProcessReports() {
 
 void DistributedRun::React(const ReadyReport& ready) {
   if (kill_at_) return;
-  if (service_port_) return ReactToReturn(ready);
-  service_port_ = ready.port;
+  if (!service_ports_.empty()) return ReactToReturn(ready);
+  std::vector<std::string> addresses;
+  for (const ServiceParticipant& of_group : ready.participants) {
+    service_ports_.push_back(of_group.port);
+    addresses.push_back(hosts_.ServiceAddress(of_group.port));
+  }
   robots_ = ready.robots.size();
   // A run that ends when an agent is lost has no time for a restart.
   rebuilds_ = ready.rebuilds_on_loss;
@@ -195,21 +201,22 @@ void DistributedRun::React(const ReadyReport& ready) {
   }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
-  const Status started = agents_.Start(ready, hosts_.ServiceAddress(ready.port), hosts_.AgentSites(), sites.value());
+  const Status started = agents_.Start(ready, addresses, hosts_.AgentSites(), sites.value());
   if (!started.ok()) return Fail(FailedRun(started.error()));
-  StartViewer(ready);
+  StartViewer();
   StartBridge(ready);
 }
 
 // The agents that live find the service by themselves.
 void DistributedRun::ReactToReturn(const ReadyReport& ready) {
-  agents_.SetService(ready.participant);
+  agents_.SetService(ready.participants);
 }
 
 // Without a viewer the run is the same.
-void DistributedRun::StartViewer(const ReadyReport& ready) {
+void DistributedRun::StartViewer() {
   if (options_.headless) return;
-  const Status started = viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(ready.port), keys_);
+  const Status started =
+      viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(service_ports_.front()), keys_);
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 
@@ -316,7 +323,7 @@ bool DistributedRun::PlanRestartOfService() {
 void DistributedRun::RestartService() {
   if (!service_restarts_.due() || Seconds(Clock::now()) < *service_restarts_.due()) return;
   if (kill_at_) return service_restarts_.Cancel();
-  const Status started = service_.Restart(keys_, service_port_.value_or(0), started_);
+  const Status started = service_.Restart(keys_, service_ports_, started_);
   service_restarts_.OnStart();
   if (!started.ok()) Fail(FailedRun(started.error()));
 }

@@ -80,12 +80,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* processes = "Processes and network";
   command.add_flag("--in-process", options.in_process, "Run service and agents in this process, without DDS")
       ->group(processes);
-  command
-      .add_option("--robots-per-process", options.robots_per_process,
-                  "Number of robots in one agent process (default: the scenario's, or 1)")
-      ->check(WholeNumber(1, 100000))
-      ->type_name("K")
-      ->group(processes);
+  AddRobotsPerProcessFlag(command, options.run.robots_per_process, processes);
   command
       .add_option("--restart-agents", options.restart_agents,
                   fmt::format("Start each agent that dies again, up to N times; 0: never (default: the scenario's, or "

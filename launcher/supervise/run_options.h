@@ -30,9 +30,8 @@ struct RunOptions {
   OwnerPermissions permissions;
 
   bool in_process = false;
-  std::optional<std::uint32_t> robots_per_process;  // nothing: the scenario's
-  std::optional<std::uint32_t> threads;             // nothing: in one process all cores, else one
-  std::optional<std::uint32_t> restart_agents;      // likewise
+  std::optional<std::uint32_t> threads;         // nothing: in one process all cores, else one
+  std::optional<std::uint32_t> restart_agents;  // likewise
   OnServiceLoss on_service_loss = OnServiceLoss::kRestart;
   std::string journal;              // file; empty: without a name, for this run alone
   bool journal_sync = false;        // it survives a loss of power

@@ -62,9 +62,9 @@ Status ServiceProcess::Start(const RunKeys& keys) {
   return StartProcess(keys, {});
 }
 
-Status ServiceProcess::Restart(const RunKeys& keys, std::uint16_t port, bool begun) {
+Status ServiceProcess::Restart(const RunKeys& keys, const std::vector<std::uint16_t>& ports, bool begun) {
   std::vector<std::string> more = {"--resume"};
-  if (port != 0) more.push_back("--port=" + std::to_string(port));
+  for (const std::uint16_t port : ports) more.push_back("--port=" + std::to_string(port));
   has_begun_ = begun;
   return StartProcess(keys, more);
 }

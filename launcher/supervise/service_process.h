@@ -24,7 +24,7 @@ class ServiceProcess {
   Status Start(const RunKeys& keys);
   // Starts the process again, which has ended, to continue the run at the same port. `begun`: the run, not only its
   // process. REQUIRES: can_restart()
-  Status Restart(const RunKeys& keys, std::uint16_t port, bool begun);
+  Status Restart(const RunKeys& keys, const std::vector<std::uint16_t>& ports, bool begun);
   // The run has a journal.
   bool can_restart() const { return !journal_.empty(); }
 

@@ -38,8 +38,12 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "restart_agents", report.restart_agents);
   Get(json, "aborts_on_loss", report.aborts_on_loss);
   Get(json, "rebuilds_on_loss", report.rebuilds_on_loss);
-  Get(json, "port", report.port);
-  Get(json, "participant", report.participant);
+  for (const Json& entry : json.value("participants", Json::array())) {
+    ServiceParticipant& of_group = report.participants.emplace_back();
+    Get(entry, "port", of_group.port);
+    Get(entry, "participant", of_group.participant);
+  }
+  if (report.participants.empty()) report.participants.emplace_back();
   Get(json, "ros", report.ros);
   Get(json, "ros_relay", report.ros_relay);
   Get(json, "ros_infinite_ranges", report.ros_infinite_ranges);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/run/network_settings.h"
 #include "world-service/service/run_summary.h"
 
 namespace troupe {
@@ -19,11 +20,10 @@ struct ReadyReport {
   std::vector<std::string> libraries;  // controllers of robots
   std::uint32_t robots_per_process = 1;
   std::uint32_t restart_agents = 0;
-  bool aborts_on_loss = false;    // the run ends when an agent is lost
-  bool rebuilds_on_loss = false;  // the run waits for an agent that is lost
-  std::uint16_t port = 0;         // UDP port at which agents find the service; 0: unknown
-  std::string participant;        // of the service, NetworkSettings::service_participant
-  bool ros = false;               // the run uses ROS 2
+  bool aborts_on_loss = false;                   // the run ends when an agent is lost
+  bool rebuilds_on_loss = false;                 // the run waits for an agent that is lost
+  std::vector<ServiceParticipant> participants;  // of the service, by group of agents; at least one
+  bool ros = false;                              // the run uses ROS 2
   bool ros_infinite_ranges = true;
   std::vector<std::uint32_t> ros_robot_domains;  // of robots with a ROS domain of their own, each once
   std::uint16_t ros_relay = 0;                   // RosOptions::relay_port of the agents on the host of the service

@@ -49,6 +49,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
     if (!branch.ok()) throw CLI::ValidationError(branch.error().message);
   });
   AddRunFlags(app, line.run);
+  AddRobotsPerProcessFlag(app, line.run.robots_per_process);
   AddSeedFlag(app, line.overrides.seed);
   AddBranchFlags(app, line.branch);
   AddAllowControllersFlag(app, line.permissions.controllers);
@@ -65,11 +66,12 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddRecordFlags(app, line.outputs.record, line.outputs.keyframe_interval);
   AddJournalFlags(app, line);
   AddTraceFlags(app, line.service.trace);
-  app.add_option("--port", line.port,
+  app.add_option("--port", line.ports,
                  "UDP port at which agents of other hosts find the service (default: the first "
-                 "free one)")
+                 "free one); further ones are those of groups of agents")
       ->check(WholeNumber(1, 65535))
-      ->type_name("PORT");
+      ->type_name("PORT")
+      ->allow_extra_args(false);
   app.add_option("--report-fd", line.report_fd, "File descriptor for reports to a launcher, as JSON lines")
       ->check(WholeNumber(0, 1 << 20))
       ->type_name("N");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "common/command_line/exit_status.h"
 #include "common/command_line/run_flags.h"
@@ -30,9 +31,9 @@ struct ServiceCommandLine {
   ros::RosOptions ros = ros::OptionsFromEnvironment();
   std::optional<std::uint32_t> threads;
   std::optional<int> report_fd;
-  bool resume = false;     // the run of the journal in `outputs`
-  std::uint16_t port = 0;  // UDP, for discovery; 0: the first free one
-  Faults faults;           // for tests
+  bool resume = false;               // the run of the journal in `outputs`
+  std::vector<std::uint16_t> ports;  // UDP, for discovery, by group of agents; those not given: the first free ones
+  Faults faults;                     // for tests
 };
 
 // An exit status: help, the version or an error has been printed.

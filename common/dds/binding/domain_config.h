@@ -28,7 +28,10 @@ struct DomainConfig {
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   double lease_seconds = 10.0;                  // others forget a participant that is silent for longer
   double announce_seconds = 30.0;               // from one announcement to the next, at most; or 0.4 of the lease
-  std::string tag;                              // only participants with the same one discover each other
+  // Announces its types' structure (XTypes). Without, endpoints match by the names of types, and a participant starts
+  // sooner and needs less memory; its own types cannot be found by tools that ask it for their structure.
+  bool describes_types = true;
+  std::string tag;  // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.
   bool numbered_as_on_network = false;

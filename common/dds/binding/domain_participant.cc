@@ -88,7 +88,8 @@ SharedDomain OpenDomain(const DomainConfig& config) {
 
 }  // namespace
 
-DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos) : domain_(OpenDomain(config)) {
+DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos)
+    : domain_(OpenDomain(config)), describes_types_(config.describes_types) {
   const Qos secured = config.security_enclave.empty() ? qos : WithSecurity(qos, config.security_enclave);
   participant_ =
       Entity(Check(dds_create_participant(domain_.number, secured.get(), nullptr), "creating a participant"));

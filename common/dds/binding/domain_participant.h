@@ -23,11 +23,13 @@ class DomainParticipant {
   explicit DomainParticipant(const DomainConfig& config, const Qos& qos = Qos());
 
   GuidPrefix guid_prefix() const;
+  bool describes_types() const { return describes_types_; }
   dds_entity_t handle() const { return participant_.handle(); }
 
  private:
   SharedDomain domain_;  // ends after the participant
   Entity participant_;
+  const bool describes_types_;
 };
 
 }  // namespace troupe::dds

@@ -22,14 +22,15 @@ class SampleFilter {
 template <typename T>
 struct TopicTraits;
 
+// Creates the topic of a participant that describes its types or does not. Throws Exception.
+dds_entity_t CreateTopic(const DomainParticipant& participant, const dds_topic_descriptor_t& type,
+                         const std::string& name);
+
 template <typename T>
 class Topic {
  public:
   Topic(const DomainParticipant& participant, const std::string& name)
-      : name_(name),
-        entity_(
-            Check(dds_create_topic(participant.handle(), TopicTraits<T>::descriptor(), name.c_str(), nullptr, nullptr),
-                  "creating topic '" + name + "'")) {}
+      : name_(name), entity_(CreateTopic(participant, *TopicTraits<T>::descriptor(), name)) {}
   // REQUIRES: the filter outlives the readers of this object.
   Topic(const DomainParticipant& participant, const std::string& name, const SampleFilter& filter)
       : Topic(participant, name) {

@@ -27,32 +27,37 @@ std::unique_ptr<ServiceSegment> MakeSegment(const DdsConnection& connection, boo
   return nullptr;
 }
 
+std::vector<std::unique_ptr<AgentGroup>> MakeGroups(const std::vector<const DdsConnection*>& connections,
+                                                    const ServiceSegment* segment) {
+  std::vector<std::unique_ptr<AgentGroup>> groups;
+  const std::string sharing = segment != nullptr ? ToText(segment->address()) : std::string();
+  for (const DdsConnection* connection : connections) {
+    groups.push_back(std::make_unique<AgentGroup>(*connection, sharing));
+  }
+  return groups;
+}
+
 }  // namespace
 
-DdsServiceEndpoint::DdsServiceEndpoint(const DdsConnection& connection, bool data_sharing)
-    : connection_(connection),
-      segment_(MakeSegment(connection, data_sharing)),
-      sessions_(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds),
-                segment_ ? ToText(segment_->address()) : std::string()),
-      admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
-      frames_(connection, topics::kFrame, qos_profiles::Frame()),
-      whole_frames_(connection, topics::kWholeFrame, qos_profiles::WholeFrame()),
-      histories_(connection, topics::kHistory, qos_profiles::PastStates()),
-      statuses_(connection, topics::kStatus, qos_profiles::Status()),
-      control_replies_(connection, topics::kControlReply, qos_profiles::ControlReply()),
-      from_agents_(connection.participant, qos_profiles::AllAgents(connection.session)),
-      joins_(connection, from_agents_, topics::kJoin, qos_profiles::FromMany(qos_profiles::Join())),
-      proposals_(connection, from_agents_, topics::kProposal, qos_profiles::FromMany(qos_profiles::Proposal())),
-      controls_(connection, topics::kControl, qos_profiles::FromMany(qos_profiles::Control())),
-      frame_requests_(connection, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
-      rivals_(connection, topics::kSession,
+DdsServiceEndpoint::DdsServiceEndpoint(const std::vector<const DdsConnection*>& connections, bool data_sharing)
+    : connection_(*connections.front()),
+      segment_(MakeSegment(connection_, data_sharing)),
+      groups_(MakeGroups(connections, segment_.get())),
+      whole_frames_(connection_, topics::kWholeFrame, qos_profiles::WholeFrame()),
+      statuses_(connection_, topics::kStatus, qos_profiles::Status()),
+      control_replies_(connection_, topics::kControlReply, qos_profiles::ControlReply()),
+      controls_(connection_, topics::kControl, qos_profiles::FromMany(qos_profiles::Control())),
+      frame_requests_(connection_, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
+      rivals_(connection_, topics::kSession,
               qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()),
-      secured_(connection.secured),
-      proven_(connection.proves()) {}
+      secured_(connection_.secured),
+      proven_(connection_.proves()) {}
 
 DdsServiceEndpoint::~DdsServiceEndpoint() {
-  joins_.Close();
-  proposals_.Close();
+  for (const auto& group : groups_) {
+    group->joins.Close();
+    group->proposals.Close();
+  }
   controls_.Close();
   frame_requests_.Close();
   rivals_.Close();
@@ -64,7 +69,7 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   troupe_wire_Session last{};
   last.run = run_;
   last.ended = true;
-  sessions_.SendWire(last);
+  for (const auto& group : groups_) group->sessions.SendWire(last);
 }
 
 void DdsServiceEndpoint::Start(ServiceHandler& handler) {
@@ -73,14 +78,19 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
     TROUPE_CHECK(handler_ == nullptr);
     handler_ = &handler;
   }
-  joins_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainJoins); });
-  proposals_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainProposals); });
+  for (const auto& owned : groups_) {
+    AgentGroup& group = *owned;
+    group.joins.Listen([this, &group] { Deliver(&DdsServiceEndpoint::DrainJoins, group); });
+    group.proposals.Listen([this, &group] { Deliver(&DdsServiceEndpoint::DrainProposals, group); });
+  }
   controls_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainControls); });
   frame_requests_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainFrameRequests); });
   rivals_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainSessions); });
   DrainSessions();
-  DrainJoins();
-  DrainProposals();
+  for (const auto& group : groups_) {
+    DrainJoins(*group);
+    DrainProposals(*group);
+  }
   DrainControls();
   DrainFrameRequests();
   if (segment_) collector_ = std::thread([this] { CollectAnswers(); });
@@ -98,7 +108,7 @@ void DdsServiceEndpoint::DrainAnswers() {
     if (answer.malformed.ok()) {
       handler_->OnProposal(answer.proposal);
     } else {
-      proposals_.ReportMalformed(answer.malformed.error());
+      groups_.front()->proposals.ReportMalformed(answer.malformed.error());
     }
   }
 }
@@ -112,20 +122,29 @@ void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)()) {
   }
 }
 
-void DdsServiceEndpoint::DrainJoins() {
+void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)(AgentGroup&), AgentGroup& group) {
+  try {
+    (this->*drain)(group);
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(mutex_);
+    handler_->OnOutOfMemory();
+  }
+}
+
+void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
   const std::lock_guard lock(mutex_);
-  joins_.Drain(
-      [this](const troupe_wire_Join& join, const Sender& sender) {
+  group.joins.Drain(
+      [this, &group](const troupe_wire_Join& join, const Sender& sender) {
         if (join.leaving) {
           Leave(join.agent, sender);
           return false;
         }
         if (!MayJoinFor(Strings(join.robots), sender)) {
-          joins_.Refuse(sender, "its keys are those of an agent of other robots");
+          group.joins.Refuse(sender, "its keys are those of an agent of other robots");
           return false;
         }
         if (Bind(join.agent, sender)) return true;
-        joins_.Refuse(sender, "it joins as the agent of another participant, or as too many");
+        group.joins.Refuse(sender, "it joins as the agent of another participant, or as too many");
         return false;
       },
       [this](const JoinMessage& join, const Sender&) { handler_->OnJoin(join); },
@@ -178,21 +197,21 @@ void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
   }
 }
 
-bool DdsServiceEndpoint::IsFromAgent(AgentId agent, const Sender& sender) {
+bool DdsServiceEndpoint::IsFromAgent(AgentGroup& group, AgentId agent, const Sender& sender) {
   if (const auto known = agents_.find(agent); known != agents_.end()) {
     if (known->second.participant == sender.participant) return true;
-    proposals_.Refuse(sender, "another participant is this agent");
+    group.proposals.Refuse(sender, "another participant is this agent");
     return false;
   }
   const auto lost = lost_agents_.find(agent);
   return lost != lost_agents_.end() && lost->second == sender.participant;
 }
 
-void DdsServiceEndpoint::DrainProposals() {
+void DdsServiceEndpoint::DrainProposals(AgentGroup& group) {
   const std::lock_guard lock(mutex_);
-  proposals_.Drain([this](const troupe_wire_Proposal& proposal,
-                          const Sender& sender) { return IsFromAgent(proposal.agent, sender); },
-                   [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
+  group.proposals.Drain([&](const troupe_wire_Proposal& proposal,
+                            const Sender& sender) { return IsFromAgent(group, proposal.agent, sender); },
+                        [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
 }
 
 void DdsServiceEndpoint::DrainControls() {
@@ -213,11 +232,13 @@ void DdsServiceEndpoint::DrainSessions() {
 
 void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
   run_ = session.run;
-  sessions_.Send(session);
+  for (const auto& group : groups_) group->sessions.Send(session);
 }
+
 void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& admissions) {
-  admissions_.Send(admissions);
+  for (const auto& group : groups_) group->admissions.Send(admissions);
 }
+
 void DdsServiceEndpoint::DrainFrameRequests() {
   const std::lock_guard lock(frame_mutex_);
   bool requested = false;
@@ -233,16 +254,12 @@ void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
     const Status published = segment_->Publish(frame);
     if (!published.ok()) connection_.Report("data sharing ends: " + published.error().message);
   }
-  const std::uint32_t readers = frames_.CountReaders();
-  // A new reader has no frame that this one could be the changes of.
-  const WorldState* const base = readers > frame_readers_ ? nullptr : stream_.BaseOf(frame);
-  if (readers > 0) frames_.Send(frame, base);
-  frame_readers_ = readers;
+  for (const auto& group : groups_) group->SendFrame(frame, stream_.BaseOf(frame));
   stream_.Sent(frame);
 }
 
 void DdsServiceEndpoint::SendHistory(const HistoryMessage& history) {
-  histories_.Send(history);
+  for (const auto& group : groups_) group->histories.Send(history);
 }
 
 void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
@@ -256,10 +273,8 @@ void DdsServiceEndpoint::SendControlReply(const ControlReply& reply) {
 void DdsServiceEndpoint::Flush(double seconds) {
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
   const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
-  sessions_.writer().wait_for_acknowledgments(remaining());
-  admissions_.writer().wait_for_acknowledgments(remaining());
+  for (const auto& group : groups_) group->Flush(remaining);
   control_replies_.writer().wait_for_acknowledgments(remaining());
-  frames_.writer().wait_for_acknowledgments(remaining());
 }
 
 }  // namespace troupe::dds

@@ -8,8 +8,10 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/dds/convert/topic_types.h"
+#include "common/dds/transport/agent_group.h"
 #include "common/dds/transport/dds_connection.h"
 #include "common/dds/transport/frame_stream.h"
 #include "common/protocol/transport.h"
@@ -19,9 +21,10 @@ namespace troupe::dds {
 
 class DdsServiceEndpoint : public ServiceEndpoint {
  public:
-  // REQUIRES: the connection outlives it. `data_sharing`: with agents of this machine, through shared memory; the
-  // others are served over the network.
-  DdsServiceEndpoint(const DdsConnection& connection, bool data_sharing);
+  // A connection for each group of agents; the first is that of observers and tools, too. REQUIRES: there is one, and
+  // they outlive it. `data_sharing`: with agents of this machine, through shared memory; the others are served over the
+  // network.
+  DdsServiceEndpoint(const std::vector<const DdsConnection*>& connections, bool data_sharing);
   ~DdsServiceEndpoint() override;
 
   void Start(ServiceHandler& handler) override;
@@ -36,7 +39,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
  private:
   // Calls a member below; the handler is told of a message for which there was no memory.
   void Deliver(void (DdsServiceEndpoint::*drain)());
-  void DrainJoins();
+  void Deliver(void (DdsServiceEndpoint::*drain)(AgentGroup&), AgentGroup& group);
+  void DrainJoins(AgentGroup& group);
   // Binds the agent to its first writer; false for any other one.
   bool Bind(AgentId agent, const Sender& sender);
   // Whether the sender's keys are for an agent of these robots.
@@ -44,8 +48,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void Leave(AgentId agent, const Sender& sender);
   void LoseAgentsOf(const Sender& ended);
   // Whether the sender of a proposal is the agent that it names, or was until its lease expired.
-  bool IsFromAgent(AgentId agent, const Sender& sender);
-  void DrainProposals();
+  bool IsFromAgent(AgentGroup& group, AgentId agent, const Sender& sender);
+  void DrainProposals(AgentGroup& group);
   void DrainControls();
   void DrainSessions();
   void DrainFrameRequests();
@@ -55,16 +59,10 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   const DdsConnection& connection_;
   const std::unique_ptr<ServiceSegment> segment_;  // null: nothing is shared
-  Outbox<troupe_wire_Session> sessions_;
-  Outbox<troupe_wire_Admissions> admissions_;
-  Outbox<troupe_wire_Frame> frames_;
+  std::vector<std::unique_ptr<AgentGroup>> groups_;
   Outbox<troupe_wire_Frame> whole_frames_;  // to observers that have requested one
-  Outbox<troupe_wire_History> histories_;
   Outbox<troupe_wire_Status> statuses_;
   Outbox<troupe_wire_ControlReply> control_replies_;
-  Subscriber from_agents_;
-  Inbox<troupe_wire_Join, JoinMessage> joins_;
-  Inbox<troupe_wire_Proposal, ProposalMessage> proposals_;
   Inbox<troupe_wire_Control, ControlRequest> controls_;
   Inbox<troupe_wire_FrameRequest, FrameRequest> frame_requests_;
   Inbox<troupe_wire_Session, SessionMessage> rivals_;
@@ -72,7 +70,6 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::atomic<RunId> run_ = 0;  // of the newest session; 0: none yet
   std::mutex frame_mutex_;      // guards the next member; locked after mutex_ where both are
   FrameStream stream_;
-  std::uint32_t frame_readers_ = 0;  // on the network, when the newest frame was sent
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;

@@ -16,8 +16,12 @@ namespace troupe {
 
 struct DdsOptions : NetworkSettings {
   ParticipantKeys keys;
-  std::uint16_t discovery_port = 0;  // of a service, one that DDS has for this domain; 0: the first free one
-  std::vector<std::string> robots;   // of an agent: it may join for these only
+  // Of a service: groups of agents, each with a participant of its own (agent_group.h). At least 1.
+  std::size_t agent_groups = 1;
+  // Of a service: UDP ports that DDS has for this domain, of the participants of its groups; those that are not given
+  // are the first free ones.
+  std::vector<std::uint16_t> discovery_ports;
+  std::vector<std::string> robots;  // of an agent: it may join for these only
   // Called, on any thread, when a run of this session has a token that `keys` lacks.
   std::function<void()> on_foreign_run;
   // Called, on any thread, with one line for each message that was ignored because it was malformed, or could not be
@@ -30,8 +34,8 @@ struct DdsOptions : NetworkSettings {
 // endpoints.
 struct DdsServiceTransport {
   std::unique_ptr<Transport> transport;
-  std::uint16_t discovery_port = 0;  // for the service_address of agents and observers
-  std::string participant;           // for the service_participant of agents
+  // By group of agents; the first is for observers, too, and for agents that are not assigned to a group.
+  std::vector<ServiceParticipant> participants;
 };
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);

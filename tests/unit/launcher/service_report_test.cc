@@ -15,14 +15,13 @@ T Parse(const std::string& line) {
 TEST(ServiceReport, ReadyNamesTheRobotsAndThePort) {
   auto ready = Parse<ReadyReport>(
       R"({"type":"ready","robots":["r0","r1"],"libraries":["a.so"],"robots_per_process":2,"restart_agents":5,)"
-      R"("aborts_on_loss":true,"port":17910,"participant":"0102030405060708090a0b0c"})");
+      R"("aborts_on_loss":true,"participants":[{"port":17910,"participant":"0102030405060708090a0b0c"},{"port":17930}]})");
   EXPECT_EQ(ready.robots, (std::vector<std::string>{"r0", "r1"}));
   EXPECT_EQ(ready.libraries, (std::vector<std::string>{"a.so"}));
   EXPECT_EQ(ready.robots_per_process, 2u);
   EXPECT_EQ(ready.restart_agents, 5u);
   EXPECT_TRUE(ready.aborts_on_loss);
-  EXPECT_EQ(ready.port, 17910);
-  EXPECT_EQ(ready.participant, "0102030405060708090a0b0c");
+  EXPECT_EQ(ready.participants, (std::vector<ServiceParticipant>{{17910, "0102030405060708090a0b0c"}, {17930, ""}}));
 }
 
 TEST(ServiceReport, RobotsNamesTheRobotsOfAnEdit) {

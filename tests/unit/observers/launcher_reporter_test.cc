@@ -50,7 +50,7 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   loaded.world = world.world();
   loaded.world.models[loaded.world.robots[2].root.index()].removed = true;
   loaded.world.robots[1].name = "bad \xff bytes";
-  reporter_->Ready(loaded, {7410, "0102030405060708090a0b0c"});
+  reporter_->Ready(loaded, {{{7410, "0102030405060708090a0b0c"}, {7430, "0102030405060708090a0b0d"}}});
   const json report = Next();
   EXPECT_EQ(report["type"], "ready");
   EXPECT_EQ(report["robots"].size(), 2u);
@@ -58,7 +58,9 @@ TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
   EXPECT_EQ(report["robots_per_process"], 3);
   EXPECT_EQ(report["restart_agents"], 5);
   EXPECT_EQ(report["aborts_on_loss"], false);
-  EXPECT_EQ(report["port"], 7410);
+  ASSERT_EQ(report["participants"].size(), 2u);
+  EXPECT_EQ(report["participants"][0]["port"], 7410);
+  EXPECT_EQ(report["participants"][1]["participant"], "0102030405060708090a0b0d");
 }
 
 TEST_F(LauncherReporterTest, ReportsTheNewRobotsOfAnEdit) {

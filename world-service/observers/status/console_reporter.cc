@@ -14,7 +14,7 @@ class ConsoleReporter final : public Reporter {
  public:
   void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
     fmt::print(stderr, "{}: {} robots; waiting for their agents", loaded.world.name, loaded.world.robots.size());
-    if (contact.port != 0) fmt::print(stderr, " (port {})", contact.port);
+    if (!contact.participants.empty()) fmt::print(stderr, " (port {})", contact.participants.front().port);
     fmt::print(stderr, "\n");
   }
   void OnStarted(double startup_seconds) override {

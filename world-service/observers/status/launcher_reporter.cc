@@ -25,6 +25,10 @@ class LauncherReporter final : public Reporter {
     for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
       if (IsThere(loaded.world, RobotId(i))) robots.push_back(loaded.world.robots[i].name);
     }
+    Json participants = Json::array();
+    for (const ServiceParticipant& of_group : contact.participants) {
+      participants.push_back({{"port", of_group.port}, {"participant", of_group.participant}});
+    }
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
           {"libraries", LibrariesOf(loaded.world)},
@@ -32,8 +36,7 @@ class LauncherReporter final : public Reporter {
           {"restart_agents", loaded.settings.restart_agents},
           {"aborts_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kAbort},
           {"rebuilds_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kRebuild},
-          {"port", contact.port},
-          {"participant", contact.participant},
+          {"participants", std::move(participants)},
           {"ros", loaded.settings.ros},
           {"ros_relay", contact.ros_relay},
           {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges},

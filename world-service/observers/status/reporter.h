@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/run/network_settings.h"
 #include "common/worldfile/load_world.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
@@ -15,9 +16,8 @@ namespace troupe {
 
 // How agents find a service and know it from others.
 struct ServiceContact {
-  std::uint16_t port = 0;       // UDP; 0: not known
-  std::string participant;      // NetworkSettings::service_participant
-  std::uint16_t ros_relay = 0;  // RosOptions::relay_port of agents on this host
+  std::vector<ServiceParticipant> participants;  // by group of agents; empty: not known
+  std::uint16_t ros_relay = 0;                   // RosOptions::relay_port of agents on this host
 };
 
 class Reporter : public RunObserver {
