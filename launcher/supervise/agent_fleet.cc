@@ -18,7 +18,7 @@ constexpr double kMaxStartDelay = 0.5;  // s, with --shuffle-start
 // where an agent joins quickly, few start at a time. With security, an agent waits a third of a second for timers of
 // the handshake, without work.
 constexpr std::size_t kMaxStarting = 16;
-constexpr std::size_t kMaxStartingOnOneMachine = 3;
+constexpr std::size_t kMaxStartingOnOneMachine = 6;
 constexpr std::size_t kMaxStartingSecured = 64;
 
 // The order in which `count` agents are started: by index, or shuffled (Fisher and Yates).

@@ -108,6 +108,7 @@ std::string ToXml(const DomainConfig& config) {
       {"PEERS", Peers(config)},
       {"MAX_SAMPLE", std::to_string(config.max_sample_bytes) + "B"},
       {"ANNOUNCE", std::to_string(std::min(config.announce_seconds, kAnnouncementPeriod * config.lease_seconds)) + "s"},
+      {"HEARTBEAT", std::to_string(config.heartbeat_seconds) + "s"},
       {"LEASE", std::to_string(config.lease_seconds) + "s"},
   };
   std::string_view rest = profile == "one-host" ? kOneHostProfile : profile == "lan" ? kLanProfile : kUnicastProfile;

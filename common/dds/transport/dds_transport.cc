@@ -22,6 +22,8 @@ constexpr std::uint32_t kLargestSampleForService = 16'000'000;  // bytes
 // Of agents and observers: the longest is a world.
 constexpr std::uint32_t kLargestSampleForPeers = 1'000'000'000;
 
+constexpr double kHeartbeatWithSharing = 0.1;  // s
+
 constexpr std::uint32_t kParticipantsOfMachine = 100;  // of services that share a domain: their participant indices
 
 std::optional<dds::GuidPrefix> ServiceOf(const DdsOptions& options) {
@@ -95,6 +97,9 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   config.network_interface = options.network_interface;
   config.network = options.network_profile;
   config.lease_seconds = options.lease_seconds;
+  // With data sharing hardly any agent receives samples, so that heartbeats cost little. While agents start, they are
+  // the answer to a reader that has asked for samples before its writer had discovered it.
+  if (options.data_sharing) config.heartbeat_seconds = kHeartbeatWithSharing;
   config.security_enclave = options.keys.enclave;
   return config;
 }
