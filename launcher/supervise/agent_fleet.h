@@ -34,7 +34,6 @@ struct AgentSite {
 
 class AgentFleet {
  public:
-  // The options must outlive this.
   // Both must outlive this.
   AgentFleet(const RunOptions& options, const RunKeys& keys);
 

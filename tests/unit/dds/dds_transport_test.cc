@@ -122,7 +122,7 @@ class DdsTransportTest : public testing::Test {
   // Notes its port.
   std::unique_ptr<Transport> MakeServiceTransport() {
     DdsServiceTransport made = MakeDdsServiceTransport(options_);
-    port_ = made.discovery_port;
+    port_ = made.participants.front().port;
     return std::move(made.transport);
   }
   // Agents need the real port of the service: another session may have the first one.
@@ -309,7 +309,7 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMatch) {
   other.session += "-other";
   const auto service_transport = MakeServiceTransport();
   const DdsServiceTransport other_service_transport = MakeDdsServiceTransport(other);
-  EXPECT_NE(port_, other_service_transport.discovery_port);
+  EXPECT_NE(port_, other_service_transport.participants.front().port);
   Service service;
   const auto service_end = service_transport->MakeServiceEndpoint();
   Service other_service;

@@ -56,7 +56,7 @@ class StrangerTest : public testing::Test {
     service.on_problem = service_problems_.Add();
     DdsServiceTransport made = MakeDdsServiceTransport(service);
     service_transport_ = std::move(made.transport);
-    participant_ = made.participant;
+    participant_ = made.participants.front().participant;
     service_end_ = service_transport_->MakeServiceEndpoint();
     service_end_->Start(service_);
     service_end_->SendSession(Session());

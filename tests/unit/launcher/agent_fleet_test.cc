@@ -48,10 +48,13 @@ class FakeHost final : public Host {
 
 class AgentFleetTest : public testing::Test {
  protected:
-  void Start(std::size_t robots) {
+  void Start(std::size_t robots, const std::vector<ServiceParticipant>& participants = {{1, "aa"}}) {
     ReadyReport ready;
     for (std::size_t i = 0; i < robots; ++i) ready.robots.push_back("r" + std::to_string(i));
-    ASSERT_TRUE(fleet_.Start(ready, "127.0.0.1:1", {{&host_, "lo"}}, std::vector<std::size_t>(robots, 0)).ok());
+    ready.participants = participants;
+    std::vector<std::string> addresses;
+    for (const ServiceParticipant& one : participants) addresses.push_back("127.0.0.1:" + std::to_string(one.port));
+    ASSERT_TRUE(fleet_.Start(ready, addresses, {{&host_, "lo"}}, std::vector<std::size_t>(robots, 0)).ok());
   }
 
   RunOptions options_;
@@ -86,6 +89,22 @@ TEST_F(AgentFleetTest, StartsAgentsOfNewRobotsAtOnce) {
   EXPECT_EQ(host_.started.size(), 42u);
 }
 
+TEST_F(AgentFleetTest, DividesTheAgentsAmongTheParticipantsOfTheService) {
+  Start(3, {{1, "aa"}, {2, "bb"}});
+  for (const auto& [agent, address, participant] :
+       {std::tuple(0, "127.0.0.1:1", "aa"), std::tuple(1, "127.0.0.1:2", "bb"), std::tuple(2, "127.0.0.1:1", "aa")}) {
+    EXPECT_THAT(host_.started[agent], testing::Contains(std::string("--service=") + address));
+    EXPECT_THAT(host_.started[agent], testing::Contains(std::string("--service-participant=") + participant));
+  }
+  // A service that continues the run has other participants at the same ports.
+  fleet_.SetService({{1, "cc"}, {2, "dd"}});
+  host_.children[1]->Kill();
+  ASSERT_EQ(fleet_.PollEnded().size(), 1u);
+  ASSERT_TRUE(fleet_.Restart(1).ok());
+  EXPECT_THAT(host_.started[3], testing::Contains("--service=127.0.0.1:2"));
+  EXPECT_THAT(host_.started[3], testing::Contains("--service-participant=dd"));
+}
+
 TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   Start(3);
   host_.children[1]->Kill();
@@ -109,7 +128,8 @@ TEST_F(AgentFleetTest, KeepsTheScansOfAnAgentThatIsStartedAgain) {
   AgentFleet fleet(options_, keys_);
   ReadyReport ready;
   ready.robots = {"r0"};
-  ASSERT_TRUE(fleet.Start(ready, "127.0.0.1:1", {{&host_, "lo"}}, {0}).ok());
+  ready.participants = {{1, "aa"}};
+  ASSERT_TRUE(fleet.Start(ready, {"127.0.0.1:1"}, {{&host_, "lo"}}, {0}).ok());
   host_.children[0]->Kill();
   ASSERT_EQ(fleet.PollEnded().size(), 1u);
   ASSERT_TRUE(fleet.Restart(0).ok());

@@ -66,7 +66,7 @@ TEST(RunOptions, AcceptsEveryOptionOfTheManual) {
   EXPECT_EQ(parsed.error, "");
   EXPECT_EQ(parsed.options.file, "w.world");
   EXPECT_EQ(parsed.options.run.ticks, 600u);
-  EXPECT_EQ(parsed.options.robots_per_process, 2u);
+  EXPECT_EQ(parsed.options.run.robots_per_process, 2u);
   EXPECT_EQ(parsed.options.network.domain, 3u);
   EXPECT_EQ(parsed.options.run.ros, false);
 }
