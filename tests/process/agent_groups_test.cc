@@ -27,12 +27,9 @@ class AgentGroupsRunTest : public testing::Test {
 
   std::string Path(const std::string& name) const { return folder_.Path(name); }
   Program Run(const std::string& hashes, std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"run",       Path("yard.world"),
-                                          "--headless", "--controller",
-                                          "wander",     "--ticks",
-                                          "60",         "--domain",
-                                          std::to_string(TestDomain()),
-                                          "--hash-log", Path(hashes)};
+    std::vector<std::string> arguments = {
+        "run",      Path("yard.world"),           "--headless", "--controller", "wander", "--ticks", "60",
+        "--domain", std::to_string(TestDomain()), "--hash-log", Path(hashes)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Troupe(arguments);
   }
@@ -76,8 +73,8 @@ TEST_F(AgentGroupsRunTest, AgentsOfSeveralGroupsContinueWithAnotherService) {
 }
 
 TEST_F(AgentGroupsRunTest, AnAgentThatDiesRejoinsItsGroup) {
-  Program run = Run("hashes", {"--speed", "20", "--lease", "1", "--session", TestSession("groups"), "--on-agent-loss",
-                               "rebuild"});
+  Program run = Run(
+      "hashes", {"--speed", "20", "--lease", "1", "--session", TestSession("groups"), "--on-agent-loss", "rebuild"});
   run.WaitForLine("70 robots in 70 agent processes, ready");
   int killed = 0;
   for (const pid_t child : ChildrenOf(run.pid())) {

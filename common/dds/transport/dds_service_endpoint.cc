@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Agents that may join through one writer: an agent that rejoins as another one is a new agent.
-constexpr std::ptrdiff_t kAgentsOfWriter = 64;
+constexpr std::size_t kAgentsOfWriter = 64;
 
 // Lost agents whose proposals are still accepted: the run asks them to join again.
 constexpr std::size_t kLostAgentsKept = 1024;
@@ -153,8 +153,9 @@ void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
 
 bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
   if (const auto known = agents_.find(agent); known != agents_.end()) return known->second.writer == sender.writer;
-  const auto is_of_sender = [&](const auto& other) { return other.second.writer == sender.writer; };
-  if (std::count_if(agents_.begin(), agents_.end(), is_of_sender) >= kAgentsOfWriter) return false;
+  std::set<AgentId>& of_writer = agents_of_writer_[sender.writer];
+  if (of_writer.size() >= kAgentsOfWriter) return false;
+  of_writer.insert(agent);
   agents_.emplace(agent, sender);
   lost_agents_.erase(agent);
   if (segment_) segment_->Bind(agent);
@@ -177,16 +178,15 @@ void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
   const auto known = agents_.find(agent);
   if (known == agents_.end() || known->second.writer != sender.writer) return;
   agents_.erase(known);
+  agents_of_writer_[sender.writer].erase(agent);
   if (segment_) segment_->Unbind(agent);
   handler_->OnAgentGone(agent);
 }
 
 void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
-  std::vector<AgentId> lost;
-  for (const auto& [agent, sender] : agents_) {
-    if (sender.writer == ended.writer) lost.push_back(agent);
-  }
-  for (const AgentId agent : lost) {
+  const auto lost = agents_of_writer_.extract(ended.writer);
+  if (lost.empty()) return;
+  for (const AgentId agent : lost.mapped()) {
     agents_.erase(agent);
     if (lost_agents_.size() == kLostAgentsKept) {
       if (segment_) segment_->Unbind(lost_agents_.begin()->first);

@@ -76,8 +76,9 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   const bool secured_;
   const bool proven_;                                              // all senders whose samples pass are of the run
   std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
-  std::map<AgentId, Sender> agents_;           // that have sent a join and are alive: the writer of their joins
-  std::map<AgentId, GuidPrefix> lost_agents_;  // some of those that were
+  std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
+  std::map<dds_instance_handle_t, std::set<AgentId>> agents_of_writer_;  // the same, by the writer
+  std::map<AgentId, GuidPrefix> lost_agents_;                            // some of those that were
   std::thread collector_;
 };
 

@@ -9,7 +9,6 @@
 #include "common/dds/transport/dds_transport.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
-#include "tests/support/dds_domain.h"
 
 namespace troupe {
 namespace {
@@ -54,7 +53,8 @@ class AgentGroupsTest : public testing::TestWithParam<bool> {
   void Join() {
     for (std::size_t group = 0; group < kGroups; ++group) {
       const AgentId id(group + 1);
-      ASSERT_TRUE(members_[group]->handler.sessions.WaitFor(kSeconds, [](const auto& s) { return s.run == kGroupedRun; }));
+      ASSERT_TRUE(
+          members_[group]->handler.sessions.WaitFor(kSeconds, [](const auto& s) { return s.run == kGroupedRun; }));
       JoinMessage join;
       join.run = kGroupedRun;
       join.agent = id;

@@ -61,8 +61,8 @@ TEST(ServiceReport, EventsAndNoticesAreLines) {
 TEST(ServiceReport, OtherLinesAreIgnored) {
   for (const char* line :
        {"", "nonsense", "[]", "7", R"({"type":"later"})", R"({"type":3})", R"({"type":"status","tick":"seven"})",
-        R"({"type":"status","tick":5e72})", R"({"type":"status","tick":-1})", R"({"type":"ready","participants":[{"port":70000}]})",
-        R"({"type":"error","message":"m"})"}) {
+        R"({"type":"status","tick":5e72})", R"({"type":"status","tick":-1})",
+        R"({"type":"ready","participants":[{"port":70000}]})", R"({"type":"error","message":"m"})"}) {
     EXPECT_FALSE(ParseServiceReport(line)) << line;
   }
 }
