@@ -1,0 +1,50 @@
+"""The processes of a run, and the memory that they share. For scripts/kill-test and scripts/same-hash."""
+import os
+import pathlib
+
+
+def descendants(pid):
+    """The processes that a process has started, and those that these have started, as (pid, program)."""
+    found = []
+    for thread in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
+        try:
+            for child in map(int, thread.read_text().split()):
+                found.append((child, pathlib.Path(os.readlink(f"/proc/{child}/exe")).name))
+                found += descendants(child)
+        except OSError:
+            pass  # it has just ended
+    return found
+
+
+def is_alive(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def segments(pid):
+    """The shared memory that a process maps, each as its inode."""
+    try:
+        maps = pathlib.Path(f"/proc/{pid}/maps").read_text(errors="replace")
+    except OSError:
+        return set()
+    return {int(line.split()[4]) for line in maps.splitlines() if "/memfd:troupe-" in line}
+
+
+def open_segments(pid):
+    """The shared memory of which a process has a descriptor, each as its inode."""
+    found = set()
+    try:
+        for descriptor in pathlib.Path(f"/proc/{pid}/fd").iterdir():
+            if "/memfd:troupe-" in os.readlink(descriptor):
+                found.add(descriptor.stat().st_ino)
+    except OSError:
+        pass  # it has just ended
+    return found
+
+
+def users_of(inodes):
+    """The processes of this machine that map one of these, or have it open: without one the memory is gone."""
+    pids = [int(entry.name) for entry in pathlib.Path("/proc").iterdir() if entry.name.isdigit()]
+    return [pid for pid in pids if inodes & (segments(pid) | open_segments(pid))] if inodes else []
