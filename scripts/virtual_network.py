@@ -1,7 +1,8 @@
-"""Hosts of a network as network namespaces of this machine; needs root. For scripts/scale and scripts/kill-test."""
+"""Hosts of a network as network namespaces of this machine; needs root. For scripts/scale, same-hash and kill-test."""
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 
@@ -13,6 +14,30 @@ def ip(*words, check=True):
     if check and done.returncode != 0:
         raise OSError(f"ip {' '.join(words)}: {done.stderr.strip()}")
     return done.stdout
+
+
+def obstacle_to_hosts():
+    """Why this machine makes no such hosts; empty if it does."""
+    if os.geteuid() != 0:
+        return "network namespaces need root; run this as root"
+    if shutil.which("ip") is None:
+        return "no program ip; install the package iproute2"
+    try:
+        Network(1).remove()
+    except OSError as problem:
+        return f"this kernel makes no network namespaces with a bridge: {problem}"
+    return ""
+
+
+def absolute(scenario):
+    """The content of a scenario, or a scenario of a world file, which can be written to any folder."""
+    if scenario.suffix != ".json":
+        return {"world": str(scenario.resolve())}
+    content = json.loads(scenario.read_text())
+    if "world" in content:
+        content["world"] = str((scenario.parent / content["world"]).resolve())
+    content["include"] = [str((scenario.parent / file).resolve()) for file in content.get("include", [])]
+    return content
 
 
 class Network:
