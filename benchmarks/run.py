@@ -3,7 +3,7 @@
 
     run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--output FOLDER]
 
-Scenes: functions, barrier, observers, processes, robots, cave, swarm, scenarios, site_map; all of them without names. Each writes
+Scenes: functions, barrier, observers, processes, robots, memory, cave, swarm, scenarios, site_map; all of them without names. Each writes
 FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so that scenes can be measured one by one.
 """
 import argparse
@@ -14,6 +14,7 @@ import tempfile
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
 from runner import machine, plots, report, scenes  # noqa: E402
 from runner.programs import Stage, Troupe  # noqa: E402
 

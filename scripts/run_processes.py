@@ -1,4 +1,4 @@
-"""The processes of a run, and the memory that they share. For scripts/kill-test and scripts/same-hash."""
+"""The processes of a run, and the memory that they share. For scripts/kill-test, scripts/same-hash and benchmarks."""
 import os
 import pathlib
 
@@ -48,3 +48,14 @@ def users_of(inodes):
     """The processes of this machine that map one of these, or have it open: without one the memory is gone."""
     pids = [int(entry.name) for entry in pathlib.Path("/proc").iterdir() if entry.name.isdigit()]
     return [pid for pid in pids if inodes & (segments(pid) | open_segments(pid))] if inodes else []
+
+
+def memory(pid):
+    """MiB of a process: `private` to it, its `share` (the private pages, and of each shared one the part that falls to it),
+    and `resident`."""
+    kib = {}
+    for line in pathlib.Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()[1:]:
+        name, value = line.split()[:2]
+        kib[name.rstrip(":")] = int(value)
+    return {"private": (kib["Private_Clean"] + kib["Private_Dirty"]) / 1024, "share": kib["Pss"] / 1024,
+            "resident": kib["Rss"] / 1024}

@@ -9,6 +9,8 @@ import sys
 import tempfile
 import time
 
+from run_processes import descendants, memory
+
 TIME_LIMIT = 300  # s, of any one program
 
 
@@ -95,6 +97,28 @@ class Troupe:
             "frames_repeated": long["frames_repeated"],
             "state_hash": long["state_hash"],
         }
+
+    def memory(self, world, ticks, *options):
+        """MiB of the processes of a run after so many ticks; pages that several of them share count for each in equal
+        parts, so that the sum is what all need."""
+        session = f"bench-memory-{os.getpid()}"
+        launcher = subprocess.Popen([str(word) for word in [
+            self.folder / "troupe", "run", world, "--speed", "max", "--headless", "--paused", "--session", session,
+            *options]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+        try:
+            run([self.folder / "troupe", "ctl", "step", ticks, "--session", session, "--timeout", TIME_LIMIT])
+            found = [(program, memory(pid)) for pid, program in descendants(launcher.pid)]
+            launcher.send_signal(signal.SIGINT)
+            launcher.communicate(timeout=TIME_LIMIT)
+        except BaseException:
+            launcher.kill()
+            launcher.communicate()
+            raise
+        agents = [of_agent for program, of_agent in found if program == "robot-agent"]
+        service = next(of_service for program, of_service in found if program == "world-service")
+        mean = {f"agent_{key}_mib": sum(of_agent[key] for of_agent in agents) / len(agents) for key in service}
+        return {"agents": len(agents), **mean, "service_share_mib": service["share"],
+                "together_mib": service["share"] + sum(of_agent["share"] for of_agent in agents)}
 
     def check(self, world):
         return run([self.folder / "troupe", "check", world])

@@ -175,6 +175,17 @@ def scenarios(folder):
     return table
 
 
+def memory(folder):
+    """Rows (world, data sharing, MiB of an agent: alone, its share, resident; share of the service; all together)."""
+    rows = read(folder, "memory")
+    table = []
+    for name, sharing in dict.fromkeys((row["world"], row["sharing"]) for row in rows):
+        cells = [pick(rows, column, world=name, sharing=sharing).text(" MiB") for column in
+                 ["agent_private_mib", "agent_share_mib", "agent_resident_mib", "service_share_mib", "together_mib"]]
+        table.append((name, sharing, *cells))
+    return table
+
+
 def markdown(header, rows):
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
@@ -189,6 +200,10 @@ def text(folder):
     if grown:
         parts.append(markdown(["growth", "robots", "wall time per robot and tick", "processor time",
                                "start to first tick; memory of an agent; traffic"], grown))
+    remembered = memory(folder)
+    if remembered:
+        parts.append(markdown(["world", "data sharing", "an agent, memory of its own", "with its part of shared pages", "resident",
+                               "world service", "all together"], remembered))
     manipulated = scenarios(folder)
     if manipulated:
         parts.append(markdown(["scenario", "robots", "a tick, a process each", "times real time", "a tick in one process",

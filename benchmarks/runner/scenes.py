@@ -86,6 +86,19 @@ def robots(setting):
             yield {"round": number, **setting.troupe.per_robot_and_tick(world, ticks, "--in-process")}
 
 
+def memory(setting):
+    """The memory of agents and service together, with and without data sharing: the cave, and 400 robots with 12 rays."""
+    world_of = {"cave": lambda: setting.cave(60)} if setting.stage_worlds else {}
+    count = 20 if setting.quick else 400
+    world_of[f"swarm of {count}"] = lambda: worlds.write_swarm(setting.folder / f"memory{count}", count, 90, 40)
+    packing = ["--robots-per-process", 5] if setting.quick else []
+    for number in range(setting.rounds):
+        for name, world in world_of.items():
+            for sharing in ["on", "off"]:
+                yield {"round": number, "world": name, "sharing": sharing, **setting.troupe.memory(
+                    world(), 50, "--data-sharing", sharing, "--lease", 30, "--start-timeout", 120, *packing)}
+
+
 def cave(setting):
     """Stage's benchmark: 100 robots, 600 ticks; in 100 processes with and without data sharing, in one, and Stage."""
     if setting.stage_worlds is None:
@@ -149,7 +162,8 @@ def site_map(setting):
                "processor_seconds": usage["user"] + usage["system"]}
 
 
-ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, cave, swarm, scenarios, site_map]}
+ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, memory, cave, swarm,
+                                            scenarios, site_map]}
 
 
 def measure(name, setting):
