@@ -5,9 +5,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe::test {
 namespace {
@@ -24,12 +27,23 @@ std::string HashesOf(const std::vector<std::string>& options) {
   return folder.Read("hashes");
 }
 
-bool SharesMemory(pid_t process) {
+// The memory of services that a process maps, by inode.
+std::set<std::string> SharedMemoryOf(pid_t process) {
+  std::set<std::string> inodes;
   std::ifstream file("/proc/" + std::to_string(process) + "/maps");
   for (std::string line; std::getline(file, line);) {
-    if (line.find("troupe-frames") != std::string::npos) return true;
+    std::istringstream words(line);
+    std::string addresses, access, offset, device, inode, name;
+    words >> addresses >> access >> offset >> device >> inode >> name;
+    if (name == "/memfd:troupe-frames") inodes.insert(inode);
   }
-  return false;
+  return inodes;
+}
+
+std::vector<pid_t> ChildrenWith(const Program& run, const std::string& part) {
+  std::vector<pid_t> children = ChildrenOf(run.pid());
+  std::erase_if(children, [&](pid_t child) { return CommandLineOf(child).find(part) == std::string::npos; });
+  return children;
 }
 
 TEST(DataSharing, GivesTheHashesOfRunsWithoutIt) {
@@ -46,17 +60,38 @@ TEST(DataSharing, IsUsedByAllProcessesOfAMachineUnlessItIsOff) {
   for (const bool on : {true, false}) {
     Program run = RunPen({"--speed", "1", "--data-sharing", on ? "on" : "off"});
     run.WaitForLine("4 robots in 4 agent processes, ready");
-    const std::vector<pid_t> processes = ChildrenOf(run.pid());
-    EXPECT_GE(processes.size(), 5u);
-    for (const pid_t process : processes) {
-      const std::string command = CommandLineOf(process);
-      if (command.find("robot-agent") == std::string::npos && command.find("world-service") == std::string::npos)
-        continue;
-      EXPECT_EQ(SharesMemory(process), on) << command;
-    }
+    std::vector<pid_t> processes = ChildrenWith(run, "robot-agent");
+    EXPECT_EQ(processes.size(), 4u);
+    for (const pid_t service : ChildrenWith(run, "world-service")) processes.push_back(service);
+    EXPECT_EQ(processes.size(), 5u);
+    for (const pid_t process : processes) EXPECT_EQ(!SharedMemoryOf(process).empty(), on) << CommandLineOf(process);
     run.Signal(SIGINT);
     run.Wait();
   }
+}
+
+TEST(DataSharing, AgentsKeepNoMemoryOfAKilledService) {
+  Program run = RunPen({"--speed", "1", "--lease", "0.5"});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  const std::vector<pid_t> first = ChildrenWith(run, "world-service");
+  ASSERT_EQ(first.size(), 1u);
+  const std::set<std::string> before = SharedMemoryOf(first[0]);
+  ASSERT_EQ(before.size(), 1u);
+  kill(first[0], SIGKILL);
+  run.WaitForLineAfter("the world service has been started again");
+  for (const char* robot : {"r0", "r1", "r2", "r3"}) {
+    run.WaitForLine("agent of " + std::string(robot) + ": joined the run again");
+  }
+  const std::vector<pid_t> second = ChildrenWith(run, "world-service");
+  ASSERT_EQ(second.size(), 1u);
+  const std::set<std::string> after = SharedMemoryOf(second[0]);
+  EXPECT_NE(after, before);
+  const std::vector<pid_t> agents = ChildrenWith(run, "robot-agent");
+  EXPECT_EQ(agents.size(), 4u);
+  // The lease of the killed service may expire after the agents have joined the new one.
+  for (const pid_t agent : agents) EXPECT_TRUE(Eventually([&] { return SharedMemoryOf(agent) == after; }));
+  run.Signal(SIGINT);
+  run.Wait();
 }
 
 TEST(DataSharing, LeavesNoProcessOfAKilledLauncher) {
