@@ -28,10 +28,13 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
   histories_.Close();
   if (network_maker_.joinable()) network_maker_.join();
   if (network_) network_->frames.Close();
-  for (const auto& [writer, segment] : segments_) {
-    if (segment) segment->Close();
+  {
+    const std::lock_guard lock(segments_mutex_);
+    for (const auto& [writer, segment] : segments_) {
+      if (segment) segment->Close();
+    }
   }
-  for (std::thread& reader : readers_) reader.join();
+  for (Reader& reader : readers_) reader.thread.join();
   if (network_maker_.joinable()) network_maker_.join();  // which a reader may have started
   if (network_) network_->frames.Close();
   // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
@@ -97,6 +100,7 @@ void DdsAgentEndpoint::ListenToNetwork() {
 
 void DdsAgentEndpoint::ChooseWays() {
   if (!data_sharing_) return;
+  JoinEndedReaders();
   for (const Sender* service : sessions_.Matched()) {
     if (!services_.MayBeService(service->participant)) continue;
     const std::lock_guard lock(segments_mutex_);
@@ -104,11 +108,20 @@ void DdsAgentEndpoint::ChooseWays() {
     if (!is_new) continue;
     way->second = OpenSegment(*service);
     if (way->second) {
-      readers_.emplace_back([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
+      std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
+      readers_.push_back({way->second, std::move(reader)});
     } else {
       UseNetwork();
     }
   }
+}
+
+void DdsAgentEndpoint::JoinEndedReaders() {
+  std::erase_if(readers_, [](Reader& reader) {
+    if (!reader.segment.expired()) return false;
+    reader.thread.join();
+    return true;
+  });
 }
 
 DdsAgentEndpoint::Segment DdsAgentEndpoint::OpenSegment(const Sender& service) {

@@ -39,6 +39,10 @@ class DdsAgentEndpoint : public AgentEndpoint {
     Inbox<troupe_wire_Frame, FrameMessage> frames;
   };
   using Segment = std::shared_ptr<AgentSegment>;
+  struct Reader {
+    std::weak_ptr<AgentSegment> segment;  // expires with the thread
+    std::thread thread;
+  };
 
   // Calls a member below; the handler is told of a message for which there was no memory.
   void Deliver(const std::function<void()>& drain);
@@ -50,6 +54,8 @@ class DdsAgentEndpoint : public AgentEndpoint {
 
   // Chooses the way to each service that was discovered. REQUIRES: mutex_ is locked.
   void ChooseWays();
+  // A thread that has ended keeps its stack until it is joined. REQUIRES: mutex_ is locked.
+  void JoinEndedReaders();
   // Null: this service is to be reached over the network.
   Segment OpenSegment(const Sender& service);
   // The thread of a segment.
@@ -83,8 +89,8 @@ class DdsAgentEndpoint : public AgentEndpoint {
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
   KnownServices services_;
-  FrameMessage shared_frame_;         // filled again and again
-  std::vector<std::thread> readers_;  // of segments
+  FrameMessage shared_frame_;  // filled again and again
+  std::vector<Reader> readers_;
 };
 
 }  // namespace troupe::dds
