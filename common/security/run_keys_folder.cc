@@ -37,24 +37,12 @@ void DeleteKeysOfKilledProcesses(const fs::path& sessions) {
   }
 }
 
-// The names of sessions for keys that are gone (PublishedKeys). Keys of other folders, which a user has made, stay.
-void DeleteNamesOfDeletedKeys(const fs::path& sessions) {
-  std::error_code failure;
-  for (const fs::directory_entry& entry : fs::directory_iterator(sessions, failure)) {
-    const fs::path target = fs::read_symlink(entry.path(), failure);
-    if (failure || target.parent_path() != sessions || !target.filename().string().starts_with(kPrefix)) continue;
-    if (!fs::exists(target, failure) && !failure) fs::remove(entry.path(), failure);
-  }
-}
-
 }  // namespace
 
 Result<RunKeysFolder> RunKeysFolder::Make() {
   const Result<std::string> sessions = SessionsFolder();
   if (!sessions.ok()) return sessions.error();
-  std::error_code failure;
   DeleteKeysOfKilledProcesses(sessions.value());
-  DeleteNamesOfDeletedKeys(fs::absolute(sessions.value(), failure));
   std::string path = sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX";
   if (mkdtemp(path.data()) == nullptr) return Failure("cannot make " + path + ": " + std::strerror(errno));
   RunKeysFolder folder;

@@ -9,7 +9,7 @@ namespace troupe {
 
 class RunKeysFolder {
  public:
-  // In SessionsFolder(), of mode 0700. Deletes those that killed processes have left, and their sessions' names.
+  // In SessionsFolder(), of mode 0700. Deletes those that killed processes have left.
   static Result<RunKeysFolder> Make();
 
   // The same with a token in it.

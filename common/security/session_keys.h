@@ -27,7 +27,8 @@ Result<std::string> SessionsFolder();
 class PublishedKeys {
  public:
   PublishedKeys() = default;  // publishes nothing
-  // Replaces what an earlier run of the session has left; without `keys`, a run without security publishes nothing.
+  // Replaces what an earlier run of the session has left, and deletes the names of all keys that are gone; without
+  // `keys`, a run without security publishes nothing.
   // REQUIRES: no other service of the session runs on this host.
   static Result<PublishedKeys> Publish(std::uint32_t domain, const std::string& session, const std::string& keys);
 

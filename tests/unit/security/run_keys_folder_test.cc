@@ -50,27 +50,29 @@ class RunKeysFolderTest : public testing::Test {
   std::string before_;
 };
 
-TEST_F(RunKeysFolderTest, DeletesTheKeysAndNamesThatKilledProcessesHaveLeft) {
+TEST_F(RunKeysFolderTest, DeletesTheKeysThatKilledProcessesHaveLeft) {
   KillAfterPublishing("first");
   ASSERT_EQ(CountFiles(), 2);
   ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
   {
-    const Result<RunKeysFolder> keys = RunKeysFolder::Make();
-    ASSERT_TRUE(keys.ok()) << keys.error().message;
-    EXPECT_EQ(CountFiles(), 1);
-    EXPECT_TRUE(fs::exists(keys.value().path()));
+    const RunKeysFolder keys = RunKeysFolder::Make().value();
+    const PublishedKeys published = PublishedKeys::Publish(kDomain, "second", keys.path()).value();
+    EXPECT_EQ(CountFiles(), 2);
+    EXPECT_TRUE(fs::exists(keys.path()));
+    ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
+    EXPECT_EQ(FindSessionKeys(kDomain)[0].session, "second");
   }
   EXPECT_EQ(CountFiles(), 0);
 }
 
-TEST_F(RunKeysFolderTest, KeepsTheNamesOfLiveProcessesAndOfKeysElsewhere) {
-  const RunKeysFolder live = RunKeysFolder::Make().value();
-  const PublishedKeys published = PublishedKeys::Publish(kDomain, "live", live.path()).value();
-  // Of a user, on a disk that is not mounted now.
-  const PublishedKeys elsewhere = PublishedKeys::Publish(kDomain, "elsewhere", folder_ + "/absent/keys-1-x").value();
-  const RunKeysFolder other = RunKeysFolder::Make().value();
-  EXPECT_EQ(CountFiles(), 4);
-  EXPECT_EQ(FindSessionKeys(kDomain).size(), 1u);
+TEST_F(RunKeysFolderTest, NamesOfKeysThatExistStay) {
+  fs::create_directory(folder_ + "/keys");  // of a user, or of `troupe host`
+  const PublishedKeys first = PublishedKeys::Publish(kDomain, "first", folder_ + "/keys").value();
+  const PublishedKeys gone = PublishedKeys::Publish(kDomain, "gone", folder_ + "/gone").value();
+  ASSERT_EQ(CountFiles(), 2);
+  const PublishedKeys second = PublishedKeys::Publish(kDomain, "second", folder_ + "/keys").value();
+  EXPECT_EQ(CountFiles(), 2);
+  EXPECT_EQ(FindSessionKeys(kDomain).size(), 2u);
 }
 
 }  // namespace
