@@ -68,7 +68,9 @@ RunKeysFolder& RunKeysFolder::operator=(RunKeysFolder&& other) noexcept {
 
 RunKeysFolder::~RunKeysFolder() {
   std::error_code ignored;
-  if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (path_.empty()) return;
+  fs::remove_all(path_, ignored);
+  DeleteNamesOfDeletedKeys();  // the service may have been killed at its end
 }
 
 }  // namespace troupe

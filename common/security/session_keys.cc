@@ -51,15 +51,6 @@ std::string KeysOf(std::uint32_t domain, const std::string& session) {
   return failure ? std::string() : keys.string();
 }
 
-// The names that killed services have left.
-void DeleteNamesOfDeletedKeys(const fs::path& sessions) {
-  std::error_code failure;
-  for (const fs::directory_entry& entry : fs::directory_iterator(sessions, failure)) {
-    if (!entry.is_symlink(failure) || fs::status(entry.path(), failure).type() != fs::file_type::not_found) continue;
-    fs::remove(entry.path(), failure);
-  }
-}
-
 }  // namespace
 
 Result<std::string> SessionsFolder() {
@@ -80,7 +71,7 @@ Result<PublishedKeys> PublishedKeys::Publish(std::uint32_t domain, const std::st
   }
   Result<std::string> folder = SessionsFolder();
   if (!folder.ok()) return folder.error();
-  DeleteNamesOfDeletedKeys(folder.value());
+  DeleteNamesOfDeletedKeys();
   const std::string link = folder.value() + "/" + Prefix(domain) + session;
   const fs::path target = fs::absolute(keys, failure);
   const std::string fresh = link + ".new-" + std::to_string(getpid());
@@ -91,6 +82,16 @@ Result<PublishedKeys> PublishedKeys::Publish(std::uint32_t domain, const std::st
   PublishedKeys published;
   published.link_ = link;
   return published;
+}
+
+void DeleteNamesOfDeletedKeys() {
+  const fs::path folder = PathOfSessions();
+  if (!CheckPrivate(folder).ok()) return;
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    if (!entry.is_symlink(failure) || fs::status(entry.path(), failure).type() != fs::file_type::not_found) continue;
+    fs::remove(entry.path(), failure);
+  }
 }
 
 PublishedKeys::PublishedKeys(PublishedKeys&& other) noexcept : link_(std::exchange(other.link_, {})) {}

@@ -27,9 +27,8 @@ Result<std::string> SessionsFolder();
 class PublishedKeys {
  public:
   PublishedKeys() = default;  // publishes nothing
-  // Replaces what an earlier run of the session has left, and deletes the names of all keys that are gone; without
-  // `keys`, a run without security publishes nothing.
-  // REQUIRES: no other service of the session runs on this host.
+  // Replaces what an earlier run of the session has left, and deletes the names of keys that are gone; without `keys`,
+  // a run without security publishes nothing. REQUIRES: no other service of the session runs on this host.
   static Result<PublishedKeys> Publish(std::uint32_t domain, const std::string& session, const std::string& keys);
 
   PublishedKeys(PublishedKeys&& other) noexcept;
@@ -39,6 +38,9 @@ class PublishedKeys {
  private:
   std::string link_;
 };
+
+// The names that killed services have left, of keys that are gone.
+void DeleteNamesOfDeletedKeys();
 
 struct SessionKeys {
   std::string session;

@@ -19,6 +19,7 @@
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
 #include "common/command_line/exit_status.h"
+#include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/hosts/host_messages.h"
 #include "launcher/hosts/local_host.h"
@@ -39,8 +40,10 @@ class TemporaryFolder {
     if (!failure && mkdtemp(pattern.data()) != nullptr) path_ = pattern;
   }
   ~TemporaryFolder() {
+    if (path_.empty()) return;
     std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+    std::filesystem::remove_all(path_, ignored);
+    DeleteNamesOfDeletedKeys();  // of a service that was killed
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

@@ -65,6 +65,15 @@ TEST_F(RunKeysFolderTest, DeletesTheKeysThatKilledProcessesHaveLeft) {
   EXPECT_EQ(CountFiles(), 0);
 }
 
+TEST_F(RunKeysFolderTest, DeletesTheNameThatAKilledServiceHasLeft) {
+  {
+    const RunKeysFolder keys = RunKeysFolder::Make().value();
+    std::filesystem::create_symlink(keys.path(), SessionsFolder().value() + "/42-killed");
+    ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
+  }
+  EXPECT_EQ(CountFiles(), 0);
+}
+
 TEST_F(RunKeysFolderTest, NamesOfKeysThatExistStay) {
   fs::create_directory(folder_ + "/keys");  // of a user, or of `troupe host`
   const PublishedKeys first = PublishedKeys::Publish(kDomain, "first", folder_ + "/keys").value();
