@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "common/ros/convert.h"
@@ -13,6 +14,7 @@
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/type_description_service.h"
 #include "world-service/observers/ros/event_line.h"
+#include "world-service/observers/ros/robot_list_output.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
 
@@ -37,6 +39,9 @@ class RosWorldGateway final : public RunObserver {
         type_descriptions_(node_, kNodeName),
         log_(node_) {
     participant_.Announce();
+    if (!UsesBridge(options)) return;
+    robots_.emplace(participant_, options);
+    robots_->ChangeWorld(scene_->world());
   }
 
   Status OnBegin(const RunStart& start) override {
@@ -54,6 +59,7 @@ class RosWorldGateway final : public RunObserver {
     shown_objects_.clear();
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
+    if (robots_) robots_->ChangeWorld(scene->world());
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
   }
@@ -106,6 +112,7 @@ class RosWorldGateway final : public RunObserver {
   ros::ParameterServices parameters_;
   ros::TypeDescriptionService type_descriptions_;
   ros::RosLog log_;
+  std::optional<RobotListOutput> robots_;           // none: no bridge
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd
 };
