@@ -41,7 +41,9 @@ void CallForStates(Peer& peer, int calls, int seconds) {
       Print({{"topic", "timeout"}, {"call", i}});
       client.WaitForService();
     }
-    if (i + 1 == calls / 4) Print({{"topic", "quarter"}});
+    for (int quarter = 1; quarter < 4; ++quarter) {
+      if (i + 1 == quarter * calls / 4) Print({{"topic", "quarter"}, {"number", quarter}});
+    }
   }
   Print({{"topic", "called"}, {"calls", calls}, {"answered", answered}, {"repeated", client.repeated()}});
 }
