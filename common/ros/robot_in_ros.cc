@@ -77,13 +77,13 @@ RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const Ro
   return Find(world, robot, RobotNames(world)[robot.index()], FirstOfRun(world) == robot, options);
 }
 
-std::vector<RobotInRos> FindRobotsInRos(const WorldDescription& world, const RosOptions& options) {
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options) {
   const std::vector<std::string> names = RobotNames(world);
   const std::optional<RobotId> first = FirstOfRun(world);
-  std::vector<RobotInRos> found;
+  std::vector<std::pair<RobotId, RobotInRos>> found;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const RobotId robot(i);
-    if (IsThere(world, robot)) found.push_back(Find(world, robot, names[i], first == robot, options));
+    if (IsThere(world, robot)) found.emplace_back(robot, Find(world, robot, names[i], first == robot, options));
   }
   return found;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -25,7 +26,7 @@ struct RobotInRos {
 RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options);
 
 // All robots that are there.
-std::vector<RobotInRos> FindRobotsInRos(const WorldDescription& world, const RosOptions& options);
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options);
 
 // The error is a robot in the domain of the simulation (nothing: the run uses no network), or plain names for several
 // robots of one domain.

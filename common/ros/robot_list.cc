@@ -24,7 +24,7 @@ bool RobotList::HasService(const std::string& service) const {
 
 RobotList RobotListOf(const WorldDescription& world, const RosOptions& options) {
   RobotList list;
-  for (const RobotInRos& robot : FindRobotsInRos(world, options)) {
+  for (const auto& [id, robot] : FindRobotsInRos(world, options)) {
     if (robot.alone) {
       list.domains.insert(robot.domain);
     } else {

@@ -61,10 +61,10 @@ TEST(RobotInRos, ARemovedRobotIsNowhere) {
   WorldDescription world = ThreeRobots();
   world.models[world.robots[0].root.index()].removed = true;
   EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(7, true)).node_namespace, "/");
-  const std::vector<RobotInRos> found = FindRobotsInRos(world, Options(7));
+  const auto found = FindRobotsInRos(world, Options(7));
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].node_namespace, "/b");
-  EXPECT_EQ(found[1].node_namespace, "/c");
+  EXPECT_EQ(found[0].second.node_namespace, "/b");
+  EXPECT_EQ(found[1].second.node_namespace, "/c");
   world.robots[0].ros.domain = 42;
   EXPECT_TRUE(CheckDomains(world, Options(7), 42).ok());
 }

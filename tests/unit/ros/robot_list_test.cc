@@ -8,7 +8,7 @@
 namespace troupe::ros {
 namespace {
 
-RobotList ThreeRobots() {
+RobotList ListOfThree() {
   SmallWorld world;
   for (const char* name : {"a", "b", "c"}) world.AddRobot(name, {});
   WorldDescription description = world.world();
@@ -19,12 +19,12 @@ RobotList ThreeRobots() {
 }
 
 TEST(RobotList, HasNamespacesOfTheRunAndOtherDomains) {
-  EXPECT_THAT(ThreeRobots().namespaces, testing::ElementsAre("/a", "/c"));
-  EXPECT_THAT(ThreeRobots().domains, testing::ElementsAre(9u));
+  EXPECT_THAT(ListOfThree().namespaces, testing::ElementsAre("/a", "/c"));
+  EXPECT_THAT(ListOfThree().domains, testing::ElementsAre(9u));
 }
 
 TEST(RobotList, KnowsTheServicesOfItsRobots) {
-  const RobotList list = ThreeRobots();
+  const RobotList list = ListOfThree();
   EXPECT_TRUE(list.HasService("a/robot/list_parameters"));
   for (const char* other : {"ab/robot/list_parameters", "b/robot/list_parameters", "a", "reset"}) {
     EXPECT_FALSE(list.HasService(other)) << other;
@@ -33,7 +33,7 @@ TEST(RobotList, KnowsTheServicesOfItsRobots) {
 }
 
 TEST(RobotList, IsTheSameAfterItsText) {
-  EXPECT_EQ(ParseRobotList(ToText(ThreeRobots())), ThreeRobots());
+  EXPECT_EQ(ParseRobotList(ToText(ListOfThree())), ListOfThree());
   EXPECT_EQ(ParseRobotList(ToText({})), RobotList());
 }
 

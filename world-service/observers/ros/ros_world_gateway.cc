@@ -1,5 +1,8 @@
 #include "world-service/observers/ros/ros_world_gateway.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +17,7 @@
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/type_description_service.h"
 #include "world-service/observers/ros/event_line.h"
+#include "world-service/observers/ros/pose_commands.h"
 #include "world-service/observers/ros/robot_list_output.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
@@ -47,9 +51,17 @@ class RosWorldGateway final : public RunObserver {
   Status OnBegin(const RunStart& start) override {
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
     participant_.Announce();
+    if (options_.goal_poses || options_.initial_poses) {
+      poses_.emplace(participant_, options_, scene_, start.control, [this](const std::string& text) {
+        fmt::print(stderr, "ROS: {}\n", text);
+        const std::lock_guard lock(log_mutex_);
+        log_.Write(ros::LogLevel::kWarning, "/world", text);
+      });
+    }
     return Status();
   }
   Status OnEnd() override {
+    poses_.reset();
     ExchangeServices(nullptr);
     return Status();
   }
@@ -60,6 +72,7 @@ class RosWorldGateway final : public RunObserver {
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
     if (robots_) robots_->ChangeWorld(scene->world());
+    if (poses_) poses_->ChangeWorld(scene);
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
   }
@@ -87,7 +100,10 @@ class RosWorldGateway final : public RunObserver {
     return Status();
   }
 
-  void OnNotice(const std::string& text) override { log_.Write(ros::LogLevel::kInfo, "/world", text); }
+  void OnNotice(const std::string& text) override {
+    const std::lock_guard lock(log_mutex_);
+    log_.Write(ros::LogLevel::kInfo, "/world", text);
+  }
 
  private:
   // Replaces the services, and ends the ones before.
@@ -111,8 +127,10 @@ class RosWorldGateway final : public RunObserver {
   WorldPictures pictures_;
   ros::ParameterServices parameters_;
   ros::TypeDescriptionService type_descriptions_;
+  std::mutex log_mutex_;
   ros::RosLog log_;
   std::optional<RobotListOutput> robots_;           // none: no bridge
+  std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd
 };
