@@ -10,7 +10,6 @@
 #include "common/base/version.h"
 #include "common/command_line/exit_status.h"
 #include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
 #include "common/command_line/parse_command_line.h"
 #include "common/command_line/ros_flags.h"
 #include "common/run/network_settings.h"
@@ -25,10 +24,6 @@ std::variant<BridgeCommandLine, int> ParseBridgeCommandLine(int argc, const char
   CLI::App app("Passes calls of ROS services from clients on rmw_fastrtps to a run, and the responses back",
                "ros-service-bridge");
   AddSessionFlag(app, network, "Name of the run")->required();
-  app.add_option("--ros-robot-domains", line.robot_domains, "ROS domains of robots with their own, separated by commas")
-      ->delimiter(',')
-      ->check(DdsDomain())
-      ->type_name("D,D");
   AddRosFlags(app, on, line.ros, "ROS 2");
   app.set_version_flag("--version", std::string("ros-service-bridge ") + VersionText());
   if (const std::optional<int> exit_status = ParseCommandLine(app, argc, argv)) return *exit_status;

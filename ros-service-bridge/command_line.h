@@ -1,9 +1,7 @@
 // The command line of the program ros-service-bridge.
 #pragma once
 
-#include <cstdint>
 #include <variant>
-#include <vector>
 
 #include "common/ros/ros_options.h"
 
@@ -11,7 +9,6 @@ namespace troupe {
 
 struct BridgeCommandLine {
   ros::RosOptions ros;
-  std::vector<std::uint32_t> robot_domains;  // of robots with a ROS domain of their own
 };
 
 // The exit status where the program ends at once.

@@ -14,7 +14,7 @@ namespace fast = eprosima::fastdds::dds;
 using eprosima::fastrtps::rtps::ReaderDiscoveryInfo;
 using eprosima::fastrtps::rtps::WriterDiscoveryInfo;
 
-// The services of a robot are made anew when another robot of its process is deleted: clients do not notice it.
+// In which the services of a robot are made anew.
 constexpr std::chrono::seconds kLinger{2};
 // Changes that the bridge has not followed yet; a hostile participant makes more of them.
 constexpr std::size_t kMostChanges = 100'000;
@@ -132,7 +132,7 @@ void DomainBridge::Follow(const std::string& service, bool added, PendingCalls::
   const std::optional<BridgedService> found = services_.Find(service);
   const auto bridged = links_.find(service);
   if (!found) {
-    if (bridged != links_.end()) bridged->second.end = now + kLinger;
+    if (bridged != links_.end()) bridged->second.end = robots_.HasService(service) ? now + kLinger : now;
     return;
   }
   if (bridged != links_.end()) {
@@ -146,6 +146,13 @@ void DomainBridge::Follow(const std::string& service, bool added, PendingCalls::
     links_[service] = {std::move(link), std::nullopt};
   } catch (const std::runtime_error& error) {
     report_(error.what());
+  }
+}
+
+void DomainBridge::SetRobots(const RobotList& robots, PendingCalls::Time now) {
+  robots_ = robots;
+  for (auto& [service, bridged] : links_) {
+    if (bridged.end && !robots_.HasService(service)) bridged.end = now;
   }
 }
 

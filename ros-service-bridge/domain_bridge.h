@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/ros/robot_list.h"
 #include "common/ros/ros_options.h"
 #include "ros-service-bridge/bridge_network.h"
 #include "ros-service-bridge/service_link.h"
@@ -30,6 +31,11 @@ class DomainBridge final : private eprosima::fastdds::dds::DomainParticipantList
 
   // `parts`: those that were notified.
   void Process(const std::set<Inbox::PartId>& parts, PendingCalls::Time now);
+  // Services of these robots are made anew when another robot of their process is deleted: clients do not notice it.
+  // Other services end with their endpoints.
+  void SetRobots(const RobotList& robots, PendingCalls::Time now);
+  // The participant that discovers the services.
+  const LinkPort& run() const { return ports_.run; }
   // When Process has something to do without a notification.
   std::optional<PendingCalls::Time> NextDue() const;
 
@@ -61,6 +67,7 @@ class DomainBridge final : private eprosima::fastdds::dds::DomainParticipantList
   const Inbox::PartId part_;
   LinkPorts ports_;
   ServiceDirectory services_;
+  RobotList robots_;
   std::mutex mutex_;  // guards changes_
   std::vector<Change> changes_;
   std::map<std::string, BridgedLink> links_;  // by service

@@ -2,23 +2,18 @@
 // sends the number of a call beside the message, where Cyclone DDS gives no access; so the bridge is on Fast DDS.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fastdds/dds/log/Log.hpp>
 #include <memory>
-#include <optional>
 #include <set>
-#include <vector>
 
 #include "common/base/flood_limiter.h"
-#include "common/base/random_id.h"
 #include "common/base/stop_signals.h"
 #include "common/command_line/exit_status.h"
-#include "common/ros/bridge_call.h"
 #include "ros-service-bridge/command_line.h"
-#include "ros-service-bridge/domain_bridge.h"
+#include "ros-service-bridge/run_bridge.h"
 
 namespace troupe {
 namespace {
@@ -36,32 +31,11 @@ class LimitedLog final : public LogConsumer {
   FloodLimiter& lines_;
 };
 
-std::vector<std::uint32_t> DomainsOf(const BridgeCommandLine& line) {
-  std::vector<std::uint32_t> domains = {line.ros.domain};
-  for (const std::uint32_t domain : line.robot_domains) {
-    if (std::find(domains.begin(), domains.end(), domain) == domains.end()) domains.push_back(domain);
-  }
-  return domains;
-}
-
 void Serve(const BridgeCommandLine& line, ros::Inbox& inbox, FloodLimiter& reports) {
-  const std::uint64_t client_guid = ros::kBridgeMark | (MakeRandomId() & 0xffffffffU);
-  std::int64_t last_call = 0;
-  std::vector<std::unique_ptr<ros::DomainBridge>> bridges;
-  for (const std::uint32_t domain : DomainsOf(line)) {
-    ros::RosOptions options = line.ros;
-    options.domain = domain;
-    bridges.push_back(std::make_unique<ros::DomainBridge>(options, inbox, client_guid, last_call,
-                                                          [&reports](const std::string& text) { reports.Add(text); }));
-  }
-  std::optional<ros::Inbox::Time> next;
+  ros::RunBridge bridge(line.ros, inbox, [&reports](const std::string& text) { reports.Add(text); });
   while (!inbox.stopped()) {
-    const std::set<ros::Inbox::PartId> parts = inbox.Wait(next);
-    next.reset();
-    for (const auto& bridge : bridges) {
-      bridge->Process(parts, ros::PendingCalls::Clock::now());
-      if (const auto due = bridge->NextDue()) next = std::min(next.value_or(*due), *due);
-    }
+    const std::set<ros::Inbox::PartId> parts = inbox.Wait(bridge.NextDue());
+    bridge.Process(parts, ros::PendingCalls::Clock::now());
   }
 }
 

@@ -63,7 +63,10 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   PreparedRun& run = prepared.value();
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
-    const Status domains = ros::CheckDomains(run.loaded.world, line.ros, line.network.domain);
+    run.options.check_world = [&line](const WorldDescription& world) {
+      return ros::CheckDomains(world, line.ros, line.network.domain);
+    };
+    const Status domains = options.check_world(run.loaded.world);
     if (!domains.ok()) return fail(domains.error());
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());

@@ -110,6 +110,13 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
+  AddText(app, group, "--ros-rviz",
+          "Topics of RViz that command robots: none (default); goal: goal_pose, the goal of the controller; pose: "
+          "initialpose, the robot's pose in the world; both",
+          {"none", "goal", "pose", "both"}, [&options](const std::string& word) {
+            options.goal_poses = word == "goal" || word == "both";
+            options.initial_poses = word == "pose" || word == "both";
+          });
   AddText(app, group, "--ros-no-hit",
           "What a ray of a scan without a hit reads: inf or range-max (default: as the scenario says, or inf)",
           {"inf", "range-max"}, [&options](const std::string& word) { options.infinite_ranges = word == "inf"; });
@@ -155,6 +162,10 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
     arguments.push_back(std::string("--ros-services=") + ToString(*options.service_clients));
   }
   if (options.relay_port != 0) arguments.push_back("--ros-relay=" + std::to_string(options.relay_port));
+  if (options.goal_poses || options.initial_poses) {
+    const bool both = options.goal_poses && options.initial_poses;
+    arguments.emplace_back(both ? "--ros-rviz=both" : options.goal_poses ? "--ros-rviz=goal" : "--ros-rviz=pose");
+  }
   if (options.plain_names) arguments.emplace_back("--ros-names=plain");
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
   return arguments;

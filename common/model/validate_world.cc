@@ -1,6 +1,8 @@
 // The invariants of a world description; see world_description.h.
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -141,7 +143,10 @@ Status CheckRobot(const WorldDescription& world, std::size_t index) {
   if (!AreUsable({localization.error_x, localization.error_y, localization.error_heading})) {
     return Problem("its odometry errors are not finite or too large");
   }
-  if (robot.ros.domain.value_or(0) > kLastRosDomain) return Problem("its ROS domain is above 230");
+  if (robot.ros.domain.value_or(0) > kLastRosDomain) {
+    return Problem("found the ROS domain " + std::to_string(*robot.ros.domain) + ", expected at most " +
+                   std::to_string(kLastRosDomain) + ": the ports of a higher one would exceed 65535");
+  }
   for (const SensorDescription& sensor : robot.sensors) {
     if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
   }
@@ -227,6 +232,21 @@ Status CheckNames(const WorldDescription& world) {
   return Status();
 }
 
+// A domain of its own is that of one robot.
+Status CheckRosDomains(const WorldDescription& world) {
+  std::map<std::uint32_t, std::size_t> owners;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const RobotDescription& robot = world.robots[i];
+    if (!robot.ros.domain || !IsThere(world, RobotId(i))) continue;
+    const auto [owner, is_first] = owners.emplace(*robot.ros.domain, i);
+    if (is_first) continue;
+    return Problem("found the ROS domain " + std::to_string(*robot.ros.domain) + " for robot '" + robot.name +
+                   "', which robot '" + world.robots[owner->second].name +
+                   "' has already, expected one for each robot");
+  }
+  return Status();
+}
+
 }  // namespace
 
 Status Validate(const WorldDescription& world) {
@@ -244,6 +264,7 @@ Status Validate(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (Status error = InPart(CheckRobot(world, i), "robot", i, world.robots[i].name); !error.ok()) return error;
   }
+  if (Status error = CheckRosDomains(world); !error.ok()) return error;
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
     if (Status error = InPart(CheckJoint(world, i), "joint", i, world.joints[i].name); !error.ok()) return error;
   }

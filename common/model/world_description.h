@@ -8,6 +8,7 @@
 //   (geometry/limits.h); outlines are normalized (geometry/polygon.h);
 // - robots are in the order of their root models; a robot's root has no parent (its tree moves freely);
 // - joints are in the order of their models, which belong to robots and are no roots; one model, one joint;
+// - no two robots that are there have one ROS domain of their own;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
 // - only models that never move, so neither robots nor objects nor parts of them, have shapes with an area;
 // - objects are in order, have gripper_return and no parent, and are not the roots of robots.

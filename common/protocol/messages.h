@@ -200,11 +200,14 @@ struct ControlRequest {
   // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
   // and the number of its goal do not count.
   RobotCommand robot_command = {};
-  Twist twist = {};  // kSetTwist, in R
+  Twist twist = {};                              // kSetTwist, in R
+  std::optional<std::uint32_t> ros_domain = {};  // kSpawn: RosIdentity::domain of the robot; none: as its source says
   // Only in the service's process, not on the wire.
   std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
   std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot
-  bool with_boxes = false;         // kEntities: report their boxes
+  // kSpawn: a robot without a ROS domain of its own has the first free one from this on.
+  std::optional<std::uint32_t> ros_domains_from = {};
+  bool with_boxes = false;  // kEntities: report their boxes
   bool operator==(const ControlRequest&) const = default;
 };
 

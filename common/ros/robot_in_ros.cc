@@ -4,27 +4,36 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 
 namespace troupe::ros {
 namespace {
 
 std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (!world.robots[i].ros.domain) return RobotId(i);
+    if (!world.robots[i].ros.domain && IsThere(world, RobotId(i))) return RobotId(i);
   }
   return std::nullopt;
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> RobotDomains(const WorldDescription& world) {
-  std::set<std::uint32_t> domains;
-  for (const RobotDescription& robot : world.robots) {
-    if (robot.ros.domain) domains.insert(*robot.ros.domain);
+// `name`: of the robot, as in RobotNames.
+RobotInRos Find(const WorldDescription& world, RobotId robot, const std::string& name, bool is_first_of_run,
+                const RosOptions& options) {
+  const RosIdentity& identity = world.robot(robot).ros;
+  RobotInRos found;
+  found.domain = identity.domain.value_or(options.domain);
+  found.alone = found.domain != options.domain;
+  found.name = name;
+  const bool is_plain = identity.domain || (options.plain_names && is_first_of_run);
+  if (is_plain) {
+    found.node_namespace = "/";
+  } else {
+    found.node_namespace = IsNamespace(identity.name_space) ? identity.name_space : "/" + found.name;
   }
-  return {domains.begin(), domains.end()};
+  found.frames = FramesOf(found.node_namespace.substr(1), !options.namespaced_tf && !is_plain);
+  return found;
 }
+
+}  // namespace
 
 bool IsNamespace(const std::string& text) {
   if (!text.starts_with("/")) return false;
@@ -46,7 +55,9 @@ Status CheckDomains(const WorldDescription& world, const RosOptions& options,
                              options.domain)};
   }
   std::size_t of_run = 0;
-  for (const RobotDescription& robot : world.robots) {
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const RobotDescription& robot = world.robots[i];
+    if (!IsThere(world, RobotId(i))) continue;
     if (!robot.ros.domain) ++of_run;
     if (robot.ros.domain && robot.ros.domain == simulation_domain) {
       return Error{{},
@@ -63,18 +74,17 @@ Status CheckDomains(const WorldDescription& world, const RosOptions& options,
 }
 
 RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options) {
-  const RosIdentity& identity = world.robot(robot).ros;
-  RobotInRos found;
-  found.domain = identity.domain.value_or(options.domain);
-  found.alone = found.domain != options.domain;
-  found.name = RobotNames(world)[robot.index()];
-  const bool is_plain = identity.domain || (options.plain_names && FirstOfRun(world) == robot);
-  if (is_plain) {
-    found.node_namespace = "/";
-  } else {
-    found.node_namespace = IsNamespace(identity.name_space) ? identity.name_space : "/" + found.name;
+  return Find(world, robot, RobotNames(world)[robot.index()], FirstOfRun(world) == robot, options);
+}
+
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options) {
+  const std::vector<std::string> names = RobotNames(world);
+  const std::optional<RobotId> first = FirstOfRun(world);
+  std::vector<std::pair<RobotId, RobotInRos>> found;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const RobotId robot(i);
+    if (IsThere(world, robot)) found.emplace_back(robot, Find(world, robot, names[i], first == robot, options));
   }
-  found.frames = FramesOf(found.node_namespace.substr(1), !options.namespaced_tf && !is_plain);
   return found;
 }
 

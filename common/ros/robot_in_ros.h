@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -24,13 +25,13 @@ struct RobotInRos {
 // A robot with a ROS domain has plain names, and so has the first robot of the run's domain if the options ask for it.
 RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options);
 
+// All robots that are there.
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options);
+
 // The error is a robot in the domain of the simulation (nothing: the run uses no network), or plain names for several
 // robots of one domain.
 Status CheckDomains(const WorldDescription& world, const RosOptions& options,
                     std::optional<std::uint32_t> simulation_domain);
-
-// The domains of robots with one of their own, each once.
-std::vector<std::uint32_t> RobotDomains(const WorldDescription& world);
 
 // True for "/fleet/anna": a slash before each part, which begins with a letter and has letters, digits and single
 // underscores.

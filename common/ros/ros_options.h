@@ -44,6 +44,8 @@ struct RosOptions {
   double command_timeout = 5.0;           // simulated s after which a command expires; 0: never
   double clock_rate = 0.0;                // Hz of wall time at which /clock advances between ticks; 0: only at ticks
   bool namespaced_tf = false;             // /<robot>/tf with plain frame names, in place of /tf with prefixed ones
+  bool goal_poses = false;                // /<robot>/goal_pose sets the goal of the robot's controller
+  bool initial_poses = false;             // /<robot>/initialpose sets the robot's pose in the world
   bool plain_names = false;               // the first robot of the domain has topics without its name
   double map_resolution = 0.05;           // m, side of a cell of /map
   std::optional<double> map_height = {};  // m, height of the section that /map shows; none: UsualMapHeight

@@ -77,6 +77,7 @@ dds::DomainConfig RosNetwork(const RosOptions& options) {
   config.network_interface = options.network_interface;
   config.data_multicast = false;  // as ROS by default: not every network has multicast
   config.heard_on_own_machine = !options.quiet;
+  config.key_hashes = true;
   const bool is_humble = options.distribution == Distribution::kHumble;
   const std::uint32_t indices = IndicesSearched(options.distribution);
   switch (options.discovery) {

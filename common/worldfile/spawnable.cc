@@ -58,7 +58,10 @@ Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, c
   LoadOverrides build = overrides;
   build.controller.reset();
   Result<LoadedWorld> loaded = BuildWorld(tree, build);
-  if (!loaded.ok() || controlled || !definitions.value().controller) return loaded;
+  if (!loaded.ok()) return loaded;
+  const auto domains = definitions.value().ros_domains_from.find(name);
+  if (domains != definitions.value().ros_domains_from.end()) loaded.value().ros_domains_from = domains->second;
+  if (controlled || !definitions.value().controller) return loaded;
   for (RobotDescription& robot : loaded.value().world.robots) robot.controller = *definitions.value().controller;
   return loaded;
 }

@@ -205,6 +205,12 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
       ->required();
   spawn->add_option("--name", options->request.name, "Its name (default: derived from the model)")->type_name("NAME");
   spawn->add_flag("--rename", options->request.rename, "Choose another name if this one is in use");
+  spawn
+      ->add_option(
+          "--ros-domain", options->request.ros_domain,
+          "Its own ROS domain, with plain names (default: as its spawn rule or file says, else that of the run)")
+      ->check(DdsDomain())
+      ->type_name("D");
   AddPose(spawn, options, "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
   AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
           options);

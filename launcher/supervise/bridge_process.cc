@@ -37,14 +37,11 @@ Status ChooseServiceClients(RunOptions& options) {
                            ros::ToString(*clients), kServiceBridge)};
 }
 
-Status BridgeProcess::Start(Host& host, const RunOptions& options, const std::vector<std::uint32_t>& robot_domains) {
+Status BridgeProcess::Start(Host& host, const RunOptions& options) {
   if (!ros::UsesBridge(options.ros)) return Status();
   host_ = &host;
   arguments_ = {"--session=" + options.ros.session};
   for (std::string& argument : RosArguments(options.ros)) arguments_.push_back(std::move(argument));
-  if (!robot_domains.empty()) {
-    arguments_.push_back(fmt::format("--ros-robot-domains={}", fmt::join(robot_domains, ",")));
-  }
   return StartProcess();
 }
 

@@ -2,7 +2,6 @@
 // it dies; whatever becomes of it, the run goes on.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,9 +21,8 @@ Status ChooseServiceClients(RunOptions& options);
 
 class BridgeProcess {
  public:
-  // No effect where the options need no bridge. `robot_domains`: of robots with a ROS domain of their own. The host
-  // must outlive this. The error is for people.
-  Status Start(Host& host, const RunOptions& options, const std::vector<std::uint32_t>& robot_domains);
+  // No effect where the options need no bridge. The host must outlive this. The error is for people.
+  Status Start(Host& host, const RunOptions& options);
 
   // Checks for its end, and starts it again when that is due. `now` in s, of any clock that does not decrease. A line
   // for the user about its end, once.

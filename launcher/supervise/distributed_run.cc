@@ -226,7 +226,7 @@ void DistributedRun::StartBridge(const ReadyReport& ready) {
   if (options_.ros.security.strategy != ros::SecurityStrategy::kOff) {
     return progress_.Tell("ROS services answer clients on rmw_cyclonedds only: their bridge to others has no keys");
   }
-  const Status started = bridge_.Start(*hosts_.all().front(), options_, ready.ros_robot_domains);
+  const Status started = bridge_.Start(*hosts_.all().front(), options_);
   if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
 }
 

@@ -18,8 +18,8 @@ double SecondsNow() {
 
 }  // namespace
 
-void InProcessBridge::Start(const RunOptions& options, const std::vector<std::uint32_t>& robot_domains) {
-  const Status started = bridge_.Start(host_, options, robot_domains);
+void InProcessBridge::Start(const RunOptions& options) {
+  const Status started = bridge_.Start(host_, options);
   if (!started.ok()) {
     fmt::print(stderr, "cannot start the bridge of ROS services: {}\n", started.error().message);
   }

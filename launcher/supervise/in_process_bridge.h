@@ -2,7 +2,6 @@
 // on another DDS implementation.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "launcher/hosts/local_host.h"
@@ -14,7 +13,7 @@ namespace troupe {
 class InProcessBridge {
  public:
   // As BridgeProcess::Start. Without a bridge the run is the same.
-  void Start(const RunOptions& options, const std::vector<std::uint32_t>& robot_domains);
+  void Start(const RunOptions& options);
 
   // Readable when Process has something to do; empty without a bridge.
   std::vector<int> descriptors() const;

@@ -326,11 +326,14 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   InProcessBridge bridge;
   RunObservers observers;
   if (service.settings.ros) {
-    const Status domains = ros::CheckDomains(scene->world(), options.ros, std::nullopt);
+    service.check_world = [&ros = options.ros](const WorldDescription& world) {
+      return ros::CheckDomains(world, ros, std::nullopt);
+    };
+    const Status domains = service.check_world(scene->world());
     if (!domains.ok()) return FailedRun(domains.error());
     gateway = MakeRosWorldGateway(options.ros, scene);
     observers.push_back(gateway.get());
-    bridge.Start(options, ros::RobotDomains(scene->world()));
+    bridge.Start(options);
   }
   for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 

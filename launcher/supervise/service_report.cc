@@ -47,7 +47,6 @@ ReadyReport ParseReady(const Json& json) {
   Get(json, "ros", report.ros);
   Get(json, "ros_relay", report.ros_relay);
   Get(json, "ros_infinite_ranges", report.ros_infinite_ranges);
-  Get(json, "ros_robot_domains", report.ros_robot_domains);
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "common/ros_dds/ros_service.h"
@@ -14,8 +15,10 @@ namespace troupe::test {
 template <typename Request, typename Response>
 class Client {
  public:
-  Client(const ros::RosParticipant& participant, const std::string& service)
-      : request_topic_(participant.participant(), "rq" + service + "Request"),
+  // `id` tells clients of one service apart.
+  Client(const ros::RosParticipant& participant, const std::string& service, std::uint64_t id = 4711)
+      : id_(id),
+        request_topic_(participant.participant(), "rq" + service + "Request"),
         response_topic_(participant.participant(), "rr" + service + "Reply"),
         writer_(participant.publisher(), request_topic_, ros::Service()),
         reader_(participant.subscriber(), response_topic_, ros::Service()) {}
@@ -33,7 +36,7 @@ class Client {
       return writer_.publication_matched_status().current_count > 0 &&
              reader_.subscription_matched_status().current_count > 0;
     }));
-    request.client_guid = 4711;
+    request.client_guid = id_;
     request.sequence_number = ++calls_;
     writer_.write(request);
   }
@@ -43,7 +46,7 @@ class Client {
   bool Receive(const Check& check) {
     bool answered = false;
     for (const auto sample : reader_.take()) {
-      if (sample.data().client_guid != 4711u) continue;  // for another client
+      if (sample.data().client_guid != id_) continue;  // for another client
       EXPECT_EQ(sample.data().sequence_number, calls_);
       check(sample.data());
       answered = true;
@@ -52,6 +55,7 @@ class Client {
   }
 
  private:
+  const std::uint64_t id_;
   dds::Topic<Request> request_topic_;
   dds::Topic<Response> response_topic_;
   dds::DataWriter<Request> writer_;

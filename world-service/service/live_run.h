@@ -2,6 +2,7 @@
 // class that writes it (all of them may read). Used by one thread at a time.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,6 +37,8 @@ struct CoordinatorOptions {
   PhaseTimes* phase_times = nullptr;    // likewise
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;
+  // ServiceOptions::check_world.
+  std::function<Status(const WorldDescription& world)> check_world = {};
   std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its
 };
 

@@ -59,6 +59,18 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlReq
   return file;
 }
 
+// Of the robot in `spawned`.
+Status SetRosIdentity(const ControlRequest& request, WorldDescription& spawned) {
+  if (request.ros_domain && spawned.robots.empty()) {
+    return Error{{}, "found a ROS domain for a model that is no robot, expected one for robots only"};
+  }
+  for (RobotDescription& robot : spawned.robots) {
+    robot.ros.name_space = request.ros_namespace;
+    if (request.ros_domain) robot.ros.domain = request.ros_domain;
+  }
+  return {};
+}
+
 Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& request) {
   if (request.command == ControlCommand::kSpawnables) return ListModels(options);
   if (request.command == ControlCommand::kWorlds) return ListWorlds(options, request);
@@ -81,10 +93,13 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
   if (!loaded.ok()) return FlattenPlace(loaded.error());
   if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
     return status.error();
-  for (RobotDescription& robot : loaded.value().world.robots) {
-    if (!loads) robot.ros.name_space = request.ros_namespace;
+  RequestedFile file{{}, {}, std::move(text)};
+  if (!loads) {
+    file.ros_domains_from = loaded.value().ros_domains_from;
+    if (const Status status = SetRosIdentity(request, loaded.value().world); !status.ok()) return status.error();
   }
-  return RequestedFile{std::make_shared<const WorldDescription>(std::move(loaded.value().world)), {}, std::move(text)};
+  file.world = std::make_shared<const WorldDescription>(std::move(loaded.value().world));
+  return file;
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // The files of a request: a world to load, a model to spawn, or the list of such models.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/base/result.h"
@@ -12,9 +14,10 @@
 namespace troupe {
 
 struct RequestedFile {
-  RequestedWorld world;                            // of kLoadWorld and kSpawn
-  std::vector<EntityReport> listed;                // of kSpawnables and kWorlds
-  std::shared_ptr<const RequestedText> text = {};  // of kLoadWorld with a text
+  RequestedWorld world;                                // of kLoadWorld and kSpawn
+  std::vector<EntityReport> listed;                    // of kSpawnables and kWorlds
+  std::shared_ptr<const RequestedText> text = {};      // of kLoadWorld with a text
+  std::optional<std::uint32_t> ros_domains_from = {};  // of kSpawn, ControlRequest::ros_domains_from
 };
 
 // The error's message has the place in the file. REQUIRES: the command is kLoadWorld, kSpawn, kSpawnables or kWorlds.

@@ -231,7 +231,9 @@ class Driver final : public WorldControl, private ServiceHandler {
       service_.world_file = text_ ? text_->path() : open.request.source;
       if (text_) service_.overrides.allowed.Add(text_->path());
     }
-    coordinator_.Control(open.request, open.reply, Now(), file.value().world);
+    ControlRequest request = open.request;
+    request.ros_domains_from = file.value().ros_domains_from;
+    coordinator_.Control(request, open.reply, Now(), file.value().world);
   }
 
   void OnJoin(const JoinMessage& join) override {
@@ -328,6 +330,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.resumed = options.resumed;
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
+  coordinator.check_world = options.check_world;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
   coordinator.threads = options.threads;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct ServiceOptions {
   std::optional<ResumedRun> resumed;                           // a run to be continued, instead of a new one
   AllowedPaths libraries;                                      // controllers that those may name
   RunHistory* history = nullptr;                               // for the memory of robots; null: none; outlives the run
+  // Whether an edit may lead to this world, or add this entity; nothing: any.
+  std::function<Status(const WorldDescription& world)> check_world = {};
 };
 
 // Runs until the settings' number of ticks, `stop`, or a failure. The error is for people: agents that did not join

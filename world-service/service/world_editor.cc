@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -26,6 +28,11 @@ std::string NameOfSource(const std::string& source) {
 std::string SpawnName(const WorldDescription& world, const ControlRequest& request) {
   if (request.name.empty()) return FreeName(world, NameOfSource(request.source));
   return request.rename ? FreeName(world, request.name) : request.name;
+}
+
+// Whether the spawned robot has a domain as those of a spawn rule have.
+bool NeedsRosDomain(const ControlRequest& request, const WorldDescription& spawned) {
+  return request.ros_domains_from && spawned.robots.size() == 1 && !spawned.robots.front().ros.domain;
 }
 
 std::string NoticeOf(const ControlRequest& request) {
@@ -62,6 +69,13 @@ WorldEditor::WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(
 
 Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
   if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
+  std::optional<WorldDescription> with_domain;
+  if (request.command == ControlCommand::kSpawn && world != nullptr && NeedsRosDomain(request, *world)) {
+    Result<WorldDescription> chosen = WithRosDomain(*request.ros_domains_from, *world);
+    if (!chosen.ok()) return chosen.error();
+    with_domain = std::move(chosen).value();
+    world = &*with_domain;
+  }
   const AppliedEdit edit{request, world};
   std::optional<DeletedEntity> deleted;
   if (request.command == ControlCommand::kDelete) {
@@ -71,6 +85,9 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   }
   Result<EditedWorld> edited = ApplyIfRoom(edit);
   if (!edited.ok()) return edited.error();
+  if (world != nullptr) {
+    if (const Status allowed = CheckWorld(edited.value().scene->world()); !allowed.ok()) return allowed.error();
+  }
   if (deleted) {
     deleted_.push_back(std::move(*deleted));
     if (deleted_.size() > kMostDeleted) deleted_.pop_front();
@@ -79,6 +96,26 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
+}
+
+Status WorldEditor::CheckWorld(const WorldDescription& world) const {
+  return run_.options.check_world ? run_.options.check_world(world) : Status();
+}
+
+Result<WorldDescription> WorldEditor::WithRosDomain(std::uint32_t first, const WorldDescription& spawned) const {
+  std::set<std::uint32_t> used;
+  for (std::size_t i = 0; i < run_.world().robots.size(); ++i) {
+    const std::optional<std::uint32_t> domain = run_.world().robots[i].ros.domain;
+    if (domain && IsThere(run_.world(), RobotId(i))) used.insert(*domain);
+  }
+  WorldDescription with = spawned;
+  for (std::uint32_t domain = first; domain <= kLastRosDomain; ++domain) {
+    with.robots.front().ros.domain = domain;
+    if (!used.contains(domain) && CheckWorld(with).ok()) return with;
+  }
+  return Error{{},
+               "found no free ROS domain from " + std::to_string(first) + " to " + std::to_string(kLastRosDomain) +
+                   ", expected one for the robot, as for those of its spawn rule"};
 }
 
 std::shared_ptr<const WorldDescription> WorldEditor::Deleted(const std::string& name) const {

@@ -4,6 +4,7 @@
 // Passive, as TickEngine.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -44,6 +45,10 @@ class WorldEditor {
  private:
   // As ApplyEdit; an error without memory for the edited world.
   Result<EditedWorld> ApplyIfRoom(const AppliedEdit& edit) const;
+  // As ServiceOptions::check_world.
+  Status CheckWorld(const WorldDescription& world) const;
+  // `spawned`, a world with one robot, which has the first free ROS domain from `first` on.
+  Result<WorldDescription> WithRosDomain(std::uint32_t first, const WorldDescription& spawned) const;
   void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
   void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition world_edition);
 

@@ -26,8 +26,10 @@ struct DomainConfig {
   bool heard_on_own_machine = true;
   std::vector<std::string> peers;               // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
-  double lease_seconds = 10.0;                  // others forget a participant that is silent for longer
-  double announce_seconds = 30.0;               // from one announcement to the next, at most; or 0.4 of the lease
+  // Participants on Fast DDS learn of the ends of this one and of its endpoints at once, not by the lease.
+  bool key_hashes = false;
+  double lease_seconds = 10.0;     // others forget a participant that is silent for longer
+  double announce_seconds = 30.0;  // from one announcement to the next, at most; or 0.4 of the lease
   // Announces its types' structure (XTypes). Without, endpoints match by the names of types, and a participant starts
   // sooner and needs less memory; its own types cannot be found by tools that ask it for their structure.
   bool describes_types = true;

@@ -8,6 +8,7 @@
 namespace troupe::dds {
 namespace {
 
+constexpr std::int32_t kNoDomain = -1;
 constexpr auto kLastCommand = static_cast<std::uint8_t>(kLastControlCommand);
 
 troupe_wire_RobotAgent AgentToWire(const std::optional<AgentReport>& agent, WireArena& arena) {
@@ -45,6 +46,7 @@ troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
   wire.vx = message.twist.vx;
   wire.vy = message.twist.vy;
   wire.wz = message.twist.wz;
+  wire.ros_domain = message.ros_domain ? static_cast<std::int32_t>(*message.ros_domain) : kNoDomain;
   return wire;
 }
 
@@ -72,7 +74,7 @@ troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena) {
   return wire;
 }
 
-// Any pose passes: the command decides.
+// Any pose and any ROS domain pass: the command decides.
 Result<ControlRequest> FromWire(const troupe_wire_Control& wire) {
   ControlRequest message;
   if (wire.command > kLastCommand) {
@@ -97,6 +99,10 @@ Result<ControlRequest> FromWire(const troupe_wire_Control& wire) {
   if (!command.ok()) return command.error();
   message.robot_command = std::move(command).value();
   message.twist = {wire.vx, wire.vy, wire.wz};
+  if (wire.ros_domain < kNoDomain) {
+    return Error{{}, "control request with the ROS domain " + std::to_string(wire.ros_domain)};
+  }
+  if (wire.ros_domain != kNoDomain) message.ros_domain = static_cast<std::uint32_t>(wire.ros_domain);
   return message;
 }
 

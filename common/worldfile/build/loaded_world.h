@@ -23,6 +23,8 @@ struct LoadedWorld {
   std::map<ModelId, ModelId> placed_alone;  // models without a parent, with their parent in the file
   int map_width = 0;                        // pixels of the largest bitmap; 0 without one
   int map_height = 0;
+  // Of a model that a spawn rule of the scenario gives ROS domains, one each: that of the rule's first robot.
+  std::optional<std::uint32_t> ros_domains_from = {};
 };
 
 // Settings of the program that loads a world.

@@ -110,7 +110,13 @@ Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverr
   Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();
   for (const Property& property : file.value().properties) tree.value().world.Set(property);
-  return ScenarioWorld{std::move(tree).value(), DefaultController(file.value(), overrides)};
+  ScenarioWorld world{std::move(tree).value(), DefaultController(file.value(), overrides), {}};
+  for (const SpawnEntry& rule : file.value().spawns) {
+    if (rule.ros_domain && rule.ros_domain->each) {
+      world.ros_domains_from.emplace(rule.model.text, rule.ros_domain->first);
+    }
+  }
+  return world;
 }
 
 Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& path, const LoadOverrides& overrides) {

@@ -2,7 +2,9 @@
 // format; configs/scenario.schema.json is its schema.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -24,10 +26,11 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
 // `overrides.check_controller`.
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides);
 
-// The world that a scenario names, without the scenario's additions, and the controller of robots without one.
+// The world that a scenario names, without the scenario's additions, and what it says of models that are added later.
 struct ScenarioWorld {
   WorldTree tree;
-  std::optional<ControllerDescription> controller;
+  std::optional<ControllerDescription> controller;        // of robots without one
+  std::map<std::string, std::uint32_t> ros_domains_from;  // first of the ROS domains of a spawn rule, by its model
 };
 Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides = {});
 

@@ -1,4 +1,5 @@
-// Calls ROS services on Fast DDS, as programs on rmw_fastrtps_cpp do. Prints JSON lines. Loopback only.
+// Calls ROS services on Fast DDS, as programs on rmw_fastrtps_cpp do. Prints JSON lines. DOMAIN: "5" on the loopback
+// interface, "5@10.0.0.1" on the interface with this address.
 //   fastdds_caller DOMAIN states N SECONDS   calls /world/get_simulation_state N times, each with this timeout
 //   fastdds_caller DOMAIN parameters /NODE   lists the parameters of a node
 //   fastdds_caller DOMAIN leaves /NODE       the same, and waits until the service is gone
@@ -40,7 +41,9 @@ void CallForStates(Peer& peer, int calls, int seconds) {
       Print({{"topic", "timeout"}, {"call", i}});
       client.WaitForService();
     }
-    if (i + 1 == calls / 4) Print({{"topic", "quarter"}});
+    for (int quarter = 1; quarter < 4; ++quarter) {
+      if (i + 1 == quarter * calls / 4) Print({{"topic", "quarter"}, {"number", quarter}});
+    }
   }
   Print({{"topic", "called"}, {"calls", calls}, {"answered", answered}, {"repeated", client.repeated()}});
 }
@@ -134,8 +137,11 @@ class Endpoints final : public DomainParticipantListener {
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   const std::string what = argv[2];
+  const std::string where = argv[1];
+  const std::size_t at = where.find('@');
   Endpoints endpoints;
-  Peer peer(static_cast<std::uint32_t>(std::stoul(argv[1])), what == "endpoints" ? &endpoints : nullptr);
+  Peer peer(static_cast<std::uint32_t>(std::stoul(where)), what == "endpoints" ? &endpoints : nullptr,
+            at == std::string::npos ? "127.0.0.1" : where.substr(at + 1));
   try {
     if (what == "endpoints") {
       pause();

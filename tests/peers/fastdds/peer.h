@@ -1,4 +1,4 @@
-// A participant on Fast DDS for the programs of this folder: loopback only; output in JSON lines.
+// A participant on Fast DDS for the programs of this folder: on one interface; output in JSON lines.
 #pragma once
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -58,10 +58,12 @@ class Listener : public DataReaderListener {
 
 class Peer {
  public:
-  explicit Peer(std::uint32_t domain, DomainParticipantListener* listener = nullptr) {
+  // `address`: of its only network interface.
+  explicit Peer(std::uint32_t domain, DomainParticipantListener* listener = nullptr,
+                const std::string& address = "127.0.0.1") {
     DomainParticipantQos qos;
     auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-    transport->interfaceWhiteList = {"127.0.0.1"};
+    transport->interfaceWhiteList = {address};
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(transport);
     participant_ =

@@ -79,6 +79,10 @@ const Fault kFaults[] = {
      "robot 0 'm1': its localization origin is not finite or too far away"},
     {[](auto& w) { w.robots[0].localization.error_x = kNan; },
      "robot 0 'm1': its odometry errors are not finite or too large"},
+    {[](auto& w) { w.robots[0].ros.domain = 231; },
+     "robot 0 'm1': found the ROS domain 231, expected at most 230: the ports of a higher one would exceed 65535"},
+    {[](auto& w) { w.robots[0].ros.domain = w.robots[1].ros.domain = 5; },
+     "found the ROS domain 5 for robot 'm3', which robot 'm1' has already, expected one for each robot"},
     {[](auto& w) { w.robots[0].sensors[0].model = ModelId(0); },
      "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
     {[](auto& w) { w.robots[0].sensors[0].model = ModelId(50); },
@@ -100,6 +104,14 @@ const Fault kFaults[] = {
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
      "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
 };
+
+TEST(Validate, ARemovedRobotHasNoRosDomain) {
+  WorldDescription world = GoodWorld();
+  world.robots[0].ros.domain = world.robots[1].ros.domain = 5;
+  world.models[1].removed = true;
+  const Status problem = Validate(world);
+  EXPECT_TRUE(problem.ok()) << problem.error().message;
+}
 
 TEST(Validate, NamesTheFault) {
   for (const Fault& c : kFaults) {

@@ -57,6 +57,18 @@ TEST(RobotInRos, HasTheNamespaceOfItsDescriptionIfItIsOne) {
   EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).node_namespace, "/a");
 }
 
+TEST(RobotInRos, ARemovedRobotIsNowhere) {
+  WorldDescription world = ThreeRobots();
+  world.models[world.robots[0].root.index()].removed = true;
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(7, true)).node_namespace, "/");
+  const auto found = FindRobotsInRos(world, Options(7));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].second.node_namespace, "/b");
+  EXPECT_EQ(found[1].second.node_namespace, "/c");
+  world.robots[0].ros.domain = 42;
+  EXPECT_TRUE(CheckDomains(world, Options(7), 42).ok());
+}
+
 TEST(IsNamespace, FollowsTheRulesOfRos) {
   for (const char* good : {"/a", "/fleet/anna", "/a_b/c1"}) EXPECT_TRUE(IsNamespace(good)) << good;
   for (const char* bad : {"", "/", "a", "/a/", "//a", "/1", "/a b", "/a__b", "/a//b", "/\xc3\xa4"}) {

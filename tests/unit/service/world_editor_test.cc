@@ -62,6 +62,38 @@ TEST_F(WorldEditorTest, KeepsDeletedEntitiesForARestoration) {
   EXPECT_EQ(run_->world().robots.back().drive, run_->world().robots.front().drive);
 }
 
+TEST_F(WorldEditorTest, ASpawnedRobotHasTheFirstFreeRosDomainOfItsRule) {
+  options_.check_world = [](const WorldDescription& world) {
+    for (const RobotDescription& robot : world.robots) {
+      if (robot.ros.domain == 11u) return Status(Error{{}, "found domain 11"});
+    }
+    return Status();
+  };
+  MakeEditor();
+  WorldDescription one = test::PlaneWorld(1);
+  const auto spawn = [&](const std::string& name, double y, std::uint32_t from) {
+    ControlRequest request = Request(ControlCommand::kSpawn, name, {0.0, y, 0.0, 0.0});
+    request.ros_domains_from = from;
+    return editor_->Apply(request, &one, now_);
+  };
+  ASSERT_TRUE(spawn("a", 5.0, 10).ok());
+  ASSERT_TRUE(spawn("b", -5.0, 10).ok());
+  EXPECT_EQ(run_->world().robots[2].ros.domain, 10u);
+  EXPECT_EQ(run_->world().robots[3].ros.domain, 12u) << "the run cannot have 11";
+  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kDelete, "a"), nullptr, now_).ok());
+  ASSERT_TRUE(spawn("c", 5.0, 10).ok());
+  EXPECT_EQ(run_->world().robots[4].ros.domain, 10u) << "that of a deleted robot";
+  ASSERT_TRUE(spawn("d", -15.0, 230).ok());
+  EXPECT_THAT(spawn("e", -25.0, 230).error().message, HasSubstr("found no free ROS domain from 230 to 230"));
+
+  one.robots[0].ros.domain = 60;
+  ASSERT_TRUE(spawn("f", -35.0, 10).ok());
+  EXPECT_EQ(run_->world().robots.back().ros.domain, 60u) << "its file's";
+  one.robots[0].ros.domain = 11;
+  EXPECT_EQ(spawn("g", -45.0, 10).error().message, "found domain 11");
+  EXPECT_EQ(run_->world().robots.back().name, "f");
+}
+
 TEST_F(WorldEditorTest, ASpawnedRobotNeedsAnAgentInTime) {
   options_.start_timeout_seconds = 5.0;
   MakeEditor();

@@ -34,6 +34,7 @@ ControlRequest RandomMessage(test::RandomMessages& random, std::uint64_t seed, C
   request.rename = seed % 2 == 1;
   if (seed % 3 == 0) request.speed = 0.5 + static_cast<double>(seed);
   request.robot_command = random.Command(RobotId(seed));
+  if (seed % 5 == 0) request.ros_domain = static_cast<std::uint32_t>(seed % 231);
   return request;
 }
 

@@ -1,7 +1,11 @@
 #include "world-service/observers/ros/ros_world_gateway.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "common/ros/convert.h"
@@ -13,6 +17,8 @@
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/type_description_service.h"
 #include "world-service/observers/ros/event_line.h"
+#include "world-service/observers/ros/pose_commands.h"
+#include "world-service/observers/ros/robot_list_output.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
 
@@ -37,14 +43,25 @@ class RosWorldGateway final : public RunObserver {
         type_descriptions_(node_, kNodeName),
         log_(node_) {
     participant_.Announce();
+    if (!UsesBridge(options)) return;
+    robots_.emplace(participant_, options);
+    robots_->ChangeWorld(scene_->world());
   }
 
   Status OnBegin(const RunStart& start) override {
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
     participant_.Announce();
+    if (options_.goal_poses || options_.initial_poses) {
+      poses_.emplace(participant_, options_, scene_, start.control, [this](const std::string& text) {
+        fmt::print(stderr, "ROS: {}\n", text);
+        const std::lock_guard lock(log_mutex_);
+        log_.Write(ros::LogLevel::kWarning, "/world", text);
+      });
+    }
     return Status();
   }
   Status OnEnd() override {
+    poses_.reset();
     ExchangeServices(nullptr);
     return Status();
   }
@@ -54,6 +71,8 @@ class RosWorldGateway final : public RunObserver {
     shown_objects_.clear();
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
+    if (robots_) robots_->ChangeWorld(scene->world());
+    if (poses_) poses_->ChangeWorld(scene);
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
   }
@@ -81,7 +100,10 @@ class RosWorldGateway final : public RunObserver {
     return Status();
   }
 
-  void OnNotice(const std::string& text) override { log_.Write(ros::LogLevel::kInfo, "/world", text); }
+  void OnNotice(const std::string& text) override {
+    const std::lock_guard lock(log_mutex_);
+    log_.Write(ros::LogLevel::kInfo, "/world", text);
+  }
 
  private:
   // Replaces the services, and ends the ones before.
@@ -105,7 +127,10 @@ class RosWorldGateway final : public RunObserver {
   WorldPictures pictures_;
   ros::ParameterServices parameters_;
   ros::TypeDescriptionService type_descriptions_;
+  std::mutex log_mutex_;
   ros::RosLog log_;
+  std::optional<RobotListOutput> robots_;           // none: no bridge
+  std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd
 };

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/json_text.h"
-#include "common/ros/robot_in_ros.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/service/owner_permissions.h"
 
@@ -39,8 +38,7 @@ class LauncherReporter final : public Reporter {
           {"participants", std::move(participants)},
           {"ros", loaded.settings.ros},
           {"ros_relay", contact.ros_relay},
-          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges},
-          {"ros_robot_domains", ros::RobotDomains(loaded.world)}});
+          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {

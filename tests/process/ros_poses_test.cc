@@ -1,0 +1,186 @@
+// RViz's goal pose and initial pose command robots of whole runs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "common/dds/tools/control_client.h"
+#include "common/ros/convert.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_qos.h"
+#include "tests/process/output_folder.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_domain.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
+// s. To a goal a robot drives for some simulated seconds.
+constexpr double kDrive = 60.0;
+
+std::uint32_t OwnDomain() {
+  static const std::uint32_t domain = ReserveDomain();
+  return domain;
+}
+
+// A tool of RViz: a writer with its QoS.
+template <typename T>
+class PoseTool {
+ public:
+  PoseTool(std::uint32_t domain, const std::string& topic)
+      : participant_(OptionsIn(domain)),
+        node_(ros::MakeNode(participant_, "/", "rviz")),
+        writer_(node_, topic, ros::Stream(5)) {}
+
+  void Write(const char* frame, const Pose& pose) {
+    ASSERT_TRUE(Eventually([&] { return writer_.wanted(); })) << "no reader";
+    T message{};
+    message.header.frame_id = const_cast<char*>(frame);
+    if constexpr (std::is_same_v<T, geometry_msgs_msg_dds__PoseStamped_>) {
+      message.pose = ros::ToMessage(pose);
+    } else {
+      message.pose.pose = ros::ToMessage(pose);
+      message.pose.covariance[0] = 0.25;
+    }
+    writer_.Write(message);
+  }
+
+ private:
+  static ros::RosOptions OptionsIn(std::uint32_t domain) {
+    ros::RosOptions options = TestRosOptions();
+    options.domain = domain;
+    return options;
+  }
+
+  ros::RosParticipant participant_;
+  ros::RosNode node_;
+  ros::RosWriter<T> writer_;
+};
+using GoalTool = PoseTool<geometry_msgs_msg_dds__PoseStamped_>;
+using InitialPoseTool = PoseTool<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>;
+
+class RosPoses : public testing::Test {
+ protected:
+  RosPoses() {
+    std::ofstream(folder_.Path("rooms.world")) << "define rover position ( size [0.4 0.4 0.3] localization \"gps\" )\n"
+                                                  "rover ( name \"anna\" pose [0 0 0 0] ctrl \"go_to\" )\n"
+                                                  "rover ( name \"bert\" pose [0 5 0 0] ctrl \"idle\" )\n"
+                                                  "rover ( name \"cleo\" pose [0 10 0.2 0] ctrl \"go_to\" )\n";
+    std::ofstream(folder_.Path("rooms.json"))
+        << R"({"world": "rooms.world", "robots": [{"name": "cleo", "ros_domain": )" << OwnDomain() << "}]}";
+  }
+  void Start(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"run",
+                                          folder_.Path("rooms.json"),
+                                          "--headless",
+                                          "--speed",
+                                          "20",
+                                          "--session",
+                                          session_,
+                                          "--domain",
+                                          std::to_string(TestDomain()),
+                                          "--ros",
+                                          "--ros-interface",
+                                          "lo",
+                                          "--ros-domain",
+                                          std::to_string(TestRosOptions().domain)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run_.emplace(Troupe(std::move(arguments)));
+    run_->WaitForLine(", ready");
+    ASSERT_TRUE(client_.WaitForService(kSeconds).ok()) << run_->output();
+  }
+  void TearDown() override {
+    run_->Signal(SIGINT);
+    EXPECT_EQ(run_->Wait(), 130) << run_->output();
+  }
+
+  Pose PoseOf(const std::string& robot) {
+    ControlRequest question;
+    question.command = ControlCommand::kEntities;
+    question.name = robot;
+    const Result<ControlReply> reply = client_.Call(question, kSeconds);
+    if (!reply.ok() || reply.value().entities.size() != 1) {
+      ADD_FAILURE() << run_->output();
+      return {};
+    }
+    return reply.value().entities.front().X_WE;
+  }
+  bool Reaches(const std::string& robot, const Pose& goal) {
+    return Eventually(
+        [&] {
+          const Pose pose = PoseOf(robot);
+          return std::hypot(pose.x - goal.x, pose.y - goal.y) < 0.2 && std::abs(pose.heading - goal.heading) < 0.3;
+        },
+        kDrive);
+  }
+
+  OutputFolder folder_;
+  const std::string session_ = TestSession("poses");
+  std::optional<Program> run_;
+  ControlClient client_{NetworkOf(session_)};
+};
+
+TEST_F(RosPoses, AGoalPoseIsTheGoalOfAController) {
+  Start({"--ros-rviz", "goal"});
+  const std::uint32_t domain = TestRosOptions().domain;
+  const Pose goal{2.0, -1.0, 0.0, 1.0};
+  GoalTool(domain, "/anna/goal_pose").Write("map", goal);
+  EXPECT_TRUE(Reaches("anna", goal)) << PoseOf("anna").x << " " << PoseOf("anna").y;
+  // In the domain of a robot, with a plain name.
+  const Pose other{-1.0, 9.0, 0.0, 0.5};
+  GoalTool(OwnDomain(), "/goal_pose").Write("", other);
+  EXPECT_TRUE(Reaches("cleo", other)) << PoseOf("cleo").x << " " << PoseOf("cleo").y;
+  // Refusals have a reason.
+  GoalTool refused(domain, "/bert/goal_pose");
+  refused.Write("map", goal);
+  run_->WaitForLine("ROS: goal_pose of 'bert': the controller of 'bert' (idle) accepts no goals");
+  refused.Write("bert/odom", goal);
+  run_->WaitForLine("ROS: goal_pose of 'bert': found a pose in frame 'bert/odom', expected one in 'map'");
+}
+
+TEST_F(RosPoses, AnInitialPoseIsSetInTheWorld) {
+  Start({"--ros-rviz", "pose"});
+  const std::uint32_t domain = TestRosOptions().domain;
+  InitialPoseTool tool(domain, "/bert/initialpose");
+  tool.Write("map", {3.0, 4.0, 0.0, -0.5});
+  EXPECT_TRUE(Reaches("bert", {3.0, 4.0, 0.0, -0.5}));
+  tool.Write("map", {0.0, 0.1, 0.0, 0.0});
+  run_->WaitForLine("ROS: initialpose of 'bert': 'bert' would be inside 'anna'");
+  // RViz says no height: that of the robot stays.
+  InitialPoseTool(OwnDomain(), "/initialpose").Write("map", {-3.0, 12.0, 0.0, 2.0});
+  EXPECT_TRUE(Reaches("cleo", {-3.0, 12.0, 0.0, 2.0}));
+  EXPECT_NEAR(PoseOf("cleo").z, 0.2, 1e-9);
+}
+
+TEST_F(RosPoses, TheTopicsFollowTheRobotsOfTheWorld) {
+  Start({"--ros-rviz", "both"});
+  const auto edit = [&](ControlCommand command, const std::string& name, const Pose& pose) {
+    ControlRequest request;
+    request.command = command;
+    request.name = name;
+    request.source = command == ControlCommand::kSpawn ? "rover" : "";
+    request.pose = pose;
+    const Result<ControlReply> reply = client_.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done) << run_->output();
+  };
+  edit(ControlCommand::kSpawn, "late", {0.0, -5.0, 0.0, 0.0});
+  InitialPoseTool(TestRosOptions().domain, "/late/initialpose").Write("map", {1.0, -6.0, 0.0, 1.0});
+  EXPECT_TRUE(Reaches("late", {1.0, -6.0, 0.0, 1.0}));
+  edit(ControlCommand::kDelete, "cleo", {});
+  edit(ControlCommand::kDelete, "late", {});
+  InitialPoseTool(TestRosOptions().domain, "/anna/initialpose").Write("map", {1.0, -6.0, 0.0, 1.0});
+  EXPECT_TRUE(Reaches("anna", {1.0, -6.0, 0.0, 1.0}));
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,200 @@
+#include "world-service/observers/ros/pose_commands.h"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "common/dds/binding/data_reader.h"
+#include "common/ros/robot_in_ros.h"
+#include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/topic_types.h"
+#include "common/ros_dds/user_data.h"
+#include "world-service/observers/ros/entity_pose.h"
+
+namespace troupe {
+namespace {
+
+constexpr const char* kGoalTopic = "goal_pose";
+constexpr const char* kPoseTopic = "initialpose";
+
+// A reader that calls `notify` when a sample arrives.
+template <typename T>
+class PoseReader {
+ public:
+  PoseReader(const ros::RosParticipant& participant, const std::string& topic, const std::function<void()>& notify)
+      : topic_(participant.participant(), "rt" + topic),
+        reader_(participant.subscriber(), topic_,
+                ros::Commands(true) << ros::TypeUserData<T>(participant.distribution())) {
+    dds::DataReaderListener listener;
+    listener.on_data_available = notify;
+    reader_.set_listener(std::move(listener));
+    notify();  // a sample may have come before
+  }
+  ~PoseReader() { reader_.clear_listener(); }
+  PoseReader(const PoseReader&) = delete;
+  PoseReader& operator=(const PoseReader&) = delete;
+
+  template <typename Consume>
+  void Drain(const Consume& consume) {
+    for (;;) {
+      const dds::LoanedSamples<T> samples = reader_.take();
+      if (samples.empty()) return;
+      for (const auto sample : samples) {
+        if (sample.info().valid()) consume(sample.data());
+      }
+    }
+  }
+
+ private:
+  dds::Topic<T> topic_;
+  dds::DataReader<T> reader_;
+};
+
+}  // namespace
+
+// The topics of a robot.
+struct PoseCommands::Inputs {
+  Inputs(const ros::RosParticipant& of_run, ros::RosOptions options, const std::string& robot,
+         const ros::RobotInRos& in_ros, const std::function<void()>& notify)
+      : name(robot), domain(in_ros.domain), name_space(in_ros.node_namespace) {
+    if (in_ros.alone) {
+      options.domain = in_ros.domain;
+      own = std::make_unique<ros::RosParticipant>(options, ros::kWorldEnclave);
+    }
+    const ros::RosParticipant& participant = own ? *own : of_run;
+    const std::string prefix = name_space == "/" ? "/" : name_space + "/";
+    if (options.goal_poses) goals.emplace(participant, prefix + kGoalTopic, notify);
+    if (options.initial_poses) poses.emplace(participant, prefix + kPoseTopic, notify);
+  }
+
+  bool IsOf(const std::string& robot, const ros::RobotInRos& in_ros) const {
+    return name == robot && domain == in_ros.domain && name_space == in_ros.node_namespace;
+  }
+
+  const std::string name;
+  const std::uint32_t domain;
+  const std::string name_space;
+  std::unique_ptr<ros::RosParticipant> own;  // null: that of the run
+  std::optional<PoseReader<geometry_msgs_msg_dds__PoseStamped_>> goals;
+  std::optional<PoseReader<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> poses;
+};
+
+PoseCommands::PoseCommands(const ros::RosParticipant& of_run, const ros::RosOptions& options,
+                           std::shared_ptr<const Scene> scene, WorldControl& control,
+                           std::function<void(const std::string&)> report)
+    : of_run_(of_run),
+      options_(options),
+      control_(control),
+      reports_(std::make_shared<FloodLimiter>(std::move(report))),
+      scene_(std::move(scene)),
+      thread_([this] { Run(); }) {}
+
+PoseCommands::~PoseCommands() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    changed_.notify_one();
+  }
+  thread_.join();
+}
+
+void PoseCommands::ChangeWorld(std::shared_ptr<const Scene> scene) {
+  const std::lock_guard lock(mutex_);
+  scene_ = std::move(scene);
+  follow_ = true;
+  changed_.notify_one();
+}
+
+void PoseCommands::Run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || follow_ || arrived_; });
+    if (stop_) break;
+    const std::shared_ptr<const Scene> scene = std::exchange(follow_, false) ? scene_ : nullptr;
+    arrived_ = false;
+    lock.unlock();
+    try {
+      if (scene) Follow(*scene);
+      for (const auto& robot : inputs_) {
+        const std::string& name = robot->name;
+        if (robot->goals) {
+          robot->goals->Drain([&](const auto& goal) { SetGoal(name, goal.header.frame_id, goal.pose); });
+        }
+        if (robot->poses) {
+          robot->poses->Drain([&](const auto& pose) { SetPose(name, pose.header.frame_id, pose.pose.pose); });
+        }
+      }
+    } catch (const std::exception& exception) {  // of DDS, as without memory
+      reports_->Add(exception.what());
+    }
+    lock.lock();
+  }
+  lock.unlock();
+  inputs_.clear();
+}
+
+void PoseCommands::Follow(const Scene& scene) {
+  const WorldDescription& world = scene.world();
+  const auto robots = ros::FindRobotsInRos(world, options_);
+  std::erase_if(inputs_, [&](const auto& input) {
+    return std::none_of(robots.begin(), robots.end(),
+                        [&](const auto& robot) { return input->IsOf(world.robot(robot.first).name, robot.second); });
+  });
+  const auto notify = [this] {
+    const std::lock_guard lock(mutex_);
+    arrived_ = true;
+    changed_.notify_one();
+  };
+  for (const auto& robot : robots) {
+    const std::string& name = world.robot(robot.first).name;
+    const bool is_known =
+        std::any_of(inputs_.begin(), inputs_.end(), [&](const auto& input) { return input->IsOf(name, robot.second); });
+    if (!is_known) inputs_.push_back(std::make_unique<Inputs>(of_run_, options_, name, robot.second, notify));
+  }
+}
+
+void PoseCommands::SetGoal(const std::string& robot, const char* frame, const ros::PoseMessage& pose) {
+  const Result<Pose> X_WG = PoseFromRos(frame, pose);
+  if (!X_WG.ok()) return Refuse(robot, kGoalTopic, X_WG.error().message);
+  ControlRequest request;
+  request.command = ControlCommand::kCommandRobot;
+  request.name = robot;
+  request.ticks = kMostCommandTicks;
+  request.robot_command.goal = Goal{0, {Vec2(X_WG.value().x, X_WG.value().y)}, X_WG.value().heading};
+  Ask(request, kGoalTopic);
+}
+
+// RViz knows no heights: the robot keeps its own.
+void PoseCommands::SetPose(const std::string& robot, const char* frame, const ros::PoseMessage& pose) {
+  const Result<Pose> X_WR = PoseFromRos(frame, pose);
+  if (!X_WR.ok()) return Refuse(robot, kPoseTopic, X_WR.error().message);
+  ControlRequest question;
+  question.command = ControlCommand::kEntities;
+  question.name = robot;
+  control_.Request(question,
+                   [&control = control_, reports = reports_, robot, to = X_WR.value()](const ControlReply& reply) {
+                     if (reply.entities.size() != 1) return;
+                     ControlRequest request;
+                     request.command = ControlCommand::kSetPose;
+                     request.name = robot;
+                     request.pose = to;
+                     request.pose.z = reply.entities.front().X_WE.z;
+                     control.Request(request, [reports, robot](const ControlReply& answer) {
+                       if (!answer.done)
+                         reports->Add(std::string(kPoseTopic) + " of '" + robot + "': " + answer.problem);
+                     });
+                   });
+}
+
+void PoseCommands::Ask(const ControlRequest& request, const std::string& topic) {
+  control_.Request(request, [reports = reports_, robot = request.name, topic](const ControlReply& reply) {
+    if (!reply.done) reports->Add(topic + " of '" + robot + "': " + reply.problem);
+  });
+}
+
+void PoseCommands::Refuse(const std::string& robot, const std::string& topic, const std::string& reason) {
+  reports_->Add(topic + " of '" + robot + "': " + reason);
+}
+
+}  // namespace troupe

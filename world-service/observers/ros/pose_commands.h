@@ -1,0 +1,62 @@
+// PoseCommands: the topics of RViz's tools command robots. A pose on <robot>/goal_pose becomes the goal of the robot's
+// controller, and one on <robot>/initialpose the robot's pose in the world. A thread of its own follows the robots of
+// the world, because a participant in the domain of a robot must not be made on a thread of DDS.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/flood_limiter.h"
+#include "common/ros/messages.h"
+#include "common/ros/ros_options.h"
+#include "common/ros_dds/ros_participant.h"
+#include "common/spatial/scene.h"
+#include "world-service/service/world_control.h"
+
+namespace troupe {
+
+class PoseCommands {
+ public:
+  // `of_run`: the participant in the domain of the run. `report` receives refused poses, one line each, on any thread.
+  // All outlive this; `control` and `report` outlive the replies, too.
+  PoseCommands(const ros::RosParticipant& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
+               WorldControl& control, std::function<void(const std::string&)> report);
+  // After it no call into the control runs.
+  ~PoseCommands();
+  PoseCommands(const PoseCommands&) = delete;
+  PoseCommands& operator=(const PoseCommands&) = delete;
+
+  // An edit has replaced the world.
+  void ChangeWorld(std::shared_ptr<const Scene> scene);
+
+ private:
+  struct Inputs;
+
+  void Run();
+  void Follow(const Scene& scene);
+  void SetGoal(const std::string& robot, const char* frame, const ros::PoseMessage& pose);
+  void SetPose(const std::string& robot, const char* frame, const ros::PoseMessage& pose);
+  // Sends the request; a refusal is reported as one of `topic`.
+  void Ask(const ControlRequest& request, const std::string& topic);
+  void Refuse(const std::string& robot, const std::string& topic, const std::string& reason);
+
+  const ros::RosParticipant& of_run_;
+  const ros::RosOptions options_;
+  WorldControl& control_;
+  const std::shared_ptr<FloodLimiter> reports_;
+  std::mutex mutex_;  // guards the members up to scene_
+  std::condition_variable changed_;
+  bool stop_ = false;
+  bool arrived_ = false;  // a sample
+  bool follow_ = true;    // the scene is new
+  std::shared_ptr<const Scene> scene_;
+  std::vector<std::unique_ptr<Inputs>> inputs_;  // of the thread
+  std::thread thread_;                           // last, because it uses all other members
+};
+
+}  // namespace troupe
