@@ -78,10 +78,11 @@ DomainParticipantQos BridgeNetwork(const RosOptions& options, BridgeSide side) {
   transport->maxInitialPeersRange = IndicesSearched(options.distribution);
   if (options.discovery == DiscoveryRange::kLocalhost) transport->TTL = 0;  // multicast stays on this machine
   const bool local = AnnouncesOnLoopback(options);
-  if (local) {
+  if (UsesLoopbackOnly(options)) {
     transport->interfaceWhiteList = {kLoopbackAddress};
   } else if (options.network_interface != "auto") {
     transport->interfaceWhiteList = {AddressOfInterface(options.network_interface)};
+    if (local) transport->interfaceWhiteList.emplace_back(kLoopbackAddress);
   }
   DomainParticipantQos qos;
   qos.name("ros_service_bridge");

@@ -71,6 +71,11 @@ bool AnnouncesOnLoopback(const RosOptions& options) {
          (options.discovery != DiscoveryRange::kOff && IsLoopback(options.network_interface));
 }
 
+bool UsesLoopbackOnly(const RosOptions& options) {
+  return IsLoopback(options.network_interface) ||
+         (options.discovery == DiscoveryRange::kLocalhost && options.distribution == Distribution::kHumble);
+}
+
 dds::DomainConfig RosNetwork(const RosOptions& options) {
   dds::DomainConfig config;
   config.domain = options.domain;

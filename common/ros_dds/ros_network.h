@@ -14,6 +14,10 @@ dds::DomainConfig RosNetwork(const RosOptions& options);
 // where they are many.
 bool AnnouncesOnLoopback(const RosOptions& options);
 
+// Whether participants use no interface but the loopback one. In the range `localhost` those of Humble do; from Iron on
+// they listen on the usual interface too, and Fast DDS announces its address, not that of the loopback interface.
+bool UsesLoopbackOnly(const RosOptions& options);
+
 // At the ports of how many participant indices the tools of a distribution look for others on a machine.
 std::uint32_t IndicesSearched(Distribution distribution);
 
