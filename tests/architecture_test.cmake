@@ -67,7 +67,7 @@ set(may_include_world-service/replay
   common/base common/geometry common/model common/protocol common/recording common/run common/sensing common/spatial
   common/worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
-  common/base common/model common/protocol common/worldfile world-service/service)
+  common/base common/model common/protocol common/run common/worldfile world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial common/protocol common/dds/binding common/ros
   common/ros_dds world-service/service)

@@ -503,24 +503,28 @@ TEST_F(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) 
   auto reliable = Writer<ros::Float64>("/number");
   std::vector<double> numbers;
   const auto drain = [&] { reader.Drain([&](const ros::Float64& number) { numbers.push_back(number.data); }); };
-  {
-    ros::RosWriter<ros::Float64> best_effort(peer_, "/number", ros::Commands(false));
-    ASSERT_TRUE(Eventually([&] { return reliable.wanted() && best_effort.wanted(); }));
-    ASSERT_TRUE(Eventually([&] {
-      reliable.Write({1.0});
-      best_effort.Write({2.0});
-      drain();
-      return !numbers.empty();
-    }));
-    numbers.clear();
-    reliable.Write({1.0});
-    best_effort.Write({3.0});
-  }
-  // The writer has left.
-  EXPECT_TRUE(Eventually([&] {
+  const auto has_last = [&] {
     drain();
     return !numbers.empty() && numbers.back() == 3.0;
-  }));
+  };
+  // A message that is not reliable may arrive after the end of its writer, and is lost then.
+  for (int attempt = 0; attempt < 10 && !has_last(); ++attempt) {
+    {
+      ros::RosWriter<ros::Float64> best_effort(peer_, "/number", ros::Commands(false));
+      ASSERT_TRUE(Eventually([&] { return reliable.wanted() && best_effort.wanted(); }));
+      ASSERT_TRUE(Eventually([&] {
+        reliable.Write({1.0});
+        best_effort.Write({2.0});
+        drain();
+        return !numbers.empty();
+      }));
+      numbers.clear();
+      reliable.Write({1.0});
+      best_effort.Write({3.0});
+    }
+    Eventually(has_last, 1.0);  // the writer has left
+  }
+  EXPECT_TRUE(has_last());
   EXPECT_THAT(numbers, testing::Not(testing::Contains(1.0)));
 }
 
