@@ -33,8 +33,8 @@ struct DomainConfig {
   // Announces its types' structure (XTypes). Without, endpoints match by the names of types, and a participant starts
   // sooner and needs less memory; its own types cannot be found by tools that ask it for their structure.
   bool describes_types = true;
-  double heartbeat_seconds =
-      1.0;          // of the profile one-host: from one announcement of unacknowledged samples to the next
+  // Of the profile one-host: from one announcement of unacknowledged samples to the next.
+  double heartbeat_seconds = 1.0;
   std::string tag;  // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.

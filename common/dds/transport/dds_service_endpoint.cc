@@ -80,12 +80,12 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
   }
   for (const auto& owned : groups_) {
     AgentGroup& group = *owned;
-    group.joins.Listen([this, &group] { Deliver(&DdsServiceEndpoint::DrainJoins, group); });
-    group.proposals.Listen([this, &group] { Deliver(&DdsServiceEndpoint::DrainProposals, group); });
+    group.joins.Listen([this, &group] { Deliver([this, &group] { DrainJoins(group); }); });
+    group.proposals.Listen([this, &group] { Deliver([this, &group] { DrainProposals(group); }); });
   }
-  controls_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainControls); });
-  frame_requests_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainFrameRequests); });
-  rivals_.Listen([this] { Deliver(&DdsServiceEndpoint::DrainSessions); });
+  controls_.Listen([this] { Deliver([this] { DrainControls(); }); });
+  frame_requests_.Listen([this] { Deliver([this] { DrainFrameRequests(); }); });
+  rivals_.Listen([this] { Deliver([this] { DrainSessions(); }); });
   DrainSessions();
   for (const auto& group : groups_) {
     DrainJoins(*group);
@@ -98,7 +98,7 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
 
 void DdsServiceEndpoint::CollectAnswers() {
   while (segment_->Wait()) {
-    Deliver(&DdsServiceEndpoint::DrainAnswers);
+    Deliver([this] { DrainAnswers(); });
   }
 }
 
@@ -113,18 +113,9 @@ void DdsServiceEndpoint::DrainAnswers() {
   }
 }
 
-void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)()) {
+void DdsServiceEndpoint::Deliver(const std::function<void()>& drain) {
   try {
-    (this->*drain)();
-  } catch (const std::bad_alloc&) {
-    const std::lock_guard lock(mutex_);
-    handler_->OnOutOfMemory();
-  }
-}
-
-void DdsServiceEndpoint::Deliver(void (DdsServiceEndpoint::*drain)(AgentGroup&), AgentGroup& group) {
-  try {
-    (this->*drain)(group);
+    drain();
   } catch (const std::bad_alloc&) {
     const std::lock_guard lock(mutex_);
     handler_->OnOutOfMemory();

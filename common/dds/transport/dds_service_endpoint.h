@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -38,8 +39,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
  private:
   // Calls a member below; the handler is told of a message for which there was no memory.
-  void Deliver(void (DdsServiceEndpoint::*drain)());
-  void Deliver(void (DdsServiceEndpoint::*drain)(AgentGroup&), AgentGroup& group);
+  void Deliver(const std::function<void()>& drain);
   void DrainJoins(AgentGroup& group);
   // Binds the agent to its first writer; false for any other one.
   bool Bind(AgentId agent, const Sender& sender);
