@@ -33,7 +33,8 @@ std::uint32_t OwnDomain() {
   return domain;
 }
 
-// A tool of RViz: a writer with its QoS.
+// A tool of RViz: a writer with its QoS. It lives until its pose has had its effect, as RViz does: a reader that
+// discovers a writer that has left already gets nothing.
 template <typename T>
 class PoseTool {
  public:
@@ -134,11 +135,13 @@ TEST_F(RosPoses, AGoalPoseIsTheGoalOfAController) {
   Start({"--ros-rviz", "goal"});
   const std::uint32_t domain = TestRosOptions().domain;
   const Pose goal{2.0, -1.0, 0.0, 1.0};
-  GoalTool(domain, "/anna/goal_pose").Write("map", goal);
+  GoalTool of_anna(domain, "/anna/goal_pose");
+  of_anna.Write("map", goal);
   EXPECT_TRUE(Reaches("anna", goal)) << PoseOf("anna").x << " " << PoseOf("anna").y;
   // In the domain of a robot, with a plain name.
   const Pose other{-1.0, 9.0, 0.0, 0.5};
-  GoalTool(OwnDomain(), "/goal_pose").Write("", other);
+  GoalTool of_cleo(OwnDomain(), "/goal_pose");
+  of_cleo.Write("", other);
   EXPECT_TRUE(Reaches("cleo", other)) << PoseOf("cleo").x << " " << PoseOf("cleo").y;
   // Refusals have a reason.
   GoalTool refused(domain, "/bert/goal_pose");
@@ -153,12 +156,13 @@ TEST_F(RosPoses, AnInitialPoseIsSetInTheWorld) {
   const std::uint32_t domain = TestRosOptions().domain;
   InitialPoseTool tool(domain, "/bert/initialpose");
   tool.Write("map", {3.0, 4.0, 0.0, -0.5});
-  EXPECT_TRUE(Reaches("bert", {3.0, 4.0, 0.0, -0.5}));
+  EXPECT_TRUE(Reaches("bert", {3.0, 4.0, 0.0, -0.5})) << run_->output();
   tool.Write("map", {0.0, 0.1, 0.0, 0.0});
   run_->WaitForLine("ROS: initialpose of 'bert': 'bert' would be inside 'anna'");
   // RViz says no height: that of the robot stays.
-  InitialPoseTool(OwnDomain(), "/initialpose").Write("map", {-3.0, 12.0, 0.0, 2.0});
-  EXPECT_TRUE(Reaches("cleo", {-3.0, 12.0, 0.0, 2.0}));
+  InitialPoseTool of_cleo(OwnDomain(), "/initialpose");
+  of_cleo.Write("map", {-3.0, 12.0, 0.0, 2.0});
+  EXPECT_TRUE(Reaches("cleo", {-3.0, 12.0, 0.0, 2.0})) << run_->output();
   EXPECT_NEAR(PoseOf("cleo").z, 0.2, 1e-9);
 }
 
@@ -174,12 +178,14 @@ TEST_F(RosPoses, TheTopicsFollowTheRobotsOfTheWorld) {
     EXPECT_TRUE(reply.ok() && reply.value().done) << run_->output();
   };
   edit(ControlCommand::kSpawn, "late", {0.0, -5.0, 0.0, 0.0});
-  InitialPoseTool(TestRosOptions().domain, "/late/initialpose").Write("map", {1.0, -6.0, 0.0, 1.0});
-  EXPECT_TRUE(Reaches("late", {1.0, -6.0, 0.0, 1.0}));
+  InitialPoseTool of_late(TestRosOptions().domain, "/late/initialpose");
+  of_late.Write("map", {1.0, -6.0, 0.0, 1.0});
+  EXPECT_TRUE(Reaches("late", {1.0, -6.0, 0.0, 1.0})) << run_->output();
   edit(ControlCommand::kDelete, "cleo", {});
   edit(ControlCommand::kDelete, "late", {});
-  InitialPoseTool(TestRosOptions().domain, "/anna/initialpose").Write("map", {1.0, -6.0, 0.0, 1.0});
-  EXPECT_TRUE(Reaches("anna", {1.0, -6.0, 0.0, 1.0}));
+  InitialPoseTool of_anna(TestRosOptions().domain, "/anna/initialpose");
+  of_anna.Write("map", {1.0, -6.0, 0.0, 1.0});
+  EXPECT_TRUE(Reaches("anna", {1.0, -6.0, 0.0, 1.0})) << run_->output();
 }
 
 }  // namespace
