@@ -32,6 +32,15 @@ std::string ReadFile(const std::string& path) {
   return text.str();
 }
 
+// The programs of a run pass on what the programs that they start say, and restart some of those: a test that sees no
+// more than the results would not notice their faults.
+bool IsReportOfSanitizer(const std::string& line) {
+  for (const char* start : {"ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "WARNING: ThreadSanitizer"}) {
+    if (line.find(start) != std::string::npos) return true;
+  }
+  return line.find(": runtime error: ") != std::string::npos;
+}
+
 Process StartOrFail(const std::vector<std::string>& command, const LinePipe& output) {
   Result<Process> process = Process::Start(command, output.writing_end());
   EXPECT_TRUE(process.ok()) << command.front();
@@ -81,7 +90,10 @@ Program::Program(std::vector<std::string> command)
 void Program::ReadMore() {
   pollfd waited{pipe_->reading_end(), POLLIN, 0};
   poll(&waited, 1, kPollMilliseconds);
-  for (std::string& line : pipe_->Read()) lines_.push_back(std::move(line));
+  for (std::string& line : pipe_->Read()) {
+    if (IsReportOfSanitizer(line)) ADD_FAILURE() << line;
+    lines_.push_back(std::move(line));
+  }
 }
 
 std::size_t Program::FindLine(const std::string& part, std::size_t following) {

@@ -181,14 +181,7 @@ TEST_F(RosDomainsEdit, AServiceOfRosSpawnsRobotsWithDomains) {
   EXPECT_TRUE(Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/robot"}; }));
 }
 
-// Seconds. Fast DDS learns of the end by a notice, not by the lease of 10 s. In a bridge with the address sanitizer,
-// Fast DDS 2.9 does not report the notice, for an unknown reason.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr double kLongestUntilGone = 20.0;
-#else
-constexpr double kLongestUntilGone = 5.0;
-#endif
-
+// Fast DDS learns of the end by a notice, not by the lease of 10 s.
 TEST_F(RosDomainsEdit, TheServicesOfADeletedRobotDisappearAtOnce) {
   if (!HasBridgeTools()) GTEST_SKIP() << "needs libfastrtps-dev and fastddsgen";
   for (const bool of_its_own : {false, true}) {
@@ -204,7 +197,7 @@ TEST_F(RosDomainsEdit, TheServicesOfADeletedRobotDisappearAtOnce) {
     EXPECT_EQ(caller.Wait(), 0) << caller.output();
     EXPECT_THAT(caller.output(), HasSubstr("gone"));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - deleted).count();
-    EXPECT_LT(seconds, kLongestUntilGone);
+    EXPECT_LT(seconds, 5.0);
     RecordProperty(of_its_own ? "own" : "shared", std::to_string(seconds));
     TearDown();
     run_.reset();
