@@ -63,8 +63,7 @@ Status ControllerCheck::AddReplica(const ReplayedWorld& world, const std::vector
   if (robots.empty()) return {};
   RobotOptions options;
   options.libraries = AllowedPaths::All();  // as of the user's own scenario
-  Result<std::unique_ptr<Replica>> replica =
-      Replica::Create(world.world(), robots, options, std::max(1U, std::thread::hardware_concurrency()));
+  Result<std::unique_ptr<Replica>> replica = Replica::Create(world.world(), robots, options, pool_);
   if (!replica.ok()) return replica.error();
   replicas_.push_back(std::move(replica).value());
   return {};

@@ -7,9 +7,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/thread_pool.h"
 #include "robot-agent/agent/replica.h"
 #include "world-service/replay/replayed_world.h"
 
@@ -40,6 +42,7 @@ class ControllerCheck {
   const RunSettings& settings_;
   // A robot that an edit adds has an agent of its own.
   std::vector<std::unique_ptr<Replica>> replicas_;
+  const std::shared_ptr<ThreadPool> pool_ = std::make_shared<ThreadPool>(std::thread::hardware_concurrency());
   std::shared_ptr<const Scene> scene_;  // of the replicas
   Edition edition_ = 0;                 // of the state
   Edition followed_edition_ = 0;        // by the replicas

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/thread_pool.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "common/recording/recording.h"
@@ -174,8 +175,9 @@ double PeakMemoryMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-std::size_t ThreadsOf(const RunOptions& options) {
-  return options.threads.value_or(std::max(1u, std::thread::hardware_concurrency()));
+// For the step and for the robots, which alternate: threads that have served one are awake for the other.
+std::shared_ptr<ThreadPool> MakeThreadPool(const RunOptions& options) {
+  return std::make_shared<ThreadPool>(options.threads.value_or(std::thread::hardware_concurrency()));
 }
 
 ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded, const std::string& world_file) {
@@ -186,7 +188,7 @@ ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& 
   service.lease_seconds = options.network.lease_seconds;
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
-  service.threads = ThreadsOf(options);
+  service.pool = MakeThreadPool(options);
   service.world_file = world_file;
   service.overrides = options.load;
   RestrictRequests(options.permissions, loaded, service);
@@ -197,7 +199,7 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   AgentOptions agent;
   agent.agent = 1;
   agent.scan_log = options.scans;
-  agent.threads = ThreadsOf(options);
+  agent.pool = service.pool;
   agent.libraries = service.libraries;
   if (service.settings.ros) {
     ros::RosOptions ros = options.ros;

@@ -1,13 +1,14 @@
 // AgentOptions: the settings of an agent.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/base/allowed_paths.h"
+#include "common/base/thread_pool.h"
 #include "common/protocol/messages.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
@@ -22,7 +23,8 @@ struct AgentOptions {
   bool keep_scan_log = false;       // append to the file
   AllowedPaths libraries = {};      // that may be a robot's controller
   TraceOptions trace = {};
-  std::size_t threads = 1;              // that divide the robots; one with a scan log, for the order of its lines
+  // Threads that divide the robots; null, and with a scan log, for the order of its lines: one.
+  std::shared_ptr<ThreadPool> pool = {};
   double session_timeout_seconds = 60;  // to wait for a session, at first or again; 0: without limit
   MakeGateway make_gateway = {};        // empty: none
   // Receives lines for people, on the thread of RunAgent; may be empty.

@@ -75,16 +75,16 @@ Replica::Replica(WorldDescription world, const RobotOptions& options, const Make
     : scene_(std::make_shared<const Scene>(std::move(world))), options_(options), make_gateway_(make_gateway) {}
 
 Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 const RobotOptions& options, std::size_t threads,
+                                                 const RobotOptions& options, std::shared_ptr<ThreadPool> pool,
                                                  const MakeGateway& make_gateway, TickTrace* trace) {
   const Result<std::vector<RobotId>> ids = FindRobots(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world), options, make_gateway));
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
-  if (options.scan_log != nullptr) threads = 1;
-  threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, threads);
+  const std::size_t most = pool != nullptr && options.scan_log == nullptr ? pool->size() : 1;
+  const std::size_t threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, most);
   replica->ResetIndices(threads);
-  if (threads > 1) replica->threads_.emplace(threads);
+  if (threads > 1) replica->pool_ = std::move(pool);
   for (std::size_t i = 0; i < threads; ++i) replica->lanes_.push_back(trace != nullptr ? trace->AddLane() : nullptr);
   replica->trace_ = trace;
   replica->NameRobotsInTrace();
@@ -285,11 +285,12 @@ std::vector<Proposal> Replica::Retrace(const WorldState& state, std::span<const 
   return proposals;
 }
 
-// Threads claim robots as they become free, because one may wake up late.
+// Threads claim robots as they become free.
 template <typename DecideOne>
 void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
   std::atomic<std::size_t> next = 0;  // the first robot that no thread has claimed
   const auto decide_share = [&](std::size_t thread) {
+    if (thread != 0 && next >= robots_.size()) return;
     BodyIndex& bodies = indices_[thread];
     Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
     bodies.Assign(state);
@@ -300,8 +301,8 @@ void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
     }
     if (lanes_[thread] != nullptr) lanes_[thread]->Leave();
   };
-  if (threads_) {
-    threads_->Run(decide_share);
+  if (pool_) {
+    pool_->Run(indices_.size(), decide_share);
   } else {
     decide_share(0);
   }

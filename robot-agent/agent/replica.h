@@ -24,12 +24,13 @@ namespace troupe {
 
 class Replica {
  public:
-  // `robots`: names; empty: every robot. `options` are those of each robot. `threads`: at most this many divide the
-  // robots, one for each 16; with a scan log, one. `make_gateway` may be empty, and `trace` null. The error is a robot
-  // that is unknown or named twice, or a controller or a gateway that cannot be made. REQUIRES: Validate(world)
-  // succeeded.
+  // `robots`: names; empty: every robot. `options` are those of each robot. Threads of the pool divide
+  // the robots, one for each 16; without a pool (null) and with a scan log, one does all. `make_gateway` may be empty,
+  // and `trace` null. The error is a robot that is unknown or named twice, or a controller or a gateway that cannot be
+  // made. REQUIRES: Validate(world) succeeded.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 const RobotOptions& options = {}, std::size_t threads = 1,
+                                                 const RobotOptions& options = {},
+                                                 std::shared_ptr<ThreadPool> pool = {},
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
@@ -105,7 +106,7 @@ class Replica {
   MakeGateway make_gateway_;
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
-  std::optional<ThreadPool> threads_;           // of several threads
+  std::shared_ptr<ThreadPool> pool_;            // null: one thread
   std::vector<TraceLane*> lanes_;               // one for each thread; null: no trace
   std::unique_ptr<Gateway> gateway_;            // may be null
 };

@@ -43,7 +43,7 @@ Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& output
     if (robots.empty()) return {};
   }
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(session->world), robots, {outputs.scan_log, options.libraries}, options.threads,
+      Replica::Create(std::move(session->world), robots, {outputs.scan_log, options.libraries}, options.pool,
                       options.make_gateway, outputs.trace);
   if (!made.ok()) return made.error();
   replica = std::move(made).value();

@@ -27,7 +27,11 @@ struct Counts {
 class Comparison {
  public:
   explicit Comparison(const WorldDescription& world)
-      : scene(world), state(InitialState(scene)), two_(scene, 2, kFewest), five_(scene, 5, kFewest), bodies_(scene) {}
+      : scene(world),
+        state(InitialState(scene)),
+        two_(scene, std::make_shared<ThreadPool>(2), kFewest),
+        five_(scene, std::make_shared<ThreadPool>(5), kFewest),
+        bodies_(scene) {}
 
   void Step(const std::vector<Proposal>& proposals, Counts& counts) {
     Count(proposals, counts);

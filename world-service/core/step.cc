@@ -163,10 +163,10 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
   return result;
 }
 
-Stepper::Stepper(const Scene& scene, std::size_t threads, std::size_t fewest_robots)
-    : scene_(scene), fewest_robots_(fewest_robots), indices_(std::max<std::size_t>(threads, 1), BodyIndex(scene)) {
-  if (indices_.size() > 1 && scene.world().robots.size() >= fewest_robots_) pool_.emplace(indices_.size());
-}
+Stepper::Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool, std::size_t fewest_robots)
+    : scene_(scene),
+      pool_(pool && pool->size() > 1 && scene.world().robots.size() >= fewest_robots ? std::move(pool) : nullptr),
+      indices_(pool_ ? pool_->size() : 1, BodyIndex(scene)) {}
 
 StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {
   if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front());
@@ -175,7 +175,8 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   StepMemory memory = MemoryFor(scene_, state, indices_.front());
   std::vector<std::vector<Event>> events(indices_.size());  // by thread
   std::atomic<std::size_t> next = 0;                        // the first island that no thread has claimed
-  pool_->Run([&](std::size_t thread) {
+  pool_->Run(indices_.size(), [&](std::size_t thread) {
+    if (next >= islands_.count()) return;
     BodyIndex& bodies = thread == 0 ? memory.bodies : indices_[thread];
     if (thread != 0) bodies.Assign(state);
     for (std::size_t first = next.fetch_add(kClaim); first < islands_.count(); first = next.fetch_add(kClaim)) {

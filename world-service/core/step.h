@@ -10,7 +10,7 @@
 // and its velocity is zero.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,17 +45,17 @@ class Stepper {
   // With fewer robots, a step takes less time than to wake a thread.
   static constexpr std::size_t kFewestRobots = 32;
 
-  // `threads`: with the caller of Step as one of them; 0 counts as 1. REQUIRES: the scene outlives the stepper.
-  explicit Stepper(const Scene& scene, std::size_t threads = 1, std::size_t fewest_robots = kFewestRobots);
+  // `pool` may be null: one thread. REQUIRES: the scene outlives the stepper.
+  explicit Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool = {},
+                   std::size_t fewest_robots = kFewestRobots);
 
   // REQUIRES: as above.
   StepResult Step(const WorldState& state, std::span<const Proposal> proposals);
 
  private:
   const Scene& scene_;
-  const std::size_t fewest_robots_;
-  std::vector<BodyIndex> indices_;  // one for each thread
-  std::optional<ThreadPool> pool_;  // of several threads
+  const std::shared_ptr<ThreadPool> pool_;  // null: one thread
+  std::vector<BodyIndex> indices_;          // one for each thread
   Islands islands_;
 };
 

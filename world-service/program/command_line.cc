@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "common/base/thread_pool.h"
 #include "common/base/version.h"
 #include "common/command_line/network_flags.h"
 #include "common/command_line/option_checks.h"
@@ -90,7 +91,7 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   AddOptions(app, line, faults);
   if (const std::optional<int> exit_status = ParseCommandLine(app, argc, argv)) return *exit_status;
   line.faults = ParseFaults(faults).value();
-  line.service.threads = line.threads.value_or(1);
+  line.service.pool = std::make_shared<ThreadPool>(line.threads.value_or(1));
   line.service.session = line.network.session;
   line.ros.session = line.network.session;
   line.service.lease_seconds = line.network.lease_seconds;

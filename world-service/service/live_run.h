@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/thread_pool.h"
 #include "common/protocol/transport.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
@@ -32,7 +33,7 @@ struct CoordinatorOptions {
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   bool start_paused = false;            // at tick 0
   bool has_history = false;             // agents can be sent the states of the past
-  std::size_t threads = 1;              // of the step
+  std::shared_ptr<ThreadPool> pool;     // of the step; null: one thread
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
   PhaseTimes* phase_times = nullptr;    // likewise
   std::string host;                     // of this process, for the session

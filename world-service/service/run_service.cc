@@ -333,7 +333,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.check_world = options.check_world;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
-  coordinator.threads = options.threads;
+  coordinator.pool = options.pool;
   if (trace != nullptr) coordinator.trace = trace->AddLane();
   coordinator.phase_times = &phase_times;
   coordinator.host = HostName();

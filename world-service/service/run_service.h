@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/thread_pool.h"
 #include "common/protocol/transport.h"
 #include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
@@ -30,7 +31,7 @@ struct ServiceOptions {
   double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
-  std::size_t threads = 1;                                     // of the step; results do not depend on it
+  std::shared_ptr<ThreadPool> pool;                            // of the step; null: one thread
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere
   LoadOverrides overrides;                                     // for worlds and models that are loaded during the run
   Incarnation first_incarnation = 0;                           // of a service that begins a run

@@ -33,7 +33,7 @@ std::uint32_t LastGoalBefore(const ResumedRun& resumed) {
 
 TickEngine::TickEngine(LiveRun& run, double now)
     : run_(run),
-      stepper_(std::make_unique<Stepper>(*run.scene, run.options.threads)),
+      stepper_(std::make_unique<Stepper>(*run.scene, run.options.pool)),
       proposals_(run.world(), run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
       resend_timer_(run.options.settings.agent_deadline_seconds),
@@ -328,7 +328,7 @@ void TickEngine::SetSpeed(std::optional<double> speed, double now) {
 }
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
-  stepper_ = std::make_unique<Stepper>(*run_.scene, run_.options.threads);
+  stepper_ = std::make_unique<Stepper>(*run_.scene, run_.options.pool);
   for (const AgentId agent : removed) barrier_.RemoveMember(agent);
   pacer_.SetInterval(run_.world().interval_seconds());
 }

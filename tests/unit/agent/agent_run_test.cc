@@ -39,7 +39,7 @@ Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<st
       const AgentOptions options{.agent = i + 1,
                                  .robots = packing[i],
                                  .scan_log = "",
-                                 .threads = agent_threads,
+                                 .pool = std::make_shared<ThreadPool>(agent_threads),
                                  .session_timeout_seconds = 60.0};
       outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
     });

@@ -175,7 +175,7 @@ TEST_F(EnergyTest, ThreadsChangeNothing) {
   const Scene scene(world_.world());
   WorldState one = InitialState(scene);
   WorldState two = one;
-  Stepper stepper(scene, 3);
+  Stepper stepper(scene, std::make_shared<ThreadPool>(3));
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i < 40; ++i) proposals.push_back({RobotId(i), {.vx = 0.3, .wz = 0.2}});
   for (int tick = 0; tick < 100; ++tick) {

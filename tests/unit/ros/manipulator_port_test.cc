@@ -52,7 +52,7 @@ class ManipulatorPortTest : public testing::Test {
  protected:
   ManipulatorPortTest() {
     Result<std::unique_ptr<Replica>> replica =
-        Replica::Create(world_.world, {}, {}, 1, MakeRosGateway(TestRosOptions()));
+        Replica::Create(world_.world, {}, {}, {}, MakeRosGateway(TestRosOptions()));
     replica_ = std::move(replica).value();
   }
 

@@ -119,7 +119,7 @@ class RosGatewayTest : public testing::Test {
  protected:
   void MakeReplica(const ros::RosOptions& options, const WorldDescription& world = TwoRobots()) {
     state_ = PlacedState(world);
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, {}, 1, MakeRosGateway(options));
+    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, {}, {}, MakeRosGateway(options));
     ASSERT_TRUE(replica.ok());
     replica_ = std::move(replica).value();
   }
