@@ -1,10 +1,12 @@
 // The program robot-agent: joins a run over DDS and simulates one or more of its robots.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <stop_token>
 #include <thread>
 
 #include "common/base/random_id.h"
@@ -59,31 +61,31 @@ Result<ParticipantKeys> FindKeysOf(const AgentCommandLine& line) {
   return FindKeys(network.security, network.domain, network.session, Role::Agent(AgentName(line.agent.robots)));
 }
 
-// Runs the agent until its end, or until a signal. One that was started before its run begins again when the run has
-// published its keys. `stop` is true once a signal has arrived.
-Result<AgentEnd> RunWithKeys(const AgentCommandLine& line, const AgentOptions& options, const StopSignals& signals,
-                             std::atomic<bool>& stop) {
+// Runs the agent until its end, or until a stop request. One that was started before its run begins again when the run
+// has published its keys.
+Result<AgentEnd> RunWithKeys(const AgentCommandLine& line, const AgentOptions& options, const std::stop_token& stop) {
   for (;;) {
     Result<ParticipantKeys> keys = FindKeysOf(line);
     if (!keys.ok()) return keys.error();
     std::atomic<bool> again = false;
+    std::stop_source end_attempt;
+    const std::stop_callback end_all(stop, [&end_attempt] { end_attempt.request_stop(); });
     const auto stop_if_there_are_others = [&] {
       const Result<ParticipantKeys> found = FindKeysOf(line);
       if (!found.ok() || found.value() == keys.value()) return;
       again = true;
-      stop = true;
+      end_attempt.request_stop();
     };
     const std::unique_ptr<Transport> transport = MakeTransport(line, keys.value(), stop_if_there_are_others);
-    Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
+    Result<AgentEnd> end = RunAgent(transport->MakeAgentEndpoint(options.agent), options, end_attempt.get_token());
     if (!again || !end.ok() || end.value() == AgentEnd::kRunOver) return end;
-    stop = false;
-    if (signals.requested()) return end;
+    if (stop.stop_requested()) return end;
   }
 }
 
 int Run(const AgentCommandLine& line) {
-  std::atomic<bool> stop = false;
-  const StopSignals signals([&stop] { stop = true; });
+  std::stop_source stop;
+  const StopSignals signals([&stop] { stop.request_stop(); });
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
   const dds::NetworkLog network_log([&line](const std::string& text) { Report(line, "warning: " + text); });
   AgentOptions options = line.agent;
@@ -98,7 +100,7 @@ int Run(const AgentCommandLine& line) {
     if (!keys.value().warning.empty()) Report(line, keys.value().warning);
     options.make_gateway = MakeRosGateway(line.ros);
   }
-  const Result<AgentEnd> end = RunWithKeys(line, options, signals, stop);
+  const Result<AgentEnd> end = RunWithKeys(line, options, stop.get_token());
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;
   return FailedAgent(line, end.error());
 }

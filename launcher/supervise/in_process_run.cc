@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -75,14 +76,14 @@ class NewAgents {
     }
     threads_.emplace_back([this, options] {
       const Result<AgentEnd> end =
-          OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_); });
+          OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_.get_token()); });
       if (!end.ok()) ReactToFailure(options, end.error());
     });
   }
 
   // Stops the agents that have not reached the end of the run.
   void Join() {
-    stop_ = true;
+    stop_.request_stop();
     for (std::thread& thread : threads_) thread.join();
     threads_.clear();
   }
@@ -125,7 +126,7 @@ class NewAgents {
   std::mutex failure_mutex_;
   Status failure_;
   std::vector<std::string> scan_files_;
-  std::atomic<bool> stop_ = false;
+  std::stop_source stop_;
   std::vector<std::thread> threads_;
 };
 
@@ -230,7 +231,7 @@ class InProcessRun {
   // Runs until service and agents have ended, and merges the scans.
   Result<RunSummary> Run(SignalWatch& signals, InProcessBridge& bridge) {
     const int done = eventfd(0, EFD_CLOEXEC);
-    std::atomic<bool> agent_stop = false;
+    std::stop_source agent_stop;
     Result<RunSummary> summary = Failure("the run did not end");
     Result<AgentEnd> agent = AgentEnd::kStopped;
     std::thread service_thread([&] {
@@ -243,14 +244,15 @@ class InProcessRun {
     std::thread agent_thread;  // of the robots at the start, if there are any
     if (!scene_->world().robots.empty()) {
       agent_thread = std::thread([&] {
-        agent = OrFailure(
-            [&] { return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop); });
+        agent = OrFailure([&] {
+          return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop.get_token());
+        });
         if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
     WaitForEnd(done, signals, stop_, bridge);
     service_thread.join();
-    if (!summary.ok()) agent_stop = true;
+    if (!summary.ok()) agent_stop.request_stop();
     if (agent_thread.joinable()) agent_thread.join();
     new_agents_.Join();
     close(done);

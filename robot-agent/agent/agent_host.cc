@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLongestWait = 0.1;  // s, so that `stop` need not wait for longer
+constexpr double kLongestWait = 3600.0;  // s; a clock cannot count to the end of time
 
 double Now() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -59,19 +59,22 @@ struct OutputFiles {
 // Run(), sends joins and performs the tasks of the replica.
 class AgentHost final : public AgentHandler {
  public:
-  AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs,
-            const std::atomic<bool>& stop)
+  AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs, std::stop_token stop)
       : endpoint_(endpoint),
         options_(options),
         outputs_(outputs),
-        stop_(stop),
+        stop_(std::move(stop)),
         protocol_(endpoint, options, outputs, Now()) {}
 
-  // Until the agent has ended, or `stop`.
+  // Until the agent has ended, or a stop request.
   Result<AgentEnd> Run() {
     endpoint_.Start(*this);
+    const std::stop_callback wake(stop_, [this] {
+      const std::lock_guard lock(mutex_);
+      changed_.notify_all();
+    });
     std::unique_lock lock(mutex_);
-    while (!protocol_.over() && !stop_.load(std::memory_order_relaxed)) Advance(lock);
+    while (!protocol_.over() && !stop_.stop_requested()) Advance(lock);
     Report(lock);
     if (!protocol_.failure().ok()) return protocol_.failure().error();
     return protocol_.over() ? AgentEnd::kRunOver : AgentEnd::kStopped;
@@ -135,7 +138,7 @@ class AgentHost final : public AgentHandler {
       lock.lock();
       return;
     }
-    if (protocol_.over()) return;
+    if (protocol_.over() || stop_.stop_requested()) return;
     wake_at_ = std::clamp(protocol_.NextPoll(), now, now + kLongestWait);
     changed_.wait_for(lock, std::chrono::duration<double>(wake_at_ - now));
   }
@@ -151,7 +154,7 @@ class AgentHost final : public AgentHandler {
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
   const AgentOutputs outputs_;
-  const std::atomic<bool>& stop_;
+  const std::stop_token stop_;
   std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
   double wake_at_ = 0.0;  // when Run wakes up by itself
@@ -160,11 +163,10 @@ class AgentHost final : public AgentHandler {
 
 }  // namespace
 
-Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options,
-                          const std::atomic<bool>& stop) {
+Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options, std::stop_token stop) {
   OutputFiles files;
   if (Status status = files.Open(options); !status.ok()) return status.error();
-  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get()}, stop);
+  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get()}, std::move(stop));
   Result<AgentEnd> end = host.Run();
   endpoint.reset();  // its deliveries end before the files and the host do
   if (!end.ok()) return end;

@@ -33,7 +33,7 @@ struct AgentOptions {
 
 enum class AgentEnd : std::uint8_t {
   kRunOver,  // the service ended the run, or an edit removed all robots of the agent
-  kStopped,  // by `stop`
+  kStopped,  // by a stop request
 };
 
 }  // namespace troupe

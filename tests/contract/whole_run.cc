@@ -8,6 +8,7 @@
 #include <fstream>
 #include <future>
 #include <sstream>
+#include <stop_token>
 #include <thread>
 
 #include "robot-agent/agent/agent_host.h"
@@ -85,7 +86,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   const TemporaryFile hash_log;
   const auto serve = [&] { return Serve(rig, scene, run.ticks, hash_log.path()); };
 
-  std::atomic<bool> stop = false;
+  std::stop_source stop;
   std::vector<std::future<Result<AgentEnd>>> agents;
   std::future<Result<RunSummary>> service;
   if (run.service_first) service = std::async(std::launch::async, serve);
@@ -98,7 +99,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
     options.session_timeout_seconds = 30.0;
     Transport& transport = rig.ForAgent();
     agents.push_back(std::async(std::launch::async, [&stop, &transport, options] {
-      return RunAgent(transport.MakeAgentEndpoint(options.agent), options, stop);
+      return RunAgent(transport.MakeAgentEndpoint(options.agent), options, stop.get_token());
     }));
   }
   if (!run.service_first) service = std::async(std::launch::async, serve);
@@ -108,7 +109,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   for (std::future<Result<AgentEnd>>& agent : agents) {
     if (agent.wait_for(std::chrono::seconds(30)) == std::future_status::ready) continue;
     ADD_FAILURE() << "an agent did not notice that the run is over";
-    stop = true;
+    stop.request_stop();
   }
   for (std::future<Result<AgentEnd>>& agent : agents) {
     const Result<AgentEnd> ended = agent.get();

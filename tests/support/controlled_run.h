@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -137,7 +138,7 @@ class ControlledRun final : private RunObserver {
       robots = found->robots;
       old.splice(old.end(), agents_, found);
     }
-    old.front().stop = true;
+    old.front().stop.request_stop();
     old.front().thread.join();
     StartAgent(robots);
   }
@@ -151,7 +152,7 @@ class ControlledRun final : private RunObserver {
  private:
   struct Agent {
     std::vector<std::string> robots;
-    std::atomic<bool> stop = false;
+    std::stop_source stop;
     std::thread thread;
   };
 
@@ -175,9 +176,9 @@ class ControlledRun final : private RunObserver {
     options.libraries = AllowedPaths::All();
     Agent& agent = agents_.emplace_back();
     agent.robots = robots;
-    agent.stop = agents_stop_;
+    if (agents_stop_) agent.stop.request_stop();
     agent.thread = std::thread([this, options, &agent] {
-      Result<AgentEnd> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agent.stop);
+      Result<AgentEnd> end = RunAgent(transport_->MakeAgentEndpoint(options.agent), options, agent.stop.get_token());
       const std::lock_guard agent_lock(mutex_);
       for (const std::string& robot : options.robots) ended_.insert_or_assign(robot, end);
       changed_.notify_all();
@@ -186,7 +187,7 @@ class ControlledRun final : private RunObserver {
   void StopAgents() {
     const std::lock_guard lock(mutex_);
     agents_stop_ = true;
-    for (Agent& agent : agents_) agent.stop = true;
+    for (Agent& agent : agents_) agent.stop.request_stop();
   }
 
   Status OnBegin(const RunStart& start) override {

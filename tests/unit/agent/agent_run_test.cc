@@ -41,7 +41,7 @@ Outcome Simulate(const WorldDescription& world, const std::vector<std::vector<st
                                  .scan_log = "",
                                  .pool = std::make_shared<ThreadPool>(agent_threads),
                                  .session_timeout_seconds = 60.0};
-      outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, stop);
+      outcome.agents[i] = RunAgent(transport->MakeAgentEndpoint(options.agent), options, {});
     });
   }
   const auto scene = std::make_shared<const Scene>(world);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -21,7 +22,7 @@ class ScriptedService {
  public:
   explicit ScriptedService(WorldDescription world) : world_(std::move(world)) {}
   ~ScriptedService() {
-    stop_ = true;
+    stop_.request_stop();
     if (thread_.joinable()) thread_.join();
   }
 
@@ -37,7 +38,7 @@ class ScriptedService {
                 .session_timeout_seconds = timeout,
                 .make_gateway = make_gateway_};
     thread_ = std::thread([this] {
-      Result<AgentEnd> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_);
+      Result<AgentEnd> result = RunAgent(std::make_unique<Endpoint>(*this), options_, stop_.get_token());
       const std::lock_guard lock(mutex_);
       result_ = std::move(result);
       changed_.notify_all();
@@ -85,7 +86,7 @@ class ScriptedService {
   void RunOutOfMemory() {
     Deliver([](AgentHandler& handler) { handler.OnOutOfMemory(); });
   }
-  void Stop() { stop_ = true; }
+  void Stop() { stop_.request_stop(); }
 
   // Awaits the n-th join, from 1 on.
   JoinMessage AwaitJoin(std::size_t n = 1) {
@@ -174,7 +175,7 @@ class ScriptedService {
   WorldDescription world_;
   MakeGateway make_gateway_;
   AgentOptions options_;
-  std::atomic<bool> stop_ = false;
+  std::stop_source stop_;
   std::mutex delivery_;  // held during calls of the handler
   std::mutex mutex_;
   std::condition_variable changed_;
