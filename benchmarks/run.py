@@ -3,8 +3,9 @@
 
     run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--output FOLDER]
 
-Scenes: functions, barrier, observers, processes, robots, memory, cave, swarm, scenarios, site_map; all of them without names. Each writes
-FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so that scenes can be measured one by one.
+Scenes: functions, barrier, observers, processes, robots, memory, cave, additions, swarm, scenarios, site_map; all of them
+without names. Each writes FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so that scenes can
+be measured one by one.
 """
 import argparse
 import os

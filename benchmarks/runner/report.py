@@ -114,6 +114,9 @@ def targets(folder):
         beside([row for row in barrier if row["processes"] == "100"], DDS={"transport": "dds"}, UDP={"transport": "udp"}))
     add("ticks per second of 100 processes with 10 reading observers, against none", "at least 0.95",
         ratios(read(folder, "observers"), "ticks_per_second", "observers", "10", "0"), "", "observers")
+    for name in ["viewer", "recording", "ROS 2"]:
+        add(f"{name} without readers, cave.world in 100 processes, times the tick without", "at most 1.05",
+            ratios(read(folder, "additions"), "wall_us", "addition", name, "none"), "", "additions")
     add("100 processes from start to first tick", "at most 1 s", pick(processes, "startup_seconds", robots=100), " s",
         "processes")
     add("400 processes from start to first tick", "at most 4 s", pick(processes, "startup_seconds", robots=400), " s",

@@ -118,6 +118,24 @@ def cave(setting):
                    **setting.troupe.per_robot_and_tick(world, ticks, "--in-process", *options)}
 
 
+def additions(setting):
+    """Viewer, recording and ROS 2 without readers, beside Stage's benchmark in 100 processes, and it alone."""
+    if setting.stage_worlds is None:
+        return
+    ticks = 20 if setting.quick else 2000
+    packing = ["--robots-per-process", 20] if setting.quick else []
+    recording = setting.folder / "additions.mcap"
+    for number in range(setting.rounds):
+        world = setting.cave(200)
+        for name, options, view in [("none", [], ["--headless"]),
+                                    ("viewer", [], []),
+                                    ("recording", ["--record", recording], ["--headless"]),
+                                    ("ROS 2", ["--ros", "--ros-interface", "lo"], ["--headless"])]:
+            recording.unlink(missing_ok=True)
+            yield {"round": number, "addition": name,
+                   **setting.troupe.per_robot_and_tick(world, ticks, *packing, *options, view=view)}
+
+
 def swarm(setting):
     """1,000 robots with 12 infrared rays in 140 m x 60 m; 10,000 in one process."""
     count, ticks = (50, 20) if setting.quick else (1000, 200)
@@ -162,8 +180,8 @@ def site_map(setting):
                "processor_seconds": usage["user"] + usage["system"]}
 
 
-ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, memory, cave, swarm,
-                                            scenarios, site_map]}
+ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, memory, cave, additions,
+                                            swarm, scenarios, site_map]}
 
 
 def measure(name, setting):
