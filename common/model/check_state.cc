@@ -24,15 +24,26 @@ bool IsBelow(const std::optional<Id>& id, std::size_t count) {
 
 }  // namespace
 
+DeviceCounts CountDevices(const WorldDescription& world) {
+  return {.stores = FindStores(world).size(),
+          .imus = FindImus(world).size(),
+          .lights = FindLights(world).size(),
+          .cameras = FindCameras(world).size()};
+}
+
 Status CheckState(const WorldDescription& world, const WorldState& state) {
+  return CheckState(world, CountDevices(world), state);
+}
+
+Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state) {
   for (const Status& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
                                 CheckCount("joints", state.joints.size(), world.joints.size()),
                                 CheckCount("grippers", state.grippers.size(), world.grippers.size()),
                                 CheckCount("objects", state.objects.size(), world.objects.size()),
-                                CheckCount("stores of energy", state.stores.size(), FindStores(world).size()),
-                                CheckCount("inertial measurement units", state.imus.size(), FindImus(world).size()),
-                                CheckCount("lights", state.lights.size(), FindLights(world).size()),
-                                CheckCount("cameras", state.cameras.size(), FindCameras(world).size())}) {
+                                CheckCount("stores of energy", state.stores.size(), devices.stores),
+                                CheckCount("inertial measurement units", state.imus.size(), devices.imus),
+                                CheckCount("lights", state.lights.size(), devices.lights),
+                                CheckCount("cameras", state.cameras.size(), devices.cameras)}) {
     if (!problem.ok()) return problem;
   }
   bool finite = true;

@@ -1,13 +1,26 @@
 // The check of a state that a peer sent.
 #pragma once
 
+#include <cstddef>
+
 #include "common/base/result.h"
 #include "common/model/world_description.h"
 #include "common/model/world_state.h"
 
 namespace troupe {
 
-// Success if the state belongs to the world: as many robots, joints, grippers and objects, finite numbers, known ids.
+// The rows of a state whose number follows from the whole world.
+struct DeviceCounts {
+  std::size_t stores = 0;
+  std::size_t imus = 0;
+  std::size_t lights = 0;
+  std::size_t cameras = 0;
+};
+DeviceCounts CountDevices(const WorldDescription& world);
+
+// Success if the state belongs to the world: as many robots, joints, grippers, objects and devices, finite numbers,
+// known ids. REQUIRES: `devices` are those of the world
+Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state);
 Status CheckState(const WorldDescription& world, const WorldState& state);
 
 }  // namespace troupe

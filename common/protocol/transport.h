@@ -7,7 +7,9 @@
 // from inside a handler call is allowed. A handler must not destroy its endpoint.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "common/protocol/messages.h"
@@ -36,6 +38,9 @@ class ServiceEndpoint {
   // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
   virtual void Start(ServiceHandler& handler) = 0;
   virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
+  // Offers agents of this machine a copy of these bytes (RayMap), in place of one of an earlier world. No effect in
+  // transports without shared memory.
+  virtual void ShareMap(std::span<const std::byte> bytes) { (void)bytes; }
   virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
   virtual void SendFrame(const FrameMessage& frame) = 0;
   virtual void SendHistory(const HistoryMessage& history) = 0;
@@ -70,6 +75,12 @@ class AgentEndpoint {
   virtual void Start(AgentHandler& handler) = 0;
   virtual void SendJoin(const JoinMessage& join) = 0;
   virtual void SendProposal(const ProposalMessage& proposal) = 0;
+  // The map that the service shares with its machine, if its bytes are equal to these; otherwise, and in transports
+  // without shared memory, null. Not for threads that run a handler.
+  virtual std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) {
+    (void)bytes;
+    return nullptr;
+  }
 };
 
 // A tool that follows a run without influence on it: a viewer, a monitor.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <thread>
 #include <utility>
 
@@ -31,15 +32,30 @@ Result<std::unique_ptr<AgentSegment>> AgentSegment::Open(const SharingAddress& a
   if (!answers.ok()) return answers.error();
   auto answers_header = answers.value().Map(0, kPage);
   if (!answers_header.ok()) return answers_header.error();
-  return std::unique_ptr<AgentSegment>(
-      new AgentSegment(std::move(mapped).value(), std::move(answers).value(), std::move(answers_header).value()));
+  return std::unique_ptr<AgentSegment>(new AgentSegment(address.process, std::move(mapped).value(),
+                                                        std::move(answers).value(), std::move(answers_header).value()));
 }
 
-AgentSegment::AgentSegment(MappedMemory frames, SharedMemory answers, MappedMemory header)
-    : frames_(std::move(frames)),
+AgentSegment::AgentSegment(pid_t service, MappedMemory frames, SharedMemory answers, MappedMemory header)
+    : service_(service),
+      frames_(std::move(frames)),
       answers_(std::move(answers)),
       answers_header_(std::move(header)),
       group_(std::uint32_t{1} << (MakeRandomId() % kGroups)) {}
+
+// The descriptor and the size in the header may be of different maps, or old: then the bytes differ.
+std::shared_ptr<const std::byte> AgentSegment::FindMap(std::span<const std::byte> bytes) const {
+  if (bytes.empty() || frames().map_bytes != bytes.size()) return nullptr;
+  const auto descriptor = static_cast<int>(frames().map);
+  const auto memory = SharedMemory::Open(service_, descriptor, bytes.size(), SharedMemory::Peers::kMayRead);
+  if (!memory.ok()) return nullptr;
+  auto mapped = memory.value().Map(0, bytes.size());
+  if (!mapped.ok()) return nullptr;
+  const auto map = std::make_shared<const MappedMemory>(std::move(mapped).value());
+  const std::byte* const begin = &map->At<const std::byte>(0);
+  if (std::memcmp(begin, bytes.data(), bytes.size()) != 0) return nullptr;
+  return {map, begin};
+}
 
 bool AgentSegment::Wait() {
   waiting_ = true;

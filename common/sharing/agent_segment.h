@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
@@ -36,11 +37,14 @@ class AgentSegment {
   };
   Sent Send(const ProposalMessage& proposal);
 
+  // The map that the service shares, if its bytes are equal to these; otherwise null.
+  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) const;
+
   // No thread waits any more when it returns, and none will.
   void Close();
 
  private:
-  AgentSegment(MappedMemory frames, SharedMemory answers, MappedMemory header);
+  AgentSegment(pid_t service, MappedMemory frames, SharedMemory answers, MappedMemory header);
 
   const FramesHeader& frames() const { return frames_.At<FramesHeader>(0); }
   AnswersHeader& answers() const { return answers_header_.At<AnswersHeader>(0); }
@@ -48,6 +52,7 @@ class AgentSegment {
   // The proposal is an answer to the newest frame that was read.
   void Arrive();
 
+  const pid_t service_;
   const MappedMemory frames_;
   const SharedMemory answers_;
   const MappedMemory answers_header_;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <thread>
 #include <utility>
 
@@ -83,6 +84,22 @@ std::uint32_t ServiceSegment::CountExpected(const FrameMessage& frame) const {
     count += known != slot_of_.end() && slots_[known->second].round != 0 ? 1 : 0;
   }
   return count;
+}
+
+void ServiceSegment::ShareMap(std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t size = bytes.size();
+  if (map_ && frames().map_bytes == size && std::memcmp(&map_->mapped.At<std::byte>(0), bytes.data(), size) == 0)
+    return;
+  frames().map_bytes = 0;
+  map_.reset();
+  if (size == 0) return;
+  auto made = SharedMemory::Create("troupe-map", size, SharedMemory::Peers::kMayRead);
+  if (!made.ok() || !made.value().memory.Reserve(0, size).ok()) return;
+  std::memcpy(&made.value().mapped.At<std::byte>(0), bytes.data(), size);
+  map_ = std::move(made).value();
+  frames().map = static_cast<std::uint64_t>(map_->memory.descriptor());
+  frames().map_bytes = size;
 }
 
 Status ServiceSegment::Publish(const FrameMessage& frame) {

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,10 @@ class ServiceSegment {
 
   // An error if there is no memory for the frame. Then sharing has ended: the agents use the network from now on.
   Status Publish(const FrameMessage& frame);
+
+  // Offers the agents a copy of these bytes, in place of the one before. If there is no memory for it, they keep their
+  // own.
+  void ShareMap(std::span<const std::byte> bytes);
 
   // Until there may be new answers. False: closed.
   bool Wait();
@@ -92,6 +97,7 @@ class ServiceSegment {
   Clock::time_point published_at_;
   double usual_seconds_ = 0.0;  // from a frame to its last answer
   bool ended_ = false;
+  std::optional<SharedMemory::OwnedMemory> map_;  // of map_bytes in the header
 };
 
 }  // namespace troupe

@@ -1,6 +1,7 @@
 // The layout of the memory that a world service shares with its agents: two files, one that only the service writes
-// (frames), and one in which each agent has a slot (answers). All processes have the same version of Troupe: a service
-// and an agent of different layouts find it by the number in the header, and use the network.
+// (frames), and one in which each agent has a slot (answers); and one for each map of the run's worlds. All processes
+// have the same version of Troupe: a service and an agent of different layouts find it by the number in the header, and
+// use the network.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace troupe {
 
-inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650004;  // changes with this file or the words of a message
+inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650005;  // changes with this file or the words of a message
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network
@@ -25,6 +26,9 @@ struct FramesHeader {
   Word layout;
   Word key;
   Word ended;  // not 0: frames travel over the network from now on
+  // The descriptor and the bytes of a third file, the map of the world (RayMap), which never changes; 0 bytes: none.
+  Word map;
+  Word map_bytes;
   // Counts the frames that were published; the newest is in buffer `published` modulo kBuffers. Agents wait for it.
   alignas(64) FutexWord published;
   // By slot: its agent; 0: none.

@@ -130,13 +130,13 @@ void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Neares
                 [&](std::span<const std::uint32_t> pieces, double walked) {
                   if (walked > nearest.distance + kHair) return false;
                   for (std::uint32_t i : pieces) {
-                    const StaticIndex::RayPiece& piece = index.ray_piece(i);
-                    if (piece.is_box) {
+                    const RayPiece& piece = index.ray_map().piece(i);
+                    if (piece.is_box != 0) {
                       if (piece.z.Contains(z)) KeepNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
                       continue;
                     }
                     if (!ray.MayHit(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
-                    KeepNearer(DistanceTo(index.vertices(piece), ray), piece.model, nearest);
+                    KeepNearer(DistanceTo(index.ray_map().vertices(piece), ray), piece.model, nearest);
                   }
                   return true;
                 });

@@ -48,6 +48,8 @@ class Scene {
 
   const WorldDescription& world() const { return world_; }
   const StaticIndex& static_index() const { return static_index_; }
+  // Uses equal memory for the map, if there is any.
+  void ShareMap(const FindEqualMemory& find) { static_index_.ShareRayMap(find); }
 
   // Bodies: robots by id, then objects by id.
   std::size_t body_count() const { return bodies_.size(); }

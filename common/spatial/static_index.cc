@@ -19,16 +19,17 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPiece
     : pieces_(std::move(pieces)), areas_(std::move(areas)) {
   for (const PixelPieces& area : areas_) bounds_.Extend(area.bounds());
   if (pieces_.empty()) return;
-  ray_pieces_.reserve(pieces_.size());
+  RayMapArrays arrays;
+  arrays.pieces.reserve(pieces_.size());
   for (const ConvexPiece& piece : pieces_) {
     kept_bounds_.Extend(BoundingBox(piece.vertices));
-    ray_pieces_.push_back({.box = BoundingBox(piece.vertices),
-                           .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
-                           .model = piece.model,
-                           .is_box = IsBox(piece.vertices),
-                           .first_vertex = static_cast<std::uint32_t>(vertices_.size()),
-                           .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
-    vertices_.insert(vertices_.end(), piece.vertices.begin(), piece.vertices.end());
+    arrays.pieces.push_back({.box = BoundingBox(piece.vertices),
+                             .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
+                             .model = piece.model,
+                             .is_box = IsBox(piece.vertices) ? 1u : 0u,
+                             .first_vertex = static_cast<std::uint32_t>(arrays.vertices.size()),
+                             .vertex_count = static_cast<std::uint32_t>(piece.vertices.size())});
+    arrays.vertices.insert(arrays.vertices.end(), piece.vertices.begin(), piece.vertices.end());
   }
   bounds_.Extend(kept_bounds_);
 
@@ -44,10 +45,11 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPiece
     if (entries <= kMaxEntriesPerPiece * pieces_.size() + 64 || grid_.cell_count() == 1) break;
     cell_size = 1.5 * grid_.cell_size();
   }
-  FillCells();
+  FillCells(arrays);
+  ray_map_ = RayMap(arrays);
 }
 
-void StaticIndex::FillCells() {
+void StaticIndex::FillCells(RayMapArrays& arrays) const {
   const auto for_each_entry = [this](auto&& visit) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const CellRange range = CellsOf(pieces_[i]);
@@ -58,14 +60,14 @@ void StaticIndex::FillCells() {
       }
     }
   };
-  cell_start_.assign(grid_.cell_count() + 1, 0);
-  for_each_entry([this](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
-  std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
-  cell_pieces_.resize(cell_start_.back());
-  filled_.assign(grid_.cell_count(), 0);
-  for_each_entry([this](std::size_t cell, std::uint32_t) { filled_[cell] = 1; });
-  std::vector<std::uint32_t> next(cell_start_.begin(), cell_start_.end() - 1);
-  for_each_entry([&](std::size_t cell, std::uint32_t piece) { cell_pieces_[next[cell]++] = piece; });
+  arrays.cell_start.assign(grid_.cell_count() + 1, 0);
+  for_each_entry([&](std::size_t cell, std::uint32_t) { ++arrays.cell_start[cell + 1]; });
+  std::partial_sum(arrays.cell_start.begin(), arrays.cell_start.end(), arrays.cell_start.begin());
+  arrays.cell_pieces.resize(arrays.cell_start.back());
+  arrays.filled.assign(grid_.cell_count(), 0);
+  for_each_entry([&](std::size_t cell, std::uint32_t) { arrays.filled[cell] = 1; });
+  std::vector<std::uint32_t> next(arrays.cell_start.begin(), arrays.cell_start.end() - 1);
+  for_each_entry([&](std::size_t cell, std::uint32_t piece) { arrays.cell_pieces[next[cell]++] = piece; });
 }
 
 CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
@@ -75,7 +77,7 @@ CellRange StaticIndex::CellsOf(const ConvexPiece& piece) const {
 void StaticIndex::QueryKept(const Rectangle& box, std::pmr::vector<const ConvexPiece*>& result) const {
   if (pieces_.empty() || !kept_bounds_.Overlaps(box)) return;
   const auto append_if_near = [&](std::uint32_t piece) {
-    if (ray_pieces_[piece].box.Overlaps(box)) result.push_back(&pieces_[piece]);
+    if (ray_map_.piece(piece).box.Overlaps(box)) result.push_back(&pieces_[piece]);
   };
   const CellRange range = grid_.CellsOf(box);
   if (range.count() >= pieces_.size()) {
@@ -84,7 +86,7 @@ void StaticIndex::QueryKept(const Rectangle& box, std::pmr::vector<const ConvexP
   }
   for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
     for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-      for (std::uint32_t piece : PiecesInCell(grid_.CellAt(column, row))) append_if_near(piece);
+      for (std::uint32_t piece : ray_map_.PiecesInCell(grid_.CellAt(column, row))) append_if_near(piece);
     }
   }
   std::sort(result.begin(), result.end());  // by number: pieces_ is one array

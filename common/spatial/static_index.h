@@ -13,6 +13,7 @@
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/pixel_pieces.h"
+#include "common/spatial/ray_map.h"
 #include "common/spatial/ray_walk.h"
 
 namespace troupe {
@@ -63,19 +64,9 @@ class StaticIndex {
   template <typename Keep>
   void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
-  // The data of a piece that rays need, small and close to its neighbours in memory: one line of a cache.
-  struct alignas(64) RayPiece {
-    Rectangle box;  // m, around the piece
-    ZRange z;       // m; empty if rays look through the piece
-    ModelId model;
-    bool is_box = false;  // the piece fills the box
-    std::uint32_t first_vertex = 0;
-    std::uint32_t vertex_count = 0;
-  };
-  const RayPiece& ray_piece(std::uint32_t index) const { return ray_pieces_[index]; }
-  std::span<const Vec2> vertices(const RayPiece& piece) const {
-    return {vertices_.data() + piece.first_vertex, piece.vertex_count};
-  }
+  // Of the kept pieces, by their indices.
+  const RayMap& ray_map() const { return ray_map_; }
+  void ShareRayMap(const FindEqualMemory& find) { ray_map_.Share(find); }
 
   // Calls visit(indices of kept pieces, distance) for the parts of the index that the ray passes and that have any, in
   // order, with a distance before which it does not enter each part, until `visit` returns false. Every kept piece that
@@ -86,32 +77,23 @@ class StaticIndex {
                Visit visit) const {
     if (pieces_.empty()) return;
     troupe::WalkRay(
-        grid_, origin, direction, inverse, max_distance, [this](std::size_t cell) { return filled_[cell]; },
-        [&](std::size_t cell, double distance) { return visit(PiecesInCell(cell), distance); });
+        grid_, origin, direction, inverse, max_distance, [this](std::size_t cell) { return ray_map_.filled(cell); },
+        [&](std::size_t cell, double distance) { return visit(ray_map_.PiecesInCell(cell), distance); });
   }
 
  private:
-  std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
-    return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
-  }
   // The cells whose neighbourhood the piece touches, because the walk of a ray along an edge may be in either cell.
   CellRange CellsOf(const ConvexPiece& piece) const;
 
-  void FillCells();
+  void FillCells(RayMapArrays& arrays) const;
   void QueryKept(const Rectangle& box, std::pmr::vector<const ConvexPiece*>& result) const;
 
   std::vector<ConvexPiece> pieces_;
   std::vector<PixelPieces> areas_;
-  std::vector<RayPiece> ray_pieces_;  // by the same indices
-  std::vector<Vec2> vertices_;
   Rectangle bounds_ = Rectangle::Nothing();
   Rectangle kept_bounds_ = Rectangle::Nothing();
   Grid grid_;
-  // The pieces of cell c are cell_pieces_[cell_start_[c]] up to cell_pieces_[cell_start_[c + 1]], ascending.
-  std::vector<std::uint32_t> cell_start_;
-  // 1 for each cell with pieces: rays mostly pass empty cells, and then read nothing else.
-  std::vector<std::uint8_t> filled_;
-  std::vector<std::uint32_t> cell_pieces_;
+  RayMap ray_map_;
 };
 
 template <typename Keep>

@@ -59,12 +59,12 @@ struct OutputFiles {
 // Run(), sends joins and performs the tasks of the replica.
 class AgentHost final : public AgentHandler {
  public:
-  AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs, std::stop_token stop)
+  AgentHost(AgentEndpoint& endpoint, const AgentOptions& options, const AgentResources& resources, std::stop_token stop)
       : endpoint_(endpoint),
         options_(options),
-        outputs_(outputs),
+        resources_(resources),
         stop_(std::move(stop)),
-        protocol_(endpoint, options, outputs, Now()) {}
+        protocol_(endpoint, options, resources, Now()) {}
 
   // Until the agent has ended, or a stop request.
   Result<AgentEnd> Run() {
@@ -123,7 +123,7 @@ class AgentHost final : public AgentHandler {
     Report(lock);
     if (std::optional<ReplicaTask> task = protocol_.BeginTask()) {
       lock.unlock();
-      task->Perform(options_, outputs_);
+      task->Perform(options_, resources_);
       lock.lock();
       protocol_.FinishTask(*task);
       lock.unlock();
@@ -153,7 +153,7 @@ class AgentHost final : public AgentHandler {
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
-  const AgentOutputs outputs_;
+  const AgentResources resources_;
   const std::stop_token stop_;
   std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
@@ -166,7 +166,8 @@ class AgentHost final : public AgentHandler {
 Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOptions& options, std::stop_token stop) {
   OutputFiles files;
   if (Status status = files.Open(options); !status.ok()) return status.error();
-  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get()}, std::move(stop));
+  const auto find_map = [&endpoint](std::span<const std::byte> bytes) { return endpoint->FindMap(bytes); };
+  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get(), find_map}, std::move(stop));
   Result<AgentEnd> end = host.Run();
   endpoint.reset();  // its deliveries end before the files and the host do
   if (!end.ok()) return end;

@@ -30,9 +30,9 @@ Error AsFailure(Error error) {
 
 }  // namespace
 
-AgentProtocol::AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs,
+AgentProtocol::AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentResources& resources,
                              double now)
-    : endpoint_(endpoint), options_(options), outputs_(outputs) {
+    : endpoint_(endpoint), options_(options), resources_(resources) {
   WaitForSession(now);
 }
 
@@ -350,8 +350,8 @@ void AgentProtocol::Answer(const FrameMessage& frame) {
   Enter(replica_->lane(), TickPhase::kSend, next);
   endpoint_.SendProposal(answer_);
   if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
-  if (outputs_.trace == nullptr) return;
-  if (const Status& status = outputs_.trace->WriteSome(); !status.ok()) return Fail(status.error());
+  if (resources_.trace == nullptr) return;
+  if (const Status& status = resources_.trace->WriteSome(); !status.ok()) return Fail(status.error());
   Enter(replica_->lane(), TickPhase::kWait, next + 1);
 }
 
@@ -374,7 +374,7 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   answer_.edition = frame.edition;
   answered_ = PlaceOf(frame);
   memory_ = {frame.edition, frame.state.tick, !frame.paused};
-  ScanLog* const log = outputs_.scan_log;
+  ScanLog* const log = resources_.scan_log;
   if (!std::exchange(log_is_marked_, true) && frame.fresh_edition > 0 && log != nullptr) {
     log->Restart(frame.fresh_edition);
   }

@@ -26,7 +26,7 @@ namespace troupe {
 class AgentProtocol {
  public:
   // All of them outlive the protocol. It only sends proposals through the endpoint.
-  AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentOutputs& outputs, double now);
+  AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& options, const AgentResources& resources, double now);
 
   // Deliveries of the transport.
   void OnSession(const SessionMessage& session);
@@ -108,7 +108,7 @@ class AgentProtocol {
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
-  const AgentOutputs outputs_;
+  const AgentResources resources_;
   Stage stage_ = Stage::kWaiting;
   double waiting_until_ = 0.0;               // for a session
   std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/equal_memory.h"
 #include "common/base/result.h"
 #include "common/base/thread_pool.h"
 #include "common/protocol/messages.h"
@@ -26,12 +27,13 @@ class Replica {
  public:
   // `robots`: names; empty: every robot. `options` are those of each robot. Threads of the pool divide
   // the robots, one for each 16; without a pool (null) and with a scan log, one does all. `make_gateway` may be empty,
-  // and `trace` null. The error is a robot that is unknown or named twice, or a controller or a gateway that cannot be
-  // made. REQUIRES: Validate(world) succeeded.
+  // `trace` null, and `find_map`, which finds memory for the map of the world, empty. The error is a robot that is
+  // unknown or named twice, or a controller or a gateway that cannot be made. REQUIRES: Validate(world) succeeded.
   static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
                                                  const RobotOptions& options = {},
                                                  std::shared_ptr<ThreadPool> pool = {},
-                                                 const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
+                                                 const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr,
+                                                 const FindEqualMemory& find_map = {});
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
   // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`:
@@ -79,7 +81,8 @@ class Replica {
   bool has_gateway() const { return gateway_ != nullptr; }
 
  private:
-  Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway);
+  Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway,
+          const FindEqualMemory& find_map);
   // Takes the robots to the scene; those that have another controller there are made anew.
   Status FollowWorld(const Scene& before);
   Status MakeRobots(const std::vector<RobotId>& ids);
@@ -104,6 +107,7 @@ class Replica {
   RobotOptions options_;
   TickTrace* trace_ = nullptr;  // may be null
   MakeGateway make_gateway_;
+  FindEqualMemory find_map_;                    // may be empty
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
   std::shared_ptr<ThreadPool> pool_;            // null: one thread

@@ -12,23 +12,23 @@
 
 namespace troupe {
 
-void ReplicaTask::Perform(const AgentOptions& options, const AgentOutputs& outputs) {
+void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& resources) {
   try {
     if (session) world_hash = Hash(session->world);
     if (history) {
       // The lines of the past are in the log, or in that of the agent before.
-      if (outputs.scan_log != nullptr) outputs.scan_log->Mute(true);
+      if (resources.scan_log != nullptr) resources.scan_log->Mute(true);
       outcome = Retrace();
-      if (outputs.scan_log != nullptr) outputs.scan_log->Mute(false);
+      if (resources.scan_log != nullptr) resources.scan_log->Mute(false);
       return;
     }
-    outcome = is_new ? Make(options, outputs) : Change();
+    outcome = is_new ? Make(options, resources) : Change();
   } catch (const std::bad_alloc& no_memory) {
     outcome = FailureOf(no_memory);
   }
 }
 
-Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& outputs) {
+Status ReplicaTask::Make(const AgentOptions& options, const AgentResources& resources) {
   replica.reset();
   if (session->protocol_version != kProtocolVersion) {
     return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session->host,
@@ -43,8 +43,8 @@ Status ReplicaTask::Make(const AgentOptions& options, const AgentOutputs& output
     if (robots.empty()) return {};
   }
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(session->world), robots, {outputs.scan_log, options.libraries}, options.pool,
-                      options.make_gateway, outputs.trace);
+      Replica::Create(std::move(session->world), robots, {resources.scan_log, options.libraries}, options.pool,
+                      options.make_gateway, resources.trace, resources.find_map);
   if (!made.ok()) return made.error();
   replica = std::move(made).value();
   return {};

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/equal_memory.h"
 #include "common/base/result.h"
 #include "common/protocol/messages.h"
 #include "common/trace/tick_trace.h"
@@ -17,10 +18,11 @@
 
 namespace troupe {
 
-// The output files of an agent; null: none.
-struct AgentOutputs {
-  ScanLog* scan_log = nullptr;
-  TickTrace* trace = nullptr;
+// Of an agent, for its replica.
+struct AgentResources {
+  ScanLog* scan_log = nullptr;  // null: none
+  TickTrace* trace = nullptr;   // likewise
+  FindEqualMemory find_map;     // memory for the map of the world; may be empty
 };
 
 struct ReplicaTask {
@@ -44,11 +46,11 @@ struct ReplicaTask {
   std::uint64_t world_hash = 0;  // result: of the session's world
   Status outcome;                // result
 
-  // Sets the results. REQUIRES: `options` and `outputs` are those of all tasks of the agent.
-  void Perform(const AgentOptions& options, const AgentOutputs& outputs);
+  // Sets the results. REQUIRES: `options` and `resources` are those of all tasks of the agent.
+  void Perform(const AgentOptions& options, const AgentResources& resources);
 
  private:
-  Status Make(const AgentOptions& options, const AgentOutputs& outputs);
+  Status Make(const AgentOptions& options, const AgentResources& resources);
   Status Change();
   Status Retrace();
   Status Retrace(HistoryEntry& entry);

@@ -22,6 +22,7 @@ void AnnounceSession(const LiveRun& run) {
   session.incarnation = run.options.incarnation;
   session.world = run.world();
   session.world_edition = run.frame.world_edition;
+  run.endpoint.ShareMap(run.scene->static_index().ray_map().bytes());
   run.endpoint.SendSession(session);
 }
 

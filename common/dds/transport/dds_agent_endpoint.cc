@@ -116,6 +116,16 @@ void DdsAgentEndpoint::ChooseWays() {
   }
 }
 
+std::shared_ptr<const std::byte> DdsAgentEndpoint::FindMap(std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);  // the way to the sender of a session is chosen while it is delivered
+  const std::lock_guard segments_lock(segments_mutex_);
+  for (const auto& [writer, segment] : segments_) {
+    if (!segment) continue;
+    if (auto map = segment->FindMap(bytes)) return map;
+  }
+  return nullptr;
+}
+
 void DdsAgentEndpoint::JoinEndedReaders() {
   std::erase_if(readers_, [](Reader& reader) {
     if (!reader.segment.expired()) return false;

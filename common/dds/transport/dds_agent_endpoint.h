@@ -30,6 +30,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void Start(AgentHandler& handler) override;
   void SendJoin(const JoinMessage& join) override;
   void SendProposal(const ProposalMessage& proposal) override;
+  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) override;
 
  private:
   // The reader of frames and the writer of proposals on the network.

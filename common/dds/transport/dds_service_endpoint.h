@@ -30,6 +30,9 @@ class DdsServiceEndpoint : public ServiceEndpoint {
 
   void Start(ServiceHandler& handler) override;
   void SendSession(const SessionMessage& session) override;
+  void ShareMap(std::span<const std::byte> bytes) override {
+    if (segment_) segment_->ShareMap(bytes);
+  }
   void SendAdmissions(const std::vector<AdmissionMessage>& admissions) override;
   void SendFrame(const FrameMessage& frame) override;
   void SendHistory(const HistoryMessage& history) override;
