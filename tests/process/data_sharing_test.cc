@@ -28,15 +28,15 @@ std::string HashesOf(const std::vector<std::string>& options) {
   return folder.Read("hashes");
 }
 
-// The memory of services that a process maps, by inode.
-std::set<std::string> SharedMemoryOf(pid_t process) {
+// The memory of this name that a process maps, by inode.
+std::set<std::string> SharedMemoryOf(pid_t process, const std::string& sought = "frames") {
   std::set<std::string> inodes;
   std::ifstream file("/proc/" + std::to_string(process) + "/maps");
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);
     std::string addresses, access, offset, device, inode, name;
     words >> addresses >> access >> offset >> device >> inode >> name;
-    if (name == "/memfd:troupe-frames") inodes.insert(inode);
+    if (name == "/memfd:troupe-" + sought) inodes.insert(inode);
   }
   return inodes;
 }
@@ -81,7 +81,13 @@ TEST(DataSharing, IsUsedByAllProcessesOfAMachineUnlessItIsOff) {
     EXPECT_EQ(processes.size(), 4u);
     for (const pid_t service : ChildrenWith(run, "world-service")) processes.push_back(service);
     EXPECT_EQ(processes.size(), 5u);
-    for (const pid_t process : processes) EXPECT_EQ(!SharedMemoryOf(process).empty(), on) << CommandLineOf(process);
+    // The walls of the pen, once for all.
+    const std::set<std::string> map = SharedMemoryOf(processes.back(), "map");
+    EXPECT_EQ(map.size(), on ? 1u : 0u);
+    for (const pid_t process : processes) {
+      EXPECT_EQ(!SharedMemoryOf(process).empty(), on) << CommandLineOf(process);
+      EXPECT_EQ(SharedMemoryOf(process, "map"), map) << CommandLineOf(process);
+    }
     run.Signal(SIGINT);
     run.Wait();
   }

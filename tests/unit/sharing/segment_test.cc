@@ -7,7 +7,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstring>
+#include <fstream>
 #include <functional>
+#include <set>
+#include <sstream>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -123,6 +128,64 @@ TEST(SegmentTest, AgentsOfOtherProcessesKeepUpWithThousandsOfTicks) {
     ASSERT_TRUE(service->Publish(Frame(tick)).ok());
     for (const ProposalMessage& answer : CollectSome(*service, 5)) ASSERT_EQ(answer.tick, tick + 1);
   }
+}
+
+std::vector<std::byte> Bytes(std::size_t count, unsigned value) {
+  return std::vector<std::byte>(count, std::byte(value));
+}
+
+TEST(SegmentTest, AgentsFindAMapOfEqualBytesOnly) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr) << "there is none";
+  service->ShareMap(Bytes(5000, 1));
+  const auto first = agent->FindMap(Bytes(5000, 1));
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(std::memcmp(first.get(), Bytes(5000, 1).data(), 5000), 0);
+  EXPECT_EQ(agent->FindMap(Bytes(5000, 2)), nullptr);
+  EXPECT_EQ(agent->FindMap(Bytes(4999, 1)), nullptr);
+  EXPECT_EQ(agent->FindMap({}), nullptr);
+  // One of a later world; that of the earlier one stays with the agents that use it.
+  service->ShareMap(Bytes(70'000, 2));
+  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr);
+  EXPECT_NE(agent->FindMap(Bytes(70'000, 2)), nullptr);
+  EXPECT_EQ(std::memcmp(first.get(), Bytes(5000, 1).data(), 5000), 0);
+  service->ShareMap({});
+  EXPECT_EQ(agent->FindMap(Bytes(70'000, 2)), nullptr);
+}
+
+TEST(SegmentTest, AMapIsSharedAndReadOnly) {
+  const auto service = MakeService();
+  service->ShareMap(Bytes(5000, 1));
+  const auto first = OpenFor(*service)->FindMap(Bytes(5000, 1));
+  const auto second = OpenFor(*service)->FindMap(Bytes(5000, 1));
+  ASSERT_TRUE(first != nullptr && second != nullptr);
+  std::set<std::string> inodes;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("/memfd:troupe-map") == std::string::npos) continue;
+    std::istringstream words(line);
+    std::string addresses, access, offset, device, inode;
+    words >> addresses >> access >> offset >> device >> inode;
+    inodes.insert(inode);
+    const bool is_of_agent = line.find("r--s") != std::string::npos;
+    EXPECT_TRUE(is_of_agent || access == "rw-s");  // that of the service itself
+  }
+  EXPECT_EQ(inodes.size(), 1u);
+}
+
+TEST(SegmentTest, WithoutMemoryForAMapAgentsKeepTheirOwn) {
+  const auto service = MakeService();
+  const auto agent = OpenFor(*service);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit low{4096, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &low), 0);
+  service->ShareMap(Bytes(5000, 1));
+  EXPECT_EQ(agent->FindMap(Bytes(5000, 1)), nullptr);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  service->ShareMap(Bytes(5000, 1));
+  EXPECT_NE(agent->FindMap(Bytes(5000, 1)), nullptr);
 }
 
 TEST(SegmentTest, OnlyAgentsWithASlotSend) {

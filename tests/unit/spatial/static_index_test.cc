@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
+#include <memory>
 
 #include "tests/support/test_world.h"
 
@@ -43,6 +46,54 @@ TEST(StaticIndex, FindsAFewPieces) {
   EXPECT_EQ(Find(index, {1.0, 0.0, 2.0, 0.1}), (std::vector<std::ptrdiff_t>{0})) << "touching counts";
   EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<std::ptrdiff_t>{0, 1, 2}));
   EXPECT_TRUE(Find(index, {7, 0, 8, 1}).empty());
+}
+
+// Numbers of kept pieces that a ray may hit, in the order of its walk.
+std::vector<std::uint32_t> Walk(const StaticIndex& index, double y) {
+  std::vector<std::uint32_t> walked;
+  index.WalkRay({-1.0, y}, {1.0, 0.0}, {1.0, kInfinity}, 100.0, [&](std::span<const std::uint32_t> pieces, double) {
+    walked.insert(walked.end(), pieces.begin(), pieces.end());
+    return true;
+  });
+  return walked;
+}
+
+std::vector<ConvexPiece> Steps(int count) {
+  std::vector<ConvexPiece> pieces;
+  for (int i = 0; i < count; ++i) pieces.push_back(PieceAt({2.0 * i, 1.0 * i, 2.0 * i + 1.0, 1.0 * i + 1.0}));
+  return pieces;
+}
+
+TEST(StaticIndex, EqualPiecesGiveEqualBytesForRays) {
+  const StaticIndex index(Steps(50));
+  const StaticIndex same(Steps(50));
+  const StaticIndex other(Steps(51));
+  const auto bytes = index.ray_map().bytes();
+  ASSERT_GT(bytes.size(), 50 * sizeof(RayPiece));
+  EXPECT_TRUE(std::ranges::equal(bytes, same.ray_map().bytes()));
+  EXPECT_FALSE(std::ranges::equal(bytes, other.ray_map().bytes()));
+}
+
+TEST(StaticIndex, RaysWalkInMemoryOfOthers) {
+  StaticIndex index(Steps(50));
+  const StaticIndex before = index;
+  ASSERT_EQ(Walk(index, 7.5), Walk(before, 7.5));
+  const auto bytes = before.ray_map().bytes();
+  struct alignas(64) Line {
+    std::byte bytes[64];
+  };
+  const auto memory = std::make_shared<std::vector<Line>>(bytes.size() / sizeof(Line));
+  std::memcpy(memory->data(), bytes.data(), bytes.size());
+  const std::weak_ptr<std::vector<Line>> lives = memory;
+  index.ShareRayMap(
+      [memory](std::span<const std::byte>) { return std::shared_ptr<const std::byte>(memory, memory->data()->bytes); });
+  EXPECT_EQ(index.ray_map().bytes().data(), memory->data()->bytes);
+  for (const double y : {0.5, 7.5, 49.5, 50.5}) EXPECT_EQ(Walk(index, y), Walk(before, y));
+  EXPECT_EQ(Find(index, {-9, -9, 99, 99}).size(), 50u);
+  index.ShareRayMap([](std::span<const std::byte>) { return nullptr; });
+  EXPECT_EQ(index.ray_map().bytes().data(), memory->data()->bytes) << "nothing better was found";
+  index = StaticIndex();
+  EXPECT_EQ(lives.use_count(), 1) << "the memory is still held";
 }
 
 TEST(StaticIndex, CopesWithManyRectangles) {
