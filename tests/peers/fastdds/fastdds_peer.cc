@@ -203,6 +203,9 @@ const std::atomic<int>& Read(Peer& peer, const std::string& topic, bool latched 
 
 struct Drive {
   const std::atomic<int>* scans = nullptr;
+  // Before there are some, the robot is not driven: a part of its way would not be seen.
+  const std::atomic<int>* odometry = nullptr;
+  const std::atomic<int>* stalls = nullptr;
   DataWriter* writer = nullptr;
   geometry_msgs::msg::dds_::Twist_ twist;
   DataWriter* radio = nullptr;
@@ -223,7 +226,8 @@ int Run(int argc, char** argv) {
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     const std::string robot = "/" + argument.substr(0, argument.find('='));
-    Read<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/odom");
+    Drive drive;
+    drive.odometry = &Read<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/odom");
     Read<nav_msgs::msg::dds_::Odometry_PubSubType>(peer, robot + "/ground_truth");
     Read<sensor_msgs::msg::dds_::Range_PubSubType>(peer, robot + "/sonar");
     Read<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(peer, robot + "/sonar/points");
@@ -234,9 +238,8 @@ int Run(int argc, char** argv) {
     Read<sensor_msgs::msg::dds_::Imu_PubSubType>(peer, robot + "/imu/data");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/gripper/state");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/radio/received");
-    Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");
+    drive.stalls = &Read<std_msgs::msg::dds_::Bool_PubSubType>(peer, robot + "/stalled");
     Read<std_msgs::msg::dds_::String_PubSubType>(peer, robot + "/robot_description", true);
-    Drive drive;
     drive.scans = &Read<sensor_msgs::msg::dds_::LaserScan_PubSubType>(peer, robot + "/scan");
     drive.writer = peer.Write<geometry_msgs::msg::dds_::Twist_PubSubType>(robot + "/cmd_vel");
     double vx = 0.0;
@@ -252,7 +255,7 @@ int Run(int argc, char** argv) {
   bool said = false;
   for (const pid_t parent = getppid(); getppid() == parent; usleep(50'000)) {
     for (Drive& drive : drives) {
-      drive.writer->write(&drive.twist);
+      if (*drive.odometry > 0 && *drive.stalls > 0) drive.writer->write(&drive.twist);
       drive.radio->write(&drive.message);
     }
     if (!said &&
