@@ -3,7 +3,9 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <stdexcept>
+#include <string>
 
+#include "common/ros_dds/type_hash.h"
 #include "ros-service-bridge/raw_type.h"
 #include "ros-service-bridge/serialized_text.h"
 
@@ -13,7 +15,7 @@ namespace {
 namespace fast = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
-fast::DataReaderQos Latched() {
+fast::DataReaderQos Latched(const std::string& user_data) {
   fast::DataReaderQos qos;
   qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = fast::TRANSIENT_LOCAL_DURABILITY_QOS;
@@ -21,15 +23,18 @@ fast::DataReaderQos Latched() {
   qos.history().depth = 1;
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   qos.data_sharing().off();
+  qos.user_data().setValue({user_data.begin(), user_data.end()});
   return qos;
 }
 
 }  // namespace
 
-RobotListReader::RobotListReader(const LinkPort& run, Inbox& inbox) : run_(run), inbox_(inbox), part_(inbox.NewPart()) {
+RobotListReader::RobotListReader(const LinkPort& run, Distribution distribution, Inbox& inbox)
+    : run_(run), inbox_(inbox), part_(inbox.NewPart()) {
   fast::TypeSupport(new RawType(kRobotListType)).register_type(run.participant);
   topic_ = run.participant->create_topic(kRobotListTopic, kRobotListType, fast::TOPIC_QOS_DEFAULT);
-  if (topic_ != nullptr) reader_ = run.subscriber->create_datareader(topic_, Latched(), this);
+  if (topic_ != nullptr)
+    reader_ = run.subscriber->create_datareader(topic_, Latched(TypeMark(distribution, kRobotListType)), this);
   if (reader_ != nullptr) return;
   if (topic_ != nullptr) run.participant->delete_topic(topic_);
   throw std::runtime_error("cannot read the list of robots");

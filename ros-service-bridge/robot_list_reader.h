@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/ros/robot_list.h"
+#include "common/ros/ros_options.h"
 #include "ros-service-bridge/inbox.h"
 #include "ros-service-bridge/service_link.h"
 
@@ -16,7 +17,7 @@ class RobotListReader final : private eprosima::fastdds::dds::DataReaderListener
  public:
   // `run`: in the domain of the run. It and the inbox must outlive this. Throws std::runtime_error if the reader cannot
   // be made.
-  RobotListReader(const LinkPort& run, Inbox& inbox);
+  RobotListReader(const LinkPort& run, Distribution distribution, Inbox& inbox);
   ~RobotListReader() override;
   RobotListReader(const RobotListReader&) = delete;
   RobotListReader& operator=(const RobotListReader&) = delete;

@@ -15,7 +15,7 @@ RunBridge::RunBridge(const RosOptions& options, Inbox& inbox, std::function<void
       report_(std::move(report)),
       client_guid_(kBridgeMark | (MakeRandomId() & 0xffffffffU)),
       of_run_(MakeBridge(options.domain)),
-      robots_(of_run_->run(), inbox) {}
+      robots_(of_run_->run(), options.distribution, inbox) {}
 
 std::unique_ptr<DomainBridge> RunBridge::MakeBridge(std::uint32_t domain) {
   RosOptions options = options_;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/ros_dds/type_hash.h"
 #include "ros-service-bridge/fast_guid.h"
 #include "ros-service-bridge/raw_type.h"
 
@@ -162,9 +163,11 @@ void ServiceLink::DeleteTopics(const LinkPort& port, const Topics& topics) {
 void ServiceLink::MakeEndpoints(const BridgedService& service) {
   MakeTopics(ports_.run, service, run_topics_);
   MakeTopics(ports_.clients, service, client_topics_);
-  from_service_ =
-      ports_.run.subscriber->create_datareader(run_topics_.responses, ReaderQos({}), response_events_.get());
-  to_service_ = ports_.run.publisher->create_datawriter(run_topics_.requests, WriterQos({}), to_service_events_.get());
+  // Tools discover these too, and are not to recognize them as a service.
+  from_service_ = ports_.run.subscriber->create_datareader(
+      run_topics_.responses, ReaderQos(TypeMarkIn(service.response.user_data)), response_events_.get());
+  to_service_ = ports_.run.publisher->create_datawriter(
+      run_topics_.requests, WriterQos(TypeMarkIn(service.request.user_data)), to_service_events_.get());
   responses_ = ports_.clients.publisher->create_datawriter(
       client_topics_.responses, WriterQos(service.response.user_data), to_clients_events_.get());
   requests_ = ports_.clients.subscriber->create_datareader(client_topics_.requests,

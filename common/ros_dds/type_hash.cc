@@ -3,6 +3,11 @@
 #include <string_view>
 
 namespace troupe::ros {
+namespace {
+
+constexpr const char* kMark = "typehash=";
+
+}  // namespace
 
 std::string RosTypeName(const std::string& dds_type_name) {
   constexpr std::string_view kMiddle = "::dds_::";
@@ -27,6 +32,16 @@ std::string HashOfRosType(const std::string& ros_type) {
   if (start == std::string_view::npos) return "";
   const std::size_t begin = start + key.size();
   return std::string(text.substr(begin, text.find('"', begin) - begin));
+}
+
+std::string TypeMark(Distribution distribution, const std::string& dds_type_name) {
+  return distribution == Distribution::kHumble ? "" : kMark + TypeHash(dds_type_name) + ";";
+}
+
+std::string TypeMarkIn(const std::string& user_data) {
+  const std::size_t begin = user_data.find(kMark);
+  if (begin == std::string::npos) return "";
+  return user_data.substr(begin, user_data.find(';', begin) - begin) + ";";
 }
 
 }  // namespace troupe::ros

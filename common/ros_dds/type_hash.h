@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "common/ros/ros_options.h"
+
 namespace troupe::ros {
 
 // A JSON object from ROS type names to hashes, of Jazzy: configs/ros-type-hashes-jazzy.json.
@@ -16,5 +18,11 @@ std::string RosTypeName(const std::string& dds_type_name);
 std::string TypeHash(const std::string& dds_type_name);
 // The same of "std_msgs/msg/String".
 std::string HashOfRosType(const std::string& ros_type);
+
+// In the user data of an endpoint of this type on DDS: "typehash=RIHS01_...;". From Iron on ROS warns of each endpoint
+// without it, once for each command. Empty for Humble, which knows no hashes.
+std::string TypeMark(Distribution distribution, const std::string& dds_type_name);
+// The same in the user data of another endpoint of the type; empty: it has none.
+std::string TypeMarkIn(const std::string& user_data);
 
 }  // namespace troupe::ros

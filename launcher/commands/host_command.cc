@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -21,6 +20,7 @@
 #include "common/command_line/exit_status.h"
 #include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
+#include "launcher/hosts/host_folder.h"
 #include "launcher/hosts/host_messages.h"
 #include "launcher/hosts/local_host.h"
 #include "launcher/process/line_pipe.h"
@@ -30,29 +30,6 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kPieceOfFile = 16384;  // bytes in a message
-
-// A folder that is deleted with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code failure;
-    std::string pattern = (std::filesystem::temp_directory_path(failure) / "troupe-host-XXXXXX").string();
-    if (!failure && mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    if (path_.empty()) return;
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-    DeleteNamesOfDeletedKeys();  // of a service that was killed
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 class HostServer {
  public:
@@ -67,7 +44,7 @@ class HostServer {
   void SendNews();
 
   SignalWatch signals_;
-  TemporaryFolder folder_;
+  HostFolder folder_;
   LocalHost host_;
   std::map<int, std::unique_ptr<Child>> children_;
   bool connected_ = true;
@@ -169,6 +146,7 @@ void AddHostCommand(CLI::App& app, int& exit_status) {
       ->final_callback([&exit_status] {
         signal(SIGPIPE, SIG_IGN);
         exit_status = HostServer().Serve();
+        DeleteNamesOfDeletedKeys();  // of services that were killed, whose folders are gone now
       });
 }
 

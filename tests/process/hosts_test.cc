@@ -143,6 +143,33 @@ TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   EXPECT_THAT(run.output(), HasSubstr("without an agent at the end: r2"));
 }
 
+TEST_F(Hosts, DeleteTheFoldersOfThoseThatWereKilled) {
+  const std::string temporary = folder_.Path("temporary");
+  std::filesystem::create_directory(temporary);
+  const auto left = [&temporary] {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
+      const std::string name = entry.path().filename();
+      if (name.starts_with("troupe-host-")) names.push_back(name);
+    }
+    return names;
+  };
+  json far = HostHere("far");
+  far["start"] = "TMPDIR=" + temporary + " {command}";
+  Program run = Run(json::array({far}), {"--speed", "5"});
+  run.WaitForLine("ready after");
+  for (const pid_t process : Descendants(run.pid())) {
+    if (CommandLineOf(process).ends_with("/troupe host ")) kill(process, SIGKILL);
+  }
+  run.WaitForLine("host far: the connection is lost");
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130) << run.output();
+  EXPECT_EQ(left().size(), 1u);
+  const Finished next = Finish(Run(json::array({far}), {"--ticks", "5"}));
+  EXPECT_EQ(next.exit_status, 0) << next.output;
+  EXPECT_EQ(left(), std::vector<std::string>());
+}
+
 TEST_F(Hosts, StartAKilledAgentAgain) {
   json far = HostHere("far");
   far["robots"] = {"r2"};

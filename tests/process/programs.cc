@@ -117,6 +117,11 @@ std::string Program::WaitForLineAfter(const std::string& part) {
   return line + 1 < lines_.size() ? lines_[line + 1] : "";
 }
 
+bool Program::HasPrinted(const std::string& part) {
+  ReadMore();
+  return output().find(part) != std::string::npos;
+}
+
 int Program::Wait() {
   auto deadline = Clock::now() + kDeadline;
   while (!process_.Poll() && process_.running() && Clock::now() < deadline) {

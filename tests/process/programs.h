@@ -36,6 +36,9 @@ class Program {
   std::string WaitForLine(const std::string& part);
   // The line after it.
   std::string WaitForLineAfter(const std::string& part);
+  // Whether a line that it has printed so far contains `part`.
+  bool HasPrinted(const std::string& part);
+  bool HasEnded() { return process_.Poll() || !process_.running(); }
   // Waits for the end, and returns the exit status; without an end within the deadline the test fails.
   int Wait();
   // All output so far.

@@ -44,19 +44,19 @@ class ServiceBridgeHosts : public testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Troupe(std::move(arguments));
   }
-  Program Caller(int host, std::vector<std::string> arguments) const {
+  Program Caller(int host, const std::string& where, std::vector<std::string> arguments) const {
     const BridgedHosts::Visit visit(*hosts_, host);
-    arguments.insert(arguments.begin(),
-                     {ProgramPath("fastdds_caller"), kRosDomain + ("@" + BridgedHosts::AddressOf(host))});
+    arguments.insert(arguments.begin(), {ProgramPath("fastdds_caller"), kRosDomain + ("@" + where)});
     return Program(std::move(arguments));
   }
-  void ExpectAnswers(int host) const {
+  void ExpectAnswers(int host) const { ExpectAnswers(host, BridgedHosts::AddressOf(host)); }
+  void ExpectAnswers(int host, const std::string& where) const {
     SCOPED_TRACE(host);
-    Program states = Caller(host, {"states", "100"});
+    Program states = Caller(host, where, {"states", "100"});
     EXPECT_EQ(states.Wait(), 0) << states.output();
     EXPECT_THAT(states.output(), HasSubstr(R"({"answered":100,"calls":100,"repeated":0,"topic":"called"})"));
     EXPECT_THAT(states.output(), HasSubstr(R"("matched":[1,1])"));
-    Program parameters = Caller(host, {"parameters", "/r2/robot"});
+    Program parameters = Caller(host, where, {"parameters", "/r2/robot"});
     EXPECT_EQ(parameters.Wait(), 0) << parameters.output();
     EXPECT_THAT(parameters.output(), HasSubstr("use_sim_time"));
   }
@@ -81,6 +81,14 @@ TEST_F(ServiceBridgeHosts, ChoosesTheInterfaceByItself) {
   Program run = Run({"--ros-discovery", "subnet"});
   run.WaitForLine(", ready");
   ExpectAnswers(2);
+  End(run);
+}
+
+// Tools announce the address of the Ethernet interface, and name the loopback address as the one of the run.
+TEST_F(ServiceBridgeHosts, AnswersJazzyOnLocalhost) {
+  Program run = Run({"--ros-discovery", "localhost", "--ros-distro", "jazzy"});
+  run.WaitForLine(", ready");
+  ExpectAnswers(1, "localhost");
   End(run);
 }
 

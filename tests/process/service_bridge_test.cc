@@ -18,6 +18,7 @@
 #include "tests/support/dds_domain.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
 
 namespace troupe::test {
 namespace {
@@ -186,6 +187,24 @@ TEST_F(ServiceBridgeTest, AClientOnFastDdsDiscoversOneServerOfEachService) {
               HasSubstr(R"("on":"rq/resetRequest","topic":"found","type":"std_srvs::srv::dds_::Empty_Request_")"));
   caller.Signal(SIGTERM);
   caller.Wait();
+  End(run);
+}
+
+// Else ROS from Iron on prints warnings in each of its commands.
+TEST_F(ServiceBridgeTest, AllEndpointsOfTheRunAndItsBridgeHaveTypeHashes) {
+  Program run = Run({"--paused", "--ros-distro", "jazzy"});
+  run.WaitForLine(", ready");
+  RosGraph graph;
+  std::multimap<std::string, std::string> user_data;
+  EXPECT_TRUE(Eventually([&] {
+    user_data = graph.UserData();
+    return user_data.count("troupe_robots") == 2 && user_data.count("rq/world/step_simulationRequest") == 2 &&
+           user_data.count("rr/world/step_simulationReply") == 2 && user_data.count("rt/r3/odom") == 1;
+  })) << "the endpoints of the service and of the bridge";
+  for (const auto& [topic, data] : user_data) {
+    if (topic.starts_with("DCPS")) continue;
+    EXPECT_THAT(data, HasSubstr("typehash=RIHS01_")) << topic;
+  }
   End(run);
 }
 

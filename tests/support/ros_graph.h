@@ -48,6 +48,24 @@ class RosGraph {
     return topics;
   }
 
+  // The user data of all readers and writers of other participants, by topic: "rt/r0/odom".
+  std::multimap<std::string, std::string> UserData() {
+    std::multimap<std::string, std::string> found;
+    dds_guid_t self{};
+    dds::Check(dds_get_guid(participant_.participant().handle(), &self), "reading the graph");
+    for (const dds::Entity* endpoints : {&publications_, &subscriptions_}) {
+      ForEachAlive<dds_builtintopic_endpoint_t>(*endpoints, [&](const dds_builtintopic_endpoint_t& endpoint) {
+        if (GuidOf(endpoint.participant_key.v) == GuidOf(self.v)) return;
+        void* bytes = nullptr;
+        std::size_t size = 0;
+        if (!dds_qget_userdata(endpoint.qos, &bytes, &size)) size = 0;
+        found.emplace(endpoint.topic_name, std::string(static_cast<const char*>(bytes), size));
+        dds_free(bytes);
+      });
+    }
+    return found;
+  }
+
  private:
   using Info = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
   using Guid = std::array<std::uint8_t, 16>;
@@ -99,6 +117,7 @@ class RosGraph {
   dds::DataReader<Info> infos_{participant_.subscriber(), topic_, ros::Latched(1000)};
   dds::Entity participants_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);
   dds::Entity publications_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
+  dds::Entity subscriptions_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   std::map<Guid, std::vector<std::string>> nodes_;  // by the participant that announced them
 };
 

@@ -1,5 +1,5 @@
 // Calls ROS services on Fast DDS, as programs on rmw_fastrtps_cpp do. Prints JSON lines. DOMAIN: "5" on the loopback
-// interface, "5@10.0.0.1" on the interface with this address.
+// interface, "5@10.0.0.1" on the interface with this address, "5@localhost" as Jazzy in that range.
 //   fastdds_caller DOMAIN states N SECONDS   calls /world/get_simulation_state N times, each with this timeout
 //   fastdds_caller DOMAIN parameters /NODE   lists the parameters of a node
 //   fastdds_caller DOMAIN leaves /NODE       the same, and waits until the service is gone

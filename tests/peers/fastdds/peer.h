@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -56,14 +57,21 @@ class Listener : public DataReaderListener {
   Consume consume_;
 };
 
+// As rmw_fastrtps_cpp of Jazzy with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, without shared memory.
+inline constexpr const char* kJazzyLocalhost = "localhost";
+
 class Peer {
  public:
-  // `address`: of its only network interface.
+  // `address`: of its only network interface; "localhost": as kJazzyLocalhost.
   explicit Peer(std::uint32_t domain, DomainParticipantListener* listener = nullptr,
                 const std::string& address = "127.0.0.1") {
     DomainParticipantQos qos;
     auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-    transport->interfaceWhiteList = {address};
+    if (address == kJazzyLocalhost) {
+      DiscoverAsJazzyOnLocalhost(qos, *transport);
+    } else {
+      transport->interfaceWhiteList = {address};
+    }
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(transport);
     participant_ =
@@ -113,6 +121,20 @@ class Peer {
   }
 
  private:
+  // It listens at unicast ports of all interfaces, and announces itself to the ports of 32 participants on this
+  // machine.
+  static void DiscoverAsJazzyOnLocalhost(DomainParticipantQos& qos,
+                                         eprosima::fastdds::rtps::UDPv4TransportDescriptor& transport) {
+    using eprosima::fastrtps::rtps::Locator_t;
+    transport.maxInitialPeersRange = 32;
+    auto& builtin = qos.wire_protocol().builtin;
+    builtin.metatrafficMulticastLocatorList.clear();
+    builtin.metatrafficUnicastLocatorList.push_back(Locator_t());  // else there is a multicast one by default
+    Locator_t loopback;
+    eprosima::fastrtps::rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
+    builtin.initialPeersList.push_back(loopback);
+  }
+
   template <typename PubSubType>
   Topic* MakeTopic(const std::string& name) {
     TypeSupport type(new PubSubType());

@@ -15,6 +15,16 @@ TEST(TypeHash, IsThatOfJazzy) {
   EXPECT_EQ(TypeHash("geometry_msgs::msg::dds_::Twist_").size(), 7u + 64u);
 }
 
+TEST(TypeHash, IsInTheUserDataOfEndpointsFromIronOn) {
+  const std::string mark = TypeMark(Distribution::kJazzy, "std_msgs::msg::dds_::String_");
+  EXPECT_EQ(mark, "typehash=" + TypeHash("std_msgs::msg::dds_::String_") + ";");
+  EXPECT_EQ(TypeMark(Distribution::kHumble, "std_msgs::msg::dds_::String_"), "");
+  EXPECT_EQ(TypeMarkIn("serviceid=01.02;" + mark), mark);
+  EXPECT_EQ(TypeMarkIn(mark + "more=1;"), mark);
+  EXPECT_EQ(TypeMarkIn("serviceid=01.02;"), "");
+  EXPECT_EQ(TypeMarkIn(""), "");
+}
+
 TEST(TypeHash, IsEmptyForATypeUnknownToRos) {
   for (const char* name : {"", "troupe::wire::Frame", "std_msgs::msg::dds_::NoSuch_", "dds_::", "::dds_::x"}) {
     EXPECT_EQ(TypeHash(name), "") << name;

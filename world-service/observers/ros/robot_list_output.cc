@@ -2,6 +2,7 @@
 
 #include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_qos.h"
+#include "common/ros_dds/user_data.h"
 
 namespace troupe {
 
@@ -9,7 +10,8 @@ RobotListOutput::RobotListOutput(ros::RosParticipant& participant, const ros::Ro
     : options_(options),
       participant_(participant),
       topic_(participant.participant(), ros::kRobotListTopic),
-      writer_(participant.service_publisher(), topic_, ros::Latched()) {}
+      writer_(participant.service_publisher(), topic_,
+              ros::Latched() << ros::TypeUserData<ros::String>(options.distribution)) {}
 
 void RobotListOutput::ChangeWorld(const WorldDescription& world) {
   const ros::RobotList list = RobotListOf(world, options_);

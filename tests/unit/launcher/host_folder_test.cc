@@ -1,0 +1,125 @@
+#include "launcher/hosts/host_folder.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+
+class HostFolderTest : public testing::Test {
+ protected:
+  HostFolderTest() {
+    EXPECT_NE(mkdtemp(temporary_.data()), nullptr);
+    const char* const before = std::getenv("TMPDIR");
+    if (before != nullptr) before_ = before;
+    setenv("TMPDIR", temporary_.c_str(), 1);
+  }
+  ~HostFolderTest() override {
+    fs::remove_all(temporary_);
+    if (before_) {
+      setenv("TMPDIR", before_->c_str(), 1);
+    } else {
+      unsetenv("TMPDIR");
+    }
+  }
+
+  // Its folder, with a file in it. The process is `process`.
+  std::string FolderOfAnotherHost() {
+    int ends[2];
+    EXPECT_EQ(pipe(ends), 0);
+    process_ = fork();
+    if (process_ == 0) {
+      const HostFolder folder;
+      std::ofstream(folder.path() + "/service-hashes") << "1";
+      const std::string line = folder.path() + "\n";
+      if (write(ends[1], line.data(), line.size()) < 0) _exit(1);
+      for (;;) pause();
+    }
+    close(ends[1]);
+    std::string path;
+    for (char letter = 0; read(ends[0], &letter, 1) == 1 && letter != '\n';) path += letter;
+    close(ends[0]);
+    return path;
+  }
+  void KillOtherHost() const {
+    kill(process_, SIGKILL);
+    EXPECT_EQ(waitpid(process_, nullptr, 0), process_);
+  }
+  std::string MakeFolder(const std::string& name) const {
+    const std::string path = temporary_ + "/" + name;
+    fs::create_directory(path);
+    std::ofstream(path + "/file") << "1";
+    return path;
+  }
+
+  std::string temporary_ = testing::TempDir() + "host-folder-XXXXXX";
+  std::optional<std::string> before_;
+  pid_t process_ = -1;
+};
+
+TEST_F(HostFolderTest, ExistsAsLongAsItsHost) {
+  std::string path;
+  {
+    const HostFolder folder;
+    path = folder.path();
+    EXPECT_EQ(fs::path(path).parent_path(), temporary_);
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_all);
+    const HostFolder another;
+    EXPECT_NE(another.path(), path);
+    EXPECT_TRUE(fs::is_directory(path));
+  }
+  EXPECT_TRUE(fs::is_empty(temporary_));
+}
+
+TEST_F(HostFolderTest, OfAKilledHostIsDeletedByTheNext) {
+  const std::string left = FolderOfAnotherHost();
+  ASSERT_TRUE(fs::exists(left + "/service-hashes"));
+  { const HostFolder while_it_runs; }
+  EXPECT_TRUE(fs::exists(left + "/service-hashes"));
+  KillOtherHost();
+  EXPECT_TRUE(fs::exists(left + "/service-hashes"));
+  const HostFolder next;
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(next.path()));
+}
+
+TEST_F(HostFolderTest, NoLinkIsFollowedOrDeleted) {
+  const std::string target = MakeFolder("target");
+  const std::string link = temporary_ + "/troupe-host-1-abcdef";
+  fs::create_symlink(target, link);
+  const std::string left = MakeFolder("troupe-host-2-abcdef");
+  fs::create_symlink(target, left + "/link");
+  const HostFolder folder;
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(target + "/file"));
+}
+
+TEST_F(HostFolderTest, OthersAreNotDeleted) {
+  const std::string other_user = MakeFolder("troupe-host-3-abcdef");
+  const bool is_root = geteuid() == 0;
+  if (is_root) {
+    ASSERT_EQ(chown(other_user.c_str(), 65534, 65534), 0);
+  }
+  for (const char* name : {"troupe-host-abcdef", "troupe-host-", "troupe-host-1", "troupe-host-1-",
+                           "troupe-host-x-abcdef", "troupe-host-1-abcdefg", "host-1-abcdef"}) {
+    MakeFolder(name);
+  }
+  std::ofstream(temporary_ + "/troupe-host-4-abcdef") << "a file";
+  { const HostFolder folder; }
+  EXPECT_EQ(fs::exists(other_user + "/file"), is_root);
+  EXPECT_EQ(std::distance(fs::directory_iterator(temporary_), {}), is_root ? 9 : 8);
+}
+
+}  // namespace
+}  // namespace troupe
