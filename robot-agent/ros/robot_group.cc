@@ -55,6 +55,7 @@ void RobotGroup::Transforms::Write(Tick tick,
     const auto of_robot = output->MovingTransforms(tick, *view, arena);
     moving.insert(moving.end(), of_robot.begin(), of_robot.end());
   }
+  if (moving.empty()) return;
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
 

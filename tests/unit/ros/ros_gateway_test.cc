@@ -370,6 +370,20 @@ TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
   });
 }
 
+TEST_F(RosGatewayTest, LeavesTheTransformOfTheBaseToAnotherNodeIfAsked) {
+  options_.odom_to_base = false;
+  MakeReplica(options_, TwoGrippers().world);
+  auto moving = Reader<ros::TfMessage>("/tf");
+  auto odom = Reader<ros::OdometryMessage>("/b/odom");
+  std::map<std::string, std::string> parents;
+  TickUntilReceived(moving, [&](const ros::TfMessage& message) { parents = ParentsOf(message); });
+  EXPECT_FALSE(parents.contains("a/base_link"));
+  EXPECT_FALSE(parents.contains("b/base_link"));
+  EXPECT_TRUE(parents.contains("b/gripper_lift_link"));
+  TickUntilReceived(
+      odom, [](const ros::OdometryMessage& message) { EXPECT_EQ(dds::Text(message.child_frame_id), "b/base_link"); });
+}
+
 // Robots a and b, each in a domain of its own.
 WorldDescription TwoDomains(std::uint32_t of_a, std::uint32_t of_b) {
   WorldDescription world = TwoRobots();
