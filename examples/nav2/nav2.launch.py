@@ -28,7 +28,7 @@ def manager(name, nodes, domain):
                 parameters=[{"use_sim_time": True, "autostart": True, "node_names": nodes, "bond_timeout": 10.0}])
 
 
-def nodes_of_domain(number, localization, navigation, params):
+def nodes_of_domain(number, localization, navigation, ekf, params):
     domain = {"ROS_DOMAIN_ID": number} if number else {}
     nodes = []
 
@@ -36,6 +36,9 @@ def nodes_of_domain(number, localization, navigation, params):
         nodes.append(Node(package=package, executable=executable, name=executable, output="screen",
                           additional_env=domain, parameters=[params]))
 
+    if ekf == "true":
+        nodes.append(Node(package="robot_localization", executable="ekf_node", name="ekf_filter_node", output="screen",
+                          additional_env=domain, parameters=[params]))
     if localization == "amcl":
         add("nav2_amcl", "amcl")
         nodes.append(manager("lifecycle_manager_localization", ["amcl"], domain))
@@ -57,7 +60,7 @@ def start(context):
 
     nodes = []
     for number in value("domains").split(","):
-        nodes += nodes_of_domain(number, value("localization"), value("navigation"), value("params_file"))
+        nodes += nodes_of_domain(number, value("localization"), value("navigation"), value("ekf"), value("params_file"))
     return nodes
 
 
@@ -67,6 +70,8 @@ def generate_launch_description():
         DeclareLaunchArgument("localization", default_value="troupe", choices=["troupe", "amcl", "slam"],
                               description="Node that publishes map to odom"),
         DeclareLaunchArgument("navigation", default_value="true", choices=["true", "false"]),
+        DeclareLaunchArgument("ekf", default_value="false", choices=["true", "false"],
+                              description="Filter of odometry and IMU, which publishes odom to base_link"),
         DeclareLaunchArgument("params_file", default_value=os.fspath(FOLDER / "params.yaml")),
         OpaqueFunction(function=start),
     ])
