@@ -36,6 +36,10 @@ void AddRosMapFlags(CLI::App& app, ros::RosOptions& options, const std::string& 
          "--no-ros-map-odom", [&options] { options.map_to_odom = false; },
          "Leave the transform from map to odom to a localization node")
       ->group(group);
+  app.add_flag_callback(
+         "--no-ros-odom-base", [&options] { options.odom_to_base = false; },
+         "Leave the transform from odom to base_link to a node that filters odometry")
+      ->group(group);
 }
 
 void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::string& group) {
@@ -168,6 +172,7 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   }
   if (options.plain_names) arguments.emplace_back("--ros-names=plain");
   if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
+  if (!options.odom_to_base) arguments.emplace_back("--no-ros-odom-base");
   return arguments;
 }
 

@@ -54,6 +54,7 @@ struct RosOptions {
   bool quiet = false;
   std::uint16_t relay_port = 0;              // of a DiscoveryRelay on this machine, for a quiet participant; 0: none
   bool map_to_odom = true;                   // publish the true pose of each odom frame in the map
+  bool odom_to_base = true;                  // publish the robot's estimate as a transform, beside the topic odom
   std::optional<bool> infinite_ranges = {};  // RunSettings::ros_infinite_ranges; nothing: the scenario's
   // Nothing: the launcher chooses; in other programs as kCyclone.
   std::optional<ServiceClients> service_clients = {};

@@ -55,6 +55,7 @@ void RobotGroup::Transforms::Write(Tick tick,
     const auto of_robot = output->MovingTransforms(tick, *view, arena);
     moving.insert(moving.end(), of_robot.begin(), of_robot.end());
   }
+  if (moving.empty()) return;
   moving_.Write(ros::MakeTfMessage(moving, arena));
 }
 
@@ -139,19 +140,24 @@ void RobotGroup::PublishActions(const RobotView& robot) {
 }
 
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
-  std::vector<std::pair<const RobotView*, const RobotOutput*>> shown;
+  std::vector<std::pair<const RobotView*, Member*>> shown;
   for (const RobotView* robot : robots) {
-    Member* const member = Find(robot->id());
-    if (member == nullptr) continue;
-    member->output.Publish(tick, *robot);
-    member->manipulator.PublishStates(robot->world_state());
+    if (Member* const member = Find(robot->id())) shown.emplace_back(robot, member);
+  }
+  // First the transforms: a node that transforms a scan at its stamp need not wait for them.
+  std::vector<std::pair<const RobotView*, const RobotOutput*>> together;
+  for (const auto& [robot, member] : shown) {
     if (member->transforms) {
       member->transforms->Write(tick, {{robot, &member->output}});
     } else {
-      shown.emplace_back(robot, &member->output);
+      together.emplace_back(robot, &member->output);
     }
   }
-  if (shared_transforms_) shared_transforms_->Write(tick, shown);
+  if (shared_transforms_) shared_transforms_->Write(tick, together);
+  for (const auto& [robot, member] : shown) {
+    member->output.Publish(tick, *robot);
+    member->manipulator.PublishStates(robot->world_state());
+  }
   if (clock_) clock_->Show(tick, interval_ns_, false);
   if (map_) map_->Poll();
 }

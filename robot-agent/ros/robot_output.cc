@@ -21,6 +21,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
     : scene_(&scene),
       id_(robot),
       map_to_odom_(options.map_to_odom),
+      odom_to_base_(options.odom_to_base),
       infinite_ranges_(options.infinite_ranges.value_or(true)),
       frames_(in_ros.frames),
       tree_(ros::RobotFramesOf(scene, robot, frames_)),
@@ -157,8 +158,10 @@ void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) 
 
 std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, const RobotView& robot,
                                                                  dds::WireArena& arena) const {
-  std::vector<ros::TransformStamped> transforms = {
-      ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena)};
+  std::vector<ros::TransformStamped> transforms;
+  if (odom_to_base_) {
+    transforms.push_back(ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena));
+  }
   for (const ros::MovingFrame& frame : tree_.moving) {
     const Pose pose = ros::X_PF(frame, scene_->world(), robot.world_state().joints[frame.joint.index()].position);
     transforms.push_back(ros::MakeTransform(Stamp(tick), frame.parent, frame.frame, pose, arena));

@@ -57,6 +57,7 @@ class RobotOutput {
   const Scene* scene_;
   RobotId id_;
   bool map_to_odom_;
+  bool odom_to_base_;
   bool infinite_ranges_;
   ros::FrameNames frames_;
   ros::RobotFrames tree_;

@@ -22,6 +22,7 @@ class SampleInfo {
   bool instance_disposed() const { return info_.instance_state == DDS_IST_NOT_ALIVE_DISPOSED; }
   dds_instance_handle_t instance_handle() const { return info_.instance_handle; }
   dds_instance_handle_t publication_handle() const { return info_.publication_handle; }
+  dds_time_t source_timestamp() const { return info_.source_timestamp; }  // when it was written, by the writer's clock
 
  private:
   dds_sample_info_t info_{};

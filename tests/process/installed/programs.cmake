@@ -15,6 +15,15 @@ if(NOT last MATCHES "^20 ")
   message(FATAL_ERROR "the run ended with ${last}")
 endif()
 
+# The example for Nav2 finds the installed worlds.
+foreach(scenario one drift three)
+  execute_process(COMMAND ${PREFIX}/bin/troupe check ${PREFIX}/share/troupe/examples/nav2/${scenario}.json
+    OUTPUT_VARIABLE text ERROR_VARIABLE text RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "troupe check of an installed example: ${failed}\n${text}")
+  endif()
+endforeach()
+
 execute_process(COMMAND ${PREFIX}/bin/troupe --help OUTPUT_VARIABLE help)
 string(REGEX REPLACE ".*Subcommands:\n" "" help "${help}")
 string(REGEX MATCHALL "\n  [a-z][a-z-]*" subcommands "\n${help}")

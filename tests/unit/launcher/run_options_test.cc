@@ -160,7 +160,7 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
 TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
   RunOptions options = Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface",
                               "lo", "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25",
-                              "--ros-tf", "namespaced", "--no-ros-map-odom"})
+                              "--ros-tf", "namespaced", "--no-ros-map-odom", "--no-ros-odom-base"})
                            .options;
   const std::vector<std::string> words = {"--ros",
                                           "--ros-domain=7",
@@ -170,7 +170,8 @@ TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
                                           "--ros-reliable-commands",
                                           "--ros-command-timeout=0.25",
                                           "--ros-tf=namespaced",
-                                          "--no-ros-map-odom"};
+                                          "--no-ros-map-odom",
+                                          "--no-ros-odom-base"};
   EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));
   EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, {}, true), testing::IsSupersetOf(words));
   RunSettings settings;

@@ -370,6 +370,52 @@ TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
   });
 }
 
+// A node that transforms a scan at its stamp would wait for a transform that arrives later.
+TEST_F(RosGatewayTest, WritesTheTransformsOfATickBeforeItsScans) {
+  MakeReplica(options_);
+  const auto stamp = [](const ros::Header& header) { return std::pair(header.stamp.sec, header.stamp.nanosec); };
+  using WrittenAt = std::map<std::pair<std::int32_t, std::uint32_t>, dds_time_t>;
+  WrittenAt transforms;
+  WrittenAt scans;
+  dds::Topic<ros::TfMessage> tf(participant_.participant(), "rt/tf");
+  dds::Topic<ros::LaserScan> scan(participant_.participant(), "rt/a/scan");
+  dds::DataReader<ros::TfMessage> tf_reader(participant_.subscriber(), tf, ros::Stream(100));
+  dds::DataReader<ros::LaserScan> scan_reader(participant_.subscriber(), scan, ros::Stream(100));
+  int compared = 0;
+  ASSERT_TRUE(Eventually([&] {
+    Tick();
+    for (const auto sample : tf_reader.take()) {
+      if (!sample.info().valid() || sample.data().transforms._length == 0) continue;
+      transforms[stamp(sample.data().transforms._buffer[0].header)] = sample.info().source_timestamp();
+    }
+    for (const auto sample : scan_reader.take()) {
+      if (sample.info().valid()) scans[stamp(sample.data().header)] = sample.info().source_timestamp();
+    }
+    compared = 0;
+    for (const auto& [time, written] : scans) {
+      const auto transform = transforms.find(time);
+      if (transform == transforms.end()) continue;
+      ++compared;
+      EXPECT_LE(transform->second, written);
+    }
+    return compared >= 3;
+  }));
+}
+
+TEST_F(RosGatewayTest, LeavesTheTransformOfTheBaseToAnotherNodeIfAsked) {
+  options_.odom_to_base = false;
+  MakeReplica(options_, TwoGrippers().world);
+  auto moving = Reader<ros::TfMessage>("/tf");
+  auto odom = Reader<ros::OdometryMessage>("/b/odom");
+  std::map<std::string, std::string> parents;
+  TickUntilReceived(moving, [&](const ros::TfMessage& message) { parents = ParentsOf(message); });
+  EXPECT_FALSE(parents.contains("a/base_link"));
+  EXPECT_FALSE(parents.contains("b/base_link"));
+  EXPECT_TRUE(parents.contains("b/gripper_lift_link"));
+  TickUntilReceived(
+      odom, [](const ros::OdometryMessage& message) { EXPECT_EQ(dds::Text(message.child_frame_id), "b/base_link"); });
+}
+
 // Robots a and b, each in a domain of its own.
 WorldDescription TwoDomains(std::uint32_t of_a, std::uint32_t of_b) {
   WorldDescription world = TwoRobots();
