@@ -122,11 +122,11 @@ def additions(setting):
     """Viewer, recording and ROS 2 without readers, beside Stage's benchmark in 100 processes, and it alone."""
     if setting.stage_worlds is None:
         return
-    ticks = 20 if setting.quick else 2000
+    ticks = 20 if setting.quick else 10_000  # tools and robots discover each other in the first 3,000
     packing = ["--robots-per-process", 20] if setting.quick else []
     recording = setting.folder / "additions.mcap"
     for number in range(setting.rounds):
-        world = setting.cave(200)
+        world = setting.cave(1000)
         for name, options, view in [("none", [], ["--headless"]),
                                     ("viewer", [], []),
                                     ("recording", ["--record", recording], ["--headless"]),

@@ -140,6 +140,14 @@ void RobotGroup::PublishActions(const RobotView& robot) {
 }
 
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
+  // Until the first reader comes: to ask all writers in vain would take an agent among many a quarter of its time,
+  // because each has a place of its own in memory. The first call writes the static transforms.
+  if (!std::exchange(shown_, true) || participant_.reader_count() > 0) ShowRobots(tick, robots);
+  if (clock_) clock_->Show(tick, interval_ns_, false);
+  if (map_) map_->Poll();
+}
+
+void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots) {
   std::vector<std::pair<const RobotView*, Member*>> shown;
   for (const RobotView* robot : robots) {
     if (Member* const member = Find(robot->id())) shown.emplace_back(robot, member);
@@ -158,8 +166,6 @@ void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
     member->output.Publish(tick, *robot);
     member->manipulator.PublishStates(robot->world_state());
   }
-  if (clock_) clock_->Show(tick, interval_ns_, false);
-  if (map_) map_->Poll();
 }
 
 void RobotGroup::ChangeWorld(const Scene& scene) {

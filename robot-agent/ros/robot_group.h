@@ -50,6 +50,7 @@ class RobotGroup {
   struct Member;
 
   Member* Find(RobotId id);
+  void ShowRobots(Tick tick, std::span<const RobotView* const> robots);
   // Those from the index `first` on, as lines of the robot's node.
   void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
 
@@ -62,6 +63,7 @@ class RobotGroup {
   std::optional<ros::ClockOutput> clock_;          // these two in a domain of its own
   std::optional<ros::MapOutput> map_;
   std::int64_t interval_ns_ = 0;
+  bool shown_ = false;  // Show was called
 };
 
 }  // namespace troupe
