@@ -4,14 +4,12 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/memory_maps.h"
 
 namespace troupe::test {
 namespace {
@@ -31,12 +29,8 @@ std::string HashesOf(const std::vector<std::string>& options) {
 // The memory of this name that a process maps, by inode.
 std::set<std::string> SharedMemoryOf(pid_t process, const std::string& sought = "frames") {
   std::set<std::string> inodes;
-  std::ifstream file("/proc/" + std::to_string(process) + "/maps");
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string addresses, access, offset, device, inode, name;
-    words >> addresses >> access >> offset >> device >> inode >> name;
-    if (name == "/memfd:troupe-" + sought) inodes.insert(inode);
+  for (const MappedArea& area : MapsOf(process)) {
+    if (area.name == "/memfd:troupe-" + sought) inodes.insert(area.inode);
   }
   return inodes;
 }
@@ -45,14 +39,8 @@ std::set<std::string> SharedMemoryOf(pid_t process, const std::string& sought = 
 // joined.
 int CountStacks(pid_t process) {
   int guards = 0;
-  std::ifstream file("/proc/" + std::to_string(process) + "/maps");
-  for (std::string line; std::getline(file, line);) {
-    std::uint64_t begin = 0;
-    std::uint64_t end = 0;
-    char dash = 0;
-    std::string access;
-    std::istringstream(line) >> std::hex >> begin >> dash >> end >> access;
-    if (access == "---p" && end - begin == static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE))) ++guards;
+  for (const MappedArea& area : MapsOf(process)) {
+    if (area.access == "---p" && area.end - area.begin == static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE))) ++guards;
   }
   return guards;
 }

@@ -8,10 +8,8 @@
 #include <unistd.h>
 
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -19,6 +17,7 @@
 #include "common/sharing/agent_segment.h"
 #include "common/sharing/proposal_words.h"
 #include "common/sharing/service_segment.h"
+#include "tests/support/memory_maps.h"
 
 namespace troupe {
 namespace {
@@ -161,16 +160,14 @@ TEST(SegmentTest, AMapIsSharedAndReadOnly) {
   const auto second = OpenFor(*service)->FindMap(Bytes(5000, 1));
   ASSERT_TRUE(first != nullptr && second != nullptr);
   std::set<std::string> inodes;
-  std::ifstream maps("/proc/self/maps");
-  for (std::string line; std::getline(maps, line);) {
-    if (line.find("/memfd:troupe-map") == std::string::npos) continue;
-    std::istringstream words(line);
-    std::string addresses, access, offset, device, inode;
-    words >> addresses >> access >> offset >> device >> inode;
-    inodes.insert(inode);
-    const bool is_of_agent = line.find("r--s") != std::string::npos;
-    EXPECT_TRUE(is_of_agent || access == "rw-s");  // that of the service itself
+  int writable = 0;
+  for (const test::MappedArea& area : test::MapsOf(getpid())) {
+    if (area.name != "/memfd:troupe-map") continue;
+    inodes.insert(area.inode);
+    EXPECT_TRUE(area.access == "r--s" || area.access == "rw-s") << area.access;
+    if (area.access == "rw-s") ++writable;
   }
+  EXPECT_EQ(writable, 1) << "that of the service itself";
   EXPECT_EQ(inodes.size(), 1u);
 }
 
