@@ -68,17 +68,17 @@ class Troupe:
     def has(self, program):
         return (self.folder / program).exists()
 
-    def run(self, world, ticks, *options, view=("--headless",)):
+    def run(self, world, ticks, *options, headless=True):
         """The summary of a run, with its resource usage under "usage"."""
         with tempfile.NamedTemporaryFile(suffix=".json") as summary:
-            _, usage = run([self.folder / "troupe", "run", world, "--ticks", ticks, "--speed", "max", *view,
-                            "--summary", summary.name, *options])
+            _, usage = run([self.folder / "troupe", "run", world, "--ticks", ticks, "--speed", "max",
+                            *(["--headless"] if headless else []), "--summary", summary.name, *options])
             return {**json.load(open(summary.name)), "usage": usage}
 
-    def per_robot_and_tick(self, world, ticks, *options, view=("--headless",)):
+    def per_robot_and_tick(self, world, ticks, *options, headless=True):
         """The cost of a tick: that of a long run minus that of a short one, which is the cost of start and end."""
-        short = self.run(world, 2, *options, view=view)
-        long = self.run(world, ticks, *options, view=view)
+        short = self.run(world, 2, *options, headless=headless)
+        long = self.run(world, ticks, *options, headless=headless)
         of_tick = {key: (long["usage"][key] - short["usage"][key]) / (ticks - 2) for key in long["usage"]}
         share = 1e6 / long["robots"]
         return {

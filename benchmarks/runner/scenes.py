@@ -127,13 +127,11 @@ def additions(setting):
     recording = setting.folder / "additions.mcap"
     for number in range(setting.rounds):
         world = setting.cave(1000)
-        for name, options, view in [("none", [], ["--headless"]),
-                                    ("viewer", [], []),
-                                    ("recording", ["--record", recording], ["--headless"]),
-                                    ("ROS 2", ["--ros", "--ros-interface", "lo"], ["--headless"])]:
+        for name, options in [("none", []), ("viewer", []), ("recording", ["--record", recording]),
+                              ("ROS 2", ["--ros", "--ros-interface", "lo"])]:
             recording.unlink(missing_ok=True)
             yield {"round": number, "addition": name,
-                   **setting.troupe.per_robot_and_tick(world, ticks, *packing, *options, view=view)}
+                   **setting.troupe.per_robot_and_tick(world, ticks, *packing, *options, headless=name != "viewer")}
 
 
 def swarm(setting):
