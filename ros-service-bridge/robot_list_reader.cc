@@ -33,8 +33,8 @@ RobotListReader::RobotListReader(const LinkPort& run, Distribution distribution,
     : run_(run), inbox_(inbox), part_(inbox.NewPart()) {
   fast::TypeSupport(new RawType(kRobotListType)).register_type(run.participant);
   topic_ = run.participant->create_topic(kRobotListTopic, kRobotListType, fast::TOPIC_QOS_DEFAULT);
-  if (topic_ != nullptr)
-    reader_ = run.subscriber->create_datareader(topic_, Latched(TypeMark(distribution, kRobotListType)), this);
+  const fast::DataReaderQos qos = Latched(TypeMark(distribution, kRobotListType));
+  if (topic_ != nullptr) reader_ = run.subscriber->create_datareader(topic_, qos, this);
   if (reader_ != nullptr) return;
   if (topic_ != nullptr) run.participant->delete_topic(topic_);
   throw std::runtime_error("cannot read the list of robots");

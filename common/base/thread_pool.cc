@@ -69,7 +69,7 @@ ThreadPool::~ThreadPool() {
 void ThreadPool::Run(std::size_t most, const std::function<void(std::size_t)>& work) {
   const std::size_t places = std::min(most, size_) - 1;
   std::unique_lock lock(running_, std::try_to_lock);
-  if (places == 0 || most == 0 || !lock) return work(0);
+  if (places == 0 || !lock) return work(0);
   StartThreads(places);
   work_ = &work;
   Open(std::max(kEnd + 1, (Round(gate_.load(std::memory_order_relaxed)) + 1) & kRoundMask), places);

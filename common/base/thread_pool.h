@@ -27,6 +27,7 @@ class ThreadPool {
   // come after the return of work(0) are left out. So each call takes parts of the work as long as there are any, and a
   // Run never waits for a thread that the system has not woken yet. Returns when all calls have returned; rethrows the
   // exception of the one with the lowest number that threw one. During the Run of another thread it calls work(0) only.
+  // REQUIRES: most >= 1
   void Run(std::size_t most, const std::function<void(std::size_t)>& work);
 
  private:

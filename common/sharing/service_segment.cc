@@ -89,8 +89,9 @@ std::uint32_t ServiceSegment::CountExpected(const FrameMessage& frame) const {
 void ServiceSegment::ShareMap(std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);
   const std::size_t size = bytes.size();
-  if (map_ && frames().map_bytes == size && std::memcmp(&map_->mapped.At<std::byte>(0), bytes.data(), size) == 0)
-    return;
+  const bool is_shared =
+      map_ && frames().map_bytes == size && std::memcmp(&map_->mapped.At<std::byte>(0), bytes.data(), size) == 0;
+  if (is_shared) return;
   frames().map_bytes = 0;
   map_.reset();
   if (size == 0) return;

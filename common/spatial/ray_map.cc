@@ -15,47 +15,43 @@ std::size_t RoundedUp(std::size_t bytes) {
   return (bytes + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-template <typename T>
-std::size_t BytesOf(const std::vector<T>& array) {
-  return RoundedUp(array.size() * sizeof(T));
-}
-
 }  // namespace
 
+template <typename Visit>
+void RayMap::ForEachArray(Visit visit) {
+  visit(pieces_);
+  visit(vertices_);
+  visit(cell_start_);
+  visit(cell_pieces_);
+  visit(filled_);
+}
+
 RayMap::RayMap(const RayMapArrays& arrays)
-    : size_(BytesOf(arrays.pieces) + BytesOf(arrays.vertices) + BytesOf(arrays.cell_start) +
-            BytesOf(arrays.cell_pieces) + BytesOf(arrays.filled)) {
+    : pieces_(arrays.pieces),
+      vertices_(arrays.vertices),
+      cell_start_(arrays.cell_start),
+      cell_pieces_(arrays.cell_pieces),
+      filled_(arrays.filled) {
+  ForEachArray([this](const auto& array) { size_ += RoundedUp(array.size_bytes()); });
   if (size_ == 0) return;
   auto* const block = static_cast<std::byte*>(std::aligned_alloc(kAlignment, size_));
   if (block == nullptr) throw std::bad_alloc();
   block_ = std::shared_ptr<const std::byte>(block, std::free);
   std::memset(block, 0, size_);  // between the arrays
-  std::size_t offset = 0;
-  const auto add = [&](const auto& array, auto& view) {
-    if (!array.empty())
-      std::memcpy(block + offset, static_cast<const void*>(array.data()), std::span(array).size_bytes());
-    view = {array.data(), array.size()};  // its length, for PlaceArrays
-    offset += BytesOf(array);
-  };
-  add(arrays.pieces, pieces_);
-  add(arrays.vertices, vertices_);
-  add(arrays.cell_start, cell_start_);
-  add(arrays.cell_pieces, cell_pieces_);
-  add(arrays.filled, filled_);
+  std::byte* next = block;
+  ForEachArray([&next](const auto& array) {
+    if (!array.empty()) std::memcpy(next, static_cast<const void*>(array.data()), array.size_bytes());
+    next += RoundedUp(array.size_bytes());
+  });
   PlaceArrays();
 }
 
 void RayMap::PlaceArrays() {
   const std::byte* next = block_.get();
-  const auto place = [&next]<typename T>(std::span<const T>& view) {
-    view = {reinterpret_cast<const T*>(next), view.size()};
-    next += RoundedUp(view.size_bytes());
-  };
-  place(pieces_);
-  place(vertices_);
-  place(cell_start_);
-  place(cell_pieces_);
-  place(filled_);
+  ForEachArray([&next]<typename T>(std::span<const T>& array) {
+    array = {reinterpret_cast<const T*>(next), array.size()};
+    next += RoundedUp(array.size_bytes());
+  });
 }
 
 void RayMap::Share(const FindEqualMemory& find) {

@@ -55,6 +55,9 @@ class RayMap {
   void Share(const FindEqualMemory& find);
 
  private:
+  // In the order in which the block has them.
+  template <typename Visit>
+  void ForEachArray(Visit visit);
   // Places the arrays, with their present lengths, in the block.
   void PlaceArrays();
 

@@ -301,7 +301,7 @@ std::vector<Proposal> Replica::Retrace(const WorldState& state, std::span<const 
   return proposals;
 }
 
-// Threads claim robots as they become free.
+// Threads claim robots as they become free. The first index follows the state in any case: Publish reads it.
 template <typename DecideOne>
 void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
   std::atomic<std::size_t> next = 0;  // the first robot that no thread has claimed
