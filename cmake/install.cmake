@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-install(TARGETS troupe world-service robot-agent RUNTIME)
+install(TARGETS troupe world-service robot-agent ros-participant RUNTIME)
 if(TARGET ros-service-bridge)
   install(TARGETS ros-service-bridge RUNTIME)
 endif()
@@ -68,6 +68,7 @@ foreach(subcommand run replay check top view edit host snapshot ctl goto teleop 
 endforeach()
 troupe_manual_page(world-service "")
 troupe_manual_page(robot-agent "")
+troupe_manual_page(ros-participant "")
 if(TARGET ros-service-bridge)
   troupe_manual_page(ros-service-bridge "")
 endif()
@@ -75,7 +76,7 @@ add_custom_target(manual_pages ALL DEPENDS ${pages})
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
 # The programs of a run, and no tests: for scripts/run. The bridge is there where Fast DDS is.
-add_custom_target(programs DEPENDS troupe world-service robot-agent)
+add_custom_target(programs DEPENDS troupe world-service robot-agent ros-participant)
 if(TARGET ros-service-bridge)
   add_dependencies(programs ros-service-bridge)
 endif()

@@ -56,6 +56,7 @@ set(may_include_common/ros
   common/base common/geometry common/model common/spatial common/dds/binding idl/ros
   include/troupe/sensor.h)
 set(may_include_common/ros_dds common/base common/dds/binding common/ros common/spatial idl/ros)
+set(may_include_common/ros_link common/base common/ros common/ros_dds common/wire)
 
 set(may_include_world-service/core common/base common/geometry common/model common/spatial)
 set(may_include_world-service/service
@@ -91,13 +92,16 @@ set(may_include_robot-agent/robot
 set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial common/protocol common/trace robot-agent/robot)
 set(may_include_robot-agent/ros
-  common/base common/geometry common/model common/spatial common/dds/binding common/ros common/ros_dds
+  common/base common/geometry common/model common/spatial common/dds/binding common/ros common/ros_dds common/ros_link
   include/troupe/controller.h robot-agent/agent robot-agent/drive robot-agent/robot)
 set(may_include_robot-agent/program
   common/base common/command_line common/protocol common/ros common/run robot-agent/agent)
 set(may_include_robot-agent
   common/base common/command_line common/dds/binding common/dds/transport common/protocol common/ros common/run common/security
   robot-agent/program robot-agent/ros)
+
+set(may_include_ros-participant
+  common/base common/command_line common/dds/binding common/ros common/ros_dds common/ros_link common/run common/wire)
 
 # For ROS clients on Fast DDS, which only this folder includes.
 set(may_include_ros-service-bridge
@@ -159,13 +163,14 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   common/dds/binding common/dds/convert common/dds/transport common/dds/tools common/recording common/wire
-  common/ros common/ros_dds robot-agent/ros ros-service-bridge world-service/observers/ros)
+  common/ros common/ros_dds common/ros_link robot-agent/ros ros-participant ros-service-bridge world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)
 file(GLOB_RECURSE files RELATIVE ${ROOT}
   ${ROOT}/common/*.h ${ROOT}/common/*.cc ${ROOT}/world-service/*.h ${ROOT}/world-service/*.cc
   ${ROOT}/robot-agent/*.h ${ROOT}/robot-agent/*.cc ${ROOT}/ros-service-bridge/*.h ${ROOT}/ros-service-bridge/*.cc
+  ${ROOT}/ros-participant/*.h ${ROOT}/ros-participant/*.cc
   ${ROOT}/launcher/*.h ${ROOT}/launcher/*.cc
   ${ROOT}/include/*.h ${ROOT}/library/*.h ${ROOT}/library/*.cc ${ROOT}/viewer/gateway/*.h ${ROOT}/viewer/gateway/*.cc
   ${ROOT}/viewer/editor/*.h ${ROOT}/viewer/editor/*.cc)

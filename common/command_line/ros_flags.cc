@@ -11,7 +11,7 @@ namespace {
 
 using ros::CommandType;
 
-CLI::Option* AddText(CLI::App& app, const std::string& group, const std::string& name, const char* help,
+CLI::Option* AddText(CLI::App& app, const std::string& group, const std::string& name, const std::string& help,
                      const std::vector<std::string>& words, const std::function<void(const std::string&)>& set) {
   return app.add_option_function<std::string>(name, set, help)->type_name("NAME")->check(OneOf(words))->group(group);
 }
@@ -134,6 +134,17 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
           "ros-service-bridge is installed, else cyclone)",
           {"cyclone", "fastrtps", "both"},
           [&options](const std::string& word) { options.service_clients = *ros::ParseServiceClients(word); });
+  AddText(app, group, "--ros-participants",
+          fmt::format("Participants of the robots in the ROS domain: one for each process or for each host (default: "
+                      "process for up to {} processes, and with security; else host)",
+                      ros::kMostMutualProcesses),
+          {"process", "host"}, [&options](const std::string& word) {
+            options.participants = word == "host" ? ros::ParticipantScope::kHost : ros::ParticipantScope::kProcess;
+          });
+  app.add_option("--ros-participant-socket", options.participant_socket,
+                 "Name of the socket at which the ros-participant of this host listens")
+      ->type_name("NAME")
+      ->group("");
   app.add_option("--ros-relay", options.relay_port, "Port of the world service's relay of discovery")
       ->type_name("PORT")
       ->group("");
@@ -164,6 +175,12 @@ std::vector<std::string> RosArguments(const ros::RosOptions& options) {
   }
   if (options.service_clients) {
     arguments.push_back(std::string("--ros-services=") + ToString(*options.service_clients));
+  }
+  if (options.participants) {
+    arguments.push_back(std::string("--ros-participants=") + ToString(*options.participants));
+  }
+  if (!options.participant_socket.empty()) {
+    arguments.push_back("--ros-participant-socket=" + options.participant_socket);
   }
   if (options.relay_port != 0) arguments.push_back("--ros-relay=" + std::to_string(options.relay_port));
   if (options.goal_poses || options.initial_poses) {

@@ -173,6 +173,16 @@ const char* ToString(ServiceClients clients) {
   return "";
 }
 
+const char* ToString(ParticipantScope scope) {
+  return scope == ParticipantScope::kProcess ? "process" : "host";
+}
+
+bool UsesHostParticipants(const RosOptions& options, std::size_t processes) {
+  if (options.security.strategy != SecurityStrategy::kOff) return false;
+  if (options.participants) return *options.participants == ParticipantScope::kHost;
+  return processes > kMostMutualProcesses;
+}
+
 bool UsesBridge(const RosOptions& options) {
   return options.service_clients.value_or(ServiceClients::kCyclone) != ServiceClients::kCyclone &&
          !options.session.empty() && options.security.strategy == SecurityStrategy::kOff &&

@@ -20,6 +20,9 @@ enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
 // rmw_fastrtps by a ros-service-bridge.
 enum class ServiceClients : std::uint8_t { kCyclone, kFastDds, kBoth };
 
+// The participants of a run's robots in its ROS domain.
+enum class ParticipantScope : std::uint8_t { kProcess, kHost };
+
 // More processes than these do not discover each other, because discovery would grow with the square of their number.
 inline constexpr std::size_t kMostMutualProcesses = 10;
 
@@ -58,7 +61,10 @@ struct RosOptions {
   std::optional<bool> infinite_ranges = {};  // RunSettings::ros_infinite_ranges; nothing: the scenario's
   // Nothing: the launcher chooses; in other programs as kCyclone.
   std::optional<ServiceClients> service_clients = {};
-  std::string session = {};  // of the run; part of the name of its bridge's partition
+  // Nothing: as UsesHostParticipants says.
+  std::optional<ParticipantScope> participants = {};
+  std::string participant_socket = {};  // where the participant of this host listens; empty: there is none
+  std::string session = {};             // of the run; part of the name of its bridge's partition
   RosSecurity security = {};
   EnvironmentFaults faults = {};  // of settings that no option has replaced
 };
@@ -75,6 +81,11 @@ const char* ToString(Distribution distribution);
 const char* ToString(DiscoveryRange range);  // "system-default"
 const char* ToString(CommandType type);
 const char* ToString(ServiceClients clients);
+const char* ToString(ParticipantScope scope);
+
+// Whether the robots of a host share a participant, the program ros-participant: by default those of more than
+// kMostMutualProcesses processes. Not with security, where each robot has keys of its own.
+bool UsesHostParticipants(const RosOptions& options, std::size_t processes);
 
 // Whether the services of this run are reached through a ros-service-bridge. It has no keys, and cannot discover a run
 // that is discovered by no program.

@@ -22,7 +22,7 @@ Time SystemTime() {
 RosLog::RosLog(const RosNode& node) : writer_(node, "/rosout", LogLines()) {}
 
 void RosLog::Share(const RosNode& node) {
-  node.participant->AddWriter(node.index, writer_.handle());
+  writer_.Share(node);
 }
 
 void RosLog::Write(LogLevel level, const std::string& node, const std::string& text) {

@@ -1,15 +1,17 @@
 #include "common/ros_dds/ros_participant.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
+#include <cstdint>
 #include <cstring>
-#include <random>
+#include <map>
 #include <utility>
-#include <variant>
 
 #include "common/dds/binding/data_writer.h"
 #include "common/dds/binding/domain_config.h"
 #include "common/dds/binding/wire.h"
+#include "common/ros_dds/dds_service.h"
+#include "common/ros_dds/dds_topic.h"
 #include "common/ros_dds/ros_network.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/topic_types.h"
@@ -44,17 +46,21 @@ dds::Qos ServicePartitions(const RosOptions& options) {
   return qos << partitions;
 }
 
-dds_guid_t GuidOf(dds_entity_t entity) {
+using Guid = std::array<std::uint8_t, sizeof(dds_guid_t)>;
+
+Guid GuidOf(dds_entity_t entity) {
   dds_guid_t guid{};
   dds::Check(dds_get_guid(entity, &guid), "reading an entity's GUID");
-  return guid;
+  Guid bytes;
+  std::memcpy(bytes.data(), guid.v, sizeof guid.v);
+  return bytes;
 }
 
 // The GUID, followed by zeros where the field of the distribution is longer.
 template <typename Gid>
-void Set(Gid& gid, const dds_guid_t& guid) {
+void Set(Gid& gid, const Guid& guid) {
   std::memset(gid.data, 0, sizeof gid.data);
-  std::memcpy(gid.data, guid.v, sizeof guid.v);
+  std::memcpy(gid.data, guid.data(), guid.size());
 }
 
 void Set(char (&field)[kLongestName + 1], const std::string& text) {
@@ -65,8 +71,8 @@ void Set(char (&field)[kLongestName + 1], const std::string& text) {
 struct Node {
   std::string node_namespace;
   std::string name;
-  std::vector<dds_guid_t> readers;
-  std::vector<dds_guid_t> writers;
+  std::vector<Guid> readers;
+  std::vector<Guid> writers;
 };
 
 }  // namespace
@@ -76,9 +82,28 @@ class RosParticipant::Announcer {
   virtual ~Announcer() = default;
   virtual void Write() = 0;
 
-  dds_guid_t participant{};
-  std::mutex mutex;  // guards the nodes
-  std::vector<Node> nodes;
+  // REQUIRES of these two: the mutex is held.
+  void List(std::size_t node, const Guid& endpoint, std::vector<Guid> Node::*endpoints) {
+    (nodes.at(node).*endpoints).push_back(endpoint);
+    nodes_of[endpoint].push_back(node);
+  }
+  void Remove(const Guid& endpoint) {
+    const auto listed = nodes_of.find(endpoint);
+    if (listed == nodes_of.end()) return;
+    for (const std::size_t index : listed->second) {
+      const auto node = nodes.find(index);
+      if (node == nodes.end()) continue;
+      std::erase(node->second.readers, endpoint);
+      std::erase(node->second.writers, endpoint);
+    }
+    nodes_of.erase(listed);
+  }
+
+  Guid participant{};
+  std::mutex mutex;  // guards all below
+  std::map<std::size_t, Node> nodes;
+  std::size_t next_node = 0;
+  std::map<Guid, std::vector<std::size_t>> nodes_of;  // by endpoint
 };
 
 namespace {
@@ -88,14 +113,15 @@ class InfoWriter final : public Base {
  public:
   explicit InfoWriter(const RosParticipant& owner)
       : topic_(owner.participant(), kDiscoveryTopic),
-        writer_(owner.publisher(), topic_, Discovery() << TypeUserData<Info>(owner.distribution())) {}
+        writer_(owner.publisher(), topic_,
+                ToDds(Latched()) << TypeUserData(owner.distribution(), *dds::TopicTraits<Info>::descriptor())) {}
 
   void Write() override {
     dds::WireArena arena;
     Info info{};
     Set(info.gid, this->participant);
     auto* out = arena.Fill(info.node_entities_info_seq, this->nodes.size());
-    for (const Node& node : this->nodes) {
+    for (const auto& [index, node] : this->nodes) {
       Set(out->node_namespace, node.node_namespace);
       Set(out->node_name, node.name);
       FillGids(out->reader_gid_seq, node.readers, arena);
@@ -107,9 +133,9 @@ class InfoWriter final : public Base {
 
  private:
   template <typename Sequence>
-  static void FillGids(Sequence& sequence, const std::vector<dds_guid_t>& guids, dds::WireArena& arena) {
+  static void FillGids(Sequence& sequence, const std::vector<Guid>& guids, dds::WireArena& arena) {
     auto* gid = arena.Fill(sequence, guids.size());
-    for (const dds_guid_t& guid : guids) Set(*gid++, guid);
+    for (const Guid& guid : guids) Set(*gid++, guid);
   }
 
   dds::Topic<Info> topic_;
@@ -122,13 +148,13 @@ RosParticipant::RosParticipant(const RosOptions& options, const std::string& enc
     : RosParticipant(options, EnclaveOf(options, enclave)) {}
 
 RosParticipant::RosParticipant(const RosOptions& options, const Enclave& enclave)
-    : distribution_(options.distribution),
+    : RosConnection(options.distribution),
       participant_(ConfigOf(options, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
       publisher_(participant_),
       subscriber_(participant_),
       service_publisher_(participant_, ServicePartitions(options)),
       service_subscriber_(participant_, ServicePartitions(options)) {
-  if (distribution_ == Distribution::kHumble) {
+  if (options.distribution == Distribution::kHumble) {
     announcer_ =
         std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
   } else {
@@ -146,24 +172,58 @@ void RosParticipant::WatchWriters() {
 
 void RosParticipant::WatchDistributions() {
   const std::lock_guard lock(announcer_->mutex);
-  watch_->ExpectDistribution(distribution_);
+  watch_->ExpectDistribution(distribution());
 }
 
 std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std::string& name) {
   const std::lock_guard lock(announcer_->mutex);
-  announcer_->nodes.push_back({node_namespace, name, {}, {}});
-  return announcer_->nodes.size() - 1;
+  announcer_->nodes[announcer_->next_node] = {node_namespace, name, {}, {}};
+  return announcer_->next_node++;
+}
+
+void RosParticipant::RemoveNode(std::size_t node) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->nodes.erase(node);
+}
+
+std::unique_ptr<TopicWriter> RosParticipant::MakeWriter(std::size_t node, const TopicSpec& spec) {
+  auto writer = std::make_unique<DdsTopicWriter>(*this, spec);
+  AddWriter(node, writer->handle());
+  return writer;
+}
+
+std::unique_ptr<TopicReader> RosParticipant::MakeReader(std::size_t node, const TopicSpec& spec, Part part) {
+  auto reader = std::make_unique<DdsTopicReader>(*this, spec, part);
+  AddReader(node, reader->handle(), part == Part::kReliableReader);
+  return reader;
+}
+
+std::unique_ptr<ServiceServer> RosParticipant::MakeService(std::size_t node, const ServiceSpec& spec,
+                                                           ServiceServer::Handler handler) {
+  auto service = std::make_unique<DdsService>(*this, spec, std::move(handler));
+  AddReader(node, service->request_reader());
+  AddWriter(node, service->response_writer());
+  return service;
+}
+
+void RosParticipant::ShareWriter(std::size_t node, const TopicWriter& writer) {
+  AddWriter(node, static_cast<const DdsTopicWriter&>(writer).handle());
 }
 
 void RosParticipant::AddReader(std::size_t node, dds_entity_t reader, bool accepts_best_effort) {
   const std::lock_guard lock(announcer_->mutex);
-  announcer_->nodes[node].readers.push_back(GuidOf(reader));
+  announcer_->List(node, GuidOf(reader), &Node::readers);
   if (watch_) watch_->Expect(reader, accepts_best_effort);
 }
 
 void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
   const std::lock_guard lock(announcer_->mutex);
-  announcer_->nodes[node].writers.push_back(GuidOf(writer));
+  announcer_->List(node, GuidOf(writer), &Node::writers);
+}
+
+void RosParticipant::RemoveEndpoint(dds_entity_t endpoint) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->Remove(GuidOf(endpoint));
 }
 
 void RosParticipant::Announce() {
@@ -172,46 +232,14 @@ void RosParticipant::Announce() {
 }
 
 std::vector<std::string> RosParticipant::DrainMismatches() {
+  std::vector<std::string> reports;
+  for (Mismatch& mismatch : DrainMismatchesOfTopics()) reports.push_back(std::move(mismatch.report));
+  return reports;
+}
+
+std::vector<Mismatch> RosParticipant::DrainMismatchesOfTopics() {
   const std::lock_guard lock(announcer_->mutex);
-  return watch_ ? watch_->DrainReports() : std::vector<std::string>();
-}
-
-bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {
-  dds_builtintopic_endpoint_t* const sender = dds_get_matched_publication_data(reader, publication);
-  if (sender == nullptr) return true;  // the caller has left; an answer does no harm
-  const dds_guid_t participant = sender->participant_key;
-  dds_builtintopic_free_endpoint(sender);
-  std::vector<dds_instance_handle_t> subscriptions(64);
-  dds_return_t count = 0;
-  for (;;) {
-    count = dds_get_matched_subscriptions(writer, subscriptions.data(), subscriptions.size());
-    if (count <= static_cast<dds_return_t>(subscriptions.size())) break;
-    subscriptions.resize(static_cast<std::size_t>(count));
-  }
-  for (dds_return_t i = 0; i < count; ++i) {
-    dds_builtintopic_endpoint_t* const receiver =
-        dds_get_matched_subscription_data(writer, subscriptions[static_cast<std::size_t>(i)]);
-    if (receiver == nullptr) continue;
-    const bool same = std::memcmp(receiver->participant_key.v, participant.v, sizeof participant.v) == 0;
-    dds_builtintopic_free_endpoint(receiver);
-    if (same) return true;
-  }
-  return false;
-}
-
-std::string NewServiceId() {
-  std::random_device device;
-  std::string id;
-  for (int i = 0; i < 16; ++i) {
-    char byte[4];
-    std::snprintf(byte, sizeof byte, "%s%02x", i == 0 ? "" : ".", static_cast<unsigned>(device() & 0xffU));
-    id += byte;
-  }
-  return id;
-}
-
-RosNode MakeNode(RosParticipant& participant, const std::string& node_namespace, const std::string& name) {
-  return {&participant, participant.AddNode(node_namespace, name), node_namespace};
+  return watch_ ? watch_->Drain() : std::vector<Mismatch>();
 }
 
 }  // namespace troupe::ros

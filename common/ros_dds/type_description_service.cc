@@ -41,7 +41,7 @@ std::string ReasonOfRefusal(const std::string& type, const std::string& hash, bo
 }  // namespace
 
 TypeDescriptionService::TypeDescriptionService(const RosNode& node, const std::string& name) {
-  const Distribution distribution = node.participant->distribution();
+  const Distribution distribution = node.connection->distribution();
   if (distribution == Distribution::kHumble || distribution == Distribution::kIron) return;
   service_ = std::make_unique<RosService<Request, Response>>(
       node, name + "/get_type_description",

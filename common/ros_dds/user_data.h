@@ -9,15 +9,14 @@
 
 namespace troupe::ros {
 
-template <typename T>
-dds::UserData TypeUserData(Distribution distribution) {
-  return {TypeMark(distribution, dds::TopicTraits<T>::descriptor()->m_typename)};
+inline dds::UserData TypeUserData(Distribution distribution, const dds_topic_descriptor_t& type) {
+  return {TypeMark(distribution, type.m_typename)};
 }
 
 // By `id` a client recognizes the two endpoints of one service.
-template <typename T>
-dds::UserData ServiceUserData(Distribution distribution, const std::string& id) {
-  return {"serviceid=" + id + ";" + TypeUserData<T>(distribution).bytes};
+inline dds::UserData ServiceUserData(Distribution distribution, const std::string& id,
+                                     const dds_topic_descriptor_t& type) {
+  return {"serviceid=" + id + ";" + TypeUserData(distribution, type).bytes};
 }
 
 }  // namespace troupe::ros

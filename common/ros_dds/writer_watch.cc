@@ -63,21 +63,23 @@ void WriterWatch::Expect(dds_entity_t reader, bool accepts_best_effort) {
   dds_delete_qos(qos);
 }
 
-std::vector<std::string> WriterWatch::DrainReports() {
-  std::vector<std::string> reports;
+std::vector<Mismatch> WriterWatch::Drain() {
+  std::vector<Mismatch> found;
   std::uint32_t status = 0;
   if (dds_take_status(publications_.handle(), &status, DDS_DATA_AVAILABLE_STATUS) != DDS_RETCODE_OK || status == 0) {
-    return reports;
+    return found;
   }
   for (;;) {
     void* samples[kBatch] = {};
     dds_sample_info_t infos[kBatch];
     const dds_return_t count = dds_take(publications_.handle(), samples, infos, kBatch, kBatch);
-    if (count <= 0) return reports;
+    if (count <= 0) return found;
     for (dds_return_t i = 0; i < count; ++i) {
       if (!infos[i].valid_data) continue;
-      auto report = Judge(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
-      if (report) reports.push_back(*std::move(report));
+      const auto& writer = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
+      const bool lists_nodes = writer.topic_name == kNodesTopic;
+      std::optional<std::string> report = lists_nodes ? JudgeDistribution(writer) : Judge(writer);
+      if (report) found.push_back({lists_nodes ? "" : writer.topic_name, *std::move(report)});
     }
     dds_return_loan(publications_.handle(), samples, count);
   }
@@ -97,7 +99,6 @@ std::optional<std::string> WriterWatch::JudgeDistribution(const dds_builtintopic
 }
 
 std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {
-  if (std::string_view(writer.topic_name) == kNodesTopic) return JudgeDistribution(writer);
   const auto found = expected_.find(writer.topic_name);
   if (found == expected_.end()) return std::nullopt;
   const Expected& expected = found->second;

@@ -15,6 +15,11 @@
 
 namespace troupe::ros {
 
+struct Mismatch {
+  std::string topic;   // on DDS: "rt/anna/cmd_vel"; empty: the distribution, of no topic
+  std::string report;  // a line for people
+};
+
 class WriterWatch {
  public:
   explicit WriterWatch(const dds::DomainParticipant& participant);
@@ -25,8 +30,8 @@ class WriterWatch {
   // Reports participants whose list of nodes has another layout than that of the distribution, too.
   void ExpectDistribution(Distribution distribution) { distribution_ = distribution; }
 
-  // A line for each topic and problem found since the last call. A single status read if discovery found nothing new.
-  std::vector<std::string> DrainReports();
+  // One for each topic and problem found since the last call. A single status read if discovery found nothing new.
+  std::vector<Mismatch> Drain();
 
  private:
   struct Expected {

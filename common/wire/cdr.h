@@ -7,6 +7,7 @@
 #include <dds/dds.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,6 +34,22 @@ class Sample {
 
  private:
   Wire data_{};
+};
+
+// Room for a sample of the type that `descriptor` describes, at first zero; owns its strings and sequences.
+class UntypedSample {
+ public:
+  explicit UntypedSample(const dds_topic_descriptor_t& descriptor)
+      : descriptor_(descriptor), room_(descriptor.m_size / sizeof(std::uint64_t) + 1) {}
+  ~UntypedSample() { dds_sample_free(data(), &descriptor_, DDS_FREE_CONTENTS); }
+  UntypedSample(const UntypedSample&) = delete;
+  UntypedSample& operator=(const UntypedSample&) = delete;
+
+  void* data() const { return room_.data(); }
+
+ private:
+  const dds_topic_descriptor_t& descriptor_;
+  mutable std::vector<std::uint64_t> room_;  // aligned as the largest fields
 };
 
 // `sample`: of the type that `descriptor` describes.

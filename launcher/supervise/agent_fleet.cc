@@ -114,6 +114,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   const std::size_t group = agent.group % ready_.participants.size();
   options.network.service_participant = ready_.participants[group].participant;
   if (options_.hosts.empty()) options.ros.relay_port = ready_.ros_relay;
+  options.ros.participant_socket = site.ros_participant;
   options.ros.infinite_ranges = options.ros.infinite_ranges.value_or(ready_.ros_infinite_ranges);
   Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
   if (!security.ok()) return security.error();

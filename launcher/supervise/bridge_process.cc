@@ -1,23 +1,16 @@
 #include "launcher/supervise/bridge_process.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 
-#include <algorithm>
 #include <utility>
+#include <vector>
 
-#include "common/command_line/exit_status.h"
 #include "common/command_line/ros_flags.h"
 
 namespace troupe {
 namespace {
 
 constexpr const char* kServiceBridge = "ros-service-bridge";
-
-// s. A bridge that dies again and again is started ever more rarely, but each time: ROS clients wait for it.
-constexpr double kFirstBridgeDelay = 0.1;
-constexpr double kLongestBridgeDelay = 30.0;
-constexpr double kHealthyBridgeTime = 60.0;  // after this its delays begin anew
 
 }  // namespace
 
@@ -37,49 +30,14 @@ Status ChooseServiceClients(RunOptions& options) {
                            ros::ToString(*clients), kServiceBridge)};
 }
 
+BridgeProcess::BridgeProcess()
+    : SupervisedProcess({kServiceBridge, "the bridge of ROS services", "clients on rmw_fastrtps get no answers"}) {}
+
 Status BridgeProcess::Start(Host& host, const RunOptions& options) {
   if (!ros::UsesBridge(options.ros)) return Status();
-  host_ = &host;
-  arguments_ = {"--session=" + options.ros.session};
-  for (std::string& argument : RosArguments(options.ros)) arguments_.push_back(std::move(argument));
-  return StartProcess();
-}
-
-Status BridgeProcess::StartProcess() {
-  Result<std::unique_ptr<Child>> process = host_->Start(kServiceBridge, arguments_, false);
-  if (!process.ok()) return process.error();
-  process_ = std::move(process).value();
-  started_.reset();
-  return Status();
-}
-
-std::optional<std::string> BridgeProcess::Poll(double now) {
-  if (due_ && now >= *due_) {
-    due_.reset();
-    if (const Status status = StartProcess(); !status.ok()) return status.error().message;
-  }
-  if (!process_) return std::nullopt;
-  if (!started_) started_ = now;
-  if (!process_->Poll() || stopped_) return std::nullopt;
-  const std::string text =
-      fmt::format("the bridge of ROS services (process {}) {}", process_->pid(), process_->end()->ToString());
-  if (process_->end()->exit_code == kExitBadInput) return text + "; clients on rmw_fastrtps get no answers";
-  if (now - *started_ > kHealthyBridgeTime) delay_ = 0.0;
-  delay_ = std::clamp(2.0 * delay_, kFirstBridgeDelay, kLongestBridgeDelay);
-  due_ = now + delay_;
-  return text + "; it is started again";
-}
-
-void BridgeProcess::Stop() {
-  stopped_ = true;
-  due_.reset();
-  if (process_) process_->Signal(SIGTERM);
-}
-
-void BridgeProcess::Kill() {
-  stopped_ = true;
-  due_.reset();
-  if (process_) process_->Kill();
+  std::vector<std::string> arguments = {"--session=" + options.ros.session};
+  for (std::string& argument : RosArguments(options.ros)) arguments.push_back(std::move(argument));
+  return SupervisedProcess::Start(host, std::move(arguments));
 }
 
 }  // namespace troupe

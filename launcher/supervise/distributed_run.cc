@@ -14,6 +14,7 @@
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/agent_restarts.h"
 #include "launcher/supervise/bridge_process.h"
+#include "launcher/supervise/host_participants.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/run_hosts.h"
@@ -50,6 +51,7 @@ class DistributedRun {
   void SuperviseUntilServiceEnds();
   void StartViewer();
   void StartBridge(const ReadyReport& ready);
+  void StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites);
   void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
@@ -90,6 +92,7 @@ class DistributedRun {
   AgentFleet agents_;
   ViewerProcess viewer_;
   BridgeProcess bridge_;
+  HostParticipants participants_;
   AgentRestarts restarts_;  // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
@@ -113,7 +116,9 @@ void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
-  if (bridge_.NextDue()) wake = std::min(wake.value_or(*bridge_.NextDue()), *bridge_.NextDue());
+  for (const std::optional<double>& due : {bridge_.NextDue(), participants_.NextDue()}) {
+    if (due) wake = std::min(wake.value_or(*due), *due);
+  }
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
@@ -136,8 +141,10 @@ void DistributedRun::ProcessEvents() {
   if (signals_.ReadChildEnd() || !options_.hosts.empty()) ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
   const std::optional<std::string> bridge = bridge_.Poll(Seconds(Clock::now()));
+  const std::vector<std::string> participants = participants_.Poll(Seconds(Clock::now()));
   PrintOutput();
   if (bridge) progress_.Tell(*bridge);
+  for (const std::string& line : participants) progress_.Tell(line);
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
@@ -149,6 +156,7 @@ void DistributedRun::ProcessEvents() {
     agents_.Kill();
     viewer_.Kill();
     bridge_.Kill();
+    participants_.Kill();
   }
 }
 
@@ -201,7 +209,9 @@ void DistributedRun::React(const ReadyReport& ready) {
   }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
-  const Status started = agents_.Start(ready, addresses, hosts_.AgentSites(), sites.value());
+  std::vector<AgentSite> agent_sites = hosts_.AgentSites();
+  StartHostParticipants(ready, agent_sites);
+  const Status started = agents_.Start(ready, addresses, agent_sites, sites.value());
   if (!started.ok()) return Fail(FailedRun(started.error()));
   StartViewer();
   StartBridge(ready);
@@ -228,6 +238,14 @@ void DistributedRun::StartBridge(const ReadyReport& ready) {
   }
   const Status started = bridge_.Start(*hosts_.all().front(), options_);
   if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
+}
+
+// Before the agents, so that these find them. Without them the run is the same.
+void DistributedRun::StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites) {
+  const std::size_t processes = ready.robots.size() / std::max(1U, ready.robots_per_process);
+  if (!ready.ros || !ros::UsesHostParticipants(options_.ros, processes)) return;
+  const Status started = participants_.Start(sites, options_);
+  if (!started.ok()) progress_.Tell("cannot start the ROS participant of the robots: " + started.error().message);
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -361,8 +379,11 @@ void DistributedRun::AwaitProcesses() {
   if (!summary_) agents_.Signal(SIGTERM);
   viewer_.Stop();
   bridge_.Stop();
+  participants_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running() || bridge_.running()) ProcessEvents();
+  while (!agents_.all_ended() || viewer_.running() || bridge_.running() || participants_.running()) {
+    ProcessEvents();
+  }
   PrintOutput();
 }
 

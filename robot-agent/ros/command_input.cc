@@ -23,7 +23,7 @@ template <typename T>
 void CommandInput::Readers<T>::OpenMissing() {
   if (!reliable_ || best_effort_ || !reliable_->missed_writer()) return;
   best_effort_ = std::make_unique<ros::RosReader<T>>(node_, kTopic, ros::Commands(false), ros::Part::kBestEffortReader);
-  node_.participant->Announce();
+  node_.connection->Announce();
 }
 
 CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,

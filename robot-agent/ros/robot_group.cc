@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "common/ros/convert.h"
+#include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
+#include "common/ros_link/host_connection.h"
 
 namespace troupe {
 namespace {
@@ -16,6 +18,13 @@ constexpr const char* kNodeName = "robot";
 // The enclave of the participant is that of its first robot.
 std::string EnclaveOf(const RobotInGroup& robot) {
   return "/" + robot.in_ros.name;
+}
+
+std::unique_ptr<ros::RosConnection> Connect(const ros::RosOptions& options, const RobotInGroup& first) {
+  if (options.participant_socket.empty() || first.in_ros.alone) {
+    return std::make_unique<ros::RosParticipant>(options, EnclaveOf(first));
+  }
+  return std::make_unique<ros::HostConnection>(options.distribution, options.participant_socket);
 }
 
 }  // namespace
@@ -89,15 +98,15 @@ struct RobotGroup::Member {
 };
 
 RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots)
-    : participant_(options, EnclaveOf(robots.front())),
+    : connection_(Connect(options, robots.front())),
       by_id_(scene.world().robots.size()),
       interval_ns_(scene.world().interval_ns) {
-  participant_.WatchWriters();
+  connection_->WatchWriters();
   // Not by each process of a domain, because all would report the same.
   const bool alone = robots.front().in_ros.alone;
-  if (alone || robots.front().id.index() == 0) participant_.WatchDistributions();
+  if (alone || robots.front().id.index() == 0) connection_->WatchDistributions();
   for (const RobotInGroup& robot : robots) {
-    const ros::RosNode node = ros::MakeNode(participant_, robot.in_ros.node_namespace, kNodeName);
+    const ros::RosNode node = ros::MakeNode(*connection_, robot.in_ros.node_namespace, kNodeName);
     members_.push_back(std::make_unique<Member>(node, options, scene, robot));
     by_id_[robot.id.index()] = members_.back().get();
     if (log_) {
@@ -113,7 +122,7 @@ RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const
     map_.emplace(first, options);
     map_->ChangeWorld(scene);
   }
-  participant_.Announce();
+  connection_->Announce();
 }
 
 RobotGroup::~RobotGroup() = default;
@@ -123,6 +132,7 @@ RobotGroup::Member* RobotGroup::Find(RobotId id) {
 }
 
 ExternalCommand RobotGroup::CommandFor(RobotId id, Tick tick) {
+  connection_->Receive();
   Member& robot = *Find(id);
   ExternalCommand external;
   if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
@@ -142,9 +152,10 @@ void RobotGroup::PublishActions(const RobotView& robot) {
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
   // Until the first reader comes: to ask all writers in vain would take an agent among many a quarter of its time,
   // because each has a place of its own in memory. The first call writes the static transforms.
-  if (!std::exchange(shown_, true) || participant_.reader_count() > 0) ShowRobots(tick, robots);
+  if (!std::exchange(shown_, true) || connection_->reader_count() > 0) ShowRobots(tick, robots);
   if (clock_) clock_->Show(tick, interval_ns_, false);
   if (map_) map_->Poll();
+  connection_->Flush();
 }
 
 void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots) {
@@ -181,7 +192,7 @@ void RobotGroup::Restart() {
 }
 
 std::vector<std::string> RobotGroup::DrainReports() {
-  std::vector<std::string> reports = participant_.DrainMismatches();
+  std::vector<std::string> reports = connection_->DrainMismatches();
   Log(*members_.front(), reports, 0);
   for (const auto& robot : members_) {
     const std::size_t logged = reports.size();
@@ -190,6 +201,7 @@ std::vector<std::string> RobotGroup::DrainReports() {
     for (std::string& report : robot->radios.DrainReports()) reports.push_back(std::move(report));
     Log(*robot, reports, logged);
   }
+  connection_->Flush();
   return reports;
 }
 
@@ -200,7 +212,7 @@ void RobotGroup::Log(const Member& robot, const std::vector<std::string>& report
 }
 
 bool RobotGroup::HasNewReader() {
-  const std::uint64_t count = participant_.reader_count();
+  const std::uint64_t count = connection_->reader_count();
   return count != std::exchange(readers_seen_, count);
 }
 

@@ -1,4 +1,4 @@
-// RobotGroup: the robots of an agent in one ROS domain: one participant, a node for each robot, and the transforms that
+// RobotGroup: the robots of an agent in one ROS domain: one connection, a node for each robot, and the transforms that
 // they share. A robot in a domain of its own has a group of its own, with /clock and /map.
 #pragma once
 
@@ -29,7 +29,9 @@ struct RobotInGroup {
 
 class RobotGroup {
  public:
-  // `options`: with the group's domain. REQUIRES: `robots` is not empty; the scene outlives the group.
+  // `options`: with the group's domain. The connection leads through the participant of the host, where options name
+  // its socket and the robots have no domain of their own. REQUIRES: `robots` is not empty; the scene outlives the
+  // group.
   RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots);
   ~RobotGroup();
 
@@ -54,7 +56,7 @@ class RobotGroup {
   // Those from the index `first` on, as lines of the robot's node.
   void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
 
-  ros::RosParticipant participant_;
+  std::unique_ptr<ros::RosConnection> connection_;
   std::uint64_t readers_seen_ = 0;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<Member*> by_id_;  // null for all other robots of the world

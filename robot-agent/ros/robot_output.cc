@@ -47,7 +47,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
   }
   for (const ros::SonarTopic& topic : topics.sonars) {
     // All sensors of a ranger share the topic.
-    const dds::Qos qos = ros::Stream(kOutputDepth * static_cast<std::int32_t>(topic.sensors.size()));
+    const ros::TopicQos qos = ros::Stream(kOutputDepth * static_cast<std::int32_t>(topic.sensors.size()));
     Sonar sonar{topic, nullptr, nullptr, nullptr};
     sonar.points =
         std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points", ros::Stream(kOutputDepth));

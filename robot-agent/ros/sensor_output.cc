@@ -26,7 +26,7 @@ bool IsPressed(const SensorReading& reading) {
 SensorOutput::SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId robot, const ros::FrameNames& frames)
     : scene_(&scene), id_(robot), prefix_(frames.prefix) {
   const ros::SensorTopics topics = ros::SensorTopicsOf(scene.world().robot(robot));
-  const dds::Qos images = ros::Stream(kImageDepth);
+  const ros::TopicQos images = ros::Stream(kImageDepth);
   for (const ros::KindTopic& topic : topics.cameras) {
     Camera camera{topic, nullptr, nullptr, nullptr, nullptr};
     camera.colors = std::make_unique<ros::RosWriter<ros::ImageMessage>>(node, topic.topic + "/image_raw", images);
@@ -40,7 +40,7 @@ SensorOutput::SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId
     clouds_.push_back({topic, std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points",
                                                                                  ros::Stream(kImageDepth))});
   }
-  const dds::Qos stream = ros::Stream(kSensorDepth);
+  const ros::TopicQos stream = ros::Stream(kSensorDepth);
   for (const ros::KindTopic& topic : topics.finders) {
     finders_.push_back(
         {topic, std::make_unique<ros::RosWriter<ros::Detection3dArray>>(node, topic.topic + "/detections", stream)});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/ids.h"
+#include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_qos.h"
 #include "common/ros_dds/simulation_types.h"

@@ -67,6 +67,8 @@ class RosEditRun {
       EXPECT_TRUE(Eventually([&] { return graph_.Topics("/" + robot + "/").contains("/" + robot + "/odom"); }));
     }
   }
+  // Of other programs in the ROS domain.
+  std::size_t participants() { return graph_.Participants(); }
   void ExpectNoTopicsOf(const std::string& robot) {
     EXPECT_TRUE(Eventually([&] { return graph_.Topics("/" + robot + "/").empty(); }))
         << testing::PrintToString(graph_.Topics("/" + robot + "/"));
@@ -74,11 +76,9 @@ class RosEditRun {
 
   // The processes of agents that simulate a robot.
   std::vector<pid_t> AgentsOf(const std::string& robot) const { return Children("--robot=" + robot + " "); }
-  pid_t Service() const {
-    const std::vector<pid_t> services = Children("/world-service ");
-    EXPECT_EQ(services.size(), 1u);
-    return services.empty() ? 0 : services.front();
-  }
+  pid_t Service() const { return Only("/world-service "); }
+  // That of this host, which its robots share.
+  pid_t Participant() const { return Only("/ros-participant "); }
 
   void End() {
     run_.Signal(SIGINT);
@@ -112,6 +112,11 @@ class RosEditRun {
       if ((CommandLineOf(child) + " ").find(part) != std::string::npos) children.push_back(child);
     }
     return children;
+  }
+  pid_t Only(const std::string& part) const {
+    const std::vector<pid_t> children = Children(part);
+    EXPECT_EQ(children.size(), 1u);
+    return children.empty() ? 0 : children.front();
   }
   ControlReply Edit(ControlCommand command, const std::string& name = "", const std::string& source = "",
                     const Pose& pose = {}) {

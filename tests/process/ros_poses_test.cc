@@ -13,6 +13,7 @@
 #include "common/dds/tools/control_client.h"
 #include "common/ros/convert.h"
 #include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"

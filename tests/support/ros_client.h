@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <string>
 
+#include "common/dds/binding/data_reader.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_service.h"
 #include "tests/support/dds_domain.h"
 
@@ -20,8 +23,8 @@ class Client {
       : id_(id),
         request_topic_(participant.participant(), "rq" + service + "Request"),
         response_topic_(participant.participant(), "rr" + service + "Reply"),
-        writer_(participant.publisher(), request_topic_, ros::Service()),
-        reader_(participant.subscriber(), response_topic_, ros::Service()) {}
+        writer_(participant.publisher(), request_topic_, ros::ToDds(ros::Service())),
+        reader_(participant.subscriber(), response_topic_, ros::ToDds(ros::Service())) {}
 
   // Sends the request, waits for its response and passes that to `check`.
   template <typename Check>

@@ -32,10 +32,32 @@ class RosGraph {
     });
     std::vector<std::string> all;
     for (const auto& [guid, nodes] : nodes_) {
-      if (present.contains(guid)) all.insert(all.end(), nodes.begin(), nodes.end());
+      if (!present.contains(guid)) continue;
+      for (const Node& node : nodes) all.push_back(node.name);
     }
     std::sort(all.begin(), all.end());
     return all;
+  }
+  bool HasNode(const std::string& name) {
+    const std::vector<std::string> nodes = Nodes();
+    return std::find(nodes.begin(), nodes.end(), name) != nodes.end();
+  }
+  // Without that of this object.
+  std::size_t Participants() {
+    std::size_t count = 0;
+    ForEachAlive<dds_builtintopic_participant_t>(participants_,
+                                                 [&count](const dds_builtintopic_participant_t&) { ++count; });
+    return count - 1;
+  }
+  // How many writers are listed as those of the node.
+  std::size_t WritersOf(const std::string& name) {
+    ReadInfos();
+    for (const auto& [guid, nodes] : nodes_) {
+      for (const Node& node : nodes) {
+        if (node.name == name) return node.writers;
+      }
+    }
+    return 0;
   }
 
   // "/r0/odom": the topics below `prefix` that have a writer.
@@ -69,6 +91,10 @@ class RosGraph {
  private:
   using Info = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
   using Guid = std::array<std::uint8_t, 16>;
+  struct Node {
+    std::string name;
+    std::size_t writers;
+  };
   static constexpr std::uint32_t kMost = 10000;
 
   template <typename Byte>
@@ -84,11 +110,11 @@ class RosGraph {
       if (samples.empty()) return;
       for (const auto sample : samples) {
         if (!sample.info().valid()) continue;
-        std::vector<std::string>& nodes = nodes_[GuidOf(sample.data().gid.data)];
+        std::vector<Node>& nodes = nodes_[GuidOf(sample.data().gid.data)];
         nodes.clear();
         for (const auto& node : dds::Elements(sample.data().node_entities_info_seq)) {
           const std::string space = node.node_namespace;
-          nodes.push_back((space == "/" ? "" : space) + "/" + node.node_name);
+          nodes.push_back({(space == "/" ? "" : space) + "/" + node.node_name, node.writer_gid_seq._length});
         }
       }
     }
@@ -114,11 +140,11 @@ class RosGraph {
 
   ros::RosParticipant participant_;
   dds::Topic<Info> topic_{participant_.participant(), "ros_discovery_info"};
-  dds::DataReader<Info> infos_{participant_.subscriber(), topic_, ros::Latched(1000)};
+  dds::DataReader<Info> infos_{participant_.subscriber(), topic_, ros::ToDds(ros::Latched(1000))};
   dds::Entity participants_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPARTICIPANT);
   dds::Entity publications_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   dds::Entity subscriptions_ = BuiltinReader(DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
-  std::map<Guid, std::vector<std::string>> nodes_;  // by the participant that announced them
+  std::map<Guid, std::vector<Node>> nodes_;  // by the participant that announced them
 };
 
 }  // namespace troupe::test

@@ -32,7 +32,7 @@ if(count LESS 5)
   message(FATAL_ERROR "found the subcommands ${subcommands}")
 endif()
 list(TRANSFORM subcommands REPLACE "\n  (.*)" "troupe-\\1")
-set(programs troupe world-service robot-agent)
+set(programs troupe world-service robot-agent ros-participant)
 if(EXISTS ${PREFIX}/bin/ros-service-bridge)  # which not every build has
   list(APPEND programs ros-service-bridge)
 endif()

@@ -11,6 +11,7 @@
 #include "robot-agent/agent/replica.h"
 #include "robot-agent/ros/ros_gateway.h"
 #include "tests/support/gripper_world.h"
+#include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
@@ -48,11 +49,12 @@ GripperWorld MakeWorld() {
   return world;
 }
 
-class ManipulatorPortTest : public testing::Test {
+class ManipulatorPortTest : public testing::TestWithParam<ros::ParticipantScope> {
  protected:
   ManipulatorPortTest() {
-    Result<std::unique_ptr<Replica>> replica =
-        Replica::Create(world_.world, {}, {}, {}, MakeRosGateway(TestRosOptions()));
+    ros::RosOptions options = TestRosOptions();
+    if (GetParam() == ros::ParticipantScope::kHost) options.participant_socket = host_.emplace(options).socket();
+    Result<std::unique_ptr<Replica>> replica = Replica::Create(world_.world, {}, {}, {}, MakeRosGateway(options));
     replica_ = std::move(replica).value();
   }
 
@@ -75,7 +77,7 @@ class ManipulatorPortTest : public testing::Test {
   template <typename Obeyed>
   void Command(const std::string& topic, double value, const Obeyed& obeyed) {
     dds::Topic<ros::Float64> name(participant_.participant(), "rt" + topic);
-    dds::DataWriter<ros::Float64> writer(participant_.publisher(), name, ros::Stream(1));
+    dds::DataWriter<ros::Float64> writer(participant_.publisher(), name, ros::ToDds(ros::Stream(1)));
     ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count > 0; }));
     writer.write({value});
     ASSERT_TRUE(writer.wait_for_acknowledgments(20.0));
@@ -120,6 +122,7 @@ class ManipulatorPortTest : public testing::Test {
   GripperWorld world_ = MakeWorld();
   Scene scene_{world_.world};
   WorldState state_ = PlacedState(world_.world);
+  std::optional<HostParticipant> host_;
   std::unique_ptr<Replica> replica_;
   SendGoal send_goal_{participant_, "/a/gripper/gripper_cmd/_action/send_goal"};
   GetResult get_result_{participant_, "/a/gripper/gripper_cmd/_action/get_result"};
@@ -127,7 +130,9 @@ class ManipulatorPortTest : public testing::Test {
   std::vector<std::string> reports_;
 };
 
-TEST_F(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
+INSTANTIATE_TEST_SUITE_P(Scopes, ManipulatorPortTest, AllScopes(), ScopeName);
+
+TEST_P(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   Command("/a/gripper/command", 0.2, [&] { return opening() < 0.2 + 1e-9; });
   EXPECT_NEAR(opening(), 0.2, 1e-9);
   EXPECT_NEAR(position(1), position(2), 1e-12);
@@ -142,7 +147,7 @@ TEST_F(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   EXPECT_THAT(reports_, testing::IsEmpty());
 }
 
-TEST_F(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
+TEST_P(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
   const double kInfinity = std::numeric_limits<double>::infinity();
   for (const char* topic : {"/a/gripper/command", "/a/gripper/lift/command", "/a/arm/command"}) {
     const std::size_t before = reports_.size();
@@ -155,7 +160,7 @@ TEST_F(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
                                              "/a/arm/command: ignored a command that is not finite (1 so far)"));
 }
 
-TEST_F(ManipulatorPortTest, PublishesTheStateOfAGripper) {
+TEST_P(ManipulatorPortTest, PublishesTheStateOfAGripper) {
   ros::RosReader<ros::String> states(peer_, "/a/gripper/state", ros::Stream(10));
   nlohmann::json last;
   Command("/a/gripper/command", 0.0, [&] {
@@ -167,7 +172,7 @@ TEST_F(ManipulatorPortTest, PublishesTheStateOfAGripper) {
   EXPECT_NEAR(opening(), 0.1, 1e-9);
 }
 
-TEST_F(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
+TEST_P(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   ros::RosReader<Feedback> feedback(peer_, "/a/gripper/gripper_cmd/_action/feedback", ros::Stream(100));
   ros::RosReader<Statuses> status(peer_, "/a/gripper/gripper_cmd/_action/status", ros::Latched());
   std::vector<double> positions;
@@ -201,7 +206,7 @@ TEST_F(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   EXPECT_EQ(ResultAfterTicks().status, 0) << "an unknown goal";
 }
 
-TEST_F(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
+TEST_P(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
   ASSERT_TRUE(SendGoalOf(0.0, 1));
   AskForResultOf(1);
   const auto response = ResultAfterTicks();
@@ -212,7 +217,7 @@ TEST_F(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
   EXPECT_TRUE(state_.objects[0].holder);
 }
 
-TEST_F(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
+TEST_P(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   for (const double opening : {std::nan(""), -0.1, 0.31, std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(SendGoalOf(opening, 1)) << opening;
   }
@@ -223,7 +228,7 @@ TEST_F(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   EXPECT_EQ(reports_[0], "/a/gripper/gripper_cmd: refused a goal of 0.1 m, expected 0 to 0.3 (5 so far)");
 }
 
-TEST_F(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
+TEST_P(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(3);
   action_msgs_srv_dds__CancelGoal_Request_ request{};
@@ -245,7 +250,7 @@ TEST_F(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
   cancel_goal_.Call(request, [](const auto& answer) { EXPECT_EQ(answer.return_code, 2); });
 }
 
-TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
+TEST_P(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
   Pause();
   ASSERT_TRUE(SendGoalOf(0.28, 1));
   AskForResultOf(1);
@@ -260,7 +265,7 @@ TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
       Eventually([&] { return get_result_.Receive([](const auto& response) { EXPECT_EQ(response.status, 4); }); }));
 }
 
-TEST_F(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
+TEST_P(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(2);
   Command("/a/gripper/command", kLargest, [&] { return opening() == kLargest; });

@@ -5,6 +5,7 @@
 
 #include "common/ros_dds/type_description_service.h"
 #include "common/ros_dds/type_hash.h"
+#include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
@@ -14,15 +15,17 @@ namespace {
 using test::Client;
 using testing::ElementsAre;
 
-class ParameterServicesTest : public testing::Test {
+class ParameterServicesTest : public testing::TestWithParam<ParticipantScope> {
  protected:
-  RosParticipant server_{test::TestRosOptions()};
-  RosNode node_ = MakeNode(server_, "/r0", "robot");
+  test::TestConnection server_{GetParam()};
+  RosNode node_ = MakeNode(*server_, "/r0", "robot");
   ParameterServices services_{node_, "robot", {{"use_sim_time", true}, {"speed", 0.5}, {"who", "r0"}}};
   RosParticipant client_{test::TestRosOptions()};
 };
 
-TEST_F(ParameterServicesTest, ListsAndGets) {
+INSTANTIATE_TEST_SUITE_P(Scopes, ParameterServicesTest, test::AllScopes(), test::ScopeName);
+
+TEST_P(ParameterServicesTest, ListsAndGets) {
   Client<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list(
       client_, "/r0/robot/list_parameters");
   list.Call({}, [](const auto& response) {
@@ -46,7 +49,7 @@ TEST_F(ParameterServicesTest, ListsAndGets) {
   });
 }
 
-TEST_F(ParameterServicesTest, DescribesAndListsTypes) {
+TEST_P(ParameterServicesTest, DescribesAndListsTypes) {
   dds::WireArena arena;
   Client<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_> types(
       client_, "/r0/robot/get_parameter_types");
@@ -64,7 +67,7 @@ TEST_F(ParameterServicesTest, DescribesAndListsTypes) {
   });
 }
 
-TEST_F(ParameterServicesTest, RefusesChanges) {
+TEST_P(ParameterServicesTest, RefusesChanges) {
   Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
       client_, "/r0/robot/set_parameters");
   dds::WireArena arena;
@@ -87,7 +90,7 @@ TEST_F(ParameterServicesTest, RefusesChanges) {
   });
 }
 
-TEST_F(ParameterServicesTest, AnnouncesParametersThatAreSet) {
+TEST_P(ParameterServicesTest, AnnouncesParametersThatAreSet) {
   const RosNode node = MakeNode(client_, "/", "peer");
   RosReader<rcl_interfaces_msg_dds__ParameterEvent_> events(node, "/parameter_events", Stream(100));
   Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
@@ -111,7 +114,7 @@ TEST_F(ParameterServicesTest, AnnouncesParametersThatAreSet) {
   EXPECT_EQ(changed.front(), "use_sim_time");
 }
 
-TEST_F(ParameterServicesTest, TypesAreDescribedFromJazzyOn) {
+TEST_P(ParameterServicesTest, TypesAreDescribedFromJazzyOn) {
   const TypeDescriptionService service(node_, "robot");
   using Request = type_description_interfaces_srv_dds__GetTypeDescription_Request_;
   using Response = type_description_interfaces_srv_dds__GetTypeDescription_Response_;

@@ -10,6 +10,7 @@
 #include "common/ros_dds/discovery_relay.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_network.h"
+#include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"

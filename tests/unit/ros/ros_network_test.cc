@@ -11,6 +11,7 @@
 
 #include "common/dds/binding/exception.h"
 #include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_participant.h"
 #include "common/ros_dds/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "common/ros_dds/simulation_types.h"
+#include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
@@ -15,11 +16,11 @@ using Request = simulation_interfaces_srv_dds__GetSimulationState_Request_;
 using Response = simulation_interfaces_srv_dds__GetSimulationState_Response_;
 using StateClient = test::Client<Request, Response>;
 
-class RosServiceTest : public testing::Test {
+class RosServiceTest : public testing::TestWithParam<ParticipantScope> {
  protected:
   std::atomic<int> calls_ = 0;
-  RosParticipant server_{test::TestRosOptions()};
-  RosNode node_ = MakeNode(server_, "/", "node");
+  test::TestConnection server_{GetParam()};
+  RosNode node_ = MakeNode(*server_, "/", "node");
   RosService<Request, Response> service_{node_, "/state", [this](const RosCaller& caller, const Request&) {
                                            ++calls_;
                                            Response response{};
@@ -29,12 +30,14 @@ class RosServiceTest : public testing::Test {
                                          }};
 };
 
+INSTANTIATE_TEST_SUITE_P(Scopes, RosServiceTest, test::AllScopes(), test::ScopeName);
+
 void ExpectAnswer(const Response& response) {
   EXPECT_EQ(response.result.result, 1);
 }
 
 // Of a client that shares the service with others: they go on calling meanwhile.
-TEST_F(RosServiceTest, AResponseThatIsLostIsSentAgain) {
+TEST_P(RosServiceTest, AResponseThatIsLostIsSentAgain) {
   const RosParticipant unlucky(test::TestRosOptions());
   const RosParticipant lucky(test::TestRosOptions());
   StateClient client(unlucky, "/state");

@@ -11,7 +11,8 @@ RobotListOutput::RobotListOutput(ros::RosParticipant& participant, const ros::Ro
       participant_(participant),
       topic_(participant.participant(), ros::kRobotListTopic),
       writer_(participant.service_publisher(), topic_,
-              ros::Latched() << ros::TypeUserData<ros::String>(options.distribution)) {}
+              ros::ToDds(ros::Latched()) << ros::TypeUserData(options.distribution,
+                                                              *dds::TopicTraits<ros::String>::descriptor())) {}
 
 void RobotListOutput::ChangeWorld(const WorldDescription& world) {
   const ros::RobotList list = RobotListOf(world, options_);

@@ -1,0 +1,108 @@
+// Link: the messages between an agent and the program ros-participant of its host, over a connected Unix socket. Both
+// are of one build, which the first message states.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace troupe::ros {
+
+enum class LinkKind : std::uint8_t {
+  // To the participant. `id` is that of a node, or of an endpoint; the agent chooses both.
+  kHello,         // the version, as text; the first message
+  kAddNode,       // a NodeText
+  kMakeWriter,    // an EndpointText, as those below
+  kMakeReader,    //
+  kMakeService,   //
+  kStartService,  //
+  kShareWriter,   // a NodeNumber: lists the writer as one of this node, too
+  kRemove,        // the endpoint has ended
+  kAnnounce,
+  kWatchWriters,
+  kWatchDistributions,
+  kWrite,    // a sample, as CDR
+  kRespond,  // a response, as CDR
+  // To the agent.
+  kWanted,    // a WantedContent: of a writer
+  kSample,    // of a reader, as CDR
+  kMissed,    // a reader needs another one for best-effort writers
+  kRequest,   // of a service, as CDR
+  kMismatch,  // a line for the log of the run
+};
+inline constexpr LinkKind kLastLinkKind = LinkKind::kMismatch;
+
+struct LinkMessage {
+  LinkKind kind;
+  std::uint32_t id = 0;
+  std::span<const std::byte> content;  // valid during the call
+};
+
+// Of kWanted.
+struct WantedContent {
+  bool wanted = false;  // the writer has a reader
+  bool is_new = false;  // one has come
+};
+
+class Link {
+ public:
+  static constexpr std::size_t kLargestContent = std::size_t{64} << 20;
+
+  // Owns the descriptor.
+  explicit Link(int descriptor);
+  ~Link();
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  int descriptor() const { return descriptor_; }
+
+  // Adds a message to those that Flush sends. REQUIRES: content is not larger than kLargestContent. From any thread, as
+  // the two below.
+  void Add(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
+  // Sends as much as the socket takes, without waiting. False: the other side has gone.
+  bool Flush();
+  // Bytes that are still to be sent.
+  std::size_t pending() const;
+
+  // Calls receive(LinkMessage) for each message that has arrived, without waiting. False: the other side has gone, or
+  // it has sent bytes that are no messages. From one thread at a time.
+  template <typename Function>
+  bool Receive(const Function& receive) {
+    const bool open = ReadArrived();
+    std::size_t at = 0;
+    for (;;) {
+      const std::size_t left = received_.size() - at;
+      Header header;
+      if (left < sizeof header) break;
+      std::memcpy(&header, received_.data() + at, sizeof header);
+      if (header.size > kLargestContent || header.kind > static_cast<std::uint32_t>(kLastLinkKind)) return false;
+      if (left < sizeof header + header.size) break;
+      receive(LinkMessage{static_cast<LinkKind>(header.kind), header.id,
+                          std::span(received_).subspan(at + sizeof header, header.size)});
+      at += sizeof header + header.size;
+    }
+    received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(at));
+    return open;
+  }
+
+ private:
+  struct Header {
+    std::uint32_t size = 0;  // of the content, in bytes
+    std::uint32_t kind = 0;
+    std::uint32_t id = 0;
+  };
+
+  bool ReadArrived();
+
+  const int descriptor_;
+  mutable std::mutex mutex_;  // guards the two below
+  std::vector<std::byte> output_;
+  std::size_t sent_ = 0;             // bytes at its begin
+  std::vector<std::byte> chunk_;     // of one read
+  std::vector<std::byte> received_;  // not yet a whole message
+};
+
+}  // namespace troupe::ros

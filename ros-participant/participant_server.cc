@@ -1,0 +1,146 @@
+#include "ros-participant/participant_server.h"
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "common/ros_link/socket_name.h"
+
+namespace troupe::ros {
+namespace {
+
+// The list of all nodes is one sample, so those of agents that start together are announced together, and the more
+// agents there are the more of them.
+constexpr auto kAnnounceDelay = std::chrono::milliseconds(20);
+constexpr auto kAnnounceDelayOfAgent = std::chrono::microseconds(200);
+constexpr auto kCheckInterval = std::chrono::milliseconds(500);
+
+[[noreturn]] void Throw(const std::string& doing) {
+  throw std::runtime_error(doing + ": " + std::strerror(errno));
+}
+
+}  // namespace
+
+ParticipantServer::ParticipantServer(const RosOptions& options, const WakeEvent& stop,
+                                     std::function<void(const std::string&)> report)
+    : stop_(stop), report_(std::move(report)), participant_(options), check_at_(Clock::now() + kCheckInterval) {
+  participant_.WatchWriters();
+  events_ = epoll_create1(EPOLL_CLOEXEC);
+  if (events_ < 0) Throw("waiting for agents");
+  const Result<int> listening = Listen(options.participant_socket);
+  if (!listening.ok()) throw std::runtime_error(listening.error().message);
+  listening_ = listening.value();
+  for (const int descriptor : {listening_, wake_.descriptor(), stop_.descriptor()}) {
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.fd = descriptor;
+    if (epoll_ctl(events_, EPOLL_CTL_ADD, descriptor, &event) != 0) Throw("waiting for agents");
+  }
+}
+
+ParticipantServer::~ParticipantServer() {
+  agents_.clear();
+  for (const int descriptor : {listening_, events_}) {
+    if (descriptor >= 0) close(descriptor);
+  }
+}
+
+void ParticipantServer::Run() {
+  std::array<epoll_event, 64> ready{};
+  for (;;) {
+    const int count = epoll_wait(events_, ready.data(), static_cast<int>(ready.size()), WaitMilliseconds());
+    if (count < 0 && errno != EINTR) Throw("waiting for agents");
+    for (int i = 0; i < count; ++i) {
+      const int descriptor = ready[static_cast<std::size_t>(i)].data.fd;
+      if (descriptor == stop_.descriptor()) return;
+      if (descriptor == listening_) {
+        AcceptAgents();
+      } else if (descriptor == wake_.descriptor()) {
+        wake_.Clear();
+        // The agent is not known: all that have something to send.
+        for (const auto& [connection, agent] : agents_) Watch(connection, agent->has_output());
+      } else {
+        Process(descriptor);
+      }
+    }
+    AnnounceIfDue();
+    CheckIfDue();
+  }
+}
+
+void ParticipantServer::AcceptAgents() {
+  for (;;) {
+    const int connection = Accept(listening_);
+    if (connection < 0) return;
+    agents_[connection] =
+        std::make_unique<AgentEndpoints>(participant_, pools_, connection, [this] { wake_.Signal(); });
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.fd = connection;
+    if (epoll_ctl(events_, EPOLL_CTL_ADD, connection, &event) != 0) Throw("waiting for an agent");
+  }
+}
+
+void ParticipantServer::Process(int connection) {
+  const auto found = agents_.find(connection);
+  if (found == agents_.end()) return;
+  AgentEndpoints& agent = *found->second;
+  const bool goes_on = agent.Process();
+  bool changed = agent.TakeAnnouncement();
+  if (goes_on) {
+    Watch(connection, agent.has_output());
+  } else {
+    if (!agent.problem().empty()) report_("a connection was closed: " + agent.problem());
+    changed = changed || agent.has_nodes();
+    agents_.erase(found);
+  }
+  if (changed)
+    announce_at_ = std::min(announce_at_,
+                            Clock::now() + kAnnounceDelay + static_cast<int>(agents_.size()) * kAnnounceDelayOfAgent);
+}
+
+void ParticipantServer::Watch(int connection, bool output) const {
+  epoll_event event{};
+  event.events = output ? EPOLLIN | EPOLLOUT : EPOLLIN;
+  event.data.fd = connection;
+  epoll_ctl(events_, EPOLL_CTL_MOD, connection, &event);
+}
+
+void ParticipantServer::AnnounceIfDue() {
+  if (Clock::now() < announce_at_) return;
+  announce_at_ = Clock::time_point::max();
+  participant_.Announce();
+}
+
+void ParticipantServer::CheckIfDue() {
+  if (Clock::now() < check_at_) return;
+  check_at_ = Clock::now() + kCheckInterval;
+  PassMismatches();
+  pools_.EndThoseUntil(Clock::now());
+}
+
+// To the agent that reads the topic; of another distribution, to the one that asked.
+void ParticipantServer::PassMismatches() {
+  for (const Mismatch& mismatch : participant_.DrainMismatchesOfTopics()) {
+    for (const auto& [connection, agent] : agents_) {
+      const bool is_of_topic = mismatch.topic.empty() ? agent->watches_distributions() : agent->Reads(mismatch.topic);
+      if (!is_of_topic) continue;
+      agent->Report(mismatch.report);
+      break;
+    }
+  }
+}
+
+int ParticipantServer::WaitMilliseconds() const {
+  const auto left = std::min(announce_at_, check_at_) - Clock::now();
+  return std::max(0, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(left).count()) + 1);
+}
+
+}  // namespace troupe::ros

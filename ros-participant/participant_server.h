@@ -1,0 +1,53 @@
+// ParticipantServer: the participant of a host in a ROS domain, and the agents that use it, each over a connection.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/wake_event.h"
+#include "common/ros/ros_options.h"
+#include "common/ros_dds/ros_participant.h"
+#include "ros-participant/agent_endpoints.h"
+
+namespace troupe::ros {
+
+class ParticipantServer {
+ public:
+  // `stop` ends Run from any thread. `report`: receives problems, one line each. Throws dds::Exception when DDS cannot
+  // start, and std::runtime_error when the socket of the options cannot be listened at.
+  ParticipantServer(const RosOptions& options, const WakeEvent& stop, std::function<void(const std::string&)> report);
+  ~ParticipantServer();
+  ParticipantServer(const ParticipantServer&) = delete;
+  ParticipantServer& operator=(const ParticipantServer&) = delete;
+
+  // Serves agents until the stop event.
+  void Run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void AcceptAgents();
+  void Process(int connection);
+  void Watch(int connection, bool output) const;
+  void AnnounceIfDue();
+  void CheckIfDue();
+  void PassMismatches();
+  int WaitMilliseconds() const;
+
+  const WakeEvent& stop_;
+  const WakeEvent wake_;  // an agent has output
+  const std::function<void(const std::string&)> report_;
+  RosParticipant participant_;
+  int listening_ = -1;
+  int events_ = -1;  // of epoll
+  EndpointPools pools_;
+  std::map<int, std::unique_ptr<AgentEndpoints>> agents_;     // by descriptor
+  Clock::time_point announce_at_ = Clock::time_point::max();  // the nodes have changed
+  Clock::time_point check_at_;                                // for mismatches and endpoints without an agent
+};
+
+}  // namespace troupe::ros

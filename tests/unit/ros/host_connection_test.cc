@@ -1,0 +1,268 @@
+// The ways in which a connection through the participant of a host differs from a participant of the process' own:
+// either side may end, or send nonsense. All else is tested for both, in the tests with AllScopes.
+#include "common/ros_link/host_connection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/version.h"
+#include "common/dds/binding/wire.h"
+#include "common/ros_dds/ros_endpoints.h"
+#include "common/ros_dds/ros_participant.h"
+#include "common/ros_link/link.h"
+#include "common/ros_link/socket_name.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/host_participant.h"
+#include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
+
+namespace troupe::ros {
+namespace {
+
+using test::Eventually;
+using testing::HasSubstr;
+
+std::span<const std::byte> BytesOf(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+
+class HostConnectionTest : public testing::Test {
+ protected:
+  std::unique_ptr<HostConnection> Connect() const {
+    return std::make_unique<HostConnection>(options_.distribution, host_.socket());
+  }
+  // A connection of a program that may send anything.
+  std::unique_ptr<Link> Stranger() const {
+    const Result<int> connected = ros::Connect(host_.socket());
+    return std::make_unique<Link>(connected.value());
+  }
+  // Whether the other side ends the connection.
+  static bool IsEnded(Link& link) {
+    return Eventually([&link] { return !link.Receive([](const LinkMessage&) {}); });
+  }
+  template <typename T>
+  RosReader<T> Reader(const std::string& topic, const TopicQos& qos) {
+    return RosReader<T>(peer_, topic, qos);
+  }
+
+  RosOptions options_ = test::TestRosOptions();
+  RosParticipant participant_{options_};
+  RosNode peer_ = MakeNode(participant_, "/", "peer");
+  test::HostParticipant host_{options_};
+};
+
+// The newest text of a reader, when there is one.
+std::string Next(RosReader<String>& reader) {
+  std::string text;
+  EXPECT_TRUE(Eventually([&] {
+    reader.Drain([&](const String& message) { text = dds::Text(message.data); });
+    return !text.empty();
+  }));
+  return text;
+}
+
+void Write(RosWriter<String>& writer, const std::string& text) {
+  dds::WireArena arena;
+  writer.Write({arena.Copy(text)});
+}
+
+TEST_F(HostConnectionTest, EndpointsThatAreOlderThanTheParticipantAreMadeThere) {
+  host_.End();
+  const std::unique_ptr<HostConnection> connection = Connect();
+  const RosNode node = MakeNode(*connection, "/a", "robot");
+  RosWriter<String> writer(node, "description", Latched());
+  Write(writer, "early");
+  connection->Announce();
+  EXPECT_FALSE(writer.wanted());
+  host_.Start();
+  RosReader<String> reader = Reader<String>("/a/description", Latched());
+  EXPECT_EQ(Next(reader), "early");
+  EXPECT_TRUE(Eventually([&] { return writer.wanted(); }));
+}
+
+TEST_F(HostConnectionTest, EndpointsReturnWithANewParticipant) {
+  const std::unique_ptr<HostConnection> connection = Connect();
+  const RosNode node = MakeNode(*connection, "/a", "robot");
+  RosWriter<String> latched(node, "description", Latched());
+  RosWriter<String> stream(node, "events", Stream(10));
+  RosReader<Float64> commands(node, "command", Commands(true));
+  connection->Announce();
+  Write(latched, "first");
+  Write(latched, "second");
+  connection->Flush();
+  test::RosGraph graph(options_);
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
+  RosReader<String> events = Reader<String>("/a/events", Stream(10));
+  EXPECT_TRUE(Eventually([&] { return stream.wanted(); }));
+  const std::uint64_t readers = connection->reader_count();
+
+  host_.End();
+  EXPECT_TRUE(Eventually([&] { return !stream.wanted(); }));
+  EXPECT_TRUE(Eventually([&] { return !graph.HasNode("/a/robot"); }));
+  Write(stream, "lost");
+  host_.Start();
+  EXPECT_TRUE(Eventually([&] { return stream.wanted(); }));
+  EXPECT_GT(connection->reader_count(), readers) << "the robot's topics are repeated in a pause";
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
+  Write(stream, "kept");
+  connection->Flush();
+  EXPECT_EQ(Next(events), "kept");
+  RosReader<String> late = Reader<String>("/a/description", Latched());
+  EXPECT_EQ(Next(late), "second");
+
+  RosWriter<Float64> commander(peer_, "/a/command", Stream(1));
+  EXPECT_TRUE(Eventually([&] { return commander.wanted(); }));
+  commander.Write({0.5});
+  double commanded = 0.0;
+  EXPECT_TRUE(Eventually([&] {
+    connection->Receive();
+    commands.Drain([&](const Float64& message) { commanded = message.data; });
+    return commanded != 0.0;
+  }));
+  EXPECT_EQ(commanded, 0.5);
+}
+
+TEST_F(HostConnectionTest, TheNodesOfAnAgentEndWithIt) {
+  test::RosGraph graph(options_);
+  const std::unique_ptr<HostConnection> stays = Connect();
+  const RosNode node = MakeNode(*stays, "/a", "robot");
+  RosWriter<String> writer(node, "events", Stream(10));
+  stays->Announce();
+  std::unique_ptr<HostConnection> leaves = Connect();
+  auto of_other = std::make_unique<RosWriter<String>>(MakeNode(*leaves, "/b", "robot"), "events", Stream(10));
+  leaves->Announce();
+  RosReader<String> events = Reader<String>("/b/events", Stream(10));
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot") && graph.HasNode("/b/robot"); }));
+  EXPECT_TRUE(Eventually([&] { return of_other->wanted(); }));
+  of_other.reset();
+  leaves.reset();
+  EXPECT_TRUE(Eventually([&] { return !graph.HasNode("/b/robot"); }));
+  EXPECT_TRUE(graph.HasNode("/a/robot"));
+}
+
+TEST_F(HostConnectionTest, AnEndpointThatEndsIsListedNoMore) {
+  test::RosGraph graph(options_);
+  const std::unique_ptr<HostConnection> connection = Connect();
+  const RosNode node = MakeNode(*connection, "/a", "robot");
+  const RosWriter<String> stays(node, "stays", Stream(1));
+  auto leaves = std::make_unique<RosWriter<String>>(node, "leaves", Stream(1));
+  connection->Announce();
+  EXPECT_TRUE(Eventually([&] { return graph.WritersOf("/a/robot") == 2u; }));
+  leaves.reset();
+  connection->Announce();
+  EXPECT_TRUE(Eventually([&] { return graph.WritersOf("/a/robot") == 1u; }));
+}
+
+// As an image of a large camera, in many parts.
+TEST_F(HostConnectionTest, PassesLargeSamplesOn) {
+  const std::unique_ptr<HostConnection> connection = Connect();
+  RosWriter<String> writer(MakeNode(*connection, "/a", "robot"), "events", Stream(2));
+  connection->Announce();
+  RosReader<String> reader = Reader<String>("/a/events", Stream(2));
+  ASSERT_TRUE(Eventually([&] { return writer.wanted(); }));
+  const std::string large(std::size_t{4} << 20, 'x');
+  Write(writer, large);
+  connection->Flush();
+  EXPECT_EQ(Next(reader), large);
+}
+
+TEST_F(HostConnectionTest, SamplesForAParticipantThatHangsAreDropped) {
+  host_.End();
+  const Result<int> listening = Listen(host_.socket());
+  ASSERT_TRUE(listening.ok());
+  const std::unique_ptr<HostConnection> connection = Connect();
+  RosWriter<String> writer(MakeNode(*connection, "/a", "robot"), "events", Stream(2));
+  int accepted = -1;
+  ASSERT_TRUE(Eventually([&] { return (accepted = Accept(listening.value())) >= 0; }));
+  const std::string large(std::size_t{1} << 20, 'x');
+  for (int i = 0; i < 100; ++i) {
+    Write(writer, large);
+    connection->Flush();
+  }
+  EXPECT_GT(connection->lost(), 80u);
+  EXPECT_LT(connection->lost(), 100u);
+  close(accepted);
+  close(listening.value());
+}
+
+TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
+  const std::unique_ptr<HostConnection> connection = Connect();
+  RosWriter<String> writer(MakeNode(*connection, "/a", "robot"), "events", Stream(10));
+  connection->Announce();
+  RosReader<String> events = Reader<String>("/a/events", Stream(10));
+  ASSERT_TRUE(Eventually([&] { return writer.wanted(); }));
+
+  using Messages = std::vector<std::pair<LinkKind, std::string>>;
+  const std::pair<LinkKind, std::string> hello = {LinkKind::kHello, VersionText()};
+  const std::pair<LinkKind, std::string> node = {LinkKind::kAddNode, R"({"namespace": "/b", "name": "robot"})"};
+  const auto writer_of = [](const std::string& type, int depth) {
+    return std::pair(LinkKind::kMakeWriter,
+                     R"({"node": 0, "name": "rt/b", "response_type": "", "qos": 0, "part": 0, "type": ")" + type +
+                         R"(", "depth": )" + std::to_string(depth) + "}");
+  };
+  const std::string string = "std_msgs::msg::dds_::String_";
+  const std::pair<Messages, std::string> refused[] = {
+      {{{LinkKind::kHello, "troupe 0.0.1"}}, "found version 'troupe 0.0.1', expected"},
+      {{node}, "found no version"},
+      {{hello, {LinkKind::kAddNode, "{"}}, "found '{', expected a node"},
+      {{hello, node, node}, "a node a second time"},
+      {{hello, writer_of(string, 1)}, "found node 0, expected one of this agent"},
+      {{hello, node, writer_of("Nothing", 1)}, "found type 'Nothing', expected one of ROS"},
+      {{hello, node, writer_of(string, 0)}, "expected a node or an endpoint"},
+      {{hello, node, writer_of(string, 1), writer_of(string, 1)}, "an endpoint a second time"},
+      {{hello, node, writer_of(string, 1), {LinkKind::kWrite, "nonsense"}}, "bytes of a std_msgs"},
+      {{hello, {LinkKind::kWrite, "nonsense"}}, "a sample of no writer"},
+      {{hello, {LinkKind::kRespond, "nonsense"}}, "a response of no service"},
+      {{hello, {LinkKind::kShareWriter, "7"}}, "found no writer and node"},
+      {{hello, {LinkKind::kRequest, ""}}, "a message for agents"},
+  };
+  for (const auto& [messages, problem] : refused) {
+    const std::unique_ptr<Link> stranger = Stranger();
+    for (const auto& [kind, text] : messages) stranger->Add(kind, 0, BytesOf(text));
+    stranger->Flush();
+    EXPECT_TRUE(IsEnded(*stranger)) << problem;
+  }
+  const std::unique_ptr<Link> garbage = Stranger();
+  const std::array<std::uint32_t, 3> too_large = {0xffffffff, 0, 0};
+  ASSERT_EQ(send(garbage->descriptor(), too_large.data(), sizeof too_large, 0), sizeof too_large);
+  EXPECT_TRUE(IsEnded(*garbage));
+
+  Write(writer, "still there");
+  connection->Flush();
+  EXPECT_EQ(Next(events), "still there");
+  host_.End();
+  ASSERT_EQ(host_.reports().size(), std::size(refused));
+  for (std::size_t i = 0; i < std::size(refused); ++i) EXPECT_THAT(host_.reports()[i], HasSubstr(refused[i].second));
+}
+
+// An agent that is stopped reads nothing: its samples wait up to a limit, and those of others arrive.
+TEST_F(HostConnectionTest, AnAgentThatHangsDelaysNoOther) {
+  const std::unique_ptr<Link> hangs = Stranger();
+  hangs->Add(LinkKind::kHello, 0, BytesOf(VersionText()));
+  hangs->Add(LinkKind::kAddNode, 0, BytesOf(R"({"namespace": "/b", "name": "robot"})"));
+  hangs->Add(LinkKind::kMakeReader, 1,
+             BytesOf(R"({"node": 0, "name": "rt/all", "type": "std_msgs::msg::dds_::String_", "response_type": "",
+                         "qos": 2, "depth": 1, "part": 0})"));
+  ASSERT_TRUE(hangs->Flush());
+  const std::unique_ptr<HostConnection> connection = Connect();
+  RosReader<String> reader(MakeNode(*connection, "/a", "robot"), "/all", Commands(true));
+  connection->Announce();
+  RosWriter<String> writer(peer_, "/all", Stream(1));
+  ASSERT_TRUE(Eventually([&] { return participant_.reader_count() == 2; }));
+  const std::string large(std::size_t{1} << 20, 'x');
+  for (int i = 0; i < 20; ++i) {
+    Write(writer, large);
+    EXPECT_EQ(Next(reader), large);
+  }
+}
+
+}  // namespace
+}  // namespace troupe::ros
