@@ -12,6 +12,7 @@
 #include "common/base/wake_event.h"
 #include "common/command_line/exit_status.h"
 #include "common/dds/binding/network_log.h"
+#include "common/ros_link/socket_name.h"
 #include "ros-participant/command_line.h"
 #include "ros-participant/participant_server.h"
 
@@ -35,8 +36,14 @@ int Main(int argc, const char* const* argv) {
   const StopSignals signals([&stop] { stop.Signal(); });
   FloodLimiter reports([](const std::string& text) { fmt::print(stderr, "ros-participant: warning: {}\n", text); });
   const dds::NetworkLog network_log([&reports](const std::string& text) { reports.Add(text); });
+  const ros::RosOptions& options = std::get<ParticipantCommandLine>(parsed).ros;
+  const Result<int> listening = ros::Listen(options.participant_socket);
+  if (!listening.ok()) {
+    fmt::print(stderr, "ros-participant: error: {}\n", listening.error().message);
+    return ExitStatusOf(listening.error());
+  }
   try {
-    ros::ParticipantServer(std::get<ParticipantCommandLine>(parsed).ros, stop, [&reports](const std::string& text) {
+    ros::ParticipantServer(options, listening.value(), stop, [&reports](const std::string& text) {
       reports.Add(text);
     }).Run();
   } catch (const std::exception& exception) {

@@ -28,15 +28,16 @@ constexpr auto kCheckInterval = std::chrono::milliseconds(500);
 
 }  // namespace
 
-ParticipantServer::ParticipantServer(const RosOptions& options, const WakeEvent& stop,
+ParticipantServer::ParticipantServer(const RosOptions& options, int listening, const WakeEvent& stop,
                                      std::function<void(const std::string&)> report)
-    : stop_(stop), report_(std::move(report)), participant_(options), check_at_(Clock::now() + kCheckInterval) {
+    : stop_(stop),
+      report_(std::move(report)),
+      listening_(listening),
+      participant_(options),
+      check_at_(Clock::now() + kCheckInterval) {
   participant_.WatchWriters();
   events_ = epoll_create1(EPOLL_CLOEXEC);
   if (events_ < 0) Throw("waiting for agents");
-  const Result<int> listening = Listen(options.participant_socket);
-  if (!listening.ok()) throw std::runtime_error(listening.error().message);
-  listening_ = listening.value();
   for (const int descriptor : {listening_, wake_.descriptor(), stop_.descriptor()}) {
     epoll_event event{};
     event.events = EPOLLIN;

@@ -17,9 +17,10 @@ namespace troupe::ros {
 
 class ParticipantServer {
  public:
-  // `stop` ends Run from any thread. `report`: receives problems, one line each. Throws dds::Exception when DDS cannot
-  // start, and std::runtime_error when the socket of the options cannot be listened at.
-  ParticipantServer(const RosOptions& options, const WakeEvent& stop, std::function<void(const std::string&)> report);
+  // Owns the listening socket. `stop` ends Run from any thread. `report`: receives problems, one line each. Throws
+  // dds::Exception when DDS cannot start, and std::runtime_error without other resources.
+  ParticipantServer(const RosOptions& options, int listening, const WakeEvent& stop,
+                    std::function<void(const std::string&)> report);
   ~ParticipantServer();
   ParticipantServer(const ParticipantServer&) = delete;
   ParticipantServer& operator=(const ParticipantServer&) = delete;
@@ -41,8 +42,8 @@ class ParticipantServer {
   const WakeEvent& stop_;
   const WakeEvent wake_;  // an agent has output
   const std::function<void(const std::string&)> report_;
+  const int listening_;
   RosParticipant participant_;
-  int listening_ = -1;
   int events_ = -1;  // of epoll
   EndpointPools pools_;
   std::map<int, std::unique_ptr<AgentEndpoints>> agents_;     // by descriptor

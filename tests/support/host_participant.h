@@ -13,6 +13,7 @@
 #include "common/base/wake_event.h"
 #include "common/ros/ros_options.h"
 #include "common/ros_link/host_connection.h"
+#include "common/ros_link/socket_name.h"
 #include "ros-participant/participant_server.h"
 #include "tests/support/ros_domain.h"
 
@@ -32,7 +33,8 @@ class HostParticipant {
 
   void Start() {
     stop_.emplace();
-    server_ = std::make_unique<ros::ParticipantServer>(options_, *stop_,
+    const Result<int> listening = ros::Listen(options_.participant_socket);
+    server_ = std::make_unique<ros::ParticipantServer>(options_, listening.value(), *stop_,
                                                        [this](const std::string& line) { reports_.push_back(line); });
     thread_ = std::thread([this] { server_->Run(); });
   }
