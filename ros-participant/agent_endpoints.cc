@@ -186,9 +186,7 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const Endpo
     service =
         std::make_unique<ReusableService>(participant_, ServiceSpec{endpoint.name, request, response, endpoint.qos});
   }
-  service->Attach(node, [this, id, request](const void* sample) {
-    Send(LinkKind::kRequest, id, wire::SampleToCdr(sample, *request));
-  });
+  service->Attach(node, [this, id](std::span<const std::byte> bytes) { Send(LinkKind::kRequest, id, bytes); });
   services_[id] = {std::move(text), std::move(service)};
 }
 

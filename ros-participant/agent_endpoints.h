@@ -40,8 +40,6 @@ class AgentEndpoints {
   AgentEndpoints(const AgentEndpoints&) = delete;
   AgentEndpoints& operator=(const AgentEndpoints&) = delete;
 
-  int descriptor() const { return link_.descriptor(); }
-
   // Performs the messages that have arrived, and sends those that wait. False: the connection has ended, or must, for
   // the reason of problem().
   bool Process();

@@ -1,6 +1,5 @@
 #include "ros-participant/participant_server.h"
 
-#include <fmt/format.h>
 #include <sys/epoll.h>
 #include <unistd.h>
 
@@ -21,6 +20,7 @@ namespace {
 constexpr auto kAnnounceDelay = std::chrono::milliseconds(20);
 constexpr auto kAnnounceDelayOfAgent = std::chrono::microseconds(200);
 constexpr auto kCheckInterval = std::chrono::milliseconds(500);
+constexpr int kLastReads = 10;  // of an agent: more than a socket holds
 
 [[noreturn]] void Throw(const std::string& doing) {
   throw std::runtime_error(doing + ": " + std::strerror(errno));
@@ -60,7 +60,7 @@ void ParticipantServer::Run() {
     if (count < 0 && errno != EINTR) Throw("waiting for agents");
     for (int i = 0; i < count; ++i) {
       const int descriptor = ready[static_cast<std::size_t>(i)].data.fd;
-      if (descriptor == stop_.descriptor()) return;
+      if (descriptor == stop_.descriptor()) return PassLastSamples();
       if (descriptor == listening_) {
         AcceptAgents();
       } else if (descriptor == wake_.descriptor()) {
@@ -116,13 +116,27 @@ void ParticipantServer::Watch(int connection, bool output) const {
 
 void ParticipantServer::AnnounceIfDue() {
   if (Clock::now() < announce_at_) return;
-  announce_at_ = Clock::time_point::max();
-  participant_.Announce();
+  try {
+    participant_.Announce();
+    announce_at_ = Clock::time_point::max();
+  } catch (const dds::Exception&) {  // a tool that does not read has filled the cache
+    announce_at_ = Clock::now() + kAnnounceDelay;
+  }
+  has_new_readers_ = true;
+}
+
+// The agents have written them, and ended.
+void ParticipantServer::PassLastSamples() {
+  for (const auto& [connection, agent] : agents_) {
+    for (int i = 0; i < kLastReads && agent->Process(); ++i) {
+    }
+  }
 }
 
 void ParticipantServer::CheckIfDue() {
   if (Clock::now() < check_at_) return;
   check_at_ = Clock::now() + kCheckInterval;
+  if (std::exchange(has_new_readers_, false)) participant_.WatchKnownWriters();
   PassMismatches();
   pools_.EndThoseUntil(Clock::now());
 }

@@ -37,6 +37,7 @@ class ParticipantServer {
   void AnnounceIfDue();
   void CheckIfDue();
   void PassMismatches();
+  void PassLastSamples();
   int WaitMilliseconds() const;
 
   const WakeEvent& stop_;
@@ -46,6 +47,7 @@ class ParticipantServer {
   RosParticipant participant_;
   int events_ = -1;  // of epoll
   EndpointPools pools_;
+  bool has_new_readers_ = false;                              // since the last check
   std::map<int, std::unique_ptr<AgentEndpoints>> agents_;     // by descriptor
   Clock::time_point announce_at_ = Clock::time_point::max();  // the nodes have changed
   Clock::time_point check_at_;                                // for mismatches and endpoints without an agent

@@ -2,7 +2,14 @@
 
 #include <utility>
 
+#include "common/wire/cdr.h"
+
 namespace troupe::ros {
+namespace {
+
+constexpr std::size_t kMostWaiting = 100;  // requests to a service without an agent
+
+}  // namespace
 
 ReusableWriter::ReusableWriter(RosParticipant& participant, const TopicSpec& spec)
     : participant_(participant), type_(*spec.type), writer_(participant, spec, [this](bool wanted, bool is_new) {
@@ -19,8 +26,12 @@ void ReusableWriter::Attach(std::size_t node, Sink sink) {
 
 void ReusableWriter::Detach() {
   participant_.RemoveEndpoint(writer_.handle());
-  const std::lock_guard lock(mutex_);
-  sink_ = {};
+  {
+    const std::lock_guard lock(mutex_);
+    sink_ = {};
+  }
+  const wire::UntypedSample none(type_);
+  dds_dispose(writer_.handle(), none.data());
 }
 
 ReusableReader::ReusableReader(RosParticipant& participant, const TopicSpec& spec, Part part)
@@ -57,10 +68,10 @@ void ReusableReader::Pass() {
 }
 
 ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec& spec)
-    : participant_(participant), response_(*spec.response), service_(participant, spec, [this](const void* request) {
-        const std::lock_guard lock(mutex_);
-        if (passes_) sink_(request);
-      }) {}
+    : participant_(participant),
+      request_(*spec.request),
+      response_(*spec.response),
+      service_(participant, spec, [this](const void* request) { Pass(request); }) {}
 
 void ReusableService::Attach(std::size_t node, Sink sink) {
   participant_.AddReader(node, service_.request_reader());
@@ -77,10 +88,20 @@ void ReusableService::Detach() {
   sink_ = {};
 }
 
+void ReusableService::Pass(const void* request) {
+  std::vector<std::byte> bytes = wire::SampleToCdr(request, request_);
+  const std::lock_guard lock(mutex_);
+  if (passes_) return sink_(bytes);
+  waiting_.push_back(std::move(bytes));
+  if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+}
+
 void ReusableService::Start() {
   {
     const std::lock_guard lock(mutex_);
     passes_ = true;
+    for (const std::vector<std::byte>& request : waiting_) sink_(request);
+    waiting_.clear();
   }
   if (!std::exchange(started_, true)) service_.Start();
 }

@@ -6,9 +6,13 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/ros_dds/dds_service.h"
 #include "common/ros_dds/dds_topic.h"
@@ -25,6 +29,7 @@ class ReusableWriter {
 
   // Lists it as one of the node, and tells the sink now and at each change whether it has readers.
   void Attach(std::size_t node, Sink sink);
+  // Readers that come later do not get its samples.
   void Detach();
 
   const dds_topic_descriptor_t& type() const { return type_; }
@@ -68,25 +73,29 @@ class ReusableReader {
 
 class ReusableService {
  public:
-  using Sink = ServiceServer::Handler;
+  // Receives a request as its CDR bytes.
+  using Sink = std::function<void(std::span<const std::byte> request)>;
 
   ReusableService(RosParticipant& participant, const ServiceSpec& spec);
 
   void Attach(std::size_t node, Sink sink);
-  // Requests that arrive until the next Start are not answered.
   void Detach();
-  // Passes the requests on that arrive from now on; of the first agent, all.
+  // Passes the requests on that arrive from now on, and those that wait since the last Detach.
   void Start();
 
   const dds_topic_descriptor_t& response() const { return response_; }
   DdsService& service() { return service_; }
 
  private:
+  void Pass(const void* request);
+
   RosParticipant& participant_;
+  const dds_topic_descriptor_t& request_;
   const dds_topic_descriptor_t& response_;
-  std::mutex mutex_;  // guards the two below
+  std::mutex mutex_;  // guards the three below
   Sink sink_;
   bool passes_ = false;
+  std::deque<std::vector<std::byte>> waiting_;  // requests
   bool started_ = false;
   DdsService service_;
 };

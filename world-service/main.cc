@@ -41,7 +41,7 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
 // For agents with participants of their own that are too many to discover each other on the loopback interface; null
 // where it is not needed. Without it the run is the same, but its start takes longer.
 std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const LoadedWorld& loaded) {
-  const std::size_t processes = loaded.world.robots.size() / std::max(1U, loaded.settings.robots_per_process);
+  const std::size_t processes = ros::ProcessesOf(loaded.world.robots.size(), loaded.settings.robots_per_process);
   if (!loaded.settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
   if (ros::UsesHostParticipants(options, processes)) return {};
   try {

@@ -177,6 +177,11 @@ const char* ToString(ParticipantScope scope) {
   return scope == ParticipantScope::kProcess ? "process" : "host";
 }
 
+std::size_t ProcessesOf(std::size_t robots, std::size_t robots_per_process) {
+  const std::size_t in_each = std::max<std::size_t>(1, robots_per_process);
+  return (robots + in_each - 1) / in_each;
+}
+
 bool UsesHostParticipants(const RosOptions& options, std::size_t processes) {
   if (options.security.strategy != SecurityStrategy::kOff) return false;
   if (options.participants) return *options.participants == ParticipantScope::kHost;

@@ -83,6 +83,9 @@ const char* ToString(CommandType type);
 const char* ToString(ServiceClients clients);
 const char* ToString(ParticipantScope scope);
 
+// How many processes the robots of a run are in; `robots_per_process` 0 counts as 1.
+std::size_t ProcessesOf(std::size_t robots, std::size_t robots_per_process);
+
 // Whether the robots of a host share a participant, the program ros-participant: by default those of more than
 // kMostMutualProcesses processes. Not with security, where each robot has keys of its own.
 bool UsesHostParticipants(const RosOptions& options, std::size_t processes);

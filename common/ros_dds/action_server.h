@@ -3,8 +3,8 @@
 //   struct Types { using SendGoalRequest = ..., SendGoalResponse, GetResultRequest, GetResultResponse, FeedbackMessage
 //   };
 //
-// Requests arrive on Cyclone's threads, through the functions of Handlers. REQUIRES: all other calls are made one at a
-// time.
+// Requests arrive on threads of the connection, through the functions of Handlers. REQUIRES: all other calls are made
+// one at a time.
 #pragma once
 
 #include <algorithm>

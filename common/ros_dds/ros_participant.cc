@@ -170,6 +170,11 @@ void RosParticipant::WatchWriters() {
   watch_.emplace(participant_);
 }
 
+void RosParticipant::WatchKnownWriters() {
+  const std::lock_guard lock(announcer_->mutex);
+  if (watch_) watch_->LookAgain(participant_);
+}
+
 void RosParticipant::WatchDistributions() {
   const std::lock_guard lock(announcer_->mutex);
   watch_->ExpectDistribution(distribution());

@@ -47,6 +47,8 @@ class RosParticipant final : public RosConnection {
 
   void WatchWriters() override;
   void WatchDistributions() override;
+  // The writers that were found before the newest readers were added are compared with these, too.
+  void WatchKnownWriters();
   std::vector<std::string> DrainMismatches() override;
   // The same with their topics.
   std::vector<Mismatch> DrainMismatchesOfTopics();

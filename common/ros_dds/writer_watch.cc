@@ -44,10 +44,16 @@ std::string ShownTopic(const std::string& dds_topic) {
 
 }  // namespace
 
-WriterWatch::WriterWatch(const dds::DomainParticipant& participant)
-    : publications_(
-          dds::Check(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
-                     "creating a reader of discovered writers")) {}
+WriterWatch::WriterWatch(const dds::DomainParticipant& participant) {
+  LookAgain(participant);
+}
+
+// A new reader has them all.
+void WriterWatch::LookAgain(const dds::DomainParticipant& participant) {
+  publications_ = dds::Entity(
+      dds::Check(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                 "creating a reader of discovered writers"));
+}
 
 void WriterWatch::Expect(dds_entity_t reader, bool accepts_best_effort) {
   const dds_entity_t topic = dds::Check(dds_get_topic(reader), "getting a reader's topic");

@@ -27,6 +27,9 @@ class WriterWatch {
   // Watches the topic of a reader. Several readers of a topic may have different types.
   void Expect(dds_entity_t reader, bool accepts_best_effort);
 
+  // Of its constructor. The next Drain considers all writers that are there.
+  void LookAgain(const dds::DomainParticipant& participant);
+
   // Reports participants whose list of nodes has another layout than that of the distribution, too.
   void ExpectDistribution(Distribution distribution) { distribution_ = distribution; }
 

@@ -21,8 +21,9 @@ constexpr int kFirstDelay = 10;
 constexpr int kLongestDelay = 500;
 constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin anew
 
-constexpr std::size_t kMostPending = std::size_t{8} << 20;  // bytes; beyond them samples of streams are dropped
-constexpr std::size_t kMostRequests = 1000;                 // waiting; as many as DDS would keep
+// Unsent bytes, beyond which streams keep their newest sample only: so many that they are not old when they are sent.
+constexpr std::size_t kMostPending = std::size_t{256} << 10;
+constexpr std::size_t kMostRequests = 1000;  // waiting; as many as DDS would keep
 
 std::span<const std::byte> BytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
@@ -47,7 +48,11 @@ class HostConnection::Writer final : public TopicWriter {
       if (bytes.size() > Link::kLargestContent) return false;
       const std::lock_guard lock(owner_.mutex_);
       const bool is_full = owner_.link_ && owner_.link_->pending() > kMostPending;
-      if (is_full && !is_latched_) return false;
+      if (is_full && !is_latched_) {
+        const bool is_first = owner_.held_.insert_or_assign(id_, std::move(bytes)).second;
+        return is_first;  // else the sample that was held is lost
+      }
+      owner_.held_.erase(id_);
       owner_.Send(LinkKind::kWrite, id_, bytes);
       if (is_latched_) owner_.latched_[id_] = std::move(bytes);
       return true;
@@ -135,7 +140,7 @@ class HostConnection::Service final : public ServiceServer {
       const Bytes bytes = wire::SampleToCdr(response, response_);
       if (bytes.size() > Link::kLargestContent) return false;
       const std::lock_guard lock(owner_.mutex_);
-      if (!owner_.link_) return false;
+      if (!owner_.link_ || !owner_.services_.contains(id_)) return false;
       owner_.Send(LinkKind::kRespond, id_, bytes);
       owner_.FlushNow();
       return true;
@@ -250,7 +255,8 @@ void HostConnection::Serve() {
       {
         const std::lock_guard lock(mutex_);
         ReceiveNow();
-        FlushNow();
+        if (link_->pending() <= kMostPending) SendHeld();
+        if (!link_->Flush()) broken_ = true;  // the rest follows at POLLOUT
         if (broken_) return Close();
       }
       HandleRequests();
@@ -300,6 +306,11 @@ void HostConnection::Send(LinkKind kind, std::uint32_t id, std::span<const std::
   if (link_) link_->Add(kind, id, content);
 }
 
+void HostConnection::SendHeld() {
+  for (const auto& [id, bytes] : held_) Send(LinkKind::kWrite, id, bytes);
+  held_.clear();
+}
+
 void HostConnection::AddSetup(LinkKind kind, std::uint32_t id, std::string_view text) {
   const std::span<const std::byte> bytes = BytesOf(text);
   setups_.push_back({kind, id, Bytes(bytes.begin(), bytes.end())});
@@ -323,6 +334,7 @@ void HostConnection::Remove(std::uint32_t id) {
   readers_.erase(id);
   services_.erase(id);
   latched_.erase(id);
+  held_.erase(id);
   const auto is_of_endpoint = [id](const Setup& setup) { return setup.id == id && setup.kind != LinkKind::kAddNode; };
   std::erase_if(setups_, is_of_endpoint);
   Send(LinkKind::kRemove, id);

@@ -2,8 +2,8 @@
 // ros-participant. Tools discover one participant for each host in place of one for each agent.
 //
 // The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
-// made anew in the next one, with the last samples of latched topics. Samples never wait for it: beyond a limit of
-// unsent bytes those of streams are dropped.
+// made anew in the next one, with the last samples of latched topics. Writers never wait for it: beyond a limit of
+// unsent bytes a stream keeps its newest sample only.
 //
 // A thread of the connection calls the handlers of services; samples arrive on it, and by Receive.
 #pragma once
@@ -69,6 +69,7 @@ class HostConnection final : public RosConnection {
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
   void AddSetup(LinkKind kind, std::uint32_t id, std::string_view text = {});
   void Process(const LinkMessage& message);
+  void SendHeld();
   void ReceiveNow();
   void FlushNow();
   void Close();
@@ -91,6 +92,7 @@ class HostConnection final : public RosConnection {
   std::map<std::uint32_t, Reader*> readers_;
   std::map<std::uint32_t, Service*> services_;
   std::map<std::uint32_t, Bytes> latched_;                // by writer, the last sample
+  std::map<std::uint32_t, Bytes> held_;                   // by writer of a stream, the newest sample that is to be sent
   std::deque<std::pair<std::uint32_t, Bytes>> requests_;  // by service
   std::vector<std::string> mismatches_;
   std::thread thread_;  // last, because it uses all other members

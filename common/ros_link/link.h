@@ -19,7 +19,7 @@ enum class LinkKind : std::uint8_t {
   kMakeReader,    //
   kMakeService,   //
   kStartService,  //
-  kShareWriter,   // a NodeNumber: lists the writer as one of this node, too
+  kShareWriter,   // the number of a node, as text: lists the writer as one of this node, too
   kRemove,        // the endpoint has ended
   kAnnounce,
   kWatchWriters,
@@ -67,8 +67,8 @@ class Link {
   // Bytes that are still to be sent.
   std::size_t pending() const;
 
-  // Calls receive(LinkMessage) for each message that has arrived, without waiting. False: the other side has gone, or
-  // it has sent bytes that are no messages. From one thread at a time.
+  // Calls receive(LinkMessage) for each message that has arrived, without waiting; of many, for some. False: the other
+  // side has gone, or it has sent bytes that are no messages. From one thread at a time.
   template <typename Function>
   bool Receive(const Function& receive) {
     const bool open = ReadArrived();
@@ -96,6 +96,7 @@ class Link {
   };
 
   bool ReadArrived();
+  void DropSent();
 
   const int descriptor_;
   mutable std::mutex mutex_;  // guards the two below

@@ -7,7 +7,7 @@
 
 namespace troupe::ros {
 
-// Sockets with close-on-exec that do not wait. `name`: without a leading zero; at most 100 characters. The errors are
+// Sockets with close-on-exec that do not wait. `name`: without a leading zero; at most 107 characters. The errors are
 // for people.
 Result<int> Listen(const std::string& name);
 Result<int> Connect(const std::string& name);

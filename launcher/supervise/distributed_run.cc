@@ -240,12 +240,14 @@ void DistributedRun::StartBridge(const ReadyReport& ready) {
   if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
 }
 
-// Before the agents, so that these find them. Without them the run is the same.
+// Before the agents, so that these find them.
 void DistributedRun::StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites) {
-  const std::size_t processes = ready.robots.size() / std::max(1U, ready.robots_per_process);
+  const std::size_t processes = ros::ProcessesOf(ready.robots.size(), ready.robots_per_process);
   if (!ready.ros || !ros::UsesHostParticipants(options_.ros, processes)) return;
   const Status started = participants_.Start(sites, options_);
-  if (!started.ok()) progress_.Tell("cannot start the ROS participant of the robots: " + started.error().message);
+  if (!started.ok())
+    progress_.Tell("cannot start the ROS participant of a host, so that its agents have their own: " +
+                   started.error().message);
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -379,11 +381,10 @@ void DistributedRun::AwaitProcesses() {
   if (!summary_) agents_.Signal(SIGTERM);
   viewer_.Stop();
   bridge_.Stop();
-  participants_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running() || bridge_.running() || participants_.running()) {
-    ProcessEvents();
-  }
+  while (!agents_.all_ended() || viewer_.running() || bridge_.running()) ProcessEvents();
+  participants_.Stop();  // after the agents, whose last samples it passes on
+  while (participants_.running()) ProcessEvents();
   PrintOutput();
 }
 

@@ -12,16 +12,21 @@ namespace troupe {
 
 Status HostParticipants::Start(std::vector<AgentSite>& sites, const RunOptions& options) {
   const std::string name = fmt::format("troupe-ros-participant/{:016x}", MakeRandomId());
+  Status first;
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    sites[i].ros_participant = fmt::format("{}/{}", name, i);
-    std::vector<std::string> arguments = {"--session=" + options.network.session,
-                                          "--socket=" + sites[i].ros_participant};
+    const std::string socket = fmt::format("{}/{}", name, i);
+    std::vector<std::string> arguments = {"--session=" + options.network.session, "--socket=" + socket};
     for (std::string& argument : RosArguments(options.ros)) arguments.push_back(std::move(argument));
     SupervisedProcess& process = processes_.emplace_back(SupervisedProcess::Settings{
         "ros-participant", "the ROS participant of the robots", "the robots are not in ROS"});
-    if (Status started = process.Start(*sites[i].host, std::move(arguments)); !started.ok()) return started;
+    const Status started = process.Start(*sites[i].host, std::move(arguments));
+    if (started.ok()) {
+      sites[i].ros_participant = socket;
+    } else if (first.ok()) {
+      first = started;
+    }
   }
-  return Status();
+  return first;
 }
 
 std::vector<std::string> HostParticipants::Poll(double now) {

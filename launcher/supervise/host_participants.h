@@ -14,7 +14,8 @@ namespace troupe {
 
 class HostParticipants {
  public:
-  // Starts them, and tells the sites their sockets. The hosts must outlive this. The error is for people.
+  // Starts them, and tells the sites their sockets; the agents of a site without one have participants of their own.
+  // The hosts must outlive this. The error, the first one, is for people.
   Status Start(std::vector<AgentSite>& sites, const RunOptions& options);
 
   // As those of SupervisedProcess, of all.

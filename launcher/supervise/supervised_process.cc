@@ -35,7 +35,10 @@ Status SupervisedProcess::StartProcess() {
 std::optional<std::string> SupervisedProcess::Poll(double now) {
   if (due_ && now >= *due_) {
     due_.reset();
-    if (const Status status = StartProcess(); !status.ok()) return status.error().message;
+    if (const Status status = StartProcess(); !status.ok()) {
+      due_ = now + kLongestDelay;
+      return status.error().message;
+    }
   }
   if (!process_) return std::nullopt;
   if (!started_) started_ = now;

@@ -135,6 +135,26 @@ TEST(RosHost, ACommandThatIsAcknowledgedCountsFromTheNextStepOn) {
   EXPECT_EQ(CommandAndStep("host"), expected);
 }
 
+// The stamp of the last odometry of a run of 30 ticks of 0.1 s.
+double LastStamp(const std::string& participants) {
+  ros::RosParticipant participant(TestRosOptions());
+  const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
+  ros::RosReader<ros::OdometryMessage> odometry(node, "/r3/odom", ros::Stream(1000));
+  Finished run = Finish(RunPen({"--ticks", "30", "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain",
+                                std::to_string(TestRosOptions().domain), "--ros-participants", participants}));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  double last = 0.0;
+  odometry.Drain([&](const ros::OdometryMessage& message) {
+    last = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec;
+  });
+  return last;
+}
+
+TEST(RosHost, TheSamplesOfTheLastTicksArrive) {
+  EXPECT_NEAR(LastStamp("process"), 2.95, 0.06);
+  EXPECT_NEAR(LastStamp("host"), 2.95, 0.06);
+}
+
 TEST(RosHost, EachHostHasAParticipant) {
   const OutputFolder folder;
   std::ofstream(folder.Path("scenario.json")) << R"({"world": ")" << WorldPath("pen.world") << R"(", "hosts": [

@@ -7,9 +7,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,10 +22,14 @@
 #include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_participant.h"
+#include "common/ros_dds/ros_service.h"
+#include "common/ros_dds/simulation_types.h"
 #include "common/ros_link/link.h"
 #include "common/ros_link/socket_name.h"
+#include "common/wire/cdr.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/host_participant.h"
+#include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
 
@@ -28,7 +37,9 @@ namespace troupe::ros {
 namespace {
 
 using test::Eventually;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::span<const std::byte> BytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
@@ -174,7 +185,8 @@ TEST_F(HostConnectionTest, PassesLargeSamplesOn) {
   EXPECT_EQ(Next(reader), large);
 }
 
-TEST_F(HostConnectionTest, SamplesForAParticipantThatHangsAreDropped) {
+// A stream keeps its newest sample meanwhile, and the connection waits without use of the processor.
+TEST_F(HostConnectionTest, AParticipantThatHangsGetsTheNewestSampleLater) {
   host_.End();
   const Result<int> listening = Listen(host_.socket());
   ASSERT_TRUE(listening.ok());
@@ -183,14 +195,105 @@ TEST_F(HostConnectionTest, SamplesForAParticipantThatHangsAreDropped) {
   int accepted = -1;
   ASSERT_TRUE(Eventually([&] { return (accepted = Accept(listening.value())) >= 0; }));
   const std::string large(std::size_t{1} << 20, 'x');
-  for (int i = 0; i < 100; ++i) {
-    Write(writer, large);
+  constexpr int kSamples = 100;
+  for (int i = 1; i <= kSamples; ++i) {
+    Write(writer, std::to_string(i) + large);
     connection->Flush();
   }
-  EXPECT_GT(connection->lost(), 80u);
+  EXPECT_GT(connection->lost(), 90u);
   EXPECT_LT(connection->lost(), 100u);
-  close(accepted);
+  const std::clock_t used = std::clock();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_LT(std::clock() - used, CLOCKS_PER_SEC / 10);
+
+  Link participant(accepted);
+  std::vector<int> numbers;
+  EXPECT_TRUE(Eventually([&] {
+    participant.Receive([&](const LinkMessage& message) {
+      if (message.kind != LinkKind::kWrite) return;
+      const Result<wire::Sample<String>> sample = wire::FromCdr<String>(message.content);
+      numbers.push_back(std::atoi(sample.value().data().data));
+    });
+    return !numbers.empty() && numbers.back() == kSamples;
+  }));
+  EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
+  EXPECT_EQ(numbers.size() + connection->lost(), 100u);
   close(listening.value());
+}
+
+// A reset: the agent's robots are made anew, and their endpoints are used again.
+TEST_F(HostConnectionTest, LateReadersGetNoSampleOfAnAgentThatHasEnded) {
+  std::unique_ptr<HostConnection> connection = Connect();
+  auto writer = std::make_unique<RosWriter<String>>(MakeNode(*connection, "/a", "robot"), "status", Latched());
+  connection->Announce();
+  Write(*writer, "old");
+  connection->Flush();
+  RosReader<String> early = Reader<String>("/a/status", Latched());
+  EXPECT_EQ(Next(early), "old");
+  writer.reset();
+  connection.reset();
+  connection = Connect();
+  writer = std::make_unique<RosWriter<String>>(MakeNode(*connection, "/a", "robot"), "status", Latched());
+  connection->Announce();
+  EXPECT_TRUE(Eventually([&] { return writer->wanted(); })) << "the early reader still matches";
+  const std::uint64_t readers = connection->reader_count();
+  RosReader<String> late = Reader<String>("/a/status", Latched());
+  EXPECT_TRUE(Eventually([&] { return connection->reader_count() > readers; }));
+  Write(*writer, "new");
+  connection->Flush();
+  std::vector<std::string> texts;
+  EXPECT_TRUE(Eventually([&] {
+    late.Drain([&](const String& message) { texts.emplace_back(dds::Text(message.data)); });
+    return !texts.empty() && texts.back() == "new";
+  }));
+  EXPECT_EQ(texts, std::vector<std::string>{"new"});
+}
+
+TEST_F(HostConnectionTest, ACallDuringAResetIsAnswered) {
+  using Request = simulation_interfaces_srv_dds__GetSimulationState_Request_;
+  using Response = simulation_interfaces_srv_dds__GetSimulationState_Response_;
+  struct Server {
+    explicit Server(std::unique_ptr<HostConnection> to) : connection(std::move(to)) { connection->Announce(); }
+    std::unique_ptr<HostConnection> connection;
+    RosService<Request, Response> service{MakeNode(*connection, "/a", "robot"), "state",
+                                          [this](const RosCaller& caller, const Request&) {
+                                            Response response{};
+                                            response.result.error_message = const_cast<char*>("");
+                                            service.Respond(caller, response);
+                                          },
+                                          Service(), Serving::kWhenStarted};
+  };
+  auto server = std::make_unique<Server>(Connect());
+  server->service.Start();
+  test::Client<Request, Response> client(participant_, "/a/state");
+  client.Call({}, [](const Response&) {});
+  server.reset();
+  client.Send({});
+  server = std::make_unique<Server>(Connect());
+  server->service.Start();
+  EXPECT_TRUE(Eventually([&] { return client.Receive([](const Response&) {}); }));
+}
+
+TEST_F(HostConnectionTest, APublisherOfAnotherTypeIsReportedToAnAgentThatComesLater) {
+  const auto mismatches_of = [](HostConnection& connection) {
+    std::vector<std::string> all;
+    EXPECT_TRUE(Eventually([&] {
+      for (std::string& line : connection.DrainMismatches()) all.push_back(std::move(line));
+      return !all.empty();
+    }));
+    return all;
+  };
+  const RosWriter<Float64> wrong_for_a(peer_, "/a/text", Stream(1));
+  const RosWriter<Float64> wrong_for_b(peer_, "/b/text", Stream(1));
+  const std::unique_ptr<HostConnection> a = Connect();
+  const RosReader<String> reader_of_a(MakeNode(*a, "/a", "robot"), "text", Stream(1));
+  a->Announce();
+  EXPECT_THAT(mismatches_of(*a), ElementsAre(HasSubstr("/a/text: cannot read another program's publisher")));
+  const std::unique_ptr<HostConnection> b = Connect();
+  const RosReader<String> reader_of_b(MakeNode(*b, "/b", "robot"), "text", Stream(1));
+  b->Announce();
+  EXPECT_THAT(mismatches_of(*b), ElementsAre(HasSubstr("/b/text: cannot read another program's publisher")));
+  EXPECT_THAT(a->DrainMismatches(), IsEmpty());
 }
 
 TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
