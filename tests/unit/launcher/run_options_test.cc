@@ -158,10 +158,11 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
 }
 
 TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
-  RunOptions options = Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface",
-                              "lo", "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25",
-                              "--ros-tf", "namespaced", "--no-ros-map-odom", "--no-ros-odom-base"})
-                           .options;
+  RunOptions options =
+      Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface", "lo",
+             "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25", "--ros-tf",
+             "namespaced", "--ros-participants", "host", "--no-ros-map-odom", "--no-ros-odom-base"})
+          .options;
   const std::vector<std::string> words = {"--ros",
                                           "--ros-domain=7",
                                           "--ros-distro=humble",
@@ -170,6 +171,7 @@ TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
                                           "--ros-reliable-commands",
                                           "--ros-command-timeout=0.25",
                                           "--ros-tf=namespaced",
+                                          "--ros-participants=host",
                                           "--no-ros-map-odom",
                                           "--no-ros-odom-base"};
   EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));

@@ -106,6 +106,22 @@ TEST_F(RosEnvironment, SetsTheSecurity) {
   EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kEnforce);
 }
 
+TEST(RosOptions, TheRobotsOfMoreThanTenProcessesShareAParticipant) {
+  EXPECT_EQ(ProcessesOf(100, 10), 10u);
+  EXPECT_EQ(ProcessesOf(101, 10), 11u);
+  EXPECT_EQ(ProcessesOf(7, 0), 7u);
+  RosOptions options;
+  EXPECT_FALSE(UsesHostParticipants(options, 10));
+  EXPECT_TRUE(UsesHostParticipants(options, 11));
+  options.participants = ParticipantScope::kHost;
+  EXPECT_TRUE(UsesHostParticipants(options, 1));
+  options.participants = ParticipantScope::kProcess;
+  EXPECT_FALSE(UsesHostParticipants(options, 1000));
+  options.participants = ParticipantScope::kHost;
+  options.security.strategy = SecurityStrategy::kEnforce;
+  EXPECT_FALSE(UsesHostParticipants(options, 1000)) << "each robot has keys of its own";
+}
+
 TEST_F(RosEnvironment, ABadValueOfSecurityIsAnError) {
   setenv("ROS_SECURITY_ENABLE", "yes", 1);
   EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/world").error().message,
