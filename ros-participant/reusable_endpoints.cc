@@ -12,7 +12,10 @@ constexpr std::size_t kMostWaiting = 100;  // requests to a service without an a
 }  // namespace
 
 ReusableWriter::ReusableWriter(RosParticipant& participant, const TopicSpec& spec)
-    : participant_(participant), type_(*spec.type), writer_(participant, spec, [this](bool wanted, bool is_new) {
+    : participant_(participant),
+      type_(*spec.type),
+      is_volatile_(spec.qos.kind == TopicQos::Kind::kStream),
+      writer_(participant, spec, [this](bool wanted, bool is_new) {
         const std::lock_guard lock(mutex_);
         if (sink_) sink_(wanted, is_new);
       }) {}
@@ -30,6 +33,7 @@ void ReusableWriter::Detach() {
     const std::lock_guard lock(mutex_);
     sink_ = {};
   }
+  if (is_volatile_) return;
   const wire::UntypedSample none(type_);
   dds_dispose(writer_.handle(), none.data());
 }

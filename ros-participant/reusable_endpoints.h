@@ -39,7 +39,8 @@ class ReusableWriter {
  private:
   RosParticipant& participant_;
   const dds_topic_descriptor_t& type_;
-  std::mutex mutex_;  // guards sink_
+  const bool is_volatile_;  // keeps no samples
+  std::mutex mutex_;        // guards sink_
   Sink sink_;
   DdsTopicWriter writer_;
 };
