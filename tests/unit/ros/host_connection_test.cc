@@ -263,11 +263,14 @@ TEST_F(HostConnectionTest, ACallDuringAResetIsAnswered) {
                                           },
                                           Service(), Serving::kWhenStarted};
   };
+  test::RosGraph graph(options_);
   auto server = std::make_unique<Server>(Connect());
   server->service.Start();
   test::Client<Request, Response> client(participant_, "/a/state");
   client.Call({}, [](const Response&) {});
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
   server.reset();
+  EXPECT_TRUE(Eventually([&] { return !graph.HasNode("/a/robot"); }));
   client.Send({});
   server = std::make_unique<Server>(Connect());
   server->service.Start();
