@@ -19,6 +19,8 @@
 #include <vector>
 
 #include "common/base/version.h"
+#include "common/dds/binding/data_writer.h"
+#include "common/dds/binding/topic.h"
 #include "common/dds/binding/wire.h"
 #include "common/ros_dds/ros_endpoints.h"
 #include "common/ros_dds/ros_participant.h"
@@ -361,11 +363,13 @@ TEST_F(HostConnectionTest, AnAgentThatHangsDelaysNoOther) {
   const std::unique_ptr<HostConnection> connection = Connect();
   RosReader<String> reader(MakeNode(*connection, "/a", "robot"), "/all", Commands(true));
   connection->Announce();
-  RosWriter<String> writer(peer_, "/all", Stream(1));
-  ASSERT_TRUE(Eventually([&] { return participant_.reader_count() == 2; }));
+  const dds::Topic<String> topic(participant_.participant(), "rt/all");
+  dds::DataWriter<String> writer(participant_.publisher(), topic, ToDds(Stream(1)));
+  ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 2; }));
   const std::string large(std::size_t{1} << 20, 'x');
   for (int i = 0; i < 20; ++i) {
-    Write(writer, large);
+    dds::WireArena arena;
+    writer.write({arena.Copy(large)});
     EXPECT_EQ(Next(reader), large);
   }
 }
