@@ -90,14 +90,9 @@ bool DdsService::Respond(const void* response) noexcept {
 
 // A request may arrive before discovery of its caller's reader; it waits for that, or its response would be lost.
 void DdsService::Serve() {
-  using Loan = dds::LoanedSamples<CallHeader>;
   const std::lock_guard lock(mutex_);
   for (;;) {
-    Loan::Data data{};  // null pointers ask for a loan
-    Loan::Infos infos;
-    const dds_return_t count = dds::Check(
-        dds_take(reader_.handle(), data.data(), infos.data(), Loan::kMaxSamples, Loan::kMaxSamples), "taking requests");
-    Loan samples(reader_.handle(), data, infos, static_cast<std::size_t>(count));
+    auto samples = dds::Loan<CallHeader>(reader_.handle(), dds_take, "taking requests");
     if (samples.empty()) break;
     std::vector<bool> handled(samples.length(), false);
     waiting_.push_back({std::move(samples), std::move(handled)});

@@ -80,16 +80,10 @@ DdsTopicReader::~DdsTopicReader() {
 }
 
 void DdsTopicReader::Take(const Consume& consume) {
-  using Loan = dds::LoanedSamples<char>;
   for (;;) {
-    Loan::Data samples{};  // null pointers ask for a loan
-    Loan::Infos infos;
-    const dds_return_t count =
-        dds::Check(dds_take(reader_.handle(), samples.data(), infos.data(), Loan::kMaxSamples, Loan::kMaxSamples),
-                   "taking samples");
-    const Loan loan(reader_.handle(), samples, infos, static_cast<std::size_t>(count));
-    if (loan.empty()) return;
-    for (const Loan::Sample sample : loan) {
+    const auto samples = dds::Loan<char>(reader_.handle(), dds_take, "taking samples");
+    if (samples.empty()) return;
+    for (const auto sample : samples) {
       const bool accepted = !best_effort_writers_ || best_effort_writers_->Contains(sample.info().publication_handle());
       if (sample.info().valid() && accepted) consume(&sample.data());
     }

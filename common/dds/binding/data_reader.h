@@ -27,8 +27,8 @@ class DataReader {
 
   // At most LoanedSamples<T>::kMaxSamples samples; call again until it is empty. take() removes them from the reader,
   // read() leaves them there.
-  LoanedSamples<T> take() { return Loan(dds_take, "taking samples"); }
-  LoanedSamples<T> read() { return Loan(dds_read, "reading samples"); }
+  LoanedSamples<T> take() { return Loan<T>(entity_.handle(), dds_take, "taking samples"); }
+  LoanedSamples<T> read() { return Loan<T>(entity_.handle(), dds_read, "reading samples"); }
 
   // Replaces the contents of `buffer` by samples, which are removed from the reader. A full buffer: more may be
   // waiting.
@@ -62,15 +62,6 @@ class DataReader {
   dds_entity_t handle() const { return entity_.handle(); }
 
  private:
-  template <typename Function>
-  LoanedSamples<T> Loan(Function function, const char* doing) {
-    typename LoanedSamples<T>::Data data{};  // a null pointer first asks for a loan
-    typename LoanedSamples<T>::Infos infos;
-    const auto size = static_cast<std::uint32_t>(data.size());
-    const auto count = Check(function(entity_.handle(), data.data(), infos.data(), size, size), doing);
-    return LoanedSamples<T>(entity_.handle(), data, infos, static_cast<std::size_t>(count));
-  }
-
   std::unique_ptr<DataReaderListener> listener_;
   Entity entity_;
 };

@@ -5,7 +5,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
+
+#include "common/dds/binding/exception.h"
 
 namespace troupe::dds {
 
@@ -83,5 +86,16 @@ class LoanedSamples {
   Infos infos_;
   std::size_t count_;
 };
+
+// Of a reader's next samples, at most kMaxSamples. `function`: dds_take, which removes them, or dds_read. Throws
+// Exception.
+template <typename T, typename Function>
+LoanedSamples<T> Loan(dds_entity_t reader, Function function, const char* doing) {
+  typename LoanedSamples<T>::Data data{};  // a null pointer first asks for a loan
+  typename LoanedSamples<T>::Infos infos;
+  const auto size = static_cast<std::uint32_t>(data.size());
+  const auto count = Check(function(reader, data.data(), infos.data(), size, size), doing);
+  return LoanedSamples<T>(reader, data, infos, static_cast<std::size_t>(count));
+}
 
 }  // namespace troupe::dds
