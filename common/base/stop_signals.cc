@@ -1,7 +1,6 @@
 #include "common/base/stop_signals.h"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
@@ -18,22 +17,19 @@ StopSignals::StopSignals(std::function<void()> on_request) : on_request_(std::mo
   for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&watched, signal);
   pthread_sigmask(SIG_BLOCK, &watched, &before_);
   signals_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
-  end_ = eventfd(0, EFD_CLOEXEC);
-  TROUPE_CHECK(signals_ >= 0 && end_ >= 0);
+  TROUPE_CHECK(signals_ >= 0);
   watch_ = std::thread([this] { Watch(); });
 }
 
 StopSignals::~StopSignals() {
-  const std::uint64_t one = 1;
-  TROUPE_CHECK(write(end_, &one, sizeof one) == sizeof one);
+  end_.Signal();
   watch_.join();
-  close(end_);
   close(signals_);
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
 void StopSignals::Watch() {
-  pollfd waited[] = {{signals_, POLLIN, 0}, {end_, POLLIN, 0}};
+  pollfd waited[] = {{signals_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
   while (waited[1].revents == 0) {
     poll(waited, 2, -1);
     signalfd_siginfo info;

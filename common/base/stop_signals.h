@@ -8,6 +8,8 @@
 #include <functional>
 #include <thread>
 
+#include "common/base/wake_event.h"
+
 namespace troupe {
 
 class StopSignals {
@@ -25,8 +27,8 @@ class StopSignals {
   void Watch();
 
   sigset_t before_;
-  int signals_ = -1;  // readable when a signal has arrived
-  int end_ = -1;      // readable when the watch is to end
+  int signals_ = -1;     // readable when a signal has arrived
+  const WakeEvent end_;  // of the watch
   std::atomic<bool> requested_ = false;
   const std::function<void()> on_request_;
   std::thread watch_;

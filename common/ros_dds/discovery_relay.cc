@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -95,9 +94,9 @@ class DiscoveryRelay::Socket {
   int handle_;
 };
 
-DiscoveryRelay::DiscoveryRelay(std::uint32_t domain, std::uint32_t indices) : stop_(eventfd(0, EFD_CLOEXEC)) {
+DiscoveryRelay::DiscoveryRelay(std::uint32_t domain, std::uint32_t indices) {
   const Socket& of_agents = sockets_.emplace_back();
-  if (stop_ < 0 || !of_agents.Bind(INADDR_LOOPBACK, 0)) Throw("making a socket for discovery");
+  if (!of_agents.Bind(INADDR_LOOPBACK, 0)) Throw("making a socket for discovery");
   port_ = of_agents.BoundPort();
   sockets_.emplace_back().Join(MulticastPort(domain));
   // The last index that is free, because tools look for one from the first on.
@@ -111,14 +110,12 @@ DiscoveryRelay::DiscoveryRelay(std::uint32_t domain, std::uint32_t indices) : st
 }
 
 DiscoveryRelay::~DiscoveryRelay() {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(stop_, &one, sizeof one);
+  stop_.Signal();
   thread_.join();
-  close(stop_);
 }
 
 void DiscoveryRelay::Run() {
-  std::vector<pollfd> waited = {{stop_, POLLIN, 0}};
+  std::vector<pollfd> waited = {{stop_.descriptor(), POLLIN, 0}};
   for (const Socket& socket : sockets_) waited.push_back({socket.handle(), POLLIN, 0});
   for (;;) {
     if (poll(waited.data(), waited.size(), -1) < 0 && errno != EINTR) return;

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/wake_event.h"
+
 namespace troupe::ros {
 
 class DiscoveryRelay {
@@ -46,7 +48,7 @@ class DiscoveryRelay {
   void ForgetSilent();
 
   std::vector<Socket> sockets_;  // first that of agents, then those of others
-  int stop_ = -1;                // an eventfd
+  const WakeEvent stop_;
   std::uint16_t port_ = 0;
   std::map<Prefix, Agent> agents_;
   std::map<Prefix, Other> others_;

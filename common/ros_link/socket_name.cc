@@ -1,34 +1,19 @@
 #include "common/ros_link/socket_name.h"
 
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstddef>
 #include <cstring>
+#include <optional>
+
+#include "common/base/local_address.h"
 
 namespace troupe::ros {
 namespace {
 
-struct Address {
-  sockaddr_un address = {};
-  socklen_t length = 0;
-
-  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
-};
-
-Result<Address> AddressOf(const std::string& name) {
-  Address result;
-  result.address.sun_family = AF_UNIX;
-  if (name.empty() || name.size() + 1 > sizeof result.address.sun_path) {
-    return Error{{}, "found '" + name + "', expected the name of a socket"};
-  }
-  // An abstract name ends with its socket.
-  std::copy(name.begin(), name.end(), result.address.sun_path + 1);
-  result.length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  return result;
+Error BadName(const std::string& name) {
+  return {{}, "found '" + name + "', expected the name of a socket"};
 }
 
 Error SocketFailure(const std::string& doing, const std::string& name) {
@@ -48,11 +33,10 @@ bool IsOfThisUser(int connection) {
 }  // namespace
 
 Result<int> Listen(const std::string& name) {
-  const Result<Address> address = AddressOf(name);
-  if (!address.ok()) return address.error();
+  const std::optional<LocalAddress> address = MakeLocalAddress(name);
+  if (!address) return BadName(name);
   const int descriptor = MakeSocket();
-  if (descriptor >= 0 && bind(descriptor, address.value().get(), address.value().length) == 0 &&
-      listen(descriptor, SOMAXCONN) == 0) {
+  if (descriptor >= 0 && bind(descriptor, address->get(), address->length) == 0 && listen(descriptor, SOMAXCONN) == 0) {
     return descriptor;
   }
   const Error failure = SocketFailure("listen at socket", name);
@@ -61,10 +45,10 @@ Result<int> Listen(const std::string& name) {
 }
 
 Result<int> Connect(const std::string& name) {
-  const Result<Address> address = AddressOf(name);
-  if (!address.ok()) return address.error();
+  const std::optional<LocalAddress> address = MakeLocalAddress(name);
+  if (!address) return BadName(name);
   const int descriptor = MakeSocket();
-  if (descriptor >= 0 && connect(descriptor, address.value().get(), address.value().length) == 0) {
+  if (descriptor >= 0 && connect(descriptor, address->get(), address->length) == 0) {
     if (IsOfThisUser(descriptor)) return descriptor;
     close(descriptor);
     return Failure("socket '" + name + "' belongs to another user");

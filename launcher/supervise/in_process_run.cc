@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "common/base/thread_pool.h"
+#include "common/base/wake_event.h"
 #include "common/protocol/faulty_transport.h"
 #include "common/protocol/memory_transport.h"
 #include "common/recording/recording.h"
@@ -230,7 +230,7 @@ class InProcessRun {
 
   // Runs until service and agents have ended, and merges the scans.
   Result<RunSummary> Run(SignalWatch& signals, InProcessBridge& bridge) {
-    const int done = eventfd(0, EFD_CLOEXEC);
+    const WakeEvent done;
     std::stop_source agent_stop;
     Result<RunSummary> summary = Failure("the run did not end");
     Result<AgentEnd> agent = AgentEnd::kStopped;
@@ -239,7 +239,7 @@ class InProcessRun {
       observers_.push_back(&progress);
       summary = OrFailure(
           [&] { return RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop_); });
-      eventfd_write(done, 1);
+      done.Signal();
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
     if (!scene_->world().robots.empty()) {
@@ -250,12 +250,11 @@ class InProcessRun {
         if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
-    WaitForEnd(done, signals, stop_, bridge);
+    WaitForEnd(done.descriptor(), signals, stop_, bridge);
     service_thread.join();
     if (!summary.ok()) agent_stop.request_stop();
     if (agent_thread.joinable()) agent_thread.join();
     new_agents_.Join();
-    close(done);
     if (!summary.ok()) return summary.error();
     if (!agent.ok()) return agent.error();
     if (!new_agents_.failure().ok()) return new_agents_.failure().error();
