@@ -113,8 +113,7 @@ class InfoWriter final : public Base {
  public:
   explicit InfoWriter(const RosParticipant& owner)
       : topic_(owner.participant(), kDiscoveryTopic),
-        writer_(owner.publisher(), topic_,
-                ToDds(Latched()) << TypeUserData(owner.distribution(), *dds::TopicTraits<Info>::descriptor())) {}
+        writer_(owner.publisher(), topic_, ToDds(Latched()) << TypeUserData<Info>(owner.distribution())) {}
 
   void Write() override {
     dds::WireArena arena;

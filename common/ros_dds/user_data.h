@@ -13,6 +13,11 @@ inline dds::UserData TypeUserData(Distribution distribution, const dds_topic_des
   return {TypeMark(distribution, type.m_typename)};
 }
 
+template <typename T>
+dds::UserData TypeUserData(Distribution distribution) {
+  return TypeUserData(distribution, *dds::TopicTraits<T>::descriptor());
+}
+
 // By `id` a client recognizes the two endpoints of one service.
 inline dds::UserData ServiceUserData(Distribution distribution, const std::string& id,
                                      const dds_topic_descriptor_t& type) {

@@ -25,8 +25,7 @@ class PoseReader {
   PoseReader(const ros::RosParticipant& participant, const std::string& topic, const std::function<void()>& notify)
       : topic_(participant.participant(), "rt" + topic),
         reader_(participant.subscriber(), topic_,
-                ros::ToDds(ros::Commands(true))
-                    << ros::TypeUserData(participant.distribution(), *dds::TopicTraits<T>::descriptor())) {
+                ros::ToDds(ros::Commands(true)) << ros::TypeUserData<T>(participant.distribution())) {
     dds::DataReaderListener listener;
     listener.on_data_available = notify;
     reader_.set_listener(std::move(listener));

@@ -11,8 +11,7 @@ RobotListOutput::RobotListOutput(ros::RosParticipant& participant, const ros::Ro
       participant_(participant),
       topic_(participant.participant(), ros::kRobotListTopic),
       writer_(participant.service_publisher(), topic_,
-              ros::ToDds(ros::Latched()) << ros::TypeUserData(options.distribution,
-                                                              *dds::TopicTraits<ros::String>::descriptor())) {}
+              ros::ToDds(ros::Latched()) << ros::TypeUserData<ros::String>(options.distribution)) {}
 
 void RobotListOutput::ChangeWorld(const WorldDescription& world) {
   const ros::RobotList list = RobotListOf(world, options_);
