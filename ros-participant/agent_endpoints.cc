@@ -123,8 +123,6 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
     case LinkKind::kAnnounce:
       announces_ = true;
       return;
-    case LinkKind::kWatchWriters:
-      return;  // the participant does from its start on
     case LinkKind::kWatchDistributions:
       watches_distributions_ = true;
       return participant_.WatchDistributions();

@@ -39,10 +39,7 @@ ParticipantServer::ParticipantServer(const RosOptions& options, int listening, c
   events_ = epoll_create1(EPOLL_CLOEXEC);
   if (events_ < 0) Throw("waiting for agents");
   for (const int descriptor : {listening_, wake_.descriptor(), stop_.descriptor()}) {
-    epoll_event event{};
-    event.events = EPOLLIN;
-    event.data.fd = descriptor;
-    if (epoll_ctl(events_, EPOLL_CTL_ADD, descriptor, &event) != 0) Throw("waiting for agents");
+    if (!Watch(EPOLL_CTL_ADD, descriptor, EPOLLIN)) Throw("waiting for agents");
   }
 }
 
@@ -66,7 +63,7 @@ void ParticipantServer::Run() {
       } else if (descriptor == wake_.descriptor()) {
         wake_.Clear();
         // The agent is not known: all that have something to send.
-        for (const auto& [connection, agent] : agents_) Watch(connection, agent->has_output());
+        for (const auto& [connection, agent] : agents_) WatchOutput(connection, *agent);
       } else {
         Process(descriptor);
       }
@@ -82,10 +79,7 @@ void ParticipantServer::AcceptAgents() {
     if (connection < 0) return;
     agents_[connection] =
         std::make_unique<AgentEndpoints>(participant_, pools_, connection, [this] { wake_.Signal(); });
-    epoll_event event{};
-    event.events = EPOLLIN;
-    event.data.fd = connection;
-    if (epoll_ctl(events_, EPOLL_CTL_ADD, connection, &event) != 0) Throw("waiting for an agent");
+    if (!Watch(EPOLL_CTL_ADD, connection, EPOLLIN)) Throw("waiting for an agent");
   }
 }
 
@@ -96,22 +90,26 @@ void ParticipantServer::Process(int connection) {
   const bool goes_on = agent.Process();
   bool changed = agent.TakeAnnouncement();
   if (goes_on) {
-    Watch(connection, agent.has_output());
+    WatchOutput(connection, agent);
   } else {
     if (!agent.problem().empty()) report_("a connection was closed: " + agent.problem());
     changed = changed || agent.has_nodes();
     agents_.erase(found);
   }
-  if (changed)
-    announce_at_ = std::min(announce_at_,
-                            Clock::now() + kAnnounceDelay + static_cast<int>(agents_.size()) * kAnnounceDelayOfAgent);
+  if (!changed) return;
+  const auto delay = kAnnounceDelay + static_cast<int>(agents_.size()) * kAnnounceDelayOfAgent;
+  announce_at_ = std::min(announce_at_, Clock::now() + delay);
 }
 
-void ParticipantServer::Watch(int connection, bool output) const {
+bool ParticipantServer::Watch(int operation, int descriptor, std::uint32_t events) const {
   epoll_event event{};
-  event.events = output ? EPOLLIN | EPOLLOUT : EPOLLIN;
-  event.data.fd = connection;
-  epoll_ctl(events_, EPOLL_CTL_MOD, connection, &event);
+  event.events = events;
+  event.data.fd = descriptor;
+  return epoll_ctl(events_, operation, descriptor, &event) == 0;
+}
+
+void ParticipantServer::WatchOutput(int connection, const AgentEndpoints& agent) const {
+  Watch(EPOLL_CTL_MOD, connection, agent.has_output() ? EPOLLIN | EPOLLOUT : EPOLLIN);
 }
 
 void ParticipantServer::AnnounceIfDue() {

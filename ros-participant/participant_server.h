@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -33,7 +34,10 @@ class ParticipantServer {
 
   void AcceptAgents();
   void Process(int connection);
-  void Watch(int connection, bool output) const;
+  // As epoll_ctl. False: it failed.
+  bool Watch(int operation, int descriptor, std::uint32_t events) const;
+  // Whether the agent has something to send may have changed.
+  void WatchOutput(int connection, const AgentEndpoints& agent) const;
   void AnnounceIfDue();
   void CheckIfDue();
   void PassMismatches();

@@ -203,11 +203,6 @@ void HostConnection::Announce() {
   FlushNow();
 }
 
-void HostConnection::WatchWriters() {
-  const std::lock_guard lock(mutex_);
-  AddSetup(LinkKind::kWatchWriters, 0);
-}
-
 void HostConnection::WatchDistributions() {
   const std::lock_guard lock(mutex_);
   AddSetup(LinkKind::kWatchDistributions, 0);

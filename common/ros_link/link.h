@@ -22,7 +22,6 @@ enum class LinkKind : std::uint8_t {
   kShareWriter,   // the number of a node, as text: lists the writer as one of this node, too
   kRemove,        // the endpoint has ended
   kAnnounce,
-  kWatchWriters,
   kWatchDistributions,
   kWrite,    // a sample, as CDR
   kRespond,  // a response, as CDR
