@@ -86,13 +86,18 @@ class ControlClient::Connection {
     request.number = number;
     requests_.write(dds::ToWire(request, arena));
     const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
+    std::set<dds_instance_handle_t> services = services_;
     for (;;) {
+      // Looked for before the replies are taken: a service may reply and end at once.
+      connected();
+      services.insert(services_.begin(), services_.end());
+      const bool is_answering = IsAnyMatched(services);
       for (const auto sample : replies_.take()) {
-        if (!sample.info().valid() || !services_.contains(sample.info().publication_handle())) continue;
+        if (!sample.info().valid() || !services.contains(sample.info().publication_handle())) continue;
         Result<ControlReply> reply = dds::FromWire(sample.data());
         if (reply.ok() && reply.value().client == client_ && reply.value().number == number) return reply;
       }
-      if (!connected()) return Failure("the world service of session '" + session_ + "' is gone");
+      if (!is_answering) return Failure("the world service of session '" + session_ + "' is gone");
       if (seconds > 0.0 && Clock::now() > deadline) {
         return Failure("the world service of session '" + session_ + "' did not answer");
       }
@@ -101,6 +106,13 @@ class ControlClient::Connection {
   }
 
  private:
+  // The writer of a service remains matched until its last sample has been delivered; the reader of its requests is gone
+  // before.
+  bool IsAnyMatched(const std::set<dds_instance_handle_t>& writers) const {
+    const std::vector<dds_instance_handle_t> matched = dds::MatchedPublications(replies_.handle());
+    return std::ranges::any_of(matched, [&](dds_instance_handle_t writer) { return writers.contains(writer); });
+  }
+
   const ParticipantKeys keys_;
   std::string session_;
   dds::DdsConnection connection_;
