@@ -1,0 +1,93 @@
+// ControlClient, with a world service of this process.
+#include "common/dds/tools/control_client.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/dds/transport/dds_service_endpoint.h"
+#include "tests/support/dds_domain.h"
+
+namespace troupe {
+namespace {
+
+using test::TestConfig;
+using test::TestDomain;
+using test::TestSession;
+
+// Replies to each request from the thread that has received it.
+class ReplyingService : public ServiceHandler {
+ public:
+  explicit ReplyingService(const std::string& session) : connection_(TestConfig(), session, {}) {
+    endpoint_.emplace(std::vector<const dds::DdsConnection*>{&connection_}, false);
+    endpoint_->Start(*this);
+  }
+  ~ReplyingService() override { endpoint_.reset(); }
+
+  void OnJoin(const JoinMessage&) override {}
+  void OnProposal(const ProposalMessage&) override {}
+  void OnAgentGone(AgentId) override {}
+  void OnRivalService(const SessionMessage&) override {}
+  void OnControl(const ControlRequest& request) override {
+    ControlReply reply;
+    reply.client = request.client;
+    reply.number = request.number;
+    reply.done = true;
+    endpoint_->SendControlReply(reply);
+    has_replied_ = true;
+    has_replied_.notify_all();
+  }
+
+  void AwaitReply() {
+    has_replied_.wait(false);
+    endpoint_->Flush(20.0);
+  }
+
+ private:
+  dds::DdsConnection connection_;
+  std::optional<dds::DdsServiceEndpoint> endpoint_;
+  std::atomic<bool> has_replied_ = false;
+};
+
+NetworkSettings Network(const std::string& session) {
+  NetworkSettings network;
+  network.domain = TestDomain();
+  network.session = session;
+  network.security = kSecurityOff;
+  return network;
+}
+
+TEST(ControlClient, TakesTheReplyOfAServiceThatEndsRightAfterIt) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const std::string session = TestSession("ends-" + std::to_string(trial));
+    std::optional<ReplyingService> service(session);
+    ControlClient client(Network(session));
+    ASSERT_TRUE(client.WaitForService(20.0).ok());
+    std::thread end([&] {
+      service->AwaitReply();
+      service.reset();
+    });
+    const Result<ControlReply> reply = client.Call(ControlCommand::kPlay, 0, 20.0);
+    end.join();
+    ASSERT_TRUE(reply.ok()) << "trial " << trial << ": " << reply.error().message;
+    EXPECT_TRUE(reply.value().done);
+  }
+}
+
+TEST(ControlClient, ReportsThatAServiceEndsWithoutAReply) {
+  const std::string session = TestSession("silent");
+  std::optional<ReplyingService> service(session);
+  ControlClient client(Network(session));
+  ASSERT_TRUE(client.WaitForService(20.0).ok());
+  service.reset();
+  const Result<ControlReply> reply = client.Call(ControlCommand::kStatus, 0, 20.0);
+  ASSERT_FALSE(reply.ok());
+  EXPECT_EQ(reply.error().message, "the world service of session '" + session + "' is gone");
+}
+
+}  // namespace
+}  // namespace troupe
