@@ -106,8 +106,8 @@ class ControlClient::Connection {
   }
 
  private:
-  // The writer of a service remains matched until its last sample has been delivered; the reader of its requests is gone
-  // before.
+  // The writer of a service remains matched until its last sample has been delivered; the reader of its requests is
+  // gone before.
   bool IsAnyMatched(const std::set<dds_instance_handle_t>& writers) const {
     const std::vector<dds_instance_handle_t> matched = dds::MatchedPublications(replies_.handle());
     return std::ranges::any_of(matched, [&](dds_instance_handle_t writer) { return writers.contains(writer); });
