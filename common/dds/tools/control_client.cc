@@ -5,6 +5,7 @@
 #include <set>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/base/random_id.h"
 #include "common/dds/binding/builtin_topic.h"
