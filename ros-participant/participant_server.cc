@@ -76,11 +76,22 @@ void ParticipantServer::Run() {
 void ParticipantServer::AcceptAgents() {
   for (;;) {
     const int connection = Accept(listening_);
-    if (connection < 0) return;
+    if (connection < 0) {
+      if (errno == EMFILE || errno == ENFILE) AwaitDescriptors();
+      return;
+    }
+    lacks_descriptors_ = false;
     agents_[connection] =
         std::make_unique<AgentEndpoints>(participant_, pools_, connection, [this] { wake_.Signal(); });
     if (!Watch(EPOLL_CTL_ADD, connection, EPOLLIN)) Throw("waiting for an agent");
   }
+}
+
+// The agent that connects stays ready: without this the loop would not sleep.
+void ParticipantServer::AwaitDescriptors() {
+  Watch(EPOLL_CTL_MOD, listening_, 0);
+  if (std::exchange(lacks_descriptors_, true)) return;
+  report_("an agent waits for its connection: this process may open no more files (ulimit -n)");
 }
 
 void ParticipantServer::Process(int connection) {
@@ -135,6 +146,7 @@ void ParticipantServer::CheckIfDue() {
   if (Clock::now() < check_at_) return;
   check_at_ = Clock::now() + kCheckInterval;
   if (std::exchange(has_new_readers_, false)) participant_.WatchKnownWriters();
+  if (lacks_descriptors_) Watch(EPOLL_CTL_MOD, listening_, EPOLLIN);
   PassMismatches();
   pools_.EndThoseUntil(Clock::now());
 }

@@ -33,6 +33,7 @@ class ParticipantServer {
   using Clock = std::chrono::steady_clock;
 
   void AcceptAgents();
+  void AwaitDescriptors();
   void Process(int connection);
   // As epoll_ctl. False: it failed.
   bool Watch(int operation, int descriptor, std::uint32_t events) const;
@@ -52,6 +53,7 @@ class ParticipantServer {
   int events_ = -1;  // of epoll
   EndpointPools pools_;
   bool has_new_readers_ = false;                              // since the last check
+  bool lacks_descriptors_ = false;                            // no agent can be accepted before the next check
   std::map<int, std::unique_ptr<AgentEndpoints>> agents_;     // by descriptor
   Clock::time_point announce_at_ = Clock::time_point::max();  // the nodes have changed
   Clock::time_point check_at_;                                // for mismatches and endpoints without an agent

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -349,6 +350,30 @@ TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
   host_.End();
   ASSERT_EQ(host_.reports().size(), std::size(refused));
   for (std::size_t i = 0; i < std::size(refused); ++i) EXPECT_THAT(host_.reports()[i], HasSubstr(refused[i].second));
+}
+
+TEST_F(HostConnectionTest, AnAgentWaitsWhileThereAreNoDescriptors) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few = {std::min<rlim_t>(before.rlim_cur, 200), before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  std::vector<int> descriptors;
+  for (int descriptor = 0; descriptor >= 0;) descriptors.push_back(descriptor = dup(STDERR_FILENO));
+  descriptors.pop_back();
+  ASSERT_FALSE(descriptors.empty());
+  close(descriptors.back());  // for the agent's side
+  descriptors.pop_back();
+  const std::unique_ptr<Link> agent = Stranger();
+  const std::clock_t used = std::clock();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_LT(std::clock() - used, CLOCKS_PER_SEC / 10);
+  for (const int descriptor : descriptors) close(descriptor);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  agent->Add(LinkKind::kHello, 0, BytesOf("troupe 0.0.1"));
+  agent->Flush();
+  EXPECT_TRUE(IsEnded(*agent));
+  host_.End();
+  EXPECT_THAT(host_.reports(), ElementsAre(HasSubstr("ulimit -n"), HasSubstr("found version 'troupe 0.0.1'")));
 }
 
 // An agent that is stopped reads nothing: its samples wait up to a limit, and those of others arrive.
