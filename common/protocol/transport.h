@@ -47,7 +47,8 @@ class ServiceEndpoint {
   virtual void SendStatus(const StatusMessage& status) = 0;
   // No effect in transports without tools.
   virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
-  // Waits until the agents have received all messages that were sent, at most `seconds`.
+  // Waits until the agents have received all messages that were sent, at most `seconds`; then as long until tools have
+  // received their replies.
   virtual void Flush(double seconds) = 0;
 };
 

@@ -30,6 +30,9 @@ constexpr std::chrono::milliseconds kKeysPeriod(100);
 // s; a longer wait is several of these.
 constexpr double kLongestWait = 1.0;
 
+// s, for the answer to the first request. A service that is stopped for longer is not waited for.
+constexpr double kGreetingTime = 1.0;
+
 }  // namespace
 
 class ControlClient::Connection {
@@ -73,6 +76,18 @@ class ControlClient::Connection {
 
   // When last looked for, there was only a service of a run whose token this user does not have.
   bool is_foreign() const { return services_.empty() && foreign_; }
+
+  // Before its discovery is complete, a service may receive requests while it does not know the reader of the replies
+  // yet: it keeps them for the reader, but not beyond its own end. The reply to a request without an effect shows that
+  // the next ones arrive in any case. False: the service is gone.
+  bool Greet() {
+    if (!has_answered_) {
+      ControlRequest question;
+      question.command = ControlCommand::kStatus;
+      has_answered_ = Call(question, kGreetingTime).ok();
+    }
+    return has_answered_ || connected();
+  }
 
   // Returns early when a reply arrives, or a service appears or disappears.
   void WaitUntil(Deadline deadline) {
@@ -125,6 +140,7 @@ class ControlClient::Connection {
   dds::WaitSet changes_;
   std::set<dds_instance_handle_t> services_;  // the writers of their replies
   bool foreign_ = false;
+  bool has_answered_ = false;
   std::uint64_t client_ = MakeRandomId();
   std::uint64_t number_ = 0;
 };
@@ -149,7 +165,7 @@ Status ControlClient::WaitForService(double seconds) {
       config.security_enclave = keys.value().enclave;
       connection_ = std::make_unique<Connection>(config, network_.session, keys.value());
     }
-    if (connection_->connected()) return {};
+    if (connection_->connected() && connection_->Greet()) return {};
     if (Clock::now() > deadline) {
       return Failure(connection_->is_foreign()
                          ? "session '" + network_.session + "' is of another user: no keys of it for this user"

@@ -265,7 +265,7 @@ void DdsServiceEndpoint::Flush(double seconds) {
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
   const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
   for (const auto& group : groups_) group->Flush(remaining);
-  control_replies_.writer().wait_for_acknowledgments(remaining());
+  control_replies_.writer().wait_for_acknowledgments(seconds);
 }
 
 }  // namespace troupe::dds
