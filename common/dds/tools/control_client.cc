@@ -30,8 +30,10 @@ constexpr std::chrono::milliseconds kKeysPeriod(100);
 // s; a longer wait is several of these.
 constexpr double kLongestWait = 1.0;
 
-// s, for the answer to the first request. A service that is stopped for longer is not waited for.
-constexpr double kGreetingTime = 1.0;
+// s: the first request is repeated, since a lost reply is resent no sooner than after a heartbeat. A service that is
+// stopped for longer than all repetitions is not waited for.
+constexpr double kGreetingPeriod = 0.1;
+constexpr int kGreetings = 20;
 
 }  // namespace
 
@@ -81,12 +83,12 @@ class ControlClient::Connection {
   // yet: it keeps them for the reader, but not beyond its own end. The reply to a request without an effect shows that
   // the next ones arrive in any case. False: the service is gone.
   bool Greet() {
-    if (!has_answered_) {
-      ControlRequest question;
-      question.command = ControlCommand::kStatus;
-      has_answered_ = Call(question, kGreetingTime).ok();
+    ControlRequest question;
+    question.command = ControlCommand::kStatus;
+    for (int i = 0; i < kGreetings && !has_answered_ && connected(); ++i) {
+      has_answered_ = Call(question, kGreetingPeriod).ok();
     }
-    return has_answered_ || connected();
+    return connected();
   }
 
   // Returns early when a reply arrives, or a service appears or disappears.
@@ -165,7 +167,7 @@ Status ControlClient::WaitForService(double seconds) {
       config.security_enclave = keys.value().enclave;
       connection_ = std::make_unique<Connection>(config, network_.session, keys.value());
     }
-    if (connection_->connected() && connection_->Greet()) return {};
+    if (connection_->Greet()) return {};
     if (Clock::now() > deadline) {
       return Failure(connection_->is_foreign()
                          ? "session '" + network_.session + "' is of another user: no keys of it for this user"

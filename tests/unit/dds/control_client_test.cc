@@ -22,7 +22,7 @@ using test::TestSession;
 // Replies to each request from the thread that has received it.
 class ReplyingService : public ServiceHandler {
  public:
-  explicit ReplyingService(const std::string& session) : connection_(TestConfig(), session, {}) {
+  explicit ReplyingService(const std::string& session) : connection_(Config(), session, {}) {
     endpoint_.emplace(std::vector<const dds::DdsConnection*>{&connection_}, false);
     endpoint_->Start(*this);
   }
@@ -38,6 +38,7 @@ class ReplyingService : public ServiceHandler {
     reply.number = request.number;
     reply.done = true;
     endpoint_->SendControlReply(reply);
+    if (request.command != ControlCommand::kPlay) return;
     has_replied_ = true;
     has_replied_.notify_all();
   }
@@ -48,6 +49,12 @@ class ReplyingService : public ServiceHandler {
   }
 
  private:
+  static dds::DomainConfig Config() {
+    dds::DomainConfig config = TestConfig();
+    config.heartbeat_seconds = 0.1;  // the service ends when its reply is acknowledged
+    return config;
+  }
+
   dds::DdsConnection connection_;
   std::optional<dds::DdsServiceEndpoint> endpoint_;
   std::atomic<bool> has_replied_ = false;
