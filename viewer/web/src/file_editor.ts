@@ -37,7 +37,7 @@ export class FileEditor {
   private again = false;
 
   constructor(
-      connection: Connection, private readonly scene: WorldScene, private readonly editing: Editing,
+      private readonly connection: Connection, private readonly scene: WorldScene, private readonly editing: Editing,
       private readonly host: FileEditorHost, private readonly viewOnly: boolean) {
     this.client = new FileClient(connection);
     this.drawing = new Drawing(scene, {drawn: (tool, from, to) => void this.drawn(tool, from, to)});
@@ -371,7 +371,11 @@ export class FileEditor {
 
   private async test(model: string, probeHeight: number): Promise<void> {
     const reply = await this.client.edit('test', {model, probe_height: probeHeight});
-    if (reply.done) byId('play').click();
+    if (reply.done) {
+      // Not by the button: it pauses as long as the page has not received the end of an earlier test.
+      const started = await this.connection.request('play');
+      if (!started.done) toast(started.problem, true);
+    }
     this.scene.home();
     await this.refresh();
   }
