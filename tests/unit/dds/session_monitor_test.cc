@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "common/dds/transport/dds_transport.h"
 #include "tests/support/dds_domain.h"
@@ -12,15 +16,24 @@ namespace {
 
 using test::Eventually;
 
+struct RunningService {
+  std::unique_ptr<Transport> transport;
+  std::unique_ptr<ServiceEndpoint> endpoint;
+  StatusMessage status;
+};
+
 TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   DdsOptions options;
   options.domain = test::TestDomain();
   const std::string prefix = test::TestSession("monitor");
   SessionMonitor monitor(options);
+  std::map<std::string, RunningService> services;
   // Sessions of other tests may exist.
   std::vector<SessionInfo> seen;
   const auto sees = [&](std::size_t count) {
     return Eventually([&] {
+      // Again and again, as a run does: a status that arrives before its session is ignored.
+      for (const auto& [name, service] : services) service.endpoint->SendStatus(service.status);
       monitor.WaitForChange(0.1);
       seen = monitor.Sessions();
       seen.erase(std::remove_if(seen.begin(), seen.end(),
@@ -32,22 +45,20 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   };
   const auto start = [&](const std::string& name, RunId run) {
     options.session = prefix + name;
-    auto transport = MakeDdsServiceTransport(options).transport;
-    auto endpoint = transport->MakeServiceEndpoint();
+    RunningService& service = services[name];
+    service.transport = MakeDdsServiceTransport(options).transport;
+    service.endpoint = service.transport->MakeServiceEndpoint();
     SessionMessage session;
     session.run = run;
     session.host = "machine";
     session.pid = 77;
     session.world.name = "world of " + name;
-    endpoint->SendSession(session);
-    StatusMessage status;
-    status.run = run;
-    status.tick = 10 * run;
-    endpoint->SendStatus(status);
-    return std::pair(std::move(transport), std::move(endpoint));
+    service.endpoint->SendSession(session);
+    service.status.run = run;
+    service.status.tick = 10 * run;
   };
-  auto second = start("b", 1);
-  auto first = start("a", 2);
+  start("b", 1);
+  start("a", 2);
   ASSERT_TRUE(sees(2));
   EXPECT_EQ(prefix + "a", seen[0].session);
   EXPECT_EQ(2u, seen[0].run);
@@ -57,15 +68,12 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
   EXPECT_EQ(20u, seen[0].status->tick);
   EXPECT_EQ(prefix + "b", seen[1].session);
 
-  StatusMessage status;
-  status.run = 2;
-  status.tick = 21;
-  status.waiting_for = {"r7"};
-  first.second->SendStatus(status);
+  services["a"].status.tick = 21;
+  services["a"].status.waiting_for = {"r7"};
   EXPECT_TRUE(Eventually([&] { return sees(2) && seen[0].status->tick == 21; }));
   EXPECT_EQ(std::vector<std::string>{"r7"}, seen[0].status->waiting_for);
 
-  first.second.reset();
+  services.erase("a");
   ASSERT_TRUE(sees(1));
   EXPECT_EQ(prefix + "b", seen[0].session);
 }
