@@ -30,7 +30,7 @@ function look(page, robot) {
 function stateOf(page, what, wanted) {
   return until(what, async () => {
     const state = await page.evaluate(() => window.troupe?.state() ?? null);
-    return wanted(state) ? state ?? true : null;
+    return state !== null && wanted(state) ? state : null;  // a page that connects again has none
   });
 }
 
