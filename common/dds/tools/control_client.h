@@ -18,8 +18,9 @@ class ControlClient {
   explicit ControlClient(const NetworkSettings& network);
   ~ControlClient();
 
-  // Waits for the service, at most `seconds`. The error is for people; kBadInput: the keys of network.security are not
-  // those of an operator. Throws dds::Exception (common/dds/binding/exception.h) when DDS cannot start.
+  // Waits for the service, at most `seconds`, and then for its first answer, at most 2 s. The error is for people;
+  // kBadInput: the keys of network.security are not those of an operator. Throws dds::Exception
+  // (common/dds/binding/exception.h) when DDS cannot start.
   Status WaitForService(double seconds);
 
   // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived,

@@ -101,10 +101,10 @@ TEST(AgentRunTest, TheSeedMatters) {
 }
 
 TEST(AgentRunTest, AnAgentForAnUnknownRobotDoesNotDisturbTheOthers) {
-  const Outcome outcome = Simulate(Yard(), {{"nobody"}, {}}, {}, 1, true);
+  const Outcome outcome = Simulate(Yard(), {{"unknown"}, {}}, {}, 1, true);
   HashAtTheEnd({outcome.summary, {outcome.agents[1]}, {}});
   ASSERT_FALSE(outcome.agents[0].ok());
-  EXPECT_THAT(outcome.agents[0].error().message, ::testing::HasSubstr("no robot 'nobody'"));
+  EXPECT_THAT(outcome.agents[0].error().message, ::testing::HasSubstr("no robot 'unknown'"));
 }
 
 }  // namespace
