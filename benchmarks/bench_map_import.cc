@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "common/bitmap/rectangle_cover.h"
 #include "common/image/image_file.h"
+#include "troupe/rectangle_cover.h"
 
 namespace troupe {
 namespace {

@@ -7,7 +7,7 @@
 #include "benchmarks/cave_world.h"
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/ray_cast.h"
-#include "common/worldfile/load_world.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/random.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/random.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe::bench {
 

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "benchmarks/barrier_processes.h"
-#include "common/dds/transport/dds_transport.h"
+#include "transport/dds/transport/dds_transport.h"
 
 namespace troupe::bench {
 namespace {

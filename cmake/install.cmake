@@ -9,24 +9,8 @@ if(TARGET ros-service-bridge)
 endif()
 install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 
-# Public headers, and the headers of the tree that these include. Those keep their paths below include/troupe, so that the
-# same #include lines work here and there. The test public_headers_test finds one that is missing.
-set(TROUPE_PUBLIC_HEADERS controller.h parameters.h sensor.h simulation.h version.h)
-set(TROUPE_INCLUDED_HEADERS
-  common/base/check.h common/base/deterministic_math.h common/base/ids.h common/base/random.h common/base/result.h
-  common/bitmap/bitmap.h common/bitmap/dense_cover.h common/bitmap/pixel_area.h common/bitmap/rectangle_cover.h
-  common/geometry/polygon.h common/geometry/pose.h common/geometry/rectangle.h common/geometry/vec2.h
-  common/geometry/z_range.h
-  common/model/color.h common/model/event.h common/model/interval.h common/model/radio_limits.h
-  common/model/radio_message.h common/model/robot_command.h common/model/sensor_description.h
-  common/model/world_description.h common/model/world_state.h
-  common/picture/picture_options.h)
-list(TRANSFORM TROUPE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/troupe/ OUTPUT_VARIABLE headers)
-install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/troupe)
-foreach(header IN LISTS TROUPE_INCLUDED_HEADERS)
-  get_filename_component(folder ${header} DIRECTORY)
-  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/troupe/${folder})
-endforeach()
+# The test public_headers_test compiles each of them without the tree.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/troupe DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Troupe)
 set(TROUPE_WORLDS_DIR ${CMAKE_INSTALL_DATADIR}/troupe/worlds)

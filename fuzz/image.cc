@@ -1,9 +1,9 @@
 // Feeds any bytes to the readers of images, and what they accept to the importer of bitmaps.
 #include "common/image/image_file.h"
-#include "common/worldfile/map/bitmap_rectangles.h"
 #include "fuzz/check.h"
 #include "fuzz/memory_file.h"
 #include "fuzz/targets.h"
+#include "worldfile/map/bitmap_rectangles.h"
 
 namespace troupe::fuzz {
 namespace {

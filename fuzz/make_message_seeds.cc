@@ -5,22 +5,22 @@
 #include <fstream>
 #include <string>
 
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
 #include "common/model/state_hash.h"
-#include "common/recording/mcap/byte_writer.h"
-#include "common/recording/mcap/reader.h"
-#include "common/recording/recording_writer.h"
-#include "common/ros_dds/simulation_types.h"
-#include "common/ros_dds/topic_types.h"
-#include "common/wire/cdr.h"
-#include "common/wire/message_bytes.h"
-#include "common/worldfile/build/build_world.h"
-#include "common/worldfile/stage/stage_parser.h"
 #include "fuzz/check.h"
+#include "recording/mcap/byte_writer.h"
+#include "recording/mcap/reader.h"
+#include "recording/recording_writer.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/wire/cdr.h"
+#include "transport/wire/message_bytes.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
+#include "worldfile/models/build_world.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe::fuzz {
 namespace {

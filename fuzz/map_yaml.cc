@@ -1,12 +1,12 @@
 // Feeds any bytes to the reader of ROS maps, and to the importer of the image that they name.
-#include "common/worldfile/map/map_yaml.h"
+#include "worldfile/map/map_yaml.h"
 
 #include <algorithm>
 
-#include "common/worldfile/map/bitmap_rectangles.h"
 #include "fuzz/check.h"
 #include "fuzz/memory_file.h"
 #include "fuzz/targets.h"
+#include "worldfile/map/bitmap_rectangles.h"
 
 namespace troupe::fuzz {
 

@@ -1,13 +1,13 @@
 // Feed any bytes to the receivers of the types in idl/: from CDR to a sample, and by its converter to a message, which
 // then has to return from its own bytes as it is.
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
 #include "common/spatial/scene.h"
-#include "common/wire/cdr.h"
-#include "common/wire/message_bytes.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/wire/cdr.h"
+#include "transport/wire/message_bytes.h"
 
 namespace troupe::fuzz {
 namespace {

@@ -1,14 +1,14 @@
 // Feeds any bytes to the reader of recordings, and replays what it accepts: from the begin, and from the last keyframe.
-#include "common/recording/recording.h"
+#include "recording/recording.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "common/recording/channels.h"
-#include "common/recording/mcap/byte_reader.h"
-#include "common/recording/mcap/writer.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
+#include "recording/channels.h"
+#include "recording/mcap/byte_reader.h"
+#include "recording/mcap/writer.h"
 #include "world-service/replay/run_replay.h"
 
 namespace troupe::fuzz {

@@ -2,16 +2,16 @@
 // its handler calls, if there is one.
 #include <cmath>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/action_server.h"
-#include "common/ros_dds/simulation_types.h"
-#include "common/ros_dds/topic_types.h"
-#include "common/wire/cdr.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
 #include "robot-agent/drive/twist_command.h"
 #include "robot-agent/ros/gripper_goals.h"
+#include "ros/connection/action_server.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
+#include "transport/dds/binding/wire.h"
+#include "transport/wire/cdr.h"
 #include "world-service/observers/ros/entity_filter.h"
 #include "world-service/observers/ros/entity_pose.h"
 #include "world-service/observers/ros/resource_path.h"

@@ -1,11 +1,11 @@
 // Feeds any bytes to the reader of scenarios. The world that they may name is a small one in memory; no file is read.
-#include "common/worldfile/scenario/scenario.h"
+#include "worldfile/scenario/scenario.h"
 
 #include <string>
 
-#include "common/worldfile/stage/stage_parser.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe::fuzz {
 namespace {

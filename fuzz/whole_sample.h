@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/dds/binding/topic.h"
 #include "fuzz/targets.h"
+#include "transport/dds/binding/topic.h"
 
 namespace troupe::fuzz {
 

@@ -2,10 +2,10 @@
 #include <map>
 #include <string>
 
-#include "common/worldfile/build/build_world.h"
-#include "common/worldfile/stage/stage_parser.h"
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
+#include "worldfile/models/build_world.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe::fuzz {
 namespace {

@@ -3,9 +3,9 @@
 #include <csignal>
 #include <exception>
 
+#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "common/base/version.h"
-#include "common/command_line/exit_status.h"
-#include "common/command_line/parse_command_line.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/ctl_command.h"

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "common/base/result.h"
-#include "common/model/world_state.h"
-#include "common/picture/picture_options.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/picture_options.h"
+#include "troupe/result.h"
 #include "troupe/simulation.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

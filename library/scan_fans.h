@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "common/model/world_state.h"
 #include "common/picture/draw_picture.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/model/state_hash.h"
-#include "common/worldfile/load_world.h"
 #include "library/save_picture.h"
 #include "library/save_view.h"
 #include "library/simulation_impl.h"
@@ -13,6 +12,7 @@
 #include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 #include "world-service/core/validate_proposal.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

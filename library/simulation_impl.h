@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "common/model/event.h"
 #include "common/model/proposal.h"
-#include "common/model/world_state.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/robot/external_command.h"
 #include "robot-agent/robot/robot.h"
+#include "troupe/event.h"
 #include "troupe/simulation.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

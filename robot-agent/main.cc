@@ -11,14 +11,14 @@
 
 #include "common/base/random_id.h"
 #include "common/base/stop_signals.h"
-#include "common/dds/binding/network_log.h"
-#include "common/dds/transport/dds_transport.h"
-#include "common/protocol/agent_name.h"
-#include "common/ros/names.h"
-#include "common/ros/ros_security.h"
-#include "common/security/session_keys.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
+#include "ros/messages/names.h"
+#include "ros/messages/ros_security.h"
+#include "transport/dds/binding/network_log.h"
+#include "transport/dds/transport/dds_transport.h"
+#include "transport/protocol/agent_name.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe {
 namespace {

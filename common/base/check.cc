@@ -1,4 +1,4 @@
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 #include <bit>
 #include <cmath>

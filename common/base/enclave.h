@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

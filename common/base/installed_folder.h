@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

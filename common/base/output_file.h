@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -1,9 +1,9 @@
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
 #include "common/base/hash.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

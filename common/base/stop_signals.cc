@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

@@ -1,9 +1,9 @@
-#include "common/bitmap/bitmap.h"
+#include "troupe/bitmap.h"
 
 #include <algorithm>
 #include <bit>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

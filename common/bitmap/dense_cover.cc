@@ -1,4 +1,4 @@
-#include "common/bitmap/dense_cover.h"
+#include "troupe/dense_cover.h"
 
 #include <utility>
 

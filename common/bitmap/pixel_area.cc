@@ -1,10 +1,10 @@
-#include "common/bitmap/pixel_area.h"
+#include "troupe/pixel_area.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/check.h"
 #include "common/geometry/limits.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {

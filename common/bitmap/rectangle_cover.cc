@@ -1,4 +1,4 @@
-#include "common/bitmap/rectangle_cover.h"
+#include "troupe/rectangle_cover.h"
 
 #include <limits>
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/geometry/polygon.h"
+#include "troupe/polygon.h"
 
 namespace troupe {
 

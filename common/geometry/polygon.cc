@@ -1,11 +1,11 @@
-#include "common/geometry/polygon.h"
+#include "troupe/polygon.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "common/geometry/limits.h"
-#include "common/geometry/z_range.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

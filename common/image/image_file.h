@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "common/base/result.h"
-#include "common/bitmap/bitmap.h"
+#include "troupe/bitmap.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/model/radio_limits.h"
+#include "troupe/radio_limits.h"
 
 namespace troupe {
 namespace {

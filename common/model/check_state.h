@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "common/base/result.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

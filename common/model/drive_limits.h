@@ -1,8 +1,8 @@
 // The limits of a drive: the agent keeps its proposals within them, the world service refuses proposals beyond them.
 #pragma once
 
-#include "common/geometry/pose.h"
-#include "common/model/world_description.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -1,4 +1,4 @@
-#include "common/model/event.h"
+#include "troupe/event.h"
 
 namespace troupe {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/geometry/vec2.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

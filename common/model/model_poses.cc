@@ -1,6 +1,6 @@
 #include "common/model/model_poses.h"
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

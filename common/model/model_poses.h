@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/pose.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

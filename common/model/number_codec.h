@@ -12,10 +12,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "common/geometry/pose.h"
-#include "common/geometry/vec2.h"
-#include "common/model/color.h"
-#include "common/model/interval.h"
+#include "troupe/color.h"
+#include "troupe/interval.h"
+#include "troupe/pose.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/pose.h"
-#include "common/model/radio_message.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/radio_message.h"
 
 namespace troupe {
 

@@ -1,4 +1,4 @@
-#include "common/model/radio_limits.h"
+#include "troupe/radio_limits.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "common/model/robot_command.h"
+#include "troupe/robot_command.h"
 
 #include <cmath>
 #include <string>
 
 #include "common/geometry/limits.h"
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 namespace {

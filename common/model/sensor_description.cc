@@ -1,4 +1,4 @@
-#include "common/model/sensor_description.h"
+#include "troupe/sensor_description.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "common/model/world_state.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/geometry/limits.h"
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "common/model/world_state.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/polygon.h"
-#include "common/geometry/rectangle.h"
-#include "common/model/world_description.h"
 #include "common/picture/draw_picture.h"
 #include "common/picture/pixel_mask.h"
+#include "troupe/polygon.h"
+#include "troupe/rectangle.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
 
 typedef struct _cairo cairo_t;
 typedef struct _cairo_surface cairo_surface_t;

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
 #include "common/model/mark.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
-#include "common/picture/picture_options.h"
+#include "troupe/picture_options.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

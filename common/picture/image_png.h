@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

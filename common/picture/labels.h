@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/rectangle.h"
+#include "troupe/rectangle.h"
 
 namespace troupe {
 

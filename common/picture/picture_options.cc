@@ -1,4 +1,4 @@
-#include "common/picture/picture_options.h"
+#include "troupe/picture_options.h"
 
 #include <cmath>
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/bitmap/pixel_area.h"
 #include "common/picture/viewport.h"
+#include "troupe/pixel_area.h"
 
 namespace troupe {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "common/geometry/polygon.h"
-#include "common/geometry/rectangle.h"
+#include "troupe/polygon.h"
+#include "troupe/rectangle.h"
 
 namespace troupe {
 

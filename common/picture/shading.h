@@ -1,7 +1,7 @@
 // Colours of pictures: a pale page, and model colours softened and shaded by height.
 #pragma once
 
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "common/geometry/polygon.h"
-#include "common/geometry/z_range.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/polygon.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

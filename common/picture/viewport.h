@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/rectangle.h"
 #include "common/picture/draw_picture.h"
+#include "troupe/rectangle.h"
 
 namespace troupe {
 

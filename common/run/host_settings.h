@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 
@@ -28,7 +28,7 @@ struct HostSettings {
 // The distribution of a scenario over hosts.
 struct HostsOfScenario {
   std::vector<HostSettings> hosts;  // none: this host only
-  std::string network;              // a profile of common/dds/binding/domain_config.h; empty: the default
+  std::string network;              // a profile of transport/dds/binding/domain_config.h; empty: the default
 };
 
 }  // namespace troupe

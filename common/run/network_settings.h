@@ -27,7 +27,7 @@ struct NetworkSettings {
   std::uint32_t domain = 42;  // DDS domain of the simulation, 0 to kMaxDomain; ROS 2 uses another one
   std::string session;        // DDS partition: runs in different sessions are isolated; without '*' and '?'
   std::string network_interface = kLoopbackInterface;  // a name, an IPv4 address, or "auto"
-  std::string network_profile;  // common/dds/binding/domain_config.h has the names; empty: chosen by the interface
+  std::string network_profile;  // transport/dds/binding/domain_config.h has the names; empty: chosen by the interface
   std::string service_address;  // of the world service, "host" or "host:port"; empty: this host
   // Of the world service, as 24 hexadecimal digits, for an agent: no other participant is one. Empty: the participant
   // that announces a run is the service of that run.

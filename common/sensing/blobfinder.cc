@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "common/sensing/fan_marks.h"
 #include "common/sensing/model_pose.h"
 #include "common/sensing/reading_json.h"
 #include "common/spatial/column_cast.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "common/base/check.h"
-#include "common/base/deterministic_math.h"
 #include "common/base/hexadecimal.h"
 #include "common/sensing/fan_marks.h"
 #include "common/sensing/model_pose.h"
 #include "common/sensing/reading_json.h"
 #include "common/spatial/column_cast.h"
+#include "troupe/check.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/z_range.h"
 #include "common/sensing/sensor.h"
 #include "common/spatial/nearest_points.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

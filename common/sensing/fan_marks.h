@@ -1,9 +1,9 @@
 // The place where a sensor with a field of view looks, as a mark. Private to this folder.
 #pragma once
 
-#include "common/base/deterministic_math.h"
-#include "common/geometry/pose.h"
 #include "common/model/mark.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 

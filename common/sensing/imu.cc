@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <span>
 
-#include "common/base/check.h"
-#include "common/base/random.h"
 #include "common/sensing/reading_json.h"
 #include "common/spatial/point_velocity.h"
+#include "troupe/check.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "common/base/hexadecimal.h"
-#include "common/base/random.h"
-#include "common/model/radio_limits.h"
 #include "common/sensing/fan_marks.h"
 #include "common/sensing/radio_path.h"
 #include "common/sensing/reading_json.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/radio_limits.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/vec2.h"
 #include "common/sensing/sensor.h"
 #include "common/spatial/column_cast.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

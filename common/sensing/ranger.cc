@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
 #include "common/sensing/reading_json.h"
 #include "common/spatial/column_cast.h"
 #include "common/spatial/ray_cast.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

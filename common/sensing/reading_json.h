@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/ids.h"
+#include "troupe/ids.h"
 
 namespace troupe {
 

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "common/model/mark.h"
-#include "common/model/sensor_description.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "troupe/sensor.h"
+#include "troupe/sensor_description.h"
 
 namespace troupe {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "common/base/check.h"
 #include "common/sensing/blobfinder.h"
 #include "common/sensing/break_beam.h"
 #include "common/sensing/bumper.h"
@@ -13,6 +12,7 @@
 #include "common/sensing/imu.h"
 #include "common/sensing/radio.h"
 #include "common/sensing/ranger.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {

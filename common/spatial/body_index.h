@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/rectangle.h"
-#include "common/model/world_state.h"
 #include "common/spatial/discs.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/rectangle.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -12,11 +12,11 @@
 #include <span>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/vec2.h"
-#include "common/geometry/z_range.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/vec2.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/polygon.h"
-#include "common/geometry/pose.h"
-#include "common/geometry/z_range.h"
-#include "common/model/world_description.h"
+#include "troupe/ids.h"
+#include "troupe/polygon.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

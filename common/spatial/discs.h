@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/geometry/rectangle.h"
-#include "common/geometry/vec2.h"
 #include "common/spatial/float4.h"
+#include "troupe/rectangle.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

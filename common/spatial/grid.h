@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/geometry/rectangle.h"
-#include "common/geometry/vec2.h"
+#include "troupe/rectangle.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "common/geometry/vec2.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

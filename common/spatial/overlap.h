@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "common/geometry/vec2.h"
 #include "common/spatial/convex_piece.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

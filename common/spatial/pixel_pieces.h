@@ -7,10 +7,10 @@
 #include <memory_resource>
 #include <vector>
 
-#include "common/bitmap/pixel_area.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/ray_walk.h"
+#include "troupe/pixel_area.h"
 
 namespace troupe {
 

@@ -1,6 +1,6 @@
 #include "common/spatial/point_velocity.h"
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {

@@ -1,11 +1,11 @@
 // The velocity of a point of a robot, with the motion of its drive and of the joints that move the point.
 #pragma once
 
-#include "common/base/ids.h"
-#include "common/geometry/pose.h"
-#include "common/model/world_state.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

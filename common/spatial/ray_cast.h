@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/vec2.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/base/equal_memory.h"
-#include "common/base/ids.h"
-#include "common/geometry/rectangle.h"
-#include "common/geometry/vec2.h"
-#include "common/geometry/z_range.h"
+#include "troupe/ids.h"
+#include "troupe/rectangle.h"
+#include "troupe/vec2.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

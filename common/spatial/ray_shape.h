@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/rectangle.h"
-#include "common/geometry/vec2.h"
-#include "common/geometry/z_range.h"
 #include "common/spatial/float4.h"
+#include "troupe/rectangle.h"
+#include "troupe/vec2.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/geometry/vec2.h"
 #include "common/spatial/grid.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/model/world_description.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/ray_shape.h"
 #include "common/spatial/static_index.h"
+#include "troupe/ids.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/rectangle.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/pixel_pieces.h"
 #include "common/spatial/ray_map.h"
 #include "common/spatial/ray_walk.h"
+#include "troupe/rectangle.h"
 
 namespace troupe {
 

@@ -6,11 +6,11 @@
 #include <tuple>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "common/base/stack_memory.h"
-#include "common/geometry/rectangle.h"
 #include "common/spatial/overlap.h"
 #include "common/spatial/sweep_events.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/rectangle.h"
 
 namespace troupe {
 namespace {

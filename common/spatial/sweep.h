@@ -12,10 +12,10 @@
 #include <optional>
 #include <span>
 
-#include "common/base/ids.h"
-#include "common/geometry/pose.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

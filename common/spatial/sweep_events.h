@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/pose.h"
-#include "common/geometry/vec2.h"
+#include "troupe/pose.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

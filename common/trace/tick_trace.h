@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/base/result.h"
 #include "common/trace/trace_file.h"
+#include "troupe/ids.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/base/result.h"
+#include "troupe/ids.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

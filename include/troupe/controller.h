@@ -19,15 +19,15 @@
 #include <string_view>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/ids.h"
-#include "common/base/random.h"
-#include "common/geometry/pose.h"
-#include "common/model/radio_limits.h"
-#include "common/model/robot_command.h"
-#include "common/model/world_description.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/ids.h"
 #include "troupe/parameters.h"
+#include "troupe/pose.h"
+#include "troupe/radio_limits.h"
+#include "troupe/random.h"
+#include "troupe/robot_command.h"
 #include "troupe/sensor.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

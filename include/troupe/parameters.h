@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/model/interval.h"
+#include "troupe/interval.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

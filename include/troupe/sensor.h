@@ -25,12 +25,12 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/pose.h"
-#include "common/geometry/vec2.h"
-#include "common/model/color.h"
-#include "common/model/interval.h"
-#include "common/model/sensor_description.h"
+#include "troupe/color.h"
+#include "troupe/ids.h"
+#include "troupe/interval.h"
+#include "troupe/pose.h"
+#include "troupe/sensor_description.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -15,15 +15,15 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
-#include "common/model/event.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
-#include "common/picture/picture_options.h"
 #include "troupe/controller.h"
+#include "troupe/event.h"
+#include "troupe/ids.h"
+#include "troupe/picture_options.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
 #include "troupe/sensor.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/run_flags.h"
-#include "common/recording/recording.h"
+#include "command_line/exit_status.h"
+#include "command_line/run_flags.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
+#include "recording/recording.h"
 #include "robot-agent/controller/create_controller.h"
 
 namespace troupe {

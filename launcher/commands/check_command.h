@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/worldfile/load_world.h"
+#include "worldfile/load_world.h"
 
 namespace CLI {
 class App;

@@ -1,8 +1,8 @@
 #include "launcher/commands/check_controllers.h"
 
-#include "common/worldfile/check_ctrl.h"
-#include "common/worldfile/scenario/scenario.h"
 #include "robot-agent/controller/create_controller.h"
+#include "worldfile/check_ctrl.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "common/ros/names.h"
-#include "common/ros/ros_security.h"
-#include "common/worldfile/load_world.h"
+#include "ros/messages/names.h"
+#include "ros/messages/ros_security.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

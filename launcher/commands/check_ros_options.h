@@ -2,8 +2,8 @@
 // any process is started.
 #pragma once
 
-#include "common/base/result.h"
 #include "launcher/supervise/run_options.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

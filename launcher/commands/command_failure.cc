@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 
 namespace troupe {
 

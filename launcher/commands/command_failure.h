@@ -1,7 +1,7 @@
 // Fail: the end of a command that has failed.
 #pragma once
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

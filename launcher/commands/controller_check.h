@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/base/thread_pool.h"
 #include "robot-agent/agent/replica.h"
+#include "troupe/result.h"
 #include "world-service/replay/replayed_world.h"
 
 namespace troupe {

@@ -8,16 +8,16 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/base/deterministic_math.h"
-#include "common/command_line/exit_status.h"
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/run_flags.h"
-#include "common/dds/tools/control_client.h"
-#include "common/protocol/run_state_text.h"
+#include "command_line/exit_status.h"
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
+#include "command_line/run_flags.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/pose_text.h"
 #include "launcher/commands/select_session.h"
+#include "transport/dds/tools/control_client.h"
+#include "transport/protocol/run_state_text.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

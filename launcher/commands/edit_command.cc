@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/listen_address.h"
 #include "launcher/process/signal_watch.h"

@@ -9,12 +9,12 @@
 #include <memory>
 #include <optional>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/run_flags.h"
+#include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
+#include "command_line/run_flags.h"
 #include "common/spatial/occupancy_grid.h"
-#include "common/worldfile/load_world.h"
 #include "launcher/commands/command_failure.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

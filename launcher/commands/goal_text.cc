@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "common/base/deterministic_math.h"
 #include "launcher/commands/number_list.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 

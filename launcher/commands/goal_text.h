@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/model/robot_command.h"
+#include "troupe/result.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
 

@@ -11,15 +11,15 @@
 #include <memory>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/command_line/exit_status.h"
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
+#include "command_line/exit_status.h"
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/goal_text.h"
 #include "launcher/commands/select_session.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/process/signal_watch.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

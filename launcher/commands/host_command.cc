@@ -14,17 +14,17 @@
 #include <span>
 #include <utility>
 
+#include "command_line/exit_status.h"
 #include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
-#include "common/command_line/exit_status.h"
-#include "common/security/session_keys.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/hosts/host_folder.h"
 #include "launcher/hosts/host_messages.h"
 #include "launcher/hosts/local_host.h"
 #include "launcher/process/line_pipe.h"
 #include "launcher/process/signal_watch.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe {
 namespace {

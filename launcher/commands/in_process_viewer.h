@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

@@ -11,11 +11,11 @@
 #include <system_error>
 #include <vector>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/option_checks.h"
-#include "common/protocol/agent_name.h"
-#include "common/security/key_authority.h"
+#include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
+#include "transport/protocol/agent_name.h"
+#include "transport/security/key_authority.h"
 
 namespace troupe {
 namespace {

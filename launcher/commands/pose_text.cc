@@ -1,7 +1,7 @@
 #include "launcher/commands/pose_text.h"
 
-#include "common/base/deterministic_math.h"
 #include "launcher/commands/number_list.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/recording/recording.h"
-#include "common/recording/tick_reader.h"
+#include "recording/recording.h"
+#include "recording/tick_reader.h"
 #include "viewer/gateway/past_states.h"
 #include "world-service/replay/replayed_world.h"
 

@@ -12,9 +12,9 @@
 #include <optional>
 #include <string>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/run_flags.h"
+#include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
+#include "command_line/run_flags.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/controller_check.h"
 #include "world-service/replay/run_replay.h"

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "common/base/output_file.h"
-#include "common/ros/ros_security.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/check_ros_options.h"
 #include "launcher/commands/command_failure.h"
@@ -19,6 +18,7 @@
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/summary.h"
 #include "robot-agent/controller/create_controller.h"
+#include "ros/messages/ros_security.h"
 #include "world-service/replay/branched_run.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/tools/session_monitor.h"
+#include "transport/dds/tools/session_monitor.h"
 
 namespace troupe {
 

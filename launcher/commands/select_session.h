@@ -1,8 +1,8 @@
 // SelectSession: the session of a tool whose command line names none.
 #pragma once
 
-#include "common/base/result.h"
 #include "common/run/network_settings.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/protocol/waiting_text.h"
+#include "transport/protocol/waiting_text.h"
 
 namespace troupe {
 namespace {

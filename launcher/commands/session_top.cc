@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe {
 

@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/option_checks.h"
-#include "common/picture/picture_options.h"
-#include "common/recording/recording.h"
+#include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
 #include "common/sensing/sensor_registry.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/command_failure.h"
 #include "library/save_picture.h"
 #include "library/save_view.h"
+#include "recording/recording.h"
+#include "troupe/picture_options.h"
 #include "troupe/simulation.h"
 #include "world-service/replay/run_replay.h"
 

@@ -12,9 +12,9 @@
 #include <exception>
 #include <memory>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
+#include "command_line/exit_status.h"
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/select_session.h"
 #include "launcher/driving/raw_terminal.h"

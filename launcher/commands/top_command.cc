@@ -11,14 +11,14 @@
 #include <exception>
 #include <memory>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/network_flags.h"
-#include "common/dds/tools/session_monitor.h"
-#include "common/dds/tools/session_observer.h"
+#include "command_line/exit_status.h"
+#include "command_line/network_flags.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/session_table.h"
 #include "launcher/commands/session_top.h"
 #include "launcher/process/signal_watch.h"
+#include "transport/dds/tools/session_monitor.h"
+#include "transport/dds/tools/session_observer.h"
 
 namespace troupe {
 namespace {

@@ -12,17 +12,17 @@
 #include <optional>
 #include <utility>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
-#include "common/dds/tools/control_client.h"
-#include "common/dds/tools/session_observer.h"
-#include "common/security/session_keys.h"
+#include "command_line/exit_status.h"
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/listen_address.h"
 #include "launcher/commands/recorded_states.h"
 #include "launcher/commands/select_session.h"
 #include "launcher/process/signal_watch.h"
+#include "transport/dds/tools/control_client.h"
+#include "transport/dds/tools/session_observer.h"
+#include "transport/security/session_keys.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"
 

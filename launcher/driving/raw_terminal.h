@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

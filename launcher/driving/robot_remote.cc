@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/dds/tools/control_client.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe {
 namespace {

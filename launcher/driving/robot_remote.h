@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "common/base/result.h"
-#include "common/model/robot_command.h"
-#include "common/protocol/messages.h"
 #include "common/run/network_settings.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/model/robot_command.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
 

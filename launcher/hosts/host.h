@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "launcher/process/process.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/worldfile/scenario/scenario_override.h"
+#include "worldfile/scenario/scenario_override.h"
 
 namespace troupe {
 namespace {

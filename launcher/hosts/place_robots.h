@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/run/host_settings.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

@@ -5,7 +5,7 @@
 
 #include <initializer_list>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/check.h"
-#include "common/base/random.h"
-#include "common/command_line/trace_flags.h"
+#include "command_line/trace_flags.h"
 #include "launcher/hosts/shell_words.h"
+#include "troupe/check.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

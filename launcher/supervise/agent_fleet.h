@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/agent_output.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/service_report.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/output_parts.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/command_line/ros_flags.h"
+#include "command_line/ros_flags.h"
 
 namespace troupe {
 namespace {

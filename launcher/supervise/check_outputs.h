@@ -1,8 +1,8 @@
 // CheckOutputs: the output files of a run, before it begins.
 #pragma once
 
-#include "common/base/result.h"
 #include "launcher/supervise/run_options.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "command_line/ros_flags.h"
 #include "common/base/random_id.h"
-#include "common/command_line/ros_flags.h"
 
 namespace troupe {
 

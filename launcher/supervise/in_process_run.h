@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "common/protocol/transport.h"
 #include "launcher/supervise/run_end.h"
 #include "launcher/supervise/run_options.h"
+#include "transport/protocol/transport.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

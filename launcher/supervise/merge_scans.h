@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/line_file.h"
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -6,8 +6,8 @@
 
 #include <cstdio>
 
-#include "common/model/event.h"
-#include "common/protocol/waiting_text.h"
+#include "transport/protocol/waiting_text.h"
+#include "troupe/event.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <string>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 
@@ -20,7 +20,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void Update(const StatusMessage& status);
-  // Prints an event, by its name (common/model/event.h). Omits stalls and the joins before the first tick, which are
+  // Prints an event, by its name (troupe/event.h). Omits stalls and the joins before the first tick, which are
   // too many.
   void TellEvent(Tick tick, const std::string& event, const std::string& text);
   // Prints a permanent line.

@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "common/base/result.h"
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 #include "launcher/supervise/summary.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

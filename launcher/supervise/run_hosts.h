@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "launcher/hosts/host.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/run_options.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -4,9 +4,9 @@
 #include <system_error>
 #include <utility>
 
-#include "common/protocol/agent_name.h"
-#include "common/security/run_token.h"
-#include "common/security/session_keys.h"
+#include "transport/protocol/agent_name.h"
+#include "transport/security/run_token.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe {
 

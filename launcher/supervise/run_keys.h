@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/run/network_settings.h"
-#include "common/security/key_authority.h"
-#include "common/security/run_keys_folder.h"
 #include "launcher/hosts/host.h"
+#include "transport/security/key_authority.h"
+#include "transport/security/run_keys_folder.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

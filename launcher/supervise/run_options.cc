@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/ros_flags.h"
-#include "common/command_line/run_flags.h"
-#include "common/command_line/trace_flags.h"
-#include "common/worldfile/scenario/scenario.h"
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
+#include "command_line/ros_flags.h"
+#include "command_line/run_flags.h"
+#include "command_line/trace_flags.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/command_line/run_flags.h"
-#include "common/ros/ros_options.h"
+#include "command_line/run_flags.h"
 #include "common/run/host_settings.h"
 #include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
 #include "common/trace/tick_trace.h"
-#include "common/worldfile/load_world.h"
+#include "ros/messages/ros_options.h"
+#include "troupe/result.h"
 #include "world-service/service/owner_permissions.h"
+#include "worldfile/load_world.h"
 
 namespace CLI {
 class App;
@@ -52,7 +52,7 @@ struct RunOptions {
   TraceOptions trace;
 
   // For tests.
-  std::string faults;  // text for ParseFaults (common/protocol/faulty_transport.h)
+  std::string faults;  // text for ParseFaults (transport/protocol/faulty_transport.h)
   std::optional<std::uint64_t> shuffle_start;
 };
 

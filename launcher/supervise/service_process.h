@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/output_parts.h"
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

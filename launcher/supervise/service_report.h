@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/protocol/messages.h"
 #include "common/run/network_settings.h"
+#include "transport/protocol/messages.h"
 #include "world-service/service/run_summary.h"
 
 namespace troupe {

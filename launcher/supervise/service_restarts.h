@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/base/ids.h"
+#include "troupe/ids.h"
 
 namespace troupe {
 

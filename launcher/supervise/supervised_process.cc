@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 
 namespace troupe {
 namespace {

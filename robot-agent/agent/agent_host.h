@@ -5,9 +5,9 @@
 #include <memory>
 #include <stop_token>
 
-#include "common/base/result.h"
-#include "common/protocol/transport.h"
 #include "robot-agent/agent/agent_options.h"
+#include "transport/protocol/transport.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

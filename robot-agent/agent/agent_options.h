@@ -9,9 +9,9 @@
 
 #include "common/base/allowed_paths.h"
 #include "common/base/thread_pool.h"
-#include "common/protocol/messages.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

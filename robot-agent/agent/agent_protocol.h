@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/protocol/transport.h"
 #include "robot-agent/agent/agent_options.h"
 #include "robot-agent/agent/replica.h"
 #include "robot-agent/agent/replica_task.h"
+#include "transport/protocol/transport.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

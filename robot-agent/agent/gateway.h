@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/robot/external_command.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

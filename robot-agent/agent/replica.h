@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "common/base/equal_memory.h"
-#include "common/base/result.h"
 #include "common/base/thread_pool.h"
-#include "common/protocol/messages.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/robot/robot.h"
 #include "robot-agent/robot/scan_log.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "common/base/equal_memory.h"
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/agent_options.h"
 #include "robot-agent/agent/replica.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

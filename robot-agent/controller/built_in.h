@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "common/base/result.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/base/allowed_paths.h"
-#include "common/base/result.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -1,9 +1,9 @@
 // expand: turns to the side with the most free space and drives there, so that many robots spread out.
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/rays.h"
+#include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

@@ -10,9 +10,9 @@
 #include <optional>
 #include <utility>
 
-#include "common/base/deterministic_math.h"
 #include "common/geometry/limits.h"
 #include "robot-agent/controller/nested_parameters.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

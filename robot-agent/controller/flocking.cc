@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/clear_steering.h"
 #include "robot-agent/navigation/flock_rule.h"
+#include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

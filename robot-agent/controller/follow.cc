@@ -3,9 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/steer_to_point.h"
+#include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

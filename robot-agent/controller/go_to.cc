@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/nested_parameters.h"
 #include "robot-agent/navigation/steer_to_point.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

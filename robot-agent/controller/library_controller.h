@@ -5,8 +5,8 @@
 #include <string>
 
 #include "common/base/allowed_paths.h"
-#include "common/base/result.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

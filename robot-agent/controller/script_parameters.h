@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/rays.h"
+#include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

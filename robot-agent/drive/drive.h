@@ -1,8 +1,8 @@
 // Drive: computes the proposed twist from a controller's command.
 #pragma once
 
-#include "common/model/world_description.h"
 #include "troupe/controller.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -1,8 +1,8 @@
 // Odometry: the pose estimate of a robot.
 #pragma once
 
-#include "common/geometry/pose.h"
-#include "common/model/world_description.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 

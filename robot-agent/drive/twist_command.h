@@ -1,8 +1,8 @@
 // From a twist to the command of a drive.
 #pragma once
 
-#include "common/model/world_description.h"
 #include "troupe/controller.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

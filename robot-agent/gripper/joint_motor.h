@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "robot-agent/gripper/gripper_machine.h"
 #include "robot-agent/gripper/joint_motor.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

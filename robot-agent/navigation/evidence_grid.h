@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/geometry/vec2.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

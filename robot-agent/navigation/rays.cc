@@ -1,6 +1,6 @@
 #include "robot-agent/navigation/rays.h"
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

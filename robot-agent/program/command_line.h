@@ -4,11 +4,11 @@
 #include <optional>
 #include <variant>
 
-#include "common/command_line/exit_status.h"
-#include "common/protocol/faulty_transport.h"
-#include "common/ros/ros_options.h"
+#include "command_line/exit_status.h"
 #include "common/run/network_settings.h"
 #include "robot-agent/agent/agent_host.h"
+#include "ros/messages/ros_options.h"
+#include "transport/protocol/faulty_transport.h"
 
 namespace troupe {
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "common/model/robot_command.h"
 #include "troupe/controller.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
 

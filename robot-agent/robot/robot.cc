@@ -6,14 +6,14 @@
 #include <cmath>
 #include <exception>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/drive/drive.h"
 #include "robot-agent/robot/scan_log.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

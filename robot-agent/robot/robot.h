@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/base/allowed_paths.h"
-#include "common/base/result.h"
 #include "common/model/proposal.h"
-#include "common/model/world_state.h"
 #include "common/sensing/sensor_suite.h"
 #include "robot-agent/drive/odometry.h"
 #include "robot-agent/gripper/manipulator.h"
 #include "robot-agent/robot/external_command.h"
 #include "troupe/controller.h"
+#include "troupe/result.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

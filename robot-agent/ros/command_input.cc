@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "common/ros_dds/ros_qos.h"
 #include "robot-agent/drive/twist_command.h"
+#include "ros/connection/ros_qos.h"
 
 namespace troupe {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/ros/ros_options.h"
-#include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/ros/refusals.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/messages/ros_options.h"
 #include "troupe/controller.h"
 
 namespace troupe {

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <vector>
 
-#include "common/ros_dds/action_server.h"
 #include "robot-agent/ros/refusals.h"
+#include "ros/connection/action_server.h"
 
 namespace troupe {
 namespace {

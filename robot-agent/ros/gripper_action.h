@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "common/ros_dds/ros_participant.h"
 #include "robot-agent/ros/gripper_goals.h"
+#include "ros/connection/ros_participant.h"
 
 namespace troupe {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/ros/action_goals.h"
-#include "common/ros/gripper_state.h"
+#include "ros/messages/action_goals.h"
+#include "ros/messages/gripper_state.h"
+#include "troupe/ids.h"
 
 namespace troupe {
 
@@ -19,7 +19,7 @@ using ros::GoalStatus;
 // A goal succeeds when the fingers reach the opening or close on an object. It is aborted when something else stops the
 // fingers or another command replaces it.
 struct GripperGoal : ros::ActionGoal {
-  double opening = 0.0;  // m, as in common/ros/gripper_state.h
+  double opening = 0.0;  // m, as in ros/messages/gripper_state.h
   // Now, or at its end:
   double position = 0.0;  // m
   bool stalled = false;

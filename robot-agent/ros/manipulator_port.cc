@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <span>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/gripper_state.h"
-#include "common/ros/names.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/gripper_state.h"
+#include "ros/messages/names.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 namespace {

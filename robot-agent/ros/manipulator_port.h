@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/ros_dds/ros_endpoints.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/ros/gripper_action.h"
 #include "robot-agent/ros/position_input.h"
+#include "ros/connection/ros_endpoints.h"
 #include "troupe/controller.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_qos.h"
 
 namespace troupe {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "common/model/world_description.h"
-#include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/ros/refusals.h"
+#include "ros/connection/ros_endpoints.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -4,11 +4,11 @@
 
 #include <utility>
 
-#include "common/dds/binding/wire.h"
-#include "common/model/radio_limits.h"
-#include "common/ros/names.h"
-#include "common/ros/radio_json.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/names.h"
+#include "ros/messages/radio_json.h"
+#include "transport/dds/binding/wire.h"
+#include "troupe/radio_limits.h"
 
 namespace troupe {
 namespace {

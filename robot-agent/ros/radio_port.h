@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/ros_dds/ros_endpoints.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/ros/refusals.h"
+#include "ros/connection/ros_endpoints.h"
 
 namespace troupe {
 

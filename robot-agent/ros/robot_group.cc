@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "common/ros/convert.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_link/host_connection.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/link/host_connection.h"
+#include "ros/messages/convert.h"
 
 namespace troupe {
 namespace {

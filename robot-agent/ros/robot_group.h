@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "common/ros/robot_in_ros.h"
-#include "common/ros_dds/clock_output.h"
-#include "common/ros_dds/map_output.h"
-#include "common/ros_dds/parameter_services.h"
-#include "common/ros_dds/ros_log.h"
-#include "common/ros_dds/type_description_service.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/ros/command_input.h"
 #include "robot-agent/ros/manipulator_port.h"
 #include "robot-agent/ros/radio_port.h"
 #include "robot-agent/ros/robot_output.h"
+#include "ros/connection/clock_output.h"
+#include "ros/connection/map_output.h"
+#include "ros/connection/parameter_services.h"
+#include "ros/connection/ros_log.h"
+#include "ros/connection/type_description_service.h"
+#include "ros/messages/robot_in_ros.h"
 
 namespace troupe {
 

@@ -1,8 +1,8 @@
 #include "robot-agent/ros/robot_output.h"
 
-#include "common/ros/convert.h"
-#include "common/ros/robot_description.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/convert.h"
+#include "ros/messages/robot_description.h"
 
 namespace troupe {
 namespace {

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/names.h"
-#include "common/ros/odometry_error.h"
-#include "common/ros/robot_frames.h"
-#include "common/ros/robot_in_ros.h"
-#include "common/ros/ros_options.h"
-#include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/ros/sensor_output.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/messages/names.h"
+#include "ros/messages/odometry_error.h"
+#include "ros/messages/robot_frames.h"
+#include "ros/messages/robot_in_ros.h"
+#include "ros/messages/ros_options.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

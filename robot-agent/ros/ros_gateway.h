@@ -2,8 +2,8 @@
 // each domain of a robot's own; a node for each robot. docs/ros2.md lists the topics.
 #pragma once
 
-#include "common/ros/ros_options.h"
 #include "robot-agent/agent/gateway.h"
+#include "ros/messages/ros_options.h"
 
 namespace troupe {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/ros/convert_sensors.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/convert_sensors.h"
 
 namespace troupe {
 namespace {

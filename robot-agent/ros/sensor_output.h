@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/names.h"
-#include "common/ros_dds/ros_endpoints.h"
 #include "robot-agent/agent/gateway.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/messages/names.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe::test {
 

@@ -3,11 +3,11 @@
 #include <mutex>
 #include <random>
 
-#include "common/dds/transport/dds_transport.h"
-#include "common/protocol/faulty_transport.h"
 #include "tests/contract/observer_contract.h"
 #include "tests/contract/transport_contract.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/transport/dds_transport.h"
+#include "transport/protocol/faulty_transport.h"
 
 namespace troupe::test {
 namespace {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/model/state_hash.h"
-#include "common/protocol/observer_queue.h"
 #include "tests/contract/transport_contract.h"
+#include "transport/protocol/observer_queue.h"
 
 namespace troupe::test {
 

@@ -7,7 +7,7 @@
 #include <ostream>
 #include <string>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe::test {
 

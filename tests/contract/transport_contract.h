@@ -14,11 +14,11 @@
 #include <thread>
 #include <vector>
 
-#include "common/protocol/memory_transport.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/contract/transport_case.h"
 #include "tests/contract/whole_run.h"
 #include "tests/support/test_world.h"
+#include "transport/protocol/memory_transport.h"
 
 namespace troupe::test {
 

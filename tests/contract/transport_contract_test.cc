@@ -1,7 +1,7 @@
 #include "tests/contract/transport_contract.h"
 
-#include "common/protocol/faulty_transport.h"
 #include "tests/contract/observer_contract.h"
+#include "transport/protocol/faulty_transport.h"
 
 namespace troupe::test {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "common/model/state_hash.h"
-#include "common/worldfile/load_world.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

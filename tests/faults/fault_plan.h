@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/messages.h"
 #include "common/run/run_settings.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe::faults {
 
-// The faults of each message, as in common/protocol/faulty_transport.h.
+// The faults of each message, as in transport/protocol/faulty_transport.h.
 struct MessageFaults {
   double loss = 0.0;
   double duplicate = 0.0;

@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
-#include "common/dds/convert/convert_frame.h"
-#include "common/model/event.h"
 #include "common/model/state_hash.h"
 #include "tests/faults/small_worlds.h"
+#include "transport/dds/convert/convert_frame.h"
+#include "troupe/event.h"
 
 namespace troupe::faults {
 namespace {

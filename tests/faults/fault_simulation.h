@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/transport/frame_stream.h"
 #include "launcher/supervise/agent_restarts.h"
 #include "tests/faults/fault_plan.h"
 #include "tests/faults/kept_journal.h"
@@ -20,6 +19,7 @@
 #include "tests/faults/reference_run.h"
 #include "tests/faults/simulated_agent.h"
 #include "tests/faults/simulated_observer.h"
+#include "transport/dds/transport/frame_stream.h"
 #include "world-service/service/tick_coordinator.h"
 
 namespace troupe::faults {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe::faults {
 

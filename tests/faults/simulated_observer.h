@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "common/dds/transport/observer_protocol.h"
 #include "tests/faults/network.h"
+#include "transport/dds/transport/observer_protocol.h"
 
 namespace troupe::faults {
 

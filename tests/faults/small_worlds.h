@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe::faults {
 

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "common/base/version.h"
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/tools/control_client.h"
-#include "common/protocol/topics.h"
 #include "tests/process/programs.h"
 #include "tests/support/bridged_hosts.h"
 #include "tests/support/stranger.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/tools/control_client.h"
+#include "transport/protocol/topics.h"
 
 namespace troupe::test {
 namespace {

@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "common/base/host_name.h"
-#include "common/dds/tools/control_client.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {

@@ -14,9 +14,9 @@
 #include <cstdlib>
 #include <thread>
 
-#include "common/dds/tools/control_client.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {

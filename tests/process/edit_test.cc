@@ -5,12 +5,12 @@
 #include <fstream>
 #include <optional>
 
-#include "common/dds/tools/control_client.h"
-#include "common/worldfile/load_world.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/tools/control_client.h"
+#include "worldfile/load_world.h"
 
 namespace troupe::test {
 namespace {

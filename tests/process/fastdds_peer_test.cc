@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"

@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "common/base/enclave.h"
-#include "common/protocol/agent_name.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "transport/protocol/agent_name.h"
 
 namespace troupe::test {
 namespace {

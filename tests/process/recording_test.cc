@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/dds/tools/control_client.h"
-#include "common/recording/recording_writer.h"
-#include "common/recording/tick_reader.h"
+#include "recording/recording_writer.h"
+#include "recording/tick_reader.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {

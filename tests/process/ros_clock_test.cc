@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
+#include "troupe/ids.h"
 
 namespace troupe::test {
 namespace {

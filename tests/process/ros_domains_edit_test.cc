@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"

@@ -9,9 +9,9 @@
 #include <set>
 #include <vector>
 
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"

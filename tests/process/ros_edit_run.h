@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/tools/control_client.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/ros_graph.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 

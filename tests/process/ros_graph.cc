@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/dds/binding/entity.h"
-#include "common/ros_dds/ros_participant.h"
+#include "ros/connection/ros_participant.h"
+#include "transport/dds/binding/entity.h"
 
 namespace troupe {
 namespace {

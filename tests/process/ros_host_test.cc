@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_participant.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_participant.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/ros_edit_run.h"

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/convert.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/messages/convert.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
 namespace {

@@ -10,15 +10,15 @@
 #include <type_traits>
 #include <vector>
 
-#include "common/dds/tools/control_client.h"
-#include "common/ros/convert.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/convert.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {

@@ -7,12 +7,12 @@
 #include <map>
 #include <string>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/process/programs.h"
 #include "tests/process/rolling_requests.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 TROUPE_HUMBLE_DDS_TYPE(rolling_client_dds__SpawnEntity_Request_,
                        "simulation_interfaces::srv::dds_::SpawnEntity_Request_");

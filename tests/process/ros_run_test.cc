@@ -10,16 +10,16 @@
 #include <set>
 #include <sstream>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/convert.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/messages/convert.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
 namespace {

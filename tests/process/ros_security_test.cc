@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "common/ros_dds/ros_endpoints.h"
+#include "ros/connection/ros_endpoints.h"
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"

@@ -8,14 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros/action_goals.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/messages/action_goals.h"
 #include "tests/process/programs.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
 namespace {

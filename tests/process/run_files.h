@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/pose.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
 
 namespace troupe::test {
 

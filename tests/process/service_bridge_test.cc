@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/ros_client.h"

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <random>
 
-#include "common/recording/recording.h"
+#include "recording/recording.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/yard.h"
 #include "world-service/replay/run_replay.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 #include "troupe/simulation.h"
 
 namespace troupe {

@@ -15,11 +15,11 @@
 #include <thread>
 #include <vector>
 
+#include "command_line/exit_status.h"
 #include "common/base/stop_signals.h"
-#include "common/command_line/exit_status.h"
-#include "common/dds/transport/dds_transport.h"
 #include "common/model/state_hash.h"
-#include "common/security/session_keys.h"
+#include "transport/dds/transport/dds_transport.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/model/world_state.h"
 #include "tests/support/exact_prisms.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 

@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/protocol/faulty_transport.h"
-#include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
+#include "transport/protocol/faulty_transport.h"
+#include "transport/protocol/memory_transport.h"
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/replay/journal_history.h"
 #include "world-service/service/run_service.h"

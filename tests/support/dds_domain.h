@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "common/dds/binding/domain_config.h"
 #include "tests/support/reserved_domain.h"
+#include "transport/dds/binding/domain_config.h"
 
 namespace troupe::test {
 

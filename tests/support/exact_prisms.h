@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/world_state.h"
 #include "tests/support/test_world.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe::test {
 

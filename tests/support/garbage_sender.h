@@ -14,7 +14,7 @@
 #include <cstring>
 #include <vector>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe::test {
 

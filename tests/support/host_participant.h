@@ -11,10 +11,10 @@
 
 #include "common/base/random_id.h"
 #include "common/base/wake_event.h"
-#include "common/ros/ros_options.h"
-#include "common/ros_link/host_connection.h"
-#include "common/ros_link/socket_name.h"
-#include "ros-participant/participant_server.h"
+#include "ros/link/host_connection.h"
+#include "ros/link/socket_name.h"
+#include "ros/messages/ros_options.h"
+#include "ros/participant/participant_server.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe::test {

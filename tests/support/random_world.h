@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/random.h"
 #include "common/model/model_poses.h"
 #include "tests/support/test_world.h"
+#include "troupe/random.h"
 
 namespace troupe::test {
 

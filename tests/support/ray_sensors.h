@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

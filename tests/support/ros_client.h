@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <string>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_service.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_service.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
 
 namespace troupe::test {
 

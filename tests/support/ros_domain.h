@@ -1,7 +1,7 @@
 // A ROS domain that only this test process uses, on the loopback interface.
 #pragma once
 
-#include "common/ros/ros_options.h"
+#include "ros/messages/ros_options.h"
 #include "tests/support/reserved_domain.h"
 
 namespace troupe::test {

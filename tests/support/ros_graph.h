@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/topic_types.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/topic_types.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/base/enclave.h"
-#include "common/security/certificate.h"
+#include "transport/security/certificate.h"
 
 namespace troupe::test {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/entity.h"
-#include "common/dds/binding/exception.h"
+#include "transport/dds/binding/entity.h"
+#include "transport/dds/binding/exception.h"
 
 namespace troupe::test {
 

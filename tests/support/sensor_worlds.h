@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "common/model/world_state.h"
 #include "common/sensing/sensor_registry.h"
 #include "common/spatial/body_index.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/world_description.h"
 #include "tests/support/ray_sensors.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
-#include "common/dds/transport/qos_profiles.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/qos_profiles.h"
 
 namespace troupe::test {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 

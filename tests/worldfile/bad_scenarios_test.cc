@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/worldfile/scenario/scenario.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {

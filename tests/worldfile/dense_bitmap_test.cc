@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "common/bitmap/rectangle_cover.h"
-#include "common/worldfile/build/properties/shape_scaling.h"
-#include "common/worldfile/map/bitmap_rectangles.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/rectangle_cover.h"
+#include "worldfile/map/bitmap_rectangles.h"
+#include "worldfile/models/properties/shape_scaling.h"
 
 namespace troupe {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "common/model/model_poses.h"
-#include "common/model/world_state.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 namespace {

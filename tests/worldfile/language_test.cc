@@ -1,6 +1,6 @@
 // The language: comments, line ends, defines, includes, and the warnings about them.
-#include "common/worldfile/stage/stage_parser.h"
 #include "tests/worldfile/world_folder.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "common/model/model_poses.h"
-#include "common/worldfile/load_world.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

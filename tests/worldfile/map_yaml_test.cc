@@ -1,8 +1,8 @@
 // ROS maps.
-#include "common/worldfile/map/map_yaml.h"
+#include "worldfile/map/map_yaml.h"
 
-#include "common/geometry/pose.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 namespace {

@@ -1,7 +1,7 @@
 // The descriptions of models: bodies, sizes, places, names, colours.
-#include "common/geometry/pose.h"
 #include "common/model/model_poses.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "common/worldfile/scenario/scenario.h"
-#include "common/worldfile/text/text_file.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/scenario/scenario.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

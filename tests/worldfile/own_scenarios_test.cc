@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/sensing/sensor_registry.h"
-#include "common/worldfile/scenario/scenario.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {

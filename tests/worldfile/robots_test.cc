@@ -1,7 +1,7 @@
 // The descriptions of `position` and `ranger` models: robots with drives, localization, sensors and controllers.
-#include "common/geometry/pose.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "common/worldfile/load_world.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "common/worldfile/scenario/scenario.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {

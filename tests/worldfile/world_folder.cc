@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

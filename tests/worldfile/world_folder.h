@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/worldfile/load_world.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

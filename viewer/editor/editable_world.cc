@@ -7,14 +7,14 @@
 #include <set>
 #include <utility>
 
-#include "common/worldfile/build/build_world.h"
-#include "common/worldfile/build/start_overlap.h"
-#include "common/worldfile/edit/text_change.h"
-#include "common/worldfile/scenario/scenario.h"
-#include "common/worldfile/stage/node_names.h"
-#include "common/worldfile/stage/stage_parser.h"
-#include "common/worldfile/text/quote.h"
 #include "robot-agent/controller/create_controller.h"
+#include "worldfile/edit/text_change.h"
+#include "worldfile/models/build_world.h"
+#include "worldfile/models/start_overlap.h"
+#include "worldfile/scenario/scenario.h"
+#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/stage_parser.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

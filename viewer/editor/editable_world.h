@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/base/allowed_paths.h"
-#include "common/base/result.h"
 #include "common/image/image_source.h"
-#include "common/worldfile/build/loaded_world.h"
-#include "common/worldfile/stage/world_tree.h"
+#include "troupe/result.h"
+#include "worldfile/models/loaded_world.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/worldfile/text/text_file.h"
 #include "viewer/editor/file_replacement.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/editor/edited_pictures.h"
 
 namespace troupe {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/base/hash.h"
-#include "common/worldfile/text/text_file.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

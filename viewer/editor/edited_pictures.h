@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/editor/grey_picture.h"
 
 namespace troupe {

@@ -11,14 +11,14 @@
 #include <sstream>
 #include <utility>
 
-#include "common/worldfile/edit/json_syntax.h"
-#include "common/worldfile/edit/stage_edit.h"
-#include "common/worldfile/stage/stage_parser.h"
-#include "common/worldfile/text/file_lookup.h"
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/edit/json_syntax.h"
+#include "worldfile/edit/stage_edit.h"
+#include "worldfile/stage/stage_parser.h"
+#include "worldfile/text/file_lookup.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

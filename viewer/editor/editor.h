@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "common/base/allowed_paths.h"
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
-#include "common/worldfile/edit/stage_syntax.h"
-#include "common/worldfile/edit/written_model.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
 #include "viewer/editor/edited_file.h"
+#include "worldfile/edit/stage_syntax.h"
+#include "worldfile/edit/written_model.h"
 
 namespace troupe {
 

@@ -14,14 +14,14 @@
 #include <numbers>
 #include <utility>
 
-#include "common/worldfile/edit/stage_body_edit.h"
-#include "common/worldfile/text/file_lookup.h"
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/pixel_stroke.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/edit/stage_body_edit.h"
+#include "worldfile/text/file_lookup.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

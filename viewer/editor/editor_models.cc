@@ -3,15 +3,15 @@
 #include <numbers>
 #include <utility>
 
-#include "common/worldfile/edit/stage_body_edit.h"
-#include "common/worldfile/edit/stage_edit.h"
-#include "common/worldfile/stage/stage_parser.h"
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/fitted_body.h"
 #include "viewer/editor/property_text.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/edit/stage_body_edit.h"
+#include "worldfile/edit/stage_edit.h"
+#include "worldfile/stage/stage_parser.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

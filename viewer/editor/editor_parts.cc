@@ -7,11 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "common/worldfile/edit/stage_body_edit.h"
-#include "common/worldfile/edit/stage_edit.h"
-#include "common/worldfile/stage/node_names.h"
-#include "common/worldfile/stage/stage_parser.h"
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/file_numbers.h"
@@ -20,6 +15,11 @@
 #include "viewer/editor/model_picture.h"
 #include "viewer/editor/part_requests.h"
 #include "viewer/editor/property_text.h"
+#include "worldfile/edit/stage_body_edit.h"
+#include "worldfile/edit/stage_edit.h"
+#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/stage_parser.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 

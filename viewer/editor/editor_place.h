@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "common/worldfile/edit/json_syntax.h"
-#include "common/worldfile/edit/stage_syntax.h"
 #include "viewer/editor/editor.h"
+#include "worldfile/edit/json_syntax.h"
+#include "worldfile/edit/stage_syntax.h"
 
 namespace troupe {
 

@@ -6,16 +6,16 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/worldfile/edit/json_syntax.h"
-#include "common/worldfile/edit/property_table.h"
-#include "common/worldfile/edit/stage_edit.h"
-#include "common/worldfile/scenario/scenario_schema_text.h"
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/editor.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/model_picture.h"
 #include "viewer/editor/property_text.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/edit/json_syntax.h"
+#include "worldfile/edit/property_table.h"
+#include "worldfile/edit/stage_edit.h"
+#include "worldfile/scenario/scenario_schema_text.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

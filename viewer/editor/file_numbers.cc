@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "common/worldfile/edit/text_change.h"
+#include "worldfile/edit/text_change.h"
 
 namespace troupe {
 namespace {

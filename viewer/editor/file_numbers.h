@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/pose.h"
-#include "common/worldfile/edit/written_model.h"
-#include "common/worldfile/stage/world_tree.h"
+#include "troupe/pose.h"
 #include "viewer/editor/editable_world.h"
+#include "worldfile/edit/written_model.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "common/worldfile/edit/written_model.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/edit/written_model.h"
 
 namespace troupe {
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/bitmap/bitmap.h"
 #include "common/image/grey_image.h"
 #include "common/image/image_file.h"
+#include "troupe/bitmap.h"
 
 namespace troupe {
 

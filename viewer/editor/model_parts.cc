@@ -4,10 +4,10 @@
 #include <map>
 #include <span>
 
-#include "common/worldfile/stage/node_names.h"
-#include "common/worldfile/stage/stage_parser.h"
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/model_picture.h"
+#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe {
 namespace {

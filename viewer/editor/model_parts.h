@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/worldfile/edit/stage_syntax.h"
-#include "common/worldfile/stage/world_tree.h"
+#include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
+#include "worldfile/edit/stage_syntax.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/model/world_description.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "common/worldfile/text/quote.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
 #include "viewer/editor/model_parts.h"
 #include "viewer/editor/request_values.h"
 

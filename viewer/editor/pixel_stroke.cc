@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/request_values.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/editor/grey_picture.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/worldfile/stage/world_tree.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/worldfile/text/quote.h"
 #include "viewer/editor/property_text.h"
+#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
-#include "common/worldfile/edit/written_model.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
+#include "worldfile/edit/written_model.h"
 
 namespace troupe {
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/worldfile/build/build_world.h"
-#include "common/worldfile/edit/text_change.h"
-#include "common/worldfile/stage/stage_parser.h"
+#include "worldfile/edit/text_change.h"
+#include "worldfile/models/build_world.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "common/base/result.h"
-#include "common/worldfile/build/loaded_world.h"
-#include "common/worldfile/stage/world_tree.h"
+#include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
+#include "worldfile/models/loaded_world.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/model/world_description.h"
+#include "troupe/ids.h"
+#include "troupe/world_description.h"
 
 namespace troupe::foxglove {
 

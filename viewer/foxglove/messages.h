@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "common/model/event.h"
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/event.h"
 #include "troupe/sensor.h"
+#include "troupe/world_state.h"
 
 namespace troupe::foxglove {
 

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/foxglove/channels.h"
 #include "viewer/foxglove/messages.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
 
 namespace troupe {
 

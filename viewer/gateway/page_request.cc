@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/protocol/run_state_text.h"
+#include "transport/protocol/run_state_text.h"
 #include "viewer/gateway/page_robot_command.h"
 
 namespace troupe {

@@ -20,8 +20,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

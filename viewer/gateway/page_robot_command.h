@@ -6,8 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "common/base/result.h"
-#include "common/model/robot_command.h"
+#include "troupe/result.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
 

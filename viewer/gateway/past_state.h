@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "common/protocol/messages.h"
 #include "common/spatial/scene.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

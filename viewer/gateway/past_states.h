@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/gateway/past_state.h"
 
 namespace troupe {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 #include "viewer/gateway/kept_states.h"
 #include "viewer/gateway/past_state.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/result.h"
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

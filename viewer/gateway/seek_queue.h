@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/gateway/control_queue.h"
 #include "viewer/gateway/past_states.h"
 

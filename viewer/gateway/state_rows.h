@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/model/world_state.h"
+#include "troupe/world_state.h"
 #include "viewer/gateway/byte_writer.h"
 
 namespace troupe {

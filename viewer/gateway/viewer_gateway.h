@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/gateway/page_files.h"
 #include "viewer/gateway/past_states.h"
 #include "viewer/gateway/run_link.h"

@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/page_files.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

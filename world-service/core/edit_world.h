@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/model/event.h"
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/event.h"
+#include "troupe/result.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

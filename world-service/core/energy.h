@@ -1,8 +1,8 @@
 // The energy of a step: what models consume, and what they give to those that touch them.
 #pragma once
 
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/world_state.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

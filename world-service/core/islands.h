@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "common/base/ids.h"
-#include "common/geometry/vec2.h"
 #include "common/model/proposal.h"
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/ids.h"
+#include "troupe/vec2.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

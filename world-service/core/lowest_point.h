@@ -1,8 +1,8 @@
 // The height of an entity's lowest point.
 #pragma once
 
-#include "common/model/world_state.h"
 #include "common/spatial/scene.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

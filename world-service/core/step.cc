@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/spatial/sweep.h"
+#include "troupe/check.h"
 #include "world-service/core/devices.h"
 #include "world-service/core/energy.h"
 #include "world-service/core/gravity.h"

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "common/base/thread_pool.h"
-#include "common/model/event.h"
 #include "common/model/proposal.h"
-#include "common/model/world_state.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/event.h"
+#include "troupe/world_state.h"
 #include "world-service/core/islands.h"
 
 namespace troupe {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/event.h"
-#include "common/model/world_state.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/event.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

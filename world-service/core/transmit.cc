@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "common/model/radio_limits.h"
+#include "troupe/radio_limits.h"
 
 namespace troupe {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/model/drive_limits.h"
-#include "common/model/radio_limits.h"
+#include "troupe/check.h"
+#include "troupe/radio_limits.h"
 
 namespace troupe {
 namespace {

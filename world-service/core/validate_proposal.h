@@ -1,9 +1,9 @@
 // Validates proposals from the network before they enter a step.
 #pragma once
 
-#include "common/base/result.h"
 #include "common/model/proposal.h"
-#include "common/model/world_state.h"
+#include "troupe/result.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -1,4 +1,4 @@
-// The number of groups into which a service divides its agents (common/dds/transport/agent_group.h).
+// The number of groups into which a service divides its agents (transport/dds/transport/agent_group.h).
 #pragma once
 
 #include <cstddef>

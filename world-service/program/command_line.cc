@@ -3,14 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "command_line/network_flags.h"
+#include "command_line/option_checks.h"
+#include "command_line/parse_command_line.h"
+#include "command_line/ros_flags.h"
+#include "command_line/run_flags.h"
+#include "command_line/trace_flags.h"
 #include "common/base/thread_pool.h"
 #include "common/base/version.h"
-#include "common/command_line/network_flags.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/parse_command_line.h"
-#include "common/command_line/ros_flags.h"
-#include "common/command_line/run_flags.h"
-#include "common/command_line/trace_flags.h"
 
 namespace troupe {
 namespace {

@@ -6,16 +6,16 @@
 #include <variant>
 #include <vector>
 
-#include "common/command_line/exit_status.h"
-#include "common/command_line/run_flags.h"
-#include "common/protocol/faulty_transport.h"
-#include "common/ros/ros_options.h"
+#include "command_line/exit_status.h"
+#include "command_line/run_flags.h"
 #include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
-#include "common/worldfile/load_world.h"
+#include "ros/messages/ros_options.h"
+#include "transport/protocol/faulty_transport.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/service/owner_permissions.h"
 #include "world-service/service/run_service.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

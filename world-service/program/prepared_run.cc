@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "common/recording/journal.h"
+#include "recording/journal.h"
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"

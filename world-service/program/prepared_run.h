@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "common/base/result.h"
 #include "common/spatial/scene.h"
-#include "common/worldfile/load_world.h"
+#include "troupe/result.h"
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/program/command_line.h"
 #include "world-service/service/run_history.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/base/random_id.h"
-#include "common/recording/tick_reader.h"
+#include "recording/tick_reader.h"
 #include "world-service/replay/replayed_world.h"
 #include "world-service/replay/restore_run.h"
 #include "world-service/replay/run_replay.h"

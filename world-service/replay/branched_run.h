@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/worldfile/load_world.h"
+#include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/service/resumed_run.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

@@ -1,9 +1,9 @@
 // The check of a recorded state from which stepping is to start.
 #pragma once
 
-#include "common/base/result.h"
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

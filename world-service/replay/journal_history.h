@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/recording/recording.h"
-#include "common/recording/tick_reader.h"
+#include "recording/recording.h"
+#include "recording/tick_reader.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/replay/replayed_world.h"
 #include "world-service/service/resumed_run.h"

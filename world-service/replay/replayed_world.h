@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/recording/recording.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "recording/recording.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

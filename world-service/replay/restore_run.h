@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "common/base/result.h"
-#include "common/recording/journal.h"
+#include "recording/journal.h"
+#include "troupe/result.h"
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "common/base/result.h"
-#include "common/recording/recording.h"
-#include "common/recording/tick_reader.h"
+#include "recording/recording.h"
+#include "recording/tick_reader.h"
+#include "troupe/result.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/replay/replayed_world.h"
 #include "world-service/replay/scan_writer.h"

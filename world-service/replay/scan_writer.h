@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/base/output_file.h"
-#include "common/base/result.h"
 #include "common/sensing/sensor.h"
+#include "troupe/result.h"
 #include "world-service/replay/replayed_world.h"
 
 namespace troupe {

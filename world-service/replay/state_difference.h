@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/service/run_observer.h"
 

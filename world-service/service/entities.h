@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 #include "world-service/service/membership.h"
 
 namespace troupe {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

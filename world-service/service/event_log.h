@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/model/event.h"
+#include "troupe/event.h"
 
 namespace troupe {
 

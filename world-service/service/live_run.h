@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/base/thread_pool.h"
-#include "common/protocol/transport.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
 #include "common/trace/phase_times.h"
 #include "common/trace/tick_trace.h"
+#include "transport/protocol/transport.h"
+#include "troupe/result.h"
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
 #include "world-service/service/notice_list.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/check.h"
 #include "common/base/version.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {

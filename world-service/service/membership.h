@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

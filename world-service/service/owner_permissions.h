@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/worldfile/load_world.h"
 #include "world-service/service/run_service.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "common/base/ids.h"
+#include "troupe/ids.h"
 
 namespace troupe {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/messages.h"
-#include "common/worldfile/load_world.h"
+#include "transport/protocol/messages.h"
 #include "world-service/service/membership.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "common/worldfile/spawnable.h"
 #include "world-service/service/owner_permissions.h"
+#include "worldfile/spawnable.h"
 
 namespace troupe {
 namespace {

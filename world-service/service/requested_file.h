@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/result.h"
+#include "troupe/result.h"
 #include "world-service/service/requested_text.h"
 #include "world-service/service/run_control.h"
 #include "world-service/service/run_service.h"

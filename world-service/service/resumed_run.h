@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "common/protocol/messages.h"
-#include "common/protocol/run_progress.h"
 #include "common/spatial/scene.h"
+#include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 
 namespace troupe {
 

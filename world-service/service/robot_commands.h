@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/model/robot_command.h"
-#include "common/model/world_description.h"
+#include "troupe/robot_command.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

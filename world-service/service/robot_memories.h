@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 #include "world-service/service/run_history.h"
 
 namespace troupe {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
 #include "common/spatial/scene.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
-#include "common/protocol/run_progress.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
+#include "troupe/result.h"
 #include "world-service/service/world_control.h"
 
 namespace troupe {

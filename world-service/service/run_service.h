@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/base/thread_pool.h"
-#include "common/protocol/transport.h"
 #include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
-#include "common/worldfile/load_world.h"
+#include "transport/protocol/transport.h"
+#include "troupe/result.h"
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

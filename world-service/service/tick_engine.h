@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/tick_barrier.h"
+#include "transport/protocol/tick_barrier.h"
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
 #include "world-service/service/pacer.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "common/base/result.h"
-#include "common/model/world_description.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

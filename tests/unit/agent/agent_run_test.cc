@@ -5,10 +5,10 @@
 #include <atomic>
 #include <thread>
 
-#include "common/protocol/faulty_transport.h"
-#include "common/protocol/memory_transport.h"
 #include "robot-agent/agent/agent_host.h"
 #include "tests/support/yard.h"
+#include "transport/protocol/faulty_transport.h"
+#include "transport/protocol/memory_transport.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {

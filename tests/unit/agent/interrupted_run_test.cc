@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/recording/journal_tail.h"
-#include "common/recording/recording_writer.h"
-#include "common/recording/tick_reader.h"
+#include "recording/journal_tail.h"
+#include "recording/recording_writer.h"
+#include "recording/tick_reader.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/yard.h"
 #include "world-service/program/prepared_run.h"

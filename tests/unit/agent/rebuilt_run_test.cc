@@ -9,9 +9,9 @@
 #include <fstream>
 #include <random>
 
-#include "common/worldfile/load_world.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/yard.h"
+#include "worldfile/load_world.h"
 
 namespace troupe::test {
 namespace {

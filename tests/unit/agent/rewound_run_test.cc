@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/worldfile/load_world.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/yard.h"
 #include "world-service/replay/run_replay.h"
+#include "worldfile/load_world.h"
 
 namespace troupe::test {
 namespace {

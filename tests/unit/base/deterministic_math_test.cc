@@ -1,4 +1,4 @@
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "common/base/hash.h"
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 #include <gtest/gtest.h>
 

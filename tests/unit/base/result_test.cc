@@ -1,4 +1,4 @@
-#include "common/base/result.h"
+#include "troupe/result.h"
 
 #include <gtest/gtest.h>
 

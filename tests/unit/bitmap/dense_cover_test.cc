@@ -1,4 +1,4 @@
-#include "common/bitmap/dense_cover.h"
+#include "troupe/dense_cover.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

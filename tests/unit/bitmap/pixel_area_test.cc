@@ -1,4 +1,4 @@
-#include "common/bitmap/pixel_area.h"
+#include "troupe/pixel_area.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "common/bitmap/rectangle_cover.h"
+#include "troupe/rectangle_cover.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
 #include "robot-agent/controller/create_controller.h"
 #include "tests/support/ray_sensors.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 

@@ -5,10 +5,10 @@
 #include <queue>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
 #include "robot-agent/navigation/evidence_grid.h"
 #include "robot-agent/navigation/plan_path.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

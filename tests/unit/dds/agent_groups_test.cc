@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/domain_config.h"
-#include "common/dds/transport/dds_transport.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/binding/domain_config.h"
+#include "transport/dds/transport/dds_transport.h"
 
 namespace troupe {
 namespace {

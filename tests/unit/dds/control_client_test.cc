@@ -1,5 +1,5 @@
 // ControlClient, with a world service of this process.
-#include "common/dds/tools/control_client.h"
+#include "transport/dds/tools/control_client.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/dds/transport/dds_service_endpoint.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/transport/dds_service_endpoint.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/dds/convert/convert.h"
+#include "transport/dds/convert/convert.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
-#include "common/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_reader.h"
 
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <string>
 
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/topic_types.h"
 
 namespace troupe::dds {
 namespace {

@@ -4,16 +4,16 @@
 #include <chrono>
 #include <set>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
-#include "common/dds/transport/dds_transport.h"
-#include "common/dds/transport/qos_profiles.h"
-#include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/dds_transport.h"
+#include "transport/dds/transport/qos_profiles.h"
+#include "transport/protocol/topics.h"
 
 namespace troupe {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "common/dds/transport/dds_transport.h"
+#include "transport/dds/transport/dds_transport.h"
 
 namespace troupe {
 namespace {

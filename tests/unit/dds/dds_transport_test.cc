@@ -1,4 +1,4 @@
-#include "common/dds/transport/dds_transport.h"
+#include "transport/dds/transport/dds_transport.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,15 +6,15 @@
 #include <functional>
 #include <mutex>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/binding/domain_participant.h"
-#include "common/dds/binding/exception.h"
-#include "common/dds/convert/topic_types.h"
-#include "common/dds/transport/qos_profiles.h"
-#include "common/protocol/topics.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/binding/domain_participant.h"
+#include "transport/dds/binding/exception.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/qos_profiles.h"
+#include "transport/protocol/topics.h"
 
 namespace troupe {
 namespace {

@@ -1,11 +1,11 @@
-#include "common/dds/binding/domain_participant.h"
+#include "transport/dds/binding/domain_participant.h"
 
 #include <gtest/gtest.h>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
 
 namespace troupe::dds {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/dds/binding/exception.h"
+#include "transport/dds/binding/exception.h"
 
 #include <gtest/gtest.h>
 

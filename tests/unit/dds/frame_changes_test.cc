@@ -7,8 +7,8 @@
 #include <optional>
 #include <random>
 
-#include "common/dds/convert/convert_frame.h"
 #include "common/model/state_hash.h"
+#include "transport/dds/convert/convert_frame.h"
 
 namespace troupe::dds {
 namespace {

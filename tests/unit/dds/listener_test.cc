@@ -1,4 +1,4 @@
-#include "common/dds/binding/listener.h"
+#include "transport/dds/binding/listener.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/topic_types.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/topic_types.h"
 
 namespace troupe::dds {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/dds/binding/network_log.h"
+#include "transport/dds/binding/network_log.h"
 
 #include <dds/ddsrt/log.h>
 #include <gmock/gmock.h>

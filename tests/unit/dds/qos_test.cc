@@ -1,8 +1,8 @@
-#include "common/dds/binding/qos.h"
+#include "transport/dds/binding/qos.h"
 
 #include <gtest/gtest.h>
 
-#include "common/dds/transport/qos_profiles.h"
+#include "transport/dds/transport/qos_profiles.h"
 
 namespace troupe::dds {
 namespace {

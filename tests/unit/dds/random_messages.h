@@ -4,7 +4,7 @@
 #include <optional>
 #include <random>
 
-#include "common/protocol/messages.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe::test {
 

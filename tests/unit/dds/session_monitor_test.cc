@@ -1,4 +1,4 @@
-#include "common/dds/tools/session_monitor.h"
+#include "transport/dds/tools/session_monitor.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/transport/dds_transport.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/transport/dds_transport.h"
 
 namespace troupe {
 namespace {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/transport/dds_transport.h"
-#include "common/protocol/topics.h"
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/transport/dds_transport.h"
+#include "transport/protocol/topics.h"
 
 namespace troupe {
 namespace {

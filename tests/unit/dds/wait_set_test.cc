@@ -1,13 +1,13 @@
-#include "common/dds/binding/wait_set.h"
+#include "transport/dds/binding/wait_set.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "common/dds/binding/condition.h"
-#include "common/dds/binding/data_writer.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
+#include "transport/dds/binding/condition.h"
+#include "transport/dds/binding/data_writer.h"
 
 namespace troupe::dds {
 namespace {

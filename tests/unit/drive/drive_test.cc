@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/base/deterministic_math.h"
 #include "common/model/drive_limits.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

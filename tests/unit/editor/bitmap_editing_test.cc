@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "common/image/grey_image.h"
-#include "common/worldfile/load_world.h"
 #include "tests/unit/editor/edited_world.h"
 #include "tests/unit/editor/temporary_folder.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "common/worldfile/load_world.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/unit/editor/edited_world.h"
 #include "tests/unit/editor/temporary_folder.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <numbers>
 
-#include "common/worldfile/load_world.h"
 #include "tests/unit/editor/edited_world.h"
 #include "tests/unit/editor/temporary_folder.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

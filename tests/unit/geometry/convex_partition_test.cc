@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

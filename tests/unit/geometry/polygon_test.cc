@@ -1,4 +1,4 @@
-#include "common/geometry/polygon.h"
+#include "troupe/polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/base/deterministic_math.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

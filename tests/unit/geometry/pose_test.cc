@@ -1,10 +1,10 @@
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

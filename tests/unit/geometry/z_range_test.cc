@@ -1,4 +1,4 @@
-#include "common/geometry/z_range.h"
+#include "troupe/z_range.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "common/model/world_description.h"
-#include "common/model/world_state.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 

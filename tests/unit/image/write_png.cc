@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "common/base/check.h"
+#include "troupe/check.h"
 
 namespace troupe {
 

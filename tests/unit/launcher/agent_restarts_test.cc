@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "common/command_line/exit_status.h"
+#include "command_line/exit_status.h"
 
 namespace troupe {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "common/spatial/occupancy_grid.h"
-#include "common/worldfile/load_world.h"
 #include "tests/process/output_folder.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

@@ -9,11 +9,11 @@
 #include <sstream>
 
 #include "common/sensing/sensor_registry.h"
-#include "common/worldfile/load_world.h"
 #include "library/scan_fans.h"
 #include "robot-agent/robot/robot.h"
 #include "robot-agent/robot/scan_log.h"
 #include "world-service/core/step.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

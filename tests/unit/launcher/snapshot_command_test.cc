@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/worldfile/load_world.h"
 #include "launcher/supervise/in_process_run.h"
 #include "troupe/simulation.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {

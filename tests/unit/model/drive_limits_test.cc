@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -3,9 +3,9 @@
 #include <functional>
 #include <limits>
 
-#include "common/model/world_description.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 namespace {

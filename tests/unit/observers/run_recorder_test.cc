@@ -7,10 +7,10 @@
 #include <chrono>
 #include <thread>
 
-#include "common/protocol/memory_transport.h"
-#include "common/recording/tick_reader.h"
+#include "recording/tick_reader.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
+#include "transport/protocol/memory_transport.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {

@@ -9,9 +9,9 @@
 #include <memory>
 #include <sstream>
 
-#include "common/protocol/memory_transport.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
+#include "transport/protocol/memory_transport.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/service/run_service.h"
 

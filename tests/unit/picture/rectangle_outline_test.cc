@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/base/random.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/protocol/delivery_thread.h"
+#include "transport/protocol/delivery_thread.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

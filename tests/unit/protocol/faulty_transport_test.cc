@@ -1,4 +1,4 @@
-#include "common/protocol/faulty_transport.h"
+#include "transport/protocol/faulty_transport.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "common/protocol/memory_transport.h"
+#include "transport/protocol/memory_transport.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/protocol/observer_queue.h"
+#include "transport/protocol/observer_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/protocol/tick_barrier.h"
+#include "transport/protocol/tick_barrier.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

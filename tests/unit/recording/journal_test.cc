@@ -1,4 +1,4 @@
-#include "common/recording/journal.h"
+#include "recording/journal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/recording/journal_tail.h"
-#include "common/recording/recording_writer.h"
+#include "recording/journal_tail.h"
+#include "recording/recording_writer.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {

@@ -5,9 +5,9 @@
 #include <random>
 #include <string>
 
-#include "common/recording/mcap/byte_writer.h"
-#include "common/recording/mcap/reader.h"
-#include "common/recording/mcap/writer.h"
+#include "recording/mcap/byte_writer.h"
+#include "recording/mcap/reader.h"
+#include "recording/mcap/writer.h"
 
 namespace troupe::mcap {
 namespace {

@@ -1,12 +1,12 @@
-#include "common/recording/recording.h"
+#include "recording/recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "common/recording/recording_writer.h"
-#include "common/recording/tick_reader.h"
+#include "recording/recording_writer.h"
+#include "recording/tick_reader.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {

@@ -1,4 +1,4 @@
-#include "common/ros_dds/announcement.h"
+#include "ros/connection/announcement.h"
 
 #include <gtest/gtest.h>
 

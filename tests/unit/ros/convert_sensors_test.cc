@@ -1,4 +1,4 @@
-#include "common/ros/convert_sensors.h"
+#include "ros/messages/convert_sensors.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "common/ros/convert.h"
+#include "ros/messages/convert.h"
 
 namespace troupe::ros {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/ros/convert.h"
+#include "ros/messages/convert.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
-#include "common/ros/convert_world.h"
+#include "ros/messages/convert_world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/ros/convert.h"
-#include "common/ros/robot_description.h"
+#include "ros/messages/convert.h"
+#include "ros/messages/robot_description.h"
 #include "tests/support/small_world.h"
 
 namespace troupe::ros {

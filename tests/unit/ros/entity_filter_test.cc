@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/ros/gripper_state.h"
+#include "ros/messages/gripper_state.h"
 
 #include <gtest/gtest.h>
 

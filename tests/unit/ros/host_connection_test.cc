@@ -1,6 +1,6 @@
 // The ways in which a connection through the participant of a host differs from a participant of the process' own:
 // either side may end, or send nonsense. All else is tested for both, in the tests with AllScopes.
-#include "common/ros_link/host_connection.h"
+#include "ros/link/host_connection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,21 +20,21 @@
 #include <vector>
 
 #include "common/base/version.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/binding/topic.h"
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_service.h"
-#include "common/ros_dds/simulation_types.h"
-#include "common/ros_link/link.h"
-#include "common/ros_link/socket_name.h"
-#include "common/wire/cdr.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_service.h"
+#include "ros/connection/simulation_types.h"
+#include "ros/link/link.h"
+#include "ros/link/socket_name.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/binding/topic.h"
+#include "transport/dds/binding/wire.h"
+#include "transport/wire/cdr.h"
 
 namespace troupe::ros {
 namespace {

@@ -5,15 +5,15 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
 #include "robot-agent/ros/ros_gateway.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_qos.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
 namespace {

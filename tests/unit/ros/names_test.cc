@@ -1,4 +1,4 @@
-#include "common/ros/names.h"
+#include "ros/messages/names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "common/ros/odometry_error.h"
+#include "ros/messages/odometry_error.h"
 
 #include <gtest/gtest.h>
 

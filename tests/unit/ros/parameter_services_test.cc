@@ -1,10 +1,10 @@
-#include "common/ros_dds/parameter_services.h"
+#include "ros/connection/parameter_services.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/ros_dds/type_description_service.h"
-#include "common/ros_dds/type_hash.h"
+#include "ros/connection/type_description_service.h"
+#include "ros/connection/type_hash.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"

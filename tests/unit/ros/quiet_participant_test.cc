@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/discovery_relay.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_network.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/discovery_relay.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 namespace {

@@ -1,5 +1,5 @@
 // Joints in ROS: their names, the frames that they move, and the URDF with both.
-#include "common/ros/robot_frames.h"
+#include "ros/messages/robot_frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "common/ros/convert_world.h"
-#include "common/ros/robot_description.h"
+#include "ros/messages/convert_world.h"
+#include "ros/messages/robot_description.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/small_world.h"
 

@@ -1,4 +1,4 @@
-#include "common/ros/robot_in_ros.h"
+#include "ros/messages/robot_in_ros.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "common/ros/robot_list.h"
+#include "ros/messages/robot_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,11 +6,10 @@
 #include <cstring>
 #include <limits>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_log.h"
-#include "common/ros_dds/ros_qos.h"
 #include "robot-agent/agent/replica.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_log.h"
+#include "ros/connection/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/garbage_sender.h"
 #include "tests/support/gripper_world.h"
@@ -19,6 +18,7 @@
 #include "tests/support/ros_graph.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
+#include "transport/dds/binding/wire.h"
 
 // A message of a broken or hostile peer: one byte under the name of a Twist.
 struct Malformed {

@@ -1,6 +1,6 @@
 // Participants of Troupe and tools, each with the configuration of a distribution of ROS 2, discover each other on this
 // machine. They do so on a network of this test's own where that is possible.
-#include "common/ros_dds/ros_network.h"
+#include "ros/connection/ros_network.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/exception.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_participant.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_tool.h"
+#include "transport/dds/binding/exception.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/ros/ros_options.h"
+#include "ros/messages/ros_options.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

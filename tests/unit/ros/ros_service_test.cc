@@ -1,10 +1,10 @@
-#include "common/ros_dds/ros_service.h"
+#include "ros/connection/ros_service.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"

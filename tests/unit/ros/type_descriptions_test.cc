@@ -1,4 +1,4 @@
-#include "common/ros_dds/type_descriptions.h"
+#include "ros/connection/type_descriptions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

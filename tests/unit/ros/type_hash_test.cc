@@ -1,9 +1,9 @@
-#include "common/ros_dds/type_hash.h"
+#include "ros/connection/type_hash.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/ros_dds/topic_types.h"
+#include "ros/connection/topic_types.h"
 
 namespace troupe::ros {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/security/key_authority.h"
+#include "transport/security/key_authority.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "common/base/enclave.h"
-#include "common/protocol/agent_name.h"
 #include "tests/process/output_folder.h"
+#include "transport/protocol/agent_name.h"
 
 namespace troupe::test {
 namespace {

@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "common/base/enclave.h"
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/topic_types.h"
-#include "common/protocol/topics.h"
-#include "common/security/certificate.h"
-#include "common/security/key_authority.h"
-#include "common/security/security_documents.h"
 #include "tests/process/output_folder.h"
 #include "tests/support/dds_domain.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/protocol/topics.h"
+#include "transport/security/certificate.h"
+#include "transport/security/key_authority.h"
+#include "transport/security/security_documents.h"
 
 namespace troupe::dds {
 namespace {

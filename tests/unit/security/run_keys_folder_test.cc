@@ -1,4 +1,4 @@
-#include "common/security/run_keys_folder.h"
+#include "transport/security/run_keys_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/security/session_keys.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/security/run_token.h"
+#include "transport/security/run_token.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

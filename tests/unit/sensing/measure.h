@@ -1,9 +1,9 @@
 // Measures one ranger of a robot in a small world, at the poses as loaded.
 #pragma once
 
-#include "common/model/world_state.h"
 #include "common/sensing/sensor_registry.h"
 #include "tests/support/small_world.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 

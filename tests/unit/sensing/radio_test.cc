@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/radio_limits.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
+#include "troupe/radio_limits.h"
 
 namespace troupe::test {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/model/world_state.h"
 #include "tests/support/small_world.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "common/base/random.h"
 #include "tests/unit/service/coordinator_fixture.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -8,9 +8,9 @@
 #include <functional>
 #include <future>
 
-#include "common/protocol/memory_transport.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
+#include "transport/protocol/memory_transport.h"
 
 namespace troupe {
 namespace {

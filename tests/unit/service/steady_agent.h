@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "common/base/version.h"
-#include "common/protocol/transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe::test {
 

@@ -1,4 +1,4 @@
-#include "ros-service-bridge/call_header.h"
+#include "ros/service_bridge/call_header.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "ros-service-bridge/pending_calls.h"
+#include "ros/service_bridge/pending_calls.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "common/ros/bridge_call.h"
+#include "ros/messages/bridge_call.h"
 
 namespace troupe::ros {
 namespace {

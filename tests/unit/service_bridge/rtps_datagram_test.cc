@@ -1,4 +1,4 @@
-#include "ros-service-bridge/rtps_datagram.h"
+#include "ros/service_bridge/rtps_datagram.h"
 
 #include <gtest/gtest.h>
 

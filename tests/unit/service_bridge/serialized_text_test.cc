@@ -1,4 +1,4 @@
-#include "ros-service-bridge/serialized_text.h"
+#include "ros/service_bridge/serialized_text.h"
 
 #include <gtest/gtest.h>
 

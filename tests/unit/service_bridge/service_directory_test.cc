@@ -1,4 +1,4 @@
-#include "ros-service-bridge/service_directory.h"
+#include "ros/service_bridge/service_directory.h"
 
 #include <gtest/gtest.h>
 

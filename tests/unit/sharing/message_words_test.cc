@@ -4,8 +4,8 @@
 #include <memory>
 #include <random>
 
-#include "common/sharing/frame_words.h"
-#include "common/sharing/proposal_words.h"
+#include "transport/shared_memory/frame_words.h"
+#include "transport/shared_memory/proposal_words.h"
 
 namespace troupe {
 namespace {

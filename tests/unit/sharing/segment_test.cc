@@ -14,10 +14,10 @@
 #include <thread>
 #include <utility>
 
-#include "common/sharing/agent_segment.h"
-#include "common/sharing/proposal_words.h"
-#include "common/sharing/service_segment.h"
 #include "tests/support/memory_maps.h"
+#include "transport/shared_memory/agent_segment.h"
+#include "transport/shared_memory/proposal_words.h"
+#include "transport/shared_memory/service_segment.h"
 
 namespace troupe {
 namespace {

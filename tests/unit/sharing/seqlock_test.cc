@@ -1,4 +1,4 @@
-#include "common/sharing/seqlock.h"
+#include "transport/shared_memory/seqlock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/sharing/sharing_address.h"
+#include "transport/shared_memory/sharing_address.h"
 
 #include <gtest/gtest.h>
 

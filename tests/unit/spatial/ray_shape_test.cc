@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
 #include "common/spatial/scene.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

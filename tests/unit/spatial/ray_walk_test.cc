@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "common/base/deterministic_math.h"
-#include "common/base/random.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/geometry/pose.h"
+#include "troupe/pose.h"
 
 namespace troupe::test {
 

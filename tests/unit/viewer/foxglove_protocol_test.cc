@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "common/model/world_state.h"
 #include "tests/support/small_world.h"
+#include "troupe/world_state.h"
 #include "viewer/foxglove/messages.h"
 #include "viewer/foxglove/protocol.h"
 

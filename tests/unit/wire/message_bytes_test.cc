@@ -1,4 +1,4 @@
-#include "common/wire/message_bytes.h"
+#include "transport/wire/message_bytes.h"
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <gtest/gtest.h>
@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <random>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/dds/binding/data_writer.h"
-#include "common/dds/convert/convert.h"
-#include "common/dds/convert/topic_types.h"
-#include "common/dds/transport/qos_profiles.h"
-#include "common/wire/cdr.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/random_messages.h"
+#include "transport/dds/binding/data_reader.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/qos_profiles.h"
+#include "transport/wire/cdr.h"
 
 namespace troupe::wire {
 namespace {

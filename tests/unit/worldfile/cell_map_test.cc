@@ -1,4 +1,4 @@
-#include "common/worldfile/scenario/cell_map.h"
+#include "worldfile/scenario/cell_map.h"
 
 #include <gtest/gtest.h>
 

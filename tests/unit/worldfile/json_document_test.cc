@@ -1,4 +1,4 @@
-#include "common/worldfile/scenario/json_document.h"
+#include "worldfile/scenario/json_document.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/worldfile/edit/json_syntax.h"
+#include "worldfile/edit/json_syntax.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/worldfile/scenario/scenario.h"
+#include "worldfile/scenario/scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include "common/model/model_poses.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
-#include "common/worldfile/scenario/scenario_override.h"
-#include "common/worldfile/text/text_file.h"
 #include "tests/support/ray_sensors.h"
+#include "worldfile/scenario/scenario_override.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -1,5 +1,5 @@
 // Edits of Stage files change the bytes that they concern, and no others.
-#include "common/worldfile/edit/stage_edit.h"
+#include "worldfile/edit/stage_edit.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/worldfile/edit/stage_body_edit.h"
-#include "common/worldfile/stage/stage_parser.h"
 #include "tests/support/stage_worlds.h"
+#include "worldfile/edit/stage_body_edit.h"
+#include "worldfile/stage/stage_parser.h"
 
 namespace troupe {
 namespace {

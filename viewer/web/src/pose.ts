@@ -1,4 +1,4 @@
-// Poses as in common/geometry/pose.h: compose(X_AB, X_BC) is X_AC.
+// Poses as in troupe/pose.h: compose(X_AB, X_BC) is X_AC.
 import type {Matrix4} from 'three';
 import type {Joint, Pose} from './protocol';
 

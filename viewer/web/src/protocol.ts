@@ -132,7 +132,7 @@ export interface StoreRow {
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
 
-// As EventType of common/model/event.h.
+// As EventType of troupe/event.h.
 export const enum EventType {
   StallBegan, StallEnded, Joined, Left, ProposalRejected, Blocked, Gripped, Released, Landed, Unstable, OutOfEnergy, Said,
 }

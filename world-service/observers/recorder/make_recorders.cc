@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/recording/recording.h"
+#include "recording/recording.h"
 #include "world-service/observers/recorder/run_recorder.h"
 
 namespace troupe {

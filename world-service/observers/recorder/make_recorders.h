@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/base/temporary_file.h"
-#include "common/model/world_description.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/service/run_observer.h"

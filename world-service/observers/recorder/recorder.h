@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/base/output_file.h"
-#include "common/recording/journal_tail.h"
 #include "common/run/run_settings.h"
+#include "recording/journal_tail.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

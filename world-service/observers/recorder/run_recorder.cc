@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/base/version.h"
-#include "common/recording/tick_reader.h"
+#include "recording/tick_reader.h"
 #include "world-service/core/step_version.h"
 
 namespace troupe {

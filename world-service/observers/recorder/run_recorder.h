@@ -12,12 +12,12 @@
 #include <string>
 #include <thread>
 
-#include "common/base/result.h"
-#include "common/recording/journal.h"
-#include "common/recording/journal_tail.h"
-#include "common/recording/mcap/byte_sink.h"
-#include "common/recording/recording.h"
-#include "common/recording/recording_writer.h"
+#include "recording/journal.h"
+#include "recording/journal_tail.h"
+#include "recording/mcap/byte_sink.h"
+#include "recording/recording.h"
+#include "recording/recording_writer.h"
+#include "troupe/result.h"
 #include "world-service/observers/recorder/tick_queue.h"
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
@@ -35,7 +35,7 @@ struct RecordingOptions {
   std::string world_file;  // as the recording names it
   Tick keyframe_interval = kDefaultKeyframeInterval;
   std::size_t queue_bytes = std::size_t{16} << 20;
-  // The recording is a journal (common/recording/journal.h): each tick is in its tail before the agents see it.
+  // The recording is a journal (recording/journal.h): each tick is in its tail before the agents see it.
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
   std::shared_ptr<const RecordedBegin> begin = {};  // null: the recording begins with the run

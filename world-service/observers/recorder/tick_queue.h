@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/recording/recorded_run.h"
+#include "recording/recorded_run.h"
 
 namespace troupe {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/dds/binding/wire.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 namespace {

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/polygon.h"
-#include "common/geometry/z_range.h"
-#include "common/protocol/messages.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
+#include "transport/protocol/messages.h"
+#include "troupe/polygon.h"
+#include "troupe/result.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 

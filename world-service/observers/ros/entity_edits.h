@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "common/ros/ros_options.h"
+#include "ros/messages/ros_options.h"
 #include "world-service/observers/ros/service_group.h"
 #include "world-service/observers/ros/service_slot.h"
 

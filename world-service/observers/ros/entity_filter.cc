@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/dds/binding/wire.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

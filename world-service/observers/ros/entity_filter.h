@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
-#include "common/protocol/messages.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
 #include "world-service/observers/ros/bounds_filter.h"
 #include "world-service/observers/ros/tags_filter.h"
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "common/base/deterministic_math.h"
-#include "common/dds/binding/wire.h"
-#include "common/ros/names.h"
+#include "ros/messages/names.h"
+#include "transport/dds/binding/wire.h"
+#include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {

@@ -1,9 +1,9 @@
 // Poses of entities in ROS requests.
 #pragma once
 
-#include "common/base/result.h"
-#include "common/geometry/pose.h"
-#include "common/ros/messages.h"
+#include "ros/messages/messages.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
 
 namespace troupe {
 

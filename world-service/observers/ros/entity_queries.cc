@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/ros/convert.h"
-#include "common/ros/names.h"
+#include "ros/messages/convert.h"
+#include "ros/messages/names.h"
 #include "world-service/observers/ros/entity_filter.h"
 
 namespace troupe {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/ros/robot_in_ros.h"
+#include "ros/messages/robot_in_ros.h"
 #include "world-service/observers/ros/entity_pose.h"
 #include "world-service/observers/ros/resource_path.h"
 

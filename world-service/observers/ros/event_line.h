@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "common/model/event.h"
-#include "common/model/world_description.h"
+#include "troupe/event.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 

@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include "common/dds/binding/data_reader.h"
-#include "common/ros/robot_in_ros.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/topic_types.h"
-#include "common/ros_dds/user_data.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/topic_types.h"
+#include "ros/connection/user_data.h"
+#include "ros/messages/robot_in_ros.h"
+#include "transport/dds/binding/data_reader.h"
 #include "world-service/observers/ros/entity_pose.h"
 
 namespace troupe {

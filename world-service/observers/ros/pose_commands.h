@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "common/base/flood_limiter.h"
-#include "common/ros/messages.h"
-#include "common/ros/ros_options.h"
-#include "common/ros_dds/ros_participant.h"
 #include "common/spatial/scene.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/messages/messages.h"
+#include "ros/messages/ros_options.h"
 #include "world-service/service/world_control.h"
 
 namespace troupe {

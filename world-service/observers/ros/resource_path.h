@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/dds/binding/wire.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

@@ -1,8 +1,8 @@
 #include "world-service/observers/ros/robot_list_output.h"
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/user_data.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/user_data.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

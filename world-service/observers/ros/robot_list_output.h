@@ -4,10 +4,10 @@
 
 #include <optional>
 
-#include "common/dds/binding/data_writer.h"
-#include "common/ros/messages.h"
-#include "common/ros/robot_list.h"
-#include "common/ros_dds/ros_participant.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/messages/messages.h"
+#include "ros/messages/robot_list.h"
+#include "transport/dds/binding/data_writer.h"
 
 namespace troupe {
 

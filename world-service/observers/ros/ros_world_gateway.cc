@@ -8,14 +8,14 @@
 #include <optional>
 #include <utility>
 
-#include "common/ros/convert.h"
-#include "common/ros/convert_world.h"
-#include "common/ros_dds/clock_output.h"
-#include "common/ros_dds/parameter_services.h"
-#include "common/ros_dds/ros_endpoints.h"
-#include "common/ros_dds/ros_log.h"
-#include "common/ros_dds/ros_qos.h"
-#include "common/ros_dds/type_description_service.h"
+#include "ros/connection/clock_output.h"
+#include "ros/connection/parameter_services.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_log.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/connection/type_description_service.h"
+#include "ros/messages/convert.h"
+#include "ros/messages/convert_world.h"
 #include "world-service/observers/ros/event_line.h"
 #include "world-service/observers/ros/pose_commands.h"
 #include "world-service/observers/ros/robot_list_output.h"

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "common/ros/ros_options.h"
 #include "common/spatial/scene.h"
+#include "ros/messages/ros_options.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

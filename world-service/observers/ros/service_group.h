@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/ros_dds/ros_service.h"
+#include "ros/connection/ros_service.h"
 #include "world-service/observers/ros/service_result.h"
 #include "world-service/observers/ros/simulation_context.h"
 

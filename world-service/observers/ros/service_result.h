@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "common/dds/binding/wire.h"
-#include "common/protocol/messages.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
+#include "transport/dds/binding/wire.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/ros_dds/ros_service.h"
+#include "ros/connection/ros_service.h"
 
 namespace troupe {
 

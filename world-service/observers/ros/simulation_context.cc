@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/ros/names.h"
+#include "ros/messages/names.h"
 #include "world-service/observers/ros/entity_filter.h"
 
 namespace troupe {

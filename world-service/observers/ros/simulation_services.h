@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "common/ros/ros_options.h"
-#include "common/ros_dds/ros_participant.h"
 #include "common/spatial/scene.h"
+#include "ros/connection/ros_participant.h"
+#include "ros/messages/ros_options.h"
 #include "world-service/observers/ros/step_action.h"
 #include "world-service/service/world_control.h"
 

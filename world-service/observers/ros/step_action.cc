@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/ros_dds/action_server.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/action_server.h"
+#include "ros/connection/simulation_types.h"
 #include "world-service/observers/ros/service_group.h"
 
 namespace troupe {

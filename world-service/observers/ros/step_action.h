@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "common/protocol/messages.h"
-#include "common/ros_dds/ros_participant.h"
+#include "ros/connection/ros_participant.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/binding/wire.h"
-#include "common/ros_dds/simulation_types.h"
+#include "ros/connection/simulation_types.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe {
 

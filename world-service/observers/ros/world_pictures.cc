@@ -3,11 +3,11 @@
 #include <chrono>
 #include <utility>
 
-#include "common/ros/convert_world.h"
-#include "common/ros/robot_frames.h"
-#include "common/ros/robot_in_ros.h"
-#include "common/ros_dds/map_output.h"
-#include "common/ros_dds/ros_qos.h"
+#include "ros/connection/map_output.h"
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/convert_world.h"
+#include "ros/messages/robot_frames.h"
+#include "ros/messages/robot_in_ros.h"
 
 namespace troupe {
 namespace {

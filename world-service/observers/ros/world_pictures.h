@@ -7,9 +7,9 @@
 #include <mutex>
 #include <thread>
 
-#include "common/ros/ros_options.h"
-#include "common/ros_dds/ros_endpoints.h"
 #include "common/spatial/scene.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/messages/ros_options.h"
 
 namespace troupe {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/ros/convert.h"
+#include "ros/messages/convert.h"
 #include "world-service/observers/ros/resource_path.h"
 #include "world-service/observers/ros/tags_filter.h"
 

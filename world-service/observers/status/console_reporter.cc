@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "common/protocol/waiting_text.h"
+#include "transport/protocol/waiting_text.h"
 #include "world-service/observers/status/reporter.h"
 
 namespace troupe {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/base/result.h"
 #include "common/run/network_settings.h"
-#include "common/worldfile/load_world.h"
+#include "troupe/result.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 

@@ -1,0 +1,205 @@
+#include "command_line/run_flags.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "command_line/option_checks.h"
+
+namespace troupe {
+namespace {
+
+// An option that replaces a setting if it is given. `parse` is called with texts that passed the check.
+template <typename Value, typename Parse>
+CLI::Option* AddOverride(CLI::App& app, const char* name, std::optional<Value>& target, Parse parse,
+                         const std::string& help) {
+  return app.add_option_function<std::string>(
+      name, [&target, parse](const std::string& text) { target.emplace(parse(text)); }, help);
+}
+
+CLI::Option* AddOutput(CLI::App& app, const char* name, std::string& file, const char* help, const std::string& group) {
+  return app.add_option(name, file, help)->type_name("FILE")->group(group);
+}
+
+}  // namespace
+
+CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
+  return app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
+      ->required()
+      ->type_name("");
+}
+
+void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group) {
+  app.add_option("--seed", seed, "Seed of all random numbers (default: the scenario's, or 0)")
+      ->check(WholeNumber(0))
+      ->type_name("S")
+      ->group(group);
+}
+
+void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group) {
+  app.add_option("--controller", controller,
+                 "Controller of the robots without one in the file: idle (default), wander, expand, or the path of a "
+                 "shared library")
+      ->check(NotEmpty())
+      ->type_name("NAME")
+      ->group(group);
+}
+
+void AddBranchFlags(CLI::App& app, BranchFlags& flags, const std::string& group) {
+  app.add_option("--controller", flags.controllers,
+                 "Controller of the robots without one in the file: idle (default), wander, expand, or the path of a "
+                 "shared library. With a recording also ROBOT=CONTROLLER, for one robot, repeatable, each with "
+                 ":{...} for its parameters")
+      ->check(NotEmpty())
+      ->type_name("NAME")
+      ->group(group)
+      ->allow_extra_args(false);
+  app.add_option("--from-tick", flags.from_tick,
+                 "With a recording: the tick from which the run continues (default: the last)")
+      ->check(WholeNumber(0))
+      ->type_name("TICK")
+      ->group(group);
+}
+
+Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::optional<std::string>& controller) {
+  if (file.ends_with(".mcap")) return {};
+  if (flags.from_tick) return Error{{}, "option --from-tick: found a world, expected a recording (.mcap)"};
+  if (flags.controllers.empty()) return {};
+  const std::string& last = flags.controllers.back();
+  const std::size_t equals = last.find('=');
+  if (flags.controllers.size() > 1 || (equals != std::string::npos && last.find('/') > equals)) {
+    return Error{{},
+                 "option --controller: found '" + last +
+                     "', expected one controller: only a run that continues from a recording has others for some "
+                     "robots"};
+  }
+  controller = std::exchange(flags.controllers, {}).front();
+  return {};
+}
+
+void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {
+  app.add_option("--allow-controllers", paths,
+                 "Controller library, or a folder with such, that a world loaded during the run may name; repeatable. "
+                 "The libraries of the run's own file are allowed")
+      ->type_name("PATH")
+      ->group(group)
+      ->allow_extra_args(false);
+}
+
+void AddAllowFilesFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {
+  app.add_option("--allow-files", paths,
+                 "World file, or a folder with such, that may be loaded or spawned from during the run, by troupe ctl "
+                 "or ROS 2; repeatable. The folder of the run's own file and the installed worlds are allowed")
+      ->type_name("PATH")
+      ->group(group)
+      ->allow_extra_args(false);
+}
+
+void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group) {
+  app.add_option("--ticks", overrides.ticks,
+                 "Stop after N ticks, from 1 (default: the scenario's, or run until stopped)")
+      ->check(WholeNumber(1))
+      ->type_name("N")
+      ->group(group);
+  AddOverride(
+      app, "--mode", overrides.mode, [](const std::string& word) { return *ParseMode(word); },
+      "lockstep (default): each tick waits for all robots, and every run gives the same result; realtime: no tick "
+      "waits "
+      "for a late robot")
+      ->check(OneOf({kModeWords.begin(), kModeWords.end()}))
+      ->type_name("MODE")
+      ->group(group);
+  AddOverride(
+      app, "--speed", overrides.speed, [](const std::string& text) { return ParseSpeed(text).value(); },
+      "Multiple of real time; max (default): as fast as possible")
+      ->check(SpeedValue())
+      ->type_name("X|max")
+      ->group(group);
+  AddOverride(
+      app, "--on-agent-loss", overrides.on_agent_loss, [](const std::string& word) { return *ParseOnAgentLoss(word); },
+      "When a robot's process is lost: freeze the robot (default), pause the run until the robot rejoins, abort the "
+      "run, or rebuild the memory of the robot's controller and continue as if nothing had happened")
+      ->check(OneOf({kOnAgentLossWords.begin(), kOnAgentLossWords.end()}))
+      ->type_name("POLICY")
+      ->group(group);
+}
+
+std::vector<std::string> RunArguments(const RunOverrides& overrides) {
+  std::vector<std::string> arguments;
+  if (overrides.ticks) arguments.push_back(fmt::format("--ticks={}", *overrides.ticks));
+  if (overrides.mode) arguments.push_back("--mode=" + ToString(*overrides.mode));
+  if (overrides.speed) arguments.push_back("--speed=" + ToString(*overrides.speed));
+  if (overrides.on_agent_loss) arguments.push_back("--on-agent-loss=" + ToString(*overrides.on_agent_loss));
+  if (overrides.robots_per_process) {
+    arguments.push_back(fmt::format("--robots-per-process={}", *overrides.robots_per_process));
+  }
+  if (overrides.ros) arguments.emplace_back(*overrides.ros ? "--ros" : "--no-ros");
+  return arguments;
+}
+
+void AddRobotsPerProcessFlag(CLI::App& app, std::optional<std::uint32_t>& robots, const std::string& group) {
+  app.add_option("--robots-per-process", robots,
+                 "Number of robots in one agent process (default: the scenario's, or 1)")
+      ->check(WholeNumber(1, 100000))
+      ->type_name("K")
+      ->group(group);
+}
+
+void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group) {
+  app.add_flag("--paused", paused, "Start paused at tick 0, until troupe ctl or ROS 2 resumes the run")->group(group);
+}
+
+void AddThreadsFlag(CLI::App& app, std::optional<std::uint32_t>& threads, const std::string& automatic,
+                    const std::string& group) {
+  app.add_option(
+         "--threads", threads,
+         "Threads that divide the work of a tick; the result does not depend on it (default: " + automatic + ")")
+      ->check(WholeNumber(1, 1024))
+      ->type_name("N")
+      ->group(group);
+}
+
+void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group) {
+  app.add_option("--start-timeout", seconds,
+                 fmt::format("Seconds to wait for all robots to join; 0: no limit (default: {})", seconds))
+      ->check(NumberFromZero())
+      ->type_name("SECONDS")
+      ->group(group);
+}
+
+void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& group) {
+  AddOutput(app, "--hash-log", hash_log, "Write a line 'tick hash' for each tick", group);
+}
+
+void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group) {
+  AddOutput(app, "--poses", poses, "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians)", group);
+}
+
+void AddRecordFlags(CLI::App& app, std::string& record, std::uint64_t& keyframe_interval, const std::string& group) {
+  AddOutput(app, "--record", record,
+            "FILE.mcap: write a recording, which 'troupe replay' steps again. Any other ending: write the states and "
+            "events of all ticks as JSON lines",
+            group);
+  app.add_option(
+         "--keyframe-interval", keyframe_interval,
+         fmt::format("A recording has the whole state every TICKS ticks (default: {})", kDefaultKeyframeInterval))
+      ->check(WholeNumber(1))
+      ->type_name("TICKS")
+      ->group(group);
+}
+
+void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group) {
+  AddOutput(app, "--scans", scans, "Write all ranger scans as JSON lines: tick, robot, sensor, ranges (metres)", group);
+}
+
+void AddFaultsFlag(CLI::App& app, std::string& faults) {
+  app.add_option("--faults", faults,
+                 "Simulate network faults: loss=P,duplicate=P,reorder=P,delay=P:SECONDS,latency=SECONDS:JITTER,"
+                 "seed=N (P: probability)")
+      ->check(FaultsValue())
+      ->type_name("SPEC")
+      ->group("Testing");
+}
+
+}  // namespace troupe

@@ -1,0 +1,77 @@
+// The options that describe a run, for the programs that share them. The variables must outlive the parsing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/run/run_settings.h"
+#include "troupe/result.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace troupe {
+
+// FILE, required: a world.
+CLI::Option* AddWorldFile(CLI::App& app, std::string& file);
+
+// --seed S
+void AddSeedFlag(CLI::App& app, std::optional<std::uint64_t>& seed, const std::string& group = "Options");
+
+// --controller NAME
+void AddControllerFlag(CLI::App& app, std::optional<std::string>& controller, const std::string& group = "Options");
+
+// --controller, repeatable, and --from-tick T: of a run that may continue from a recording.
+struct BranchFlags {
+  std::vector<std::string> controllers;
+  std::optional<std::uint64_t> from_tick;
+};
+void AddBranchFlags(CLI::App& app, BranchFlags& flags, const std::string& group = "Options");
+// Moves the controller of a run that does not begin with a recording to `controller`. The error is a flag that only a
+// recording can have.
+Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::optional<std::string>& controller);
+
+// --allow-controllers PATH, repeatable
+void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group = "Options");
+
+// --allow-files PATH, repeatable
+void AddAllowFilesFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group = "Options");
+
+// --ticks, --mode, --speed, --on-agent-loss
+void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& group = "Options");
+
+// The arguments that give another program of Troupe the same overrides, --ros or --no-ros included.
+std::vector<std::string> RunArguments(const RunOverrides& overrides);
+
+// --robots-per-process
+void AddRobotsPerProcessFlag(CLI::App& app, std::optional<std::uint32_t>& robots, const std::string& group = "Options");
+
+// --paused
+void AddPausedFlag(CLI::App& app, bool& paused, const std::string& group = "Options");
+
+// --threads N. `automatic`: the number without it, for the help text.
+void AddThreadsFlag(CLI::App& app, std::optional<std::uint32_t>& threads, const std::string& automatic,
+                    const std::string& group = "Options");
+
+// --start-timeout SECONDS
+void AddStartTimeoutFlag(CLI::App& app, double& seconds, const std::string& group = "Options");
+
+// --hash-log, --poses: also written by a replay.
+void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& group = "Options");
+void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group = "Options");
+
+// --record FILE, --keyframe-interval TICKS
+void AddRecordFlags(CLI::App& app, std::string& record, std::uint64_t& keyframe_interval,
+                    const std::string& group = "Options");
+
+// --scans FILE
+void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group = "Options");
+
+// --faults SPEC: for tests. `faults` is text for ParseFaults (transport/protocol/faulty_transport.h).
+void AddFaultsFlag(CLI::App& app, std::string& faults);
+
+}  // namespace troupe

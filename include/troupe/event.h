@@ -1,0 +1,40 @@
+// Event: a change during a tick that is reported to observers. Steps return events in a fixed order.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "troupe/ids.h"
+
+namespace troupe {
+
+enum class EventType : std::uint8_t {
+  kStallBegan = 0,        // the robot's motion was cut short; `other` is the obstacle, none for the ground
+  kStallEnded = 1,        // it moves freely again
+  kJoined = 2,            // an agent controls the robot from now on
+  kLeft = 3,              // the robot's agent left or was lost
+  kProposalRejected = 4,  // `detail` is the reason
+  kBlocked = 5,       // a joint's motion was cut short; `detail` names it, `other` is the obstacle, none for the ground
+  kGripped = 6,       // the robot's gripper, named by `detail`, holds `object` from now on
+  kReleased = 7,      // it has released `object`
+  kLanded = 8,        // `object` has come to rest on `other`, none for the ground
+  kUnstable = 9,      // likewise, but its centre is not above a support
+  kOutOfEnergy = 10,  // the robot's store is empty: it stops
+  kSaid = 11,         // the robot's controller says `detail`
+};
+inline constexpr EventType kLastEventType = EventType::kSaid;
+
+struct Event {
+  Tick tick = 0;
+  EventType type = EventType::kStallBegan;
+  std::optional<RobotId> robot = {};
+  std::optional<ModelId> other = {};
+  std::string detail = {};
+  std::optional<ModelId> object = {};  // the root of an object's tree
+  bool operator==(const Event&) const = default;
+};
+
+// "stall_began", ...
+const char* ToString(EventType type);
+
+}  // namespace troupe

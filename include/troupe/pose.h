@@ -1,0 +1,71 @@
+// Poses and twists in 2.5D: a place in the plane with a heading, at a height.
+//
+// X_AB is the pose of frame B in frame A: X_AC = X_AB * X_BC, p_A = X_AB * p_B. docs/conventions.md lists the frames: W
+// world, M model, P parent model, R robot, S sensor, ... x forward, y left, z up; metres, radians counter-clockwise
+// (REP 103).
+#pragma once
+
+#include <cmath>
+
+#include "troupe/deterministic_math.h"
+#include "troupe/vec2.h"
+
+namespace troupe {
+
+struct Pose {
+  double x = 0.0;        // m
+  double y = 0.0;        // m
+  double z = 0.0;        // m
+  double heading = 0.0;  // rad, in (-pi, pi]
+
+  Vec2 translation() const { return {x, y}; }
+  bool operator==(const Pose&) const = default;
+};
+
+Pose operator*(const Pose& X_AB, const Pose& X_BC);
+Pose Inverse(const Pose& X_AB);
+inline bool IsFinite(const Pose& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) && std::isfinite(pose.heading);
+}
+
+// A pose with its sine and cosine, for transforming many points.
+class Transform2 {
+ public:
+  Transform2() = default;
+  explicit Transform2(const Pose& X_AB);
+
+  Vec2 operator*(const Vec2& p_B) const {
+    return {p_.x() + cos_ * p_B.x() - sin_ * p_B.y(), p_.y() + sin_ * p_B.x() + cos_ * p_B.y()};
+  }
+  // Turns a direction without moving it.
+  Vec2 Rotate(const Vec2& v_B) const { return {cos_ * v_B.x() - sin_ * v_B.y(), sin_ * v_B.x() + cos_ * v_B.y()}; }
+  Vec2 InverseTransform(const Vec2& p_A) const { return InverseRotate(p_A - p_); }
+  Vec2 InverseRotate(const Vec2& v_A) const {
+    return {cos_ * v_A.x() + sin_ * v_A.y(), -sin_ * v_A.x() + cos_ * v_A.y()};
+  }
+
+ private:
+  Vec2 p_ = Vec2::Zero();
+  double cos_ = 1.0;
+  double sin_ = 0.0;
+};
+
+// Velocity of a robot in its own frame R.
+struct Twist {
+  double vx = 0.0;  // m/s, forward
+  double vy = 0.0;  // m/s, to the left
+  double wz = 0.0;  // rad/s, counter-clockwise
+
+  bool IsZero() const { return vx == 0.0 && vy == 0.0 && wz == 0.0; }
+  bool operator==(const Twist&) const = default;
+};
+
+inline bool IsFinite(const Twist& twist) {
+  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
+}
+
+// The motion of frame R during `seconds` under a constant twist, exactly along its arc (the exponential map of SE(2)):
+// returns X_R0R1, with z 0.
+Pose Integrate(const Twist& twist, double seconds);
+
+}  // namespace troupe

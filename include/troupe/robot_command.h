@@ -1,0 +1,49 @@
+// RobotCommand: a command from outside of the simulation to one robot, for one tick. The world service receives it from
+// a tool or a viewer and sends it with the frame, so that it is an input of the tick like any other: the same commands
+// at the same ticks give the same run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/result.h"
+#include "troupe/vec2.h"
+
+namespace troupe {
+
+struct WorldDescription;
+
+// A part without a value keeps its last command.
+struct GripperOrder {
+  std::size_t gripper = 0;             // among those of the robot, in id order
+  std::optional<double> opening = {};  // percent, 0 (closed) to 100 (open)
+  std::optional<double> lift = {};     // percent of the way from its minimum to its maximum
+  bool operator==(const GripperOrder&) const = default;
+};
+
+// Points for a controller that accepts goals (troupe/controller.h).
+struct Goal {
+  std::uint32_t number = 0;            // another number is another goal
+  std::vector<Vec2> waypoints;         // in W, to be reached one after another; not empty
+  std::optional<double> heading = {};  // at the last one, rad
+  bool operator==(const Goal&) const = default;
+};
+
+inline constexpr std::size_t kMostWaypoints = 1000;
+
+struct RobotCommand {
+  RobotId robot;
+  std::optional<Twist> twist = {};  // in R, in place of the controller's motion; the drive bounds it
+  std::vector<GripperOrder> grippers = {};
+  std::optional<Goal> goal = {};
+  bool operator==(const RobotCommand&) const = default;
+};
+
+// Success if the robot is in the world and can execute the command. The error names the robot.
+Status CheckRobotCommand(const WorldDescription& world, const RobotCommand& command);
+
+}  // namespace troupe

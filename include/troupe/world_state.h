@@ -1,0 +1,106 @@
+// WorldState: everything about a world that changes, at one tick. Copyable and hashable; a step, a replica and an agent
+// that joins late need (description, state) and nothing else.
+#pragma once
+
+#include <vector>
+
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/radio_message.h"
+#include "troupe/world_description.h"
+
+namespace troupe {
+
+struct RobotState {
+  Pose X_WR;             // of the robot's root model
+  Twist twist;           // executed during the tick that ended here, in R; zero after a stall
+  bool stalled = false;  // the last commanded motion was cut short by a contact
+  bool operator==(const RobotState&) const = default;
+};
+
+struct JointState {
+  double position = 0.0;  // m or rad
+  double velocity = 0.0;  // m/s or rad/s, executed during the tick that ended here; zero after a contact
+  bool blocked = false;   // the last commanded motion was cut short by a contact
+  bool operator==(const JointState&) const = default;
+};
+
+struct GripperState {
+  std::optional<ModelId> left_contact = {};   // the model that stopped the left pad when it last closed
+  std::optional<ModelId> right_contact = {};  // likewise
+  // The object between the pads. The gripper holds it if the object's holder is this gripper; otherwise another
+  // gripper holds it, and this one will when that one opens.
+  std::optional<ObjectId> clamped = {};
+  bool operator==(const GripperState&) const = default;
+};
+
+enum class ObjectMode : std::uint8_t {
+  kPlaced = 0,   // at its place in the file, or released without gravity; it stays there, also in the air
+  kResting = 1,  // on a support
+  kFalling = 2,
+  kHeld = 3,
+};
+
+struct ObjectState {
+  Pose X_WO = {};  // of the object's root model
+  ObjectMode mode = ObjectMode::kPlaced;
+  double fall_speed = 0.0;               // m/s, downwards
+  std::optional<GripperId> holder = {};  // in mode kHeld
+  // In mode kResting: the model under the object's centre, with which it moves; nothing on the ground, or if the
+  // centre is above no support.
+  std::optional<ModelId> support = {};
+  bool operator==(const ObjectState&) const = default;
+};
+
+// A store of energy.
+struct StoreState {
+  double joules = 0.0;        // J; of an endless one as at load
+  double charge_watts = 0.0;  // W that it has received during the tick that ended here, on average
+  bool operator==(const StoreState&) const = default;
+};
+
+// The velocity of an inertial measurement unit, in W, during the tick before the last one: with the present one it
+// gives the acceleration. An edit that changes the velocity of its robot sets it to the new one.
+struct ImuState {
+  double vx = 0.0;  // m/s
+  double vy = 0.0;
+  double vz = 0.0;
+  bool operator==(const ImuState&) const = default;
+};
+
+// A light of a robot.
+struct LightState {
+  bool is_switched_on = true;
+  bool operator==(const LightState&) const = default;
+};
+
+// The direction of a camera, from that of the world file.
+struct CameraState {
+  double pan = 0.0;   // rad, to the left, in (-pi, pi]
+  double tilt = 0.0;  // rad, upwards, within CameraParameters::TiltLimits
+  bool operator==(const CameraState&) const = default;
+};
+
+struct WorldState {
+  Tick tick = 0;
+  std::vector<RobotState> robots;         // by RobotId
+  std::vector<JointState> joints;         // by JointId
+  std::vector<GripperState> grippers;     // by GripperId
+  std::vector<ObjectState> objects;       // by ObjectId
+  std::vector<StoreState> stores = {};    // of FindStores
+  std::vector<ImuState> imus = {};        // of FindImus
+  std::vector<LightState> lights = {};    // of FindLights
+  std::vector<CameraState> cameras = {};  // of FindCameras
+  // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
+  std::vector<RadioTransmission> transmissions = {};
+  bool operator==(const WorldState&) const = default;
+};
+
+// The description's poses at tick 0. Every object is kPlaced: its support is not known here, so that a run begins with
+// InitialState of world-service/core/initial_state.h instead.
+WorldState PlacedState(const WorldDescription& world);
+
+// The bytes that a copy of the state needs in memory, about.
+std::size_t MemoryOf(const WorldState& state);
+
+}  // namespace troupe

@@ -1,0 +1,242 @@
+#include "recording/journal_tail.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "recording/mcap/byte_reader.h"
+#include "recording/mcap/byte_writer.h"
+#include "recording/mcap/crc32.h"
+#include "recording/tick_messages.h"
+
+namespace troupe {
+namespace {
+
+using mcap::ByteReader;
+using mcap::ByteWriter;
+
+// A file is left for the other one when it is longer.
+constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
+constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
+constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
+
+void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
+  out.AddWithLength<std::uint32_t>([&] {
+    for (const RobotId robot : robots) out.Add(static_cast<std::uint32_t>(robot.index()));
+  });
+}
+
+std::vector<RobotId> ReadRobots(ByteReader& in) {
+  std::vector<RobotId> robots;
+  ByteReader ids(in.ReadWithLength<std::uint32_t>());
+  while (ids.ok() && !ids.at_end()) robots.emplace_back(ids.Read<std::uint32_t>());
+  return robots;
+}
+
+void AddProgress(ByteWriter& out, const RunProgress& progress) {
+  out.Add(progress.incarnation);
+  out.Add(progress.ticks_to_pause.value_or(kNoPause));
+  out.Add(progress.stalls);
+  out.Add(progress.rejected);
+  AddRobots(out, progress.absent);
+  AddRobots(out, progress.newcomers);
+}
+
+RunProgress ReadProgress(ByteReader& in) {
+  RunProgress progress;
+  progress.incarnation = in.Read<Incarnation>();
+  const auto ticks = in.Read<std::uint64_t>();
+  if (ticks != kNoPause) progress.ticks_to_pause = ticks;
+  progress.stalls = in.Read<std::uint64_t>();
+  progress.rejected = in.Read<std::uint64_t>();
+  progress.absent = ReadRobots(in);
+  progress.newcomers = ReadRobots(in);
+  return progress;
+}
+
+struct TailRecord {
+  RunProgress progress;
+  std::optional<RecordedTick> tick;
+};
+
+// Nothing for a damaged record, or one of another run.
+std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId run, std::uint64_t& serial) {
+  ByteReader in(content);
+  if (in.Read<RunId>() != run) return std::nullopt;
+  serial = in.Read<std::uint64_t>();
+  TailRecord record;
+  record.progress = ReadProgress(in);
+  if (!in.ok()) return std::nullopt;
+  if (in.at_end()) return record;
+  TickAssembler assembler(std::nullopt);
+  RecordedTick& tick = record.tick.emplace();
+  assembler.Begin(tick);
+  while (!in.at_end()) {
+    const auto channel = in.Read<std::uint8_t>();
+    const std::span<const std::byte> data = in.ReadWithLength<std::uint32_t>();
+    if (!in.ok() || channel >= kRecordingChannels) return std::nullopt;
+    const Result<bool> done = assembler.Add(static_cast<RecordingChannel>(channel), data, tick);
+    if (!done.ok()) return std::nullopt;
+    if (done.value()) return record;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::byte> ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::span<const std::byte> view = std::as_bytes(std::span(bytes));
+  return {view.begin(), view.end()};
+}
+
+}  // namespace
+
+JournalFiles JournalFiles::Of(const std::string& recording) {
+  return {recording, {recording + ".journal-a", recording + ".journal-b"}};
+}
+
+JournalTailContent ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number) {
+  JournalTailContent content;
+  std::map<std::uint64_t, TailRecord> records;  // by serial
+  const std::array<std::string, 2>& paths = files.tail;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::vector<std::byte> bytes = ReadFile(paths[i]);
+    ByteReader in(bytes);
+    while (in.remaining() > kRecordHead) {
+      const auto length = in.Read<std::uint32_t>();
+      const auto crc = in.Read<std::uint32_t>();
+      const std::span<const std::byte> record = in.ReadBytes(length);
+      std::uint64_t serial = 0;
+      if (!in.ok() || mcap::Crc32(record) != crc) break;
+      std::optional<TailRecord> parsed = ParseRecord(record, run, serial);
+      if (!parsed) break;
+      content.sizes[i] = bytes.size() - in.remaining();
+      if (parsed->tick) content.last_numbers[i] = parsed->tick->number;
+      if (serial >= content.next_serial) {
+        content.next_serial = serial + 1;
+        content.newest_segment = i;
+      }
+      records[serial] = std::move(*parsed);
+    }
+  }
+  for (auto& [serial, record] : records) {
+    content.progress = std::move(record.progress);
+    if (!record.tick || record.tick->number != first_number + content.ticks.size()) continue;
+    content.ticks.push_back(std::move(*record.tick));
+  }
+  return content;
+}
+
+Status JournalTail::OpenFiles(const JournalFiles& files) {
+  const std::array<std::string, 2>& paths = files.tail;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    segments_[i].path = paths[i];
+    segments_[i].descriptor = open(paths[i].c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (segments_[i].descriptor < 0) {
+      return Error{{paths[i]}, std::string("cannot open for writing: ") + std::strerror(errno), ErrorCode::kFailure};
+    }
+  }
+  return {};
+}
+
+Result<std::unique_ptr<JournalTail>> JournalTail::Create(const JournalFiles& files, RunId run, JournalSync sync) {
+  std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
+  if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
+  for (const Segment& segment : tail->segments_) {
+    if (ftruncate(segment.descriptor, 0) != 0) {
+      return Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
+    }
+  }
+  return tail;
+}
+
+Result<std::unique_ptr<JournalTail>> JournalTail::Continue(const JournalFiles& files, RunId run, JournalSync sync) {
+  std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
+  if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
+  const JournalTailContent content = ReadJournalTail(files, run, 0);
+  tail->next_serial_ = content.next_serial;
+  tail->current_ = content.newest_segment;
+  for (std::size_t i = 0; i < tail->segments_.size(); ++i) {
+    tail->segments_[i].size = content.sizes[i];
+    tail->segments_[i].last_number = content.last_numbers[i];
+  }
+  return tail;
+}
+
+JournalTail::~JournalTail() {
+  for (const Segment& segment : segments_) {
+    if (segment.descriptor >= 0) close(segment.descriptor);
+  }
+}
+
+Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress) {
+  if (!status_.ok()) return status_;
+  record_.clear();
+  ByteWriter out(record_);
+  out.Add(std::uint32_t{0});  // the length and the CRC follow below
+  out.Add(std::uint32_t{0});
+  out.Add(run_);
+  out.Add(next_serial_++);
+  AddProgress(out, progress);
+  if (tick != nullptr) {
+    for (const TickMessage& message : MessagesOf(*tick, run_)) {
+      out.Add(static_cast<std::uint8_t>(message.channel));
+      out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(message.data)); });
+    }
+  }
+  const auto content = std::span<const std::byte>(record_).subspan(kRecordHead);
+  const std::array<std::uint32_t, 2> head = {static_cast<std::uint32_t>(content.size()), mcap::Crc32(content)};
+  std::memcpy(record_.data(), head.data(), kRecordHead);
+
+  Segment& other = segments_[1 - current_];
+  if (segments_[current_].size > kSegmentSize &&
+      (!other.last_number || *other.last_number < released_.load(std::memory_order_relaxed))) {
+    current_ = 1 - current_;
+    other.size = 0;
+    other.last_number.reset();
+    if (ftruncate(other.descriptor, 0) != 0) {
+      return status_ =
+                 Error{{other.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+    }
+  }
+  Segment& segment = segments_[current_];
+  if (tick != nullptr) segment.last_number = tick->number;
+  return Write(segment);
+}
+
+Status JournalTail::Write(Segment& segment) {
+  std::span<const std::byte> bytes = record_;
+  while (!bytes.empty()) {
+    const ssize_t written = pwrite(segment.descriptor, bytes.data(), bytes.size(), static_cast<off_t>(segment.size));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      return status_ =
+                 Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+    }
+    segment.size += static_cast<std::uint64_t>(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  if (sync_ == JournalSync::kYes && fdatasync(segment.descriptor) != 0) {
+    return status_ =
+               Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  }
+  return {};
+}
+
+void JournalTail::Discard() {
+  for (const Segment& segment : segments_) static_cast<void>(ftruncate(segment.descriptor, 0));
+}
+
+void JournalTail::Remove() {
+  for (const Segment& segment : segments_) unlink(segment.path.c_str());
+}
+
+}  // namespace troupe

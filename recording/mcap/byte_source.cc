@@ -1,0 +1,78 @@
+#include "recording/mcap/byte_source.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace troupe::mcap {
+namespace {
+
+class FileSource final : public ByteSource {
+ public:
+  FileSource(std::string path, int descriptor, std::uint64_t size)
+      : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
+  ~FileSource() override { close(descriptor_); }
+  FileSource(const FileSource&) = delete;
+  FileSource& operator=(const FileSource&) = delete;
+
+  const std::string& name() const override { return path_; }
+  std::uint64_t size() const override { return size_; }
+  Status Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+    while (!bytes.empty()) {
+      const ssize_t count = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        const std::string problem = count == 0 ? "the file has become shorter" : std::strerror(errno);
+        return Error{{path_}, "cannot read: " + problem, ErrorCode::kFailure};
+      }
+      bytes = bytes.subspan(static_cast<std::size_t>(count));
+      offset += static_cast<std::uint64_t>(count);
+    }
+    return {};
+  }
+
+ private:
+  std::string path_;
+  int descriptor_;
+  std::uint64_t size_;
+};
+
+class MemorySource final : public ByteSource {
+ public:
+  MemorySource(std::string name, std::span<const std::byte> bytes) : name_(std::move(name)), bytes_(bytes) {}
+
+  const std::string& name() const override { return name_; }
+  std::uint64_t size() const override { return bytes_.size(); }
+  Status Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+    if (!bytes.empty()) std::memcpy(bytes.data(), bytes_.data() + offset, bytes.size());
+    return {};
+  }
+
+ private:
+  std::string name_;
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<const ByteSource>> OpenFileSource(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno)};
+  struct stat status = {};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    close(descriptor);
+    return Error{{path}, "cannot read: expected a regular file"};
+  }
+  return std::unique_ptr<const ByteSource>(
+      std::make_unique<FileSource>(path, descriptor, static_cast<std::uint64_t>(status.st_size)));
+}
+
+std::unique_ptr<const ByteSource> MakeMemorySource(std::string name, std::span<const std::byte> bytes) {
+  return std::make_unique<MemorySource>(std::move(name), bytes);
+}
+
+}  // namespace troupe::mcap

@@ -1,0 +1,58 @@
+// A recorded run: its begin, and each committed tick with all that determines it. docs/recording.md describes the file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/run/run_settings.h"
+#include "transport/protocol/messages.h"
+
+namespace troupe {
+
+// The begin.
+struct RecordedRun {
+  RunId run = 0;
+  std::string program_version;     // of the world service
+  std::uint32_t step_version = 0;  // kStepVersion of its step
+  std::string file;                // of the world, as given to the service
+  Tick keyframe_interval = 0;
+  RunSettings settings;
+  WorldDescription world;  // with the seed
+};
+
+// An edit that was applied.
+struct RecordedEdit {
+  FrameMessage before;     // of the state to which it was applied
+  ControlRequest request;  // with the name that a spawned entity was given
+  // kLoadWorld: the world. kSpawn: one with only the entity to add. kRewind: that of `restored`. Else none.
+  std::optional<WorldDescription> world = {};
+  std::optional<WorldDescription> original = {};  // kRewind: that a reset restores, if it is not `world`
+  std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots begin anew
+  std::uint64_t copies = 0;  // kRewind: number of the states that follow on the way to its tick, copies of earlier ones
+  Edition copied_from = 0;   // kRewind: of `restored`, when the robots began with it the first time
+};
+
+// The edit has a world in place of the one before.
+inline bool ReplacesWorld(ControlCommand command) {
+  return command == ControlCommand::kLoadWorld || command == ControlCommand::kRewind;
+}
+
+// A committed state, with the inputs that led to it: proposals for a step, or an edit. The first has neither.
+struct RecordedTick {
+  std::uint64_t number = 0;  // of the committed state, from 0: ticks may be repeated or start again, after edits
+  Tick tick = 0;
+  Edition edition = 0;
+  std::uint64_t state_hash = 0;
+  std::uint64_t log_time = 0;               // ns of simulated time since the first; never decreases
+  std::vector<Proposal> proposals = {};     // that entered the step, in robot-id order
+  std::vector<RobotCommand> commands = {};  // from outside, that the agents had for the step
+  std::vector<Event> events = {};
+  std::optional<RecordedEdit> edit = {};
+  std::optional<FrameMessage> keyframe = {};  // the state, whole; at some ticks
+
+  bool is_step() const { return number > 0 && !edit; }
+};
+
+}  // namespace troupe

@@ -1,0 +1,175 @@
+#include "recording/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "recording/convert_recorded.h"
+#include "recording/tick_reader.h"
+
+namespace troupe {
+namespace {
+
+using ChannelIds = std::array<std::optional<std::uint16_t>, kRecordingChannels>;
+
+// Channels of other topics and types are ignored.
+ChannelIds FindChannels(const mcap::Reader& file) {
+  ChannelIds ids;
+  for (const auto& [id, channel] : file.channels()) {
+    const auto schema = file.schemas().find(channel.schema);
+    if (schema == file.schemas().end() || channel.message_encoding != "cdr") continue;
+    for (std::size_t i = 0; i < kRecordingChannels; ++i) {
+      if (channel.topic == kChannelTypes[i].topic && schema->second.name == kChannelTypes[i].type) ids[i] = id;
+    }
+  }
+  return ids;
+}
+
+std::uint64_t EndTime(const mcap::Reader& file) {
+  std::uint64_t end = 0;
+  for (const mcap::ChunkInfo& chunk : file.chunks()) end = std::max(end, chunk.end_time);
+  return end;
+}
+
+}  // namespace
+
+bool IsRecordingPath(const std::string& path) {
+  return path.ends_with(".mcap");
+}
+
+Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids)
+    : file_(std::move(file)), run_(std::move(run)), ids_(ids), places_(run_.world.interval_ns, EndTime(file_)) {}
+
+Result<Recording> Recording::Open(const std::string& path, Ticks ticks) {
+  Result<std::unique_ptr<const mcap::ByteSource>> source = mcap::OpenFileSource(path);
+  if (!source.ok()) return source.error();
+  return Open(std::move(source).value(), ticks);
+}
+
+Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source, Ticks ticks) {
+  Result<mcap::Reader> opened = mcap::Reader::Open(std::move(source));
+  if (!opened.ok()) return opened.error();
+  mcap::Reader& file = opened.value();
+  if (file.profile() != kRecordingProfile) {
+    return Error{{file.name()},
+                 fmt::format("found an MCAP file of profile {:?}, expected a recording of Troupe",
+                             file.profile().substr(0, 40))};
+  }
+  if (file.chunks().size() < (ticks == Ticks::kAtLeastOne ? 2 : 1)) {
+    return Error{
+        {file.name()},
+        "the recording ends before its first tick" + (file.damage() ? ": " + file.damage()->problem : std::string()),
+        ErrorCode::kFailure};
+  }
+  const ChannelIds ids = FindChannels(file);
+  if (std::find(ids.begin(), ids.end(), std::nullopt) != ids.end()) {
+    return Error{{file.name()}, "found a recording without the channels of Troupe"};
+  }
+  const Result<mcap::Chunk> chunk = file.ReadChunk(0);
+  if (!chunk.ok()) return chunk.error();
+  const std::vector<mcap::Message>& messages = chunk.value().messages;
+  if (messages.size() != 1 || messages.front().channel != ids[static_cast<std::size_t>(RecordingChannel::kRun)]) {
+    return Error{{file.name()}, "found a recording that does not begin with its run"};
+  }
+  Result<RecordedRun> run = RunFromBytes(messages.front().data);
+  if (!run.ok()) return Error{{file.name()}, run.error().message};
+  Recording recording(std::move(file), std::move(run).value(), ids);
+  recording.FindPlaces();
+  return recording;
+}
+
+Error Recording::ErrorIn(std::size_t chunk, const std::string& problem) const {
+  return {{name()}, fmt::format("byte {}: {}", file_.chunks()[chunk + 1].offset, problem), ErrorCode::kFailure};
+}
+
+std::optional<RecordingChannel> Recording::ChannelOf(const mcap::Message& message) const {
+  const auto found = std::find(ids_.begin(), ids_.end(), message.channel);
+  if (found == ids_.end()) return std::nullopt;
+  return static_cast<RecordingChannel>(found - ids_.begin());
+}
+
+bool Recording::Has(const mcap::ChunkInfo& chunk, RecordingChannel channel) const {
+  return std::binary_search(chunk.channels.begin(), chunk.channels.end(), *ids_[static_cast<std::size_t>(channel)]);
+}
+
+void Recording::FindPlaces() {
+  for (std::size_t i = 0; i < chunks(); ++i) {
+    const mcap::ChunkInfo& chunk = file_.chunks()[i + 1];
+    if (Has(chunk, RecordingChannel::kKeyframes)) keyframe_chunks_.push_back(i);
+    if (!Has(chunk, RecordingChannel::kEdits)) continue;
+    // Damage of a chunk that is found here is found again when the ticks are read.
+    if (!FindEdits(i).ok()) return;
+    edit_chunks_.push_back(i);
+  }
+}
+
+Status Recording::FindEdits(std::size_t chunk) {
+  const Result<mcap::Chunk> content = ReadChunk(chunk);
+  if (!content.ok()) return content.error();
+  std::optional<std::int64_t> interval_ns;  // of an edit whose tick follows
+  std::int64_t current_ns = places_.interval_ns();
+  for (const mcap::Message& message : content.value().messages) {
+    const std::optional<RecordingChannel> channel = ChannelOf(message);
+    if (channel == RecordingChannel::kEdits) {
+      const Result<RecordedEdit> edit = EditFromBytes(message.data);
+      if (!edit.ok()) return edit.error();
+      if (ReplacesWorld(edit.value().request.command) && edit.value().world) {
+        current_ns = edit.value().world->interval_ns;
+      }
+      interval_ns = current_ns;
+    } else if (channel == RecordingChannel::kTicks && interval_ns) {
+      RecordedTick tick;
+      if (Status broken = TickFromBytes(message.data, tick); !broken.ok()) return broken;
+      places_.AddEdit(message.log_time, tick.tick, *interval_ns);
+      interval_ns.reset();
+    }
+  }
+  return {};
+}
+
+std::optional<std::size_t> Recording::KeyframeBefore(std::uint64_t log_time) const {
+  std::optional<std::size_t> found;
+  for (const std::size_t chunk : keyframe_chunks_) {
+    if (file_.chunks()[chunk + 1].start_time > log_time) break;
+    found = chunk;
+  }
+  return found;
+}
+
+std::size_t Recording::KeyframeUpTo(Edition edition, Tick tick) const {
+  const auto is_up_to = [&](std::size_t chunk) {
+    RecordedTick first;
+    const Result<bool> read = TickReader(*this, chunk).Next(first);
+    return read.ok() && read.value() && std::pair(first.edition, first.tick) <= std::pair(edition, tick);
+  };
+  const auto end = std::partition_point(keyframe_chunks_.begin(), keyframe_chunks_.end(), is_up_to);
+  return end == keyframe_chunks_.begin() ? 0 : *std::prev(end);
+}
+
+Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const {
+  for (const std::size_t with_edits : edit_chunks_) {
+    if (with_edits >= chunk) break;
+    const Result<mcap::Chunk> content = ReadChunk(with_edits);
+    if (!content.ok()) return content.error();
+    std::optional<RecordedEdit> edit;  // whose tick follows
+    for (const mcap::Message& message : content.value().messages) {
+      const std::optional<RecordingChannel> channel = ChannelOf(message);
+      if (channel == RecordingChannel::kEdits) {
+        Result<RecordedEdit> read = EditFromBytes(message.data);
+        if (!read.ok()) return ErrorIn(with_edits, read.error().message);
+        edit = std::move(read).value();
+      } else if (channel == RecordingChannel::kTicks && edit) {
+        RecordedTick tick;
+        if (Status broken = TickFromBytes(message.data, tick); !broken.ok()) {
+          return ErrorIn(with_edits, broken.error().message);
+        }
+        if (Status failure = visit(tick.number, *std::exchange(edit, std::nullopt)); !failure.ok()) return failure;
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace troupe

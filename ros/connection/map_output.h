@@ -1,0 +1,36 @@
+// MapOutput: the topic /map in the ROS domain of a single robot. A thread makes it once it has a reader, and then ends.
+#pragma once
+
+#include <memory>
+#include <thread>
+
+#include "common/spatial/scene.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/messages/ros_options.h"
+
+namespace troupe::ros {
+
+// Writes the section of the static bodies that the options ask for.
+void WriteMap(RosWriter<OccupancyGridMessage>& writer, const Scene& scene, const RosOptions& options);
+
+class MapOutput {
+ public:
+  MapOutput(const RosNode& node, const RosOptions& options);
+  ~MapOutput();
+
+  // The static bodies have changed. REQUIRES: the scene outlives the output, or the next call.
+  void ChangeWorld(const Scene& scene);
+  // Call now and then.
+  void Poll();
+
+ private:
+  void Join();
+
+  const RosOptions options_;
+  RosWriter<OccupancyGridMessage> map_;
+  const Scene* scene_ = nullptr;
+  bool written_ = false;
+  std::thread thread_;  // last, because it uses all other members
+};
+
+}  // namespace troupe::ros

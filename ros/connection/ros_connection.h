@@ -1,0 +1,185 @@
+// RosConnection: the way of a process into a ROS 2 domain. A RosParticipant is a DDS participant of the process' own; a
+// HostConnection (ros/link) leads through the participant that the agents of a host share. Nodes have writers,
+// readers and services on it: ros_endpoints.h, ros_service.h.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ros/connection/ros_qos.h"
+#include "ros/messages/ros_options.h"
+#include "transport/dds/binding/exception.h"
+
+namespace troupe::ros {
+
+struct TopicSpec {
+  std::string topic;  // its name on DDS: "rt/anna/odom"
+  const dds_topic_descriptor_t* type = nullptr;
+  TopicQos qos;
+};
+
+// The types begin with a CallHeader.
+struct ServiceSpec {
+  std::string name;  // "/anna/robot/get_parameters"
+  const dds_topic_descriptor_t* request = nullptr;
+  const dds_topic_descriptor_t* response = nullptr;
+  TopicQos qos;
+};
+
+// The part of a reader. A topic can have a reliable reader and, once a best-effort writer has come, a best-effort one
+// for that. Not from the start: beside a best-effort reader, Cyclone's reliable one may lose what a writer has sent
+// before the readers discovered it. The best-effort reader matches reliable writers too, and ignores their messages.
+enum class Part : std::uint8_t { kOnlyReader, kReliableReader, kBestEffortReader };
+
+class TopicWriter {
+ public:
+  TopicWriter() = default;
+  virtual ~TopicWriter() = default;
+  TopicWriter(const TopicWriter&) = delete;
+  TopicWriter& operator=(const TopicWriter&) = delete;
+
+  // Whether the topic has a reader. One relaxed load.
+  bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
+
+  // `sample`: of the topic's type. False: it could not be written.
+  virtual bool Write(const void* sample) noexcept = 0;
+
+ protected:
+  void SetWanted(bool wanted) { wanted_.store(wanted, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> wanted_ = false;
+};
+
+class TopicReader {
+ public:
+  using Consume = std::function<void(const void* sample)>;
+
+  TopicReader() = default;
+  virtual ~TopicReader() = default;
+  TopicReader(const TopicReader&) = delete;
+  TopicReader& operator=(const TopicReader&) = delete;
+
+  // A writer has come that needs a best-effort reader. For the part kReliableReader.
+  bool missed_writer() const { return missed_.load(std::memory_order_relaxed); }
+
+  // Calls `consume` with each sample received since the last call. Without one it is a single load.
+  template <typename Function>
+  void Drain(const Function& consume) {
+    if (!arrived_.load()) return;
+    arrived_.store(false);  // before Take: a sample that arrives now is consumed, or sets the flag again
+    try {
+      Take(consume);
+    } catch (const dds::Exception&) {  // out of memory; the next call reads the remaining samples
+      arrived_.store(true);
+    }
+  }
+
+ protected:
+  void SetArrived() { arrived_.store(true); }
+  void SetMissedWriter() { missed_.store(true); }
+  virtual void Take(const Consume& consume) = 0;
+
+ private:
+  std::atomic<bool> arrived_ = true;  // a sample may wait
+  std::atomic<bool> missed_ = false;
+};
+
+// The first fields of a request and of its response: the address of the response.
+struct CallHeader {
+  std::uint64_t client_guid = 0;
+  std::int64_t sequence_number = 0;
+};
+
+class ServiceServer {
+ public:
+  // Called on a thread of the connection with each request. It calls Respond, at once or later.
+  using Handler = std::function<void(const void* request)>;
+
+  ServiceServer() = default;
+  virtual ~ServiceServer() = default;
+  ServiceServer(const ServiceServer&) = delete;
+  ServiceServer& operator=(const ServiceServer&) = delete;
+
+  // Call once. Handles the requests that have arrived before.
+  virtual void Start() = 0;
+  // From any thread. False: it could not be written.
+  virtual bool Respond(const void* response) noexcept = 0;
+};
+
+class RosConnection {
+ public:
+  explicit RosConnection(Distribution distribution) : distribution_(distribution) {}
+  virtual ~RosConnection() = default;
+  RosConnection(const RosConnection&) = delete;
+  RosConnection& operator=(const RosConnection&) = delete;
+
+  Distribution distribution() const { return distribution_; }
+
+  // `node_namespace` begins with a slash, `name` has none. Returns the index of the node.
+  virtual std::size_t AddNode(const std::string& node_namespace, const std::string& name) = 0;
+
+  // The endpoints of a node, which match others from Announce on, or before. Throw dds::Exception. The connection must
+  // outlive them.
+  virtual std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) = 0;
+  virtual std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) = 0;
+  virtual std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
+                                                     ServiceServer::Handler handler) = 0;
+  // Lists a writer of the connection as one of another node, too.
+  virtual void ShareWriter(std::size_t node, const TopicWriter& writer) = 0;
+
+  // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
+  virtual void Announce() = 0;
+
+  // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
+  // now and then, because all writers of the domain are kept for it.
+  virtual void WatchWriters() = 0;
+  // Reports, once, a participant of a distribution with another layout of the list of nodes, too. After WatchWriters.
+  virtual void WatchDistributions() = 0;
+  // A line for each writer, found since the last call, that does not match.
+  virtual std::vector<std::string> DrainMismatches() = 0;
+
+  // Brings the samples to the readers that have arrived by now.
+  virtual void Receive() {}
+  // Sends the samples written so far, at the latest.
+  virtual void Flush() {}
+
+  // How many readers the writers of its nodes have matched so far.
+  void CountReader() { readers_.fetch_add(1, std::memory_order_relaxed); }
+  std::uint64_t reader_count() const { return readers_.load(std::memory_order_relaxed); }
+
+  // Samples that could not be written.
+  void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
+  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+ private:
+  const Distribution distribution_;
+  std::atomic<std::uint64_t> readers_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+};
+
+// A node of a connection.
+struct RosNode {
+  RosConnection* connection = nullptr;
+  std::size_t index = 0;
+  std::string node_namespace;  // "/anna"
+
+  // "/anna/odom"; a name that begins with a slash stays as it is.
+  std::string Resolve(const std::string& name) const {
+    if (name.starts_with("/")) return name;
+    return (node_namespace == "/" ? "" : node_namespace) + "/" + name;
+  }
+};
+
+inline RosNode MakeNode(RosConnection& connection, const std::string& node_namespace, const std::string& name) {
+  return {&connection, connection.AddNode(node_namespace, name), node_namespace};
+}
+
+}  // namespace troupe::ros

@@ -1,0 +1,55 @@
+// RosWriter<T> and RosReader<T>: the endpoints of a node on a topic. Their constructors throw dds::Exception; no other
+// call throws: a sample that cannot be written is counted (RosConnection::lost) and dropped.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ros/connection/ros_connection.h"
+#include "ros/connection/topic_types.h"
+
+namespace troupe::ros {
+
+template <typename T>
+class RosWriter {
+ public:
+  RosWriter(const RosNode& node, const std::string& name, const TopicQos& qos)
+      : connection_(node.connection),
+        writer_(
+            connection_->MakeWriter(node.index, {"rt" + node.Resolve(name), dds::TopicTraits<T>::descriptor(), qos})) {}
+
+  // Whether the topic has a reader, so that a message is worth making. Cheap, because each topic asks in each tick.
+  bool wanted() const { return writer_->wanted(); }
+  // Lists it as a writer of another node of the connection, too.
+  void Share(const RosNode& node) const { node.connection->ShareWriter(node.index, *writer_); }
+
+  void Write(const T& message) noexcept {
+    if (!writer_->Write(&message)) connection_->CountLost();
+  }
+
+ private:
+  RosConnection* connection_;
+  std::unique_ptr<TopicWriter> writer_;
+};
+
+template <typename T>
+class RosReader {
+ public:
+  RosReader(const RosNode& node, const std::string& name, const TopicQos& qos, Part part = Part::kOnlyReader)
+      : reader_(node.connection->MakeReader(
+            node.index, {"rt" + node.Resolve(name), dds::TopicTraits<T>::descriptor(), qos}, part)) {}
+
+  // A writer has come that needs a best-effort reader. For the part kReliableReader.
+  bool missed_writer() const { return reader_->missed_writer(); }
+
+  // Calls `consume` with each message received since the last call.
+  template <typename Consume>
+  void Drain(const Consume& consume) {
+    reader_->Drain([&consume](const void* message) { consume(*static_cast<const T*>(message)); });
+  }
+
+ private:
+  std::unique_ptr<TopicReader> reader_;
+};
+
+}  // namespace troupe::ros

@@ -1,0 +1,122 @@
+#include "ros/connection/ros_network.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+#include <unistd.h>
+
+#include "transport/dds/binding/exception.h"
+
+namespace troupe::ros {
+namespace {
+
+constexpr const char* kLoopback = "lo";
+constexpr double kLocalAnnouncement = 1.0;  // s
+
+bool IsLoopback(const std::string& network_interface) {
+  return network_interface == kLoopback || network_interface.starts_with("127.");
+}
+
+bool HasOtherInterface() {
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* entry = first; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    found = found || ((entry->ifa_flags & IFF_UP) != 0 && (entry->ifa_flags & IFF_LOOPBACK) == 0);
+  }
+  freeifaddrs(first);
+  return found;
+}
+
+// IPv4, as text. Once for all ports, because a name service can be slow.
+std::string AddressOf(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  const int failure = getaddrinfo(host.c_str(), nullptr, &hints, &found);
+  if (failure != 0) {
+    throw dds::Exception(DDS_RETCODE_BAD_PARAMETER, "starting ROS: found no address of the static peer '" + host +
+                                                        "' (" + gai_strerror(failure) + ")");
+  }
+  char text[INET_ADDRSTRLEN] = "";
+  inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr, text, sizeof text);
+  freeaddrinfo(found);
+  return text;
+}
+
+void AddPeer(dds::DomainConfig& config, const std::string& address, std::uint32_t indices) {
+  for (std::uint32_t index = 0; index < indices; ++index) {
+    config.peers.push_back(address + ":" + std::to_string(dds::DiscoveryPort(config.domain, index)));
+  }
+}
+
+// Tools may have no multicast here: they announce themselves at the ports of the first indices. A process without an
+// index answers none of that, so it announces itself often, unless there are many.
+void DiscoverOnThisMachine(dds::DomainConfig& config, const RosOptions& options) {
+  AddPeer(config, "127.0.0.1", IndicesSearched(options.distribution));
+  if (!options.quiet) config.announce_seconds = kLocalAnnouncement;
+}
+
+}  // namespace
+
+std::uint32_t IndicesSearched(Distribution distribution) {
+  return distribution == Distribution::kHumble ? 10 : 33;
+}
+
+bool AnnouncesOnLoopback(const RosOptions& options) {
+  return options.discovery == DiscoveryRange::kLocalhost ||
+         (options.discovery != DiscoveryRange::kOff && IsLoopback(options.network_interface));
+}
+
+bool UsesLoopbackOnly(const RosOptions& options) {
+  return IsLoopback(options.network_interface) ||
+         (options.discovery == DiscoveryRange::kLocalhost && options.distribution == Distribution::kHumble);
+}
+
+dds::DomainConfig RosNetwork(const RosOptions& options) {
+  dds::DomainConfig config;
+  config.domain = options.domain;
+  config.network_interface = options.network_interface;
+  config.data_multicast = false;  // as ROS by default: not every network has multicast
+  config.heard_on_own_machine = !options.quiet;
+  config.key_hashes = true;
+  const bool is_humble = options.distribution == Distribution::kHumble;
+  const std::uint32_t indices = IndicesSearched(options.distribution);
+  switch (options.discovery) {
+    case DiscoveryRange::kOff:
+      config.network = "unicast";
+      config.discovery_multicast = false;
+      config.tag = "ros_discovery_off_" + std::to_string(getpid());
+      return config;
+    case DiscoveryRange::kSystemDefault:
+      break;
+    case DiscoveryRange::kLocalhost:
+      config.network = "one-host";
+      if (config.network_interface == "auto" && (is_humble || !HasOtherInterface())) {
+        config.network_interface = kLoopback;
+      }
+      // From Iron on, tools use their usual interface here, so that localhost is a peer and not an interface.
+      config.adds_loopback = !IsLoopback(config.network_interface);
+      DiscoverOnThisMachine(config, options);
+      break;
+    case DiscoveryRange::kSubnet:
+      if (IsLoopback(config.network_interface)) DiscoverOnThisMachine(config, options);
+      break;
+  }
+  if (options.quiet && options.relay_port != 0) {
+    config.discovery_multicast = false;
+    config.peers = {"127.0.0.1:" + std::to_string(options.relay_port)};
+    return config;
+  }
+  if (options.discovery != DiscoveryRange::kSystemDefault) {
+    for (const std::string& peer : options.static_peers) AddPeer(config, AddressOf(peer), indices);
+    // Half of them, so that tools find free ones too. With multicast, Humble's tools need none.
+    if (!is_humble || !config.peers.empty()) config.indices_tried = indices / 2;
+  }
+  return config;
+}
+
+}  // namespace troupe::ros

@@ -1,0 +1,70 @@
+// RosParticipant: the DDS participant of a process in a ROS 2 domain, and its nodes. Readers and writers
+// (ros_endpoints.h) belong to a node; Announce publishes the nodes and their endpoints, as the ROS graph needs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ros/connection/ros_connection.h"
+#include "ros/connection/writer_watch.h"
+#include "ros/messages/ros_options.h"
+#include "transport/dds/binding/domain_participant.h"
+#include "transport/dds/binding/publisher.h"
+
+namespace troupe::ros {
+
+class RosParticipant final : public RosConnection {
+ public:
+  // `enclave`: whose keys it has if the options ask for security: kWorldEnclave, "/<robot>", or "/" of other programs.
+  // Throws dds::Exception when DDS cannot start, or where FindEnclave fails.
+  explicit RosParticipant(const RosOptions& options, const std::string& enclave = "/");
+  ~RosParticipant() override;
+
+  const dds::DomainParticipant& participant() const { return participant_; }
+  const dds::Publisher& publisher() const { return publisher_; }
+  const dds::Subscriber& subscriber() const { return subscriber_; }
+  // Of services. With a bridge they are in its partition.
+  const dds::Publisher& service_publisher() const { return service_publisher_; }
+  const dds::Subscriber& service_subscriber() const { return service_subscriber_; }
+
+  std::size_t AddNode(const std::string& node_namespace, const std::string& name) override;
+  void RemoveNode(std::size_t node);
+  std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) override;
+  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) override;
+  std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
+                                             ServiceServer::Handler handler) override;
+  // REQUIRES: `writer` is of MakeWriter.
+  void ShareWriter(std::size_t node, const TopicWriter& writer) override;
+
+  // `accepts_best_effort`: a best-effort writer on its topic is no mismatch.
+  void AddReader(std::size_t node, dds_entity_t reader, bool accepts_best_effort = false);
+  void AddWriter(std::size_t node, dds_entity_t writer);
+  // Lists a reader or writer no longer.
+  void RemoveEndpoint(dds_entity_t endpoint);
+  void Announce() override;
+
+  void WatchWriters() override;
+  void WatchDistributions() override;
+  // The writers that were found before the newest readers were added are compared with these, too.
+  void WatchKnownWriters();
+  std::vector<std::string> DrainMismatches() override;
+  // The same with their topics.
+  std::vector<Mismatch> DrainMismatchesOfTopics();
+
+ private:
+  class Announcer;
+
+  RosParticipant(const RosOptions& options, const Enclave& enclave);
+
+  dds::DomainParticipant participant_;
+  dds::Publisher publisher_;
+  dds::Subscriber subscriber_;
+  dds::Publisher service_publisher_;
+  dds::Subscriber service_subscriber_;
+  std::unique_ptr<Announcer> announcer_;
+  std::optional<WriterWatch> watch_;  // guarded by the mutex of the nodes
+};
+
+}  // namespace troupe::ros

@@ -1,0 +1,380 @@
+#include "ros/link/host_connection.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <string_view>
+
+#include "common/base/version.h"
+#include "ros/link/socket_name.h"
+#include "transport/wire/cdr.h"
+
+namespace troupe::ros {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// ms between two attempts to connect.
+constexpr int kFirstDelay = 10;
+constexpr int kLongestDelay = 500;
+constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin anew
+
+// Unsent bytes, beyond which streams keep their newest sample only: so many that they are not old when they are sent.
+constexpr std::size_t kMostPending = std::size_t{256} << 10;
+constexpr std::size_t kMostRequests = 1000;  // waiting; as many as DDS would keep
+
+std::span<const std::byte> BytesOf(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+
+}  // namespace
+
+class HostConnection::Writer final : public TopicWriter {
+ public:
+  Writer(HostConnection& owner, std::size_t node, const TopicSpec& spec)
+      : owner_(owner),
+        type_(*spec.type),
+        is_latched_(spec.qos.kind == TopicQos::Kind::kLatched),
+        id_(owner.AddEndpoint(LinkKind::kMakeWriter,
+                              {static_cast<std::uint32_t>(node), spec.topic, type_.m_typename, "", spec.qos, {}}, this,
+                              nullptr, nullptr)) {}
+  ~Writer() override { owner_.Remove(id_); }
+
+  bool Write(const void* sample) noexcept override {
+    try {
+      Bytes bytes = wire::SampleToCdr(sample, type_);
+      if (bytes.size() > Link::kLargestContent) return false;
+      const std::lock_guard lock(owner_.mutex_);
+      const bool is_full = owner_.link_ && owner_.link_->pending() > kMostPending;
+      if (is_full && !is_latched_) {
+        const bool is_first = owner_.held_.insert_or_assign(id_, std::move(bytes)).second;
+        return is_first;  // else the sample that was held is lost
+      }
+      owner_.held_.erase(id_);
+      owner_.Send(LinkKind::kWrite, id_, bytes);
+      if (is_latched_) owner_.latched_[id_] = std::move(bytes);
+      return true;
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  }
+
+  std::uint32_t id() const { return id_; }
+  void React(const WantedContent& content) {
+    SetWanted(content.wanted);
+    if (content.is_new) owner_.CountReader();
+  }
+
+ private:
+  HostConnection& owner_;
+  const dds_topic_descriptor_t& type_;
+  const bool is_latched_;
+  const std::uint32_t id_;
+};
+
+class HostConnection::Reader final : public TopicReader {
+ public:
+  Reader(HostConnection& owner, std::size_t node, const TopicSpec& spec, Part part)
+      : owner_(owner),
+        type_(*spec.type),
+        depth_(static_cast<std::size_t>(spec.qos.depth)),
+        id_(owner.AddEndpoint(LinkKind::kMakeReader,
+                              {static_cast<std::uint32_t>(node), spec.topic, type_.m_typename, "", spec.qos, part},
+                              nullptr, this, nullptr)) {}
+  ~Reader() override { owner_.Remove(id_); }
+
+  // REQUIRES: the owner's mutex is held, as below.
+  void Add(std::span<const std::byte> bytes) {
+    waiting_.emplace_back(bytes.begin(), bytes.end());
+    if (waiting_.size() > depth_) waiting_.pop_front();
+    SetArrived();
+  }
+  void Miss() { SetMissedWriter(); }
+
+ private:
+  void Take(const Consume& consume) override {
+    std::deque<Bytes> taken;
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      taken.swap(waiting_);
+    }
+    for (const Bytes& bytes : taken) {
+      const wire::UntypedSample sample(type_);
+      if (wire::SampleFromCdr(bytes, type_, sample.data()).ok()) consume(sample.data());
+    }
+  }
+
+  HostConnection& owner_;
+  const dds_topic_descriptor_t& type_;
+  const std::size_t depth_;
+  std::deque<Bytes> waiting_;  // guarded by the owner's mutex
+  const std::uint32_t id_;     // last: from then on samples arrive
+};
+
+class HostConnection::Service final : public ServiceServer {
+ public:
+  Service(HostConnection& owner, std::size_t node, const ServiceSpec& spec, Handler handler)
+      : owner_(owner),
+        request_(*spec.request),
+        response_(*spec.response),
+        handler_(std::move(handler)),
+        id_(owner.AddEndpoint(
+            LinkKind::kMakeService,
+            {static_cast<std::uint32_t>(node), spec.name, request_.m_typename, response_.m_typename, spec.qos, {}},
+            nullptr, nullptr, this)) {}
+  ~Service() override {
+    owner_.Remove(id_);
+    const std::lock_guard until_handled(owner_.handling_);
+  }
+
+  void Start() override {
+    const std::lock_guard lock(owner_.mutex_);
+    owner_.AddSetup(LinkKind::kStartService, id_);
+    owner_.FlushNow();
+  }
+
+  bool Respond(const void* response) noexcept override {
+    try {
+      const Bytes bytes = wire::SampleToCdr(response, response_);
+      if (bytes.size() > Link::kLargestContent) return false;
+      const std::lock_guard lock(owner_.mutex_);
+      if (!owner_.link_ || !owner_.services_.contains(id_)) return false;
+      owner_.Send(LinkKind::kRespond, id_, bytes);
+      owner_.FlushNow();
+      return true;
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  }
+
+  // REQUIRES: handling_ is held, and mutex_ is not.
+  void Handle(const Bytes& bytes) const {
+    const wire::UntypedSample sample(request_);
+    if (wire::SampleFromCdr(bytes, request_, sample.data()).ok()) handler_(sample.data());
+  }
+
+ private:
+  HostConnection& owner_;
+  const dds_topic_descriptor_t& request_;
+  const dds_topic_descriptor_t& response_;
+  const Handler handler_;
+  const std::uint32_t id_;
+};
+
+HostConnection::HostConnection(Distribution distribution, std::string socket)
+    : RosConnection(distribution), socket_(std::move(socket)), thread_([this] { Run(); }) {}
+
+HostConnection::~HostConnection() {
+  stop_ = true;
+  wake_.Signal();
+  thread_.join();
+}
+
+std::size_t HostConnection::AddNode(const std::string& node_namespace, const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  AddSetup(LinkKind::kAddNode, next_id_, ToText(NodeText{node_namespace, name}));
+  return next_id_++;
+}
+
+std::unique_ptr<TopicWriter> HostConnection::MakeWriter(std::size_t node, const TopicSpec& spec) {
+  return std::make_unique<Writer>(*this, node, spec);
+}
+
+std::unique_ptr<TopicReader> HostConnection::MakeReader(std::size_t node, const TopicSpec& spec, Part part) {
+  return std::make_unique<Reader>(*this, node, spec, part);
+}
+
+std::unique_ptr<ServiceServer> HostConnection::MakeService(std::size_t node, const ServiceSpec& spec,
+                                                           ServiceServer::Handler handler) {
+  return std::make_unique<Service>(*this, node, spec, std::move(handler));
+}
+
+void HostConnection::ShareWriter(std::size_t node, const TopicWriter& writer) {
+  const std::lock_guard lock(mutex_);
+  AddSetup(LinkKind::kShareWriter, static_cast<const Writer&>(writer).id(), std::to_string(node));
+}
+
+void HostConnection::Announce() {
+  const std::lock_guard lock(mutex_);
+  announced_ = true;
+  Send(LinkKind::kAnnounce, 0);
+  FlushNow();
+}
+
+void HostConnection::WatchDistributions() {
+  const std::lock_guard lock(mutex_);
+  AddSetup(LinkKind::kWatchDistributions, 0);
+}
+
+std::vector<std::string> HostConnection::DrainMismatches() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(mismatches_, {});
+}
+
+void HostConnection::Receive() {
+  const std::lock_guard lock(mutex_);
+  ReceiveNow();
+}
+
+void HostConnection::Flush() {
+  const std::lock_guard lock(mutex_);
+  FlushNow();
+}
+
+void HostConnection::Run() {
+  int delay = kFirstDelay;
+  while (!stop_) {
+    if (Open()) {
+      const Clock::time_point opened = Clock::now();
+      Serve();
+      // One that is refused again and again is tried ever more rarely.
+      if (Clock::now() - opened > kHealthyTime) delay = kFirstDelay;
+    }
+    if (stop_) return;
+    pollfd waited = {wake_.descriptor(), POLLIN, 0};
+    poll(&waited, 1, delay);
+    wake_.Clear();
+    delay = std::min(2 * delay, kLongestDelay);
+  }
+}
+
+void HostConnection::Serve() {
+  while (!stop_) {
+    pollfd waited[] = {{wake_.descriptor(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
+    if (link_->pending() > 0) waited[1].events |= POLLOUT;
+    poll(waited, 2, -1);
+    wake_.Clear();
+    try {
+      {
+        const std::lock_guard lock(mutex_);
+        ReceiveNow();
+        if (link_->pending() <= kMostPending) SendHeld();
+        if (!link_->Flush()) broken_ = true;  // the rest follows at POLLOUT
+        if (broken_) return Close();
+      }
+      HandleRequests();
+    } catch (const std::bad_alloc&) {
+      const std::lock_guard lock(mutex_);
+      return Close();
+    }
+  }
+}
+
+bool HostConnection::Open() {
+  const Result<int> connected = Connect(socket_);
+  if (!connected.ok()) return false;
+  auto link = std::make_unique<Link>(connected.value());
+  const std::lock_guard lock(mutex_);
+  link_ = std::move(link);
+  broken_ = false;
+  Send(LinkKind::kHello, 0, BytesOf(VersionText()));
+  for (const Setup& setup : setups_) Send(setup.kind, setup.id, setup.content);
+  for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
+  if (announced_) Send(LinkKind::kAnnounce, 0);
+  FlushNow();
+  return true;
+}
+
+void HostConnection::Close() {
+  link_.reset();
+  for (const auto& [id, writer] : writers_) writer->React({});
+}
+
+void HostConnection::HandleRequests() {
+  for (;;) {
+    const std::lock_guard handling(handling_);
+    std::unique_lock lock(mutex_);
+    if (requests_.empty()) return;
+    const auto [id, bytes] = std::move(requests_.front());
+    requests_.pop_front();
+    const auto found = services_.find(id);
+    if (found == services_.end()) continue;
+    const Service& service = *found->second;
+    lock.unlock();
+    service.Handle(bytes);
+  }
+}
+
+void HostConnection::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
+  if (link_) link_->Add(kind, id, content);
+}
+
+void HostConnection::SendHeld() {
+  for (const auto& [id, bytes] : held_) Send(LinkKind::kWrite, id, bytes);
+  held_.clear();
+}
+
+void HostConnection::AddSetup(LinkKind kind, std::uint32_t id, std::string_view text) {
+  const std::span<const std::byte> bytes = BytesOf(text);
+  setups_.push_back({kind, id, Bytes(bytes.begin(), bytes.end())});
+  Send(kind, id, bytes);
+}
+
+std::uint32_t HostConnection::AddEndpoint(LinkKind kind, const EndpointText& endpoint, Writer* writer, Reader* reader,
+                                          Service* service) {
+  const std::lock_guard lock(mutex_);
+  const std::uint32_t id = next_id_++;
+  if (writer != nullptr) writers_[id] = writer;
+  if (reader != nullptr) readers_[id] = reader;
+  if (service != nullptr) services_[id] = service;
+  AddSetup(kind, id, ToText(endpoint));
+  return id;
+}
+
+void HostConnection::Remove(std::uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  writers_.erase(id);
+  readers_.erase(id);
+  services_.erase(id);
+  latched_.erase(id);
+  held_.erase(id);
+  const auto is_of_endpoint = [id](const Setup& setup) { return setup.id == id && setup.kind != LinkKind::kAddNode; };
+  std::erase_if(setups_, is_of_endpoint);
+  Send(LinkKind::kRemove, id);
+}
+
+void HostConnection::Process(const LinkMessage& message) {
+  switch (message.kind) {
+    case LinkKind::kWanted: {
+      const auto found = writers_.find(message.id);
+      WantedContent content;
+      if (found == writers_.end() || message.content.size() != sizeof content) return;
+      std::memcpy(&content, message.content.data(), sizeof content);
+      found->second->React(content);
+      return;
+    }
+    case LinkKind::kSample:
+      if (const auto found = readers_.find(message.id); found != readers_.end()) found->second->Add(message.content);
+      return;
+    case LinkKind::kMissed:
+      if (const auto found = readers_.find(message.id); found != readers_.end()) found->second->Miss();
+      return;
+    case LinkKind::kRequest:
+      requests_.emplace_back(message.id, Bytes(message.content.begin(), message.content.end()));
+      if (requests_.size() > kMostRequests) requests_.pop_front();
+      wake_.Signal();
+      return;
+    case LinkKind::kMismatch:
+      mismatches_.emplace_back(reinterpret_cast<const char*>(message.content.data()), message.content.size());
+      return;
+    default:
+      return;
+  }
+}
+
+void HostConnection::ReceiveNow() {
+  if (!link_ || broken_) return;
+  if (link_->Receive([this](const LinkMessage& message) { Process(message); })) return;
+  broken_ = true;
+  wake_.Signal();
+}
+
+void HostConnection::FlushNow() {
+  if (!link_ || broken_) return;
+  if (!link_->Flush()) broken_ = true;
+  if (broken_ || link_->pending() > 0) wake_.Signal();
+}
+
+}  // namespace troupe::ros

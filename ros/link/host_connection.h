@@ -1,0 +1,101 @@
+// HostConnection: a connection to ROS through the participant that the agents of a host share, the program
+// ros-participant. Tools discover one participant for each host in place of one for each agent.
+//
+// The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
+// made anew in the next one, with the last samples of latched topics. Writers never wait for it: beyond a limit of
+// unsent bytes a stream keeps its newest sample only.
+//
+// A thread of the connection calls the handlers of services; samples arrive on it, and by Receive.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/wake_event.h"
+#include "ros/connection/ros_connection.h"
+#include "ros/link/endpoint_text.h"
+#include "ros/link/link.h"
+
+namespace troupe::ros {
+
+class HostConnection final : public RosConnection {
+ public:
+  // `socket`: the name at which the program listens, or will. Throws std::system_error without resources.
+  HostConnection(Distribution distribution, std::string socket);
+  ~HostConnection() override;
+
+  std::size_t AddNode(const std::string& node_namespace, const std::string& name) override;
+  std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) override;
+  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) override;
+  std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
+                                             ServiceServer::Handler handler) override;
+  // REQUIRES: `writer` is of MakeWriter.
+  void ShareWriter(std::size_t node, const TopicWriter& writer) override;
+  void Announce() override;
+  void WatchWriters() override {}  // the participant does from its start on
+  void WatchDistributions() override;
+  std::vector<std::string> DrainMismatches() override;
+  void Receive() override;
+  void Flush() override;
+
+ private:
+  class Writer;
+  class Reader;
+  class Service;
+  using Bytes = std::vector<std::byte>;
+  // What is sent again to a new participant.
+  struct Setup {
+    LinkKind kind;
+    std::uint32_t id;
+    Bytes content;
+  };
+
+  void Run();
+  // Until the link is broken, or the end.
+  void Serve();
+  // On the thread: connects, and sends all that has been made so far. False: nothing accepts.
+  bool Open();
+  void HandleRequests();
+
+  // REQUIRES of those below: mutex_ is held.
+  void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
+  void AddSetup(LinkKind kind, std::uint32_t id, std::string_view text = {});
+  void Process(const LinkMessage& message);
+  void SendHeld();
+  void ReceiveNow();
+  void FlushNow();
+  void Close();
+
+  std::uint32_t AddEndpoint(LinkKind kind, const EndpointText& endpoint, Writer* writer, Reader* reader,
+                            Service* service);
+  void Remove(std::uint32_t id);
+
+  const std::string socket_;
+  const WakeEvent wake_;
+  std::atomic<bool> stop_ = false;
+  std::mutex handling_;         // held while a handler runs, and by the end of a service
+  std::mutex mutex_;            // guards all below
+  std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it
+  bool broken_ = false;         // the thread is to close the link
+  std::uint32_t next_id_ = 0;   // of nodes and endpoints
+  std::vector<Setup> setups_;   // in their order
+  bool announced_ = false;
+  std::map<std::uint32_t, Writer*> writers_;
+  std::map<std::uint32_t, Reader*> readers_;
+  std::map<std::uint32_t, Service*> services_;
+  std::map<std::uint32_t, Bytes> latched_;                // by writer, the last sample
+  std::map<std::uint32_t, Bytes> held_;                   // by writer of a stream, the newest sample that is to be sent
+  std::deque<std::pair<std::uint32_t, Bytes>> requests_;  // by service
+  std::vector<std::string> mismatches_;
+  std::thread thread_;  // last, because it uses all other members
+};
+
+}  // namespace troupe::ros

@@ -1,0 +1,179 @@
+#include "ros/messages/names.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace troupe::ros {
+namespace {
+
+// ASCII only, in any locale.
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool IsAlphanumeric(char c) {
+  return IsDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+// Gives each name once: a name in use gets the first number from 1 on that makes it unique.
+class UniqueNames {
+ public:
+  std::string Reserve(const std::string& name) {
+    std::string unique = name;
+    for (int number = 1; !used_.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
+    return unique;
+  }
+
+ private:
+  std::set<std::string> used_;
+};
+
+// "ranger:0": the name of a model that the world file gives none.
+bool IsAutomatic(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  return colon != std::string::npos && colon + 1 < name.size() &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(colon) + 1, name.end(), IsDigit);
+}
+
+bool IsLaser(const RaySensorDescription& sensor) {
+  return sensor.samples > 1 || !sensor.elevations.empty();
+}
+
+std::string BaseName(const std::string& name, const RangerParameters& ranger) {
+  if (!IsAutomatic(name)) return RosName(name);
+  return std::any_of(ranger.ray_sensors.begin(), ranger.ray_sensors.end(), IsLaser) ? "scan" : "sonar";
+}
+
+}  // namespace
+
+std::string RosName(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
+    if (IsAlphanumeric(c)) {
+      name += c;
+    } else if (!name.empty() && name.back() != '_') {
+      name += '_';
+    }
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  if (name.empty()) return "unnamed";
+  return IsDigit(name.front()) ? "n" + name : name;
+}
+
+std::vector<std::string> RobotNames(const WorldDescription& world) {
+  UniqueNames unique;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    const std::string& name = world.robots[i].name;
+    // A removed robot keeps its name, so that the names of others stay, until another robot has the same one.
+    const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
+    names.push_back(is_replaced ? "" : unique.Reserve(RosName(name)));
+  }
+  return names;
+}
+
+FrameNames FramesOf(const std::string& robot, bool prefixed) {
+  const std::string prefix = prefixed ? robot + "/" : "";
+  return {.odom = prefix + "odom", .base = prefix + "base_link", .prefix = prefix};
+}
+
+SensorTopics SensorTopicsOf(const RobotDescription& robot) {
+  SensorTopics topics;
+  UniqueNames names;
+  UniqueNames frames;
+  for (const char* reserved : {"cmd_vel", "odom", "ground_truth", "stalled", "tf", "tf_static", "joint_states",
+                               "battery", "robot_description"}) {
+    names.Reserve(reserved);
+  }
+  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
+  for (std::size_t r = 0; r < robot.sensors.size(); ++r) {
+    const RangerParameters* const ranger = std::get_if<RangerParameters>(&robot.sensors[r].parameters);
+    if (ranger == nullptr) {
+      const std::string type(TypeOf(robot.sensors[r].parameters));
+      const bool is_camera = type == CameraParameters::kType;
+      const bool is_radio = type == RadioParameters::kType;
+      const bool is_imu = type == ImuParameters::kType;
+      const bool is_finder = type == FiducialParameters::kType;
+      const bool is_blobfinder = type == BlobfinderParameters::kType;
+      const bool is_touch = type == BumperParameters::kType || type == ContactParameters::kType;
+      if (!is_camera && !is_finder && !is_blobfinder && !is_touch && !is_radio && !is_imu) continue;
+      const std::string kind_base = IsAutomatic(robot.sensors[r].name) ? type : RosName(robot.sensors[r].name);
+      std::string topic = names.Reserve(kind_base);
+      if (is_camera) {
+        std::string frame = frames.Reserve(kind_base);
+        frames.Reserve(frame + "_optical");
+        topics.cameras.push_back({r, std::move(topic), std::move(frame)});
+      } else if (is_radio) {
+        topics.radios.push_back({r, std::move(topic), ""});
+      } else if (is_imu) {
+        topics.imus.push_back({r, std::move(topic), frames.Reserve(kind_base)});
+      } else if (is_finder || is_blobfinder) {
+        std::vector<KindTopic>& kind = is_finder ? topics.finders : topics.blobfinders;
+        kind.push_back({r, std::move(topic), frames.Reserve(kind_base)});
+      } else {
+        topics.touches.push_back({r, std::move(topic), ""});
+      }
+      continue;
+    }
+    const std::string base = BaseName(robot.sensors[r].name, *ranger);
+    SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
+    for (std::size_t s = 0; s < ranger->ray_sensors.size(); ++s) {
+      const std::string frame = frames.Reserve(ranger->ray_sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
+      if (!ranger->ray_sensors[s].elevations.empty()) {
+        topics.clouds.push_back({r, s, names.Reserve(base), frame});
+      } else if (IsLaser(ranger->ray_sensors[s])) {
+        topics.lasers.push_back({r, s, names.Reserve(base), frame});
+      } else {
+        sonar.sensors.push_back({s, frame});
+      }
+    }
+    if (sonar.sensors.empty()) continue;
+    const bool mixed = sonar.sensors.size() < ranger->ray_sensors.size();
+    sonar.topic = names.Reserve(mixed ? base + "_ranges" : base);
+    topics.sonars.push_back(std::move(sonar));
+  }
+  return topics;
+}
+
+std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
+  UniqueNames names;
+  UniqueNames frames;
+  for (const char* reserved : {"odom", "base_link", "base_footprint", "map"}) frames.Reserve(reserved);
+  const auto reserve_sensor = [&](const std::string& frame) {
+    frames.Reserve(frame);
+    names.Reserve(frame + "_mount");
+  };
+  const SensorTopics sensors = SensorTopicsOf(world.robot(robot));
+  for (const LaserTopic& laser : sensors.lasers) reserve_sensor(laser.frame);
+  for (const CloudTopic& cloud : sensors.clouds) reserve_sensor(cloud.frame);
+  for (const KindTopic& camera : sensors.cameras) {
+    reserve_sensor(camera.frame);
+    frames.Reserve(camera.frame + "_optical");
+  }
+  for (const KindTopic& finder : sensors.finders) reserve_sensor(finder.frame);
+  for (const KindTopic& finder : sensors.blobfinders) reserve_sensor(finder.frame);
+  for (const KindTopic& imu : sensors.imus) reserve_sensor(imu.frame);
+  for (const SonarTopic& sonar : sensors.sonars) {
+    for (const SonarTopic::Sensor& sensor : sonar.sensors) reserve_sensor(sensor.frame);
+  }
+  std::vector<JointName> joints;
+  for (std::size_t i = 0; i < world.joints.size(); ++i) {
+    if (world.joints[i].robot != robot) continue;
+    const std::string name = names.Reserve(RosName(world.joints[i].name));
+    joints.push_back({JointId(i), name, frames.Reserve(name + "_link")});
+  }
+  return joints;
+}
+
+std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId robot) {
+  UniqueNames names;
+  for (const JointName& joint : JointNamesOf(world, robot)) names.Reserve(joint.name);
+  std::vector<GripperName> grippers;
+  for (std::size_t i = 0; i < world.grippers.size(); ++i) {
+    if (world.grippers[i].robot != robot) continue;
+    grippers.push_back({GripperId(i), names.Reserve(RosName(world.grippers[i].name))});
+  }
+  return grippers;
+}
+
+}  // namespace troupe::ros

@@ -1,0 +1,99 @@
+// The names of robots, sensors, joints and grippers in ROS: functions of the world alone, so that all processes agree.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "troupe/world_description.h"
+
+namespace troupe::ros {
+
+// `text` as a valid part of a topic name: letters, digits and single underscores, the first not a digit.
+std::string RosName(const std::string& text);
+
+// By robot: its name as RosName, with a number appended where two would be equal; "" for a removed robot whose name
+// another robot has now.
+std::vector<std::string> RobotNames(const WorldDescription& world);
+
+// The frames of one robot, as tf calls them.
+struct FrameNames {
+  std::string odom;
+  std::string base;
+  std::string prefix;  // of all other frames
+};
+// `prefixed`: "<robot>/odom"; otherwise "odom".
+FrameNames FramesOf(const std::string& robot, bool prefixed);
+
+inline constexpr const char* kMapFrame = "map";
+inline constexpr const char* kFootprintFrame = "base_footprint";
+
+// A ray sensor of many rays: a LaserScan topic of its own.
+struct LaserTopic {
+  std::size_t ranger = 0;  // in RobotDescription::sensors
+  std::size_t sensor = 0;  // in RangerParameters::ray_sensors
+  std::string topic;       // below the robot's namespace
+  std::string frame;       // without the robot's prefix
+};
+
+// The sensors of one ray of one ranger: they share a Range topic, and each has a frame.
+struct SonarTopic {
+  struct Sensor {
+    std::size_t index = 0;  // in RangerParameters::ray_sensors
+    std::string frame;
+  };
+  std::size_t ranger = 0;
+  std::string topic;
+  std::vector<Sensor> sensors;
+};
+
+// A ray sensor with several planes: a cloud of points on the topic "<topic>/points".
+struct CloudTopic {
+  std::size_t ranger = 0;
+  std::size_t sensor = 0;  // in RangerParameters::ray_sensors
+  std::string topic;
+  std::string frame;
+};
+
+// A sensor of another kind. A camera has topics below its name, "<topic>/image_raw" and so on; a fiducial finder and a
+// blobfinder have "<topic>/detections"; a bumper and a contact sensor have one that says whether they are pressed; a
+// radio has "<topic>/send" and "<topic>/received", an IMU "<topic>/data". Other kinds have none.
+struct KindTopic {
+  std::size_t sensor = 0;  // in RobotDescription::sensors
+  std::string topic;
+  std::string frame;  // looking along x; the images of a camera are in "<frame>_optical". "": none
+};
+
+struct SensorTopics {
+  std::vector<LaserTopic> lasers;
+  std::vector<SonarTopic> sonars;
+  std::vector<CloudTopic> clouds;
+  std::vector<KindTopic> cameras;
+  std::vector<KindTopic> finders;  // of fiducials
+  std::vector<KindTopic> blobfinders;
+  std::vector<KindTopic> touches;
+  std::vector<KindTopic> radios;
+  std::vector<KindTopic> imus;
+};
+
+// A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if
+// all its sensors have one ray; a number distinguishes further ones. Sensors of other kinds likewise: "camera".
+SensorTopics SensorTopicsOf(const RobotDescription& robot);
+
+// The name of a joint in joint_states and in the robot's URDF, and the frame of the link that it moves.
+struct JointName {
+  JointId joint;
+  std::string name;   // without the robot's prefix, like the frame
+  std::string frame;  // "<name>_link"
+};
+// In id order. The names differ from those of the sensors' mounts ("<frame>_mount"), the frames from the sensors'.
+std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot);
+
+// The name of a gripper in topics, as in "<name>/command". No joint of the robot has the same name.
+struct GripperName {
+  GripperId gripper;
+  std::string name;
+};
+std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId robot);
+
+}  // namespace troupe::ros

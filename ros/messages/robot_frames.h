@@ -1,0 +1,39 @@
+// The frames on a robot, on tf below its base and in its URDF. P: a parent frame, F: a frame on it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/spatial/scene.h"
+#include "ros/messages/names.h"
+
+namespace troupe::ros {
+
+// A frame that a joint moves.
+struct MovingFrame {
+  JointId joint;
+  std::string joint_name;
+  std::string parent;
+  std::string frame;
+  Pose X_PF;  // at joint position 0
+};
+
+// The frame of a sensor, fixed on a link.
+struct FixedFrame {
+  std::string parent;
+  std::string frame;
+  Pose X_PF;
+};
+
+struct RobotFrames {
+  std::vector<std::string> links;   // by link of the robot's body (common/spatial/scene.h): the base, then one by joint
+  std::vector<MovingFrame> moving;  // parents first
+  std::vector<FixedFrame> fixed;    // in the order of SensorTopicsOf
+};
+
+RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& names);
+
+// The pose of the frame in its parent with its joint at `position` (m or rad).
+Pose X_PF(const MovingFrame& frame, const WorldDescription& world, double position);
+
+}  // namespace troupe::ros

@@ -1,0 +1,201 @@
+#include "ros/messages/ros_options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+
+namespace troupe::ros {
+namespace {
+
+constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::kIron, Distribution::kJazzy,
+                                           Distribution::kKilted, Distribution::kRolling};
+constexpr DiscoveryRange kRanges[] = {DiscoveryRange::kOff, DiscoveryRange::kLocalhost, DiscoveryRange::kSubnet,
+                                      DiscoveryRange::kSystemDefault};
+constexpr ServiceClients kServiceClients[] = {ServiceClients::kCyclone, ServiceClients::kFastDds,
+                                              ServiceClients::kBoth};
+constexpr std::uint32_t kMaxDomain = 230;
+
+std::string_view Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+// "SYSTEM_DEFAULT" as "system-default".
+std::string OptionWord(std::string_view text) {
+  std::string word;
+  for (const char c : text) word += c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+std::vector<std::string> SplitAtSemicolons(std::string_view text) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(';'), text.size());
+    if (end > 0) parts.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return parts;
+}
+
+std::string Found(const char* variable, std::string_view value, const char* expected) {
+  return std::string(variable) + ": found '" + std::string(value) + "', expected " + expected;
+}
+
+// As ROS reads it: decimal, octal ("017") or hexadecimal ("0x11").
+std::optional<std::uint32_t> ParseDomain(std::string_view text) {
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.size() > 1 && text.front() == '0') {
+    base = 8;
+  }
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (error != std::errc() || end != text.data() + text.size() || number > kMaxDomain) return std::nullopt;
+  return number;
+}
+
+// The older variable prevails, as in ROS.
+void SetDiscovery(RosOptions& options) {
+  if (Environment("ROS_LOCALHOST_ONLY") == "1") {
+    options.discovery = DiscoveryRange::kLocalhost;
+    return;
+  }
+  const std::string_view range = Environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  if (!range.empty()) {
+    const std::optional<DiscoveryRange> parsed = ParseDiscoveryRange(OptionWord(range));
+    options.discovery = parsed.value_or(DiscoveryRange::kLocalhost);
+    if (!parsed) {
+      options.faults.discovery =
+          Found("ROS_AUTOMATIC_DISCOVERY_RANGE", range, "OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT; using LOCALHOST");
+    }
+  }
+  options.static_peers = SplitAtSemicolons(Environment("ROS_STATIC_PEERS"));
+}
+
+}  // namespace
+
+RosOptions OptionsFromEnvironment() {
+  RosOptions options;
+  const std::string_view domain = Environment("ROS_DOMAIN_ID");
+  if (const std::optional<std::uint32_t> number = ParseDomain(domain)) {
+    options.domain = *number;
+  } else if (!domain.empty()) {
+    options.faults.domain = Found("ROS_DOMAIN_ID", domain, "a number from 0 to 230");
+  }
+  const std::string_view name = Environment("ROS_DISTRO");
+  if (const auto distribution = ParseDistribution(std::string(name))) {
+    options.distribution = *distribution;
+  } else if (!name.empty()) {
+    options.faults.distribution =
+        Found("ROS_DISTRO", name, "humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
+  }
+  SetDiscovery(options);
+  options.security = SecurityFromEnvironment();
+  return options;
+}
+
+std::optional<Distribution> ParseDistribution(const std::string& name) {
+  for (const Distribution distribution : kDistributions) {
+    if (name == ToString(distribution)) return distribution;
+  }
+  return std::nullopt;
+}
+
+const char* ToString(Distribution distribution) {
+  switch (distribution) {
+    case Distribution::kHumble:
+      return "humble";
+    case Distribution::kIron:
+      return "iron";
+    case Distribution::kJazzy:
+      return "jazzy";
+    case Distribution::kKilted:
+      return "kilted";
+    case Distribution::kRolling:
+      return "rolling";
+  }
+  return "";
+}
+
+std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name) {
+  for (const DiscoveryRange range : kRanges) {
+    if (name == ToString(range)) return range;
+  }
+  return std::nullopt;
+}
+
+const char* ToString(DiscoveryRange range) {
+  switch (range) {
+    case DiscoveryRange::kOff:
+      return "off";
+    case DiscoveryRange::kLocalhost:
+      return "localhost";
+    case DiscoveryRange::kSubnet:
+      return "subnet";
+    case DiscoveryRange::kSystemDefault:
+      return "system-default";
+  }
+  return "";
+}
+
+const char* ToString(CommandType type) {
+  switch (type) {
+    case CommandType::kTwist:
+      return "twist";
+    case CommandType::kTwistStamped:
+      return "stamped";
+    case CommandType::kBoth:
+      return "both";
+  }
+  return "";
+}
+
+std::optional<ServiceClients> ParseServiceClients(const std::string& name) {
+  for (const ServiceClients clients : kServiceClients) {
+    if (name == ToString(clients)) return clients;
+  }
+  return std::nullopt;
+}
+
+const char* ToString(ServiceClients clients) {
+  switch (clients) {
+    case ServiceClients::kCyclone:
+      return "cyclone";
+    case ServiceClients::kFastDds:
+      return "fastrtps";
+    case ServiceClients::kBoth:
+      return "both";
+  }
+  return "";
+}
+
+const char* ToString(ParticipantScope scope) {
+  return scope == ParticipantScope::kProcess ? "process" : "host";
+}
+
+std::size_t ProcessesOf(std::size_t robots, std::size_t robots_per_process) {
+  const std::size_t in_each = std::max<std::size_t>(1, robots_per_process);
+  return (robots + in_each - 1) / in_each;
+}
+
+bool UsesHostParticipants(const RosOptions& options, std::size_t processes) {
+  if (options.security.strategy != SecurityStrategy::kOff) return false;
+  if (options.participants) return *options.participants == ParticipantScope::kHost;
+  return processes > kMostMutualProcesses;
+}
+
+bool UsesBridge(const RosOptions& options) {
+  return options.service_clients.value_or(ServiceClients::kCyclone) != ServiceClients::kCyclone &&
+         !options.session.empty() && options.security.strategy == SecurityStrategy::kOff &&
+         options.discovery != DiscoveryRange::kOff;
+}
+
+std::string BridgePartition(const std::string& session) {
+  return "troupe/" + session;
+}
+
+}  // namespace troupe::ros

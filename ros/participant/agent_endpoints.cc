@@ -1,0 +1,237 @@
+#include "ros/participant/agent_endpoints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/version.h"
+#include "ros/connection/find_topic_type.h"
+#include "transport/wire/cdr.h"
+
+namespace troupe::ros {
+namespace {
+
+// Bytes that wait for an agent; beyond them it gets no samples and requests.
+constexpr std::size_t kMostPending = std::size_t{4} << 20;
+
+// For which an endpoint of an agent that has ended waits for the next one: the time of an edit, or of the restart of an
+// agent.
+constexpr auto kKept = std::chrono::seconds(2);
+
+template <typename Used, typename Pool>
+void Retire(Used& used, Pool& pool) {
+  used.endpoint->Detach();
+  pool.Keep(std::move(used.text), std::move(used.endpoint), std::chrono::steady_clock::now() + kKept);
+}
+
+template <typename Endpoints, typename Pool>
+void RetireAll(Endpoints& endpoints, Pool& pool) {
+  for (auto& [id, used] : endpoints) Retire(used, pool);
+  endpoints.clear();
+}
+
+template <typename Endpoints, typename Pool>
+void RetireOne(Endpoints& endpoints, std::uint32_t id, Pool& pool) {
+  const auto found = endpoints.find(id);
+  if (found == endpoints.end()) return;
+  Retire(found->second, pool);
+  endpoints.erase(found);
+}
+
+// The same for the endpoints of another agent that replaces this one.
+std::string TextForAll(EndpointText endpoint) {
+  endpoint.node = 0;
+  return ToText(endpoint);
+}
+
+std::string TextOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+AgentEndpoints::AgentEndpoints(RosParticipant& participant, EndpointPools& pools, int connection,
+                               std::function<void()> wake)
+    : participant_(participant), pools_(pools), link_(connection), wake_(std::move(wake)) {}
+
+AgentEndpoints::~AgentEndpoints() {
+  RetireAll(writers_, pools_.writers);
+  RetireAll(readers_, pools_.readers);
+  RetireAll(services_, pools_.services);
+  for (const auto& [id, node] : nodes_) participant_.RemoveNode(node);
+}
+
+bool AgentEndpoints::Process() {
+  const bool open = link_.Receive([this](const LinkMessage& message) {
+    if (!problem_.empty()) return;
+    try {
+      Perform(message);
+    } catch (const dds::Exception& exception) {
+      Refuse(exception.what());
+    }
+  });
+  return link_.Flush() && open && problem_.empty();
+}
+
+bool AgentEndpoints::TakeAnnouncement() {
+  return std::exchange(announces_, false);
+}
+
+bool AgentEndpoints::Reads(const std::string& topic) const {
+  return std::any_of(readers_.begin(), readers_.end(),
+                     [&topic](const auto& reader) { return reader.second.endpoint->topic() == topic; });
+}
+
+void AgentEndpoints::Report(const std::string& line) {
+  Send(LinkKind::kMismatch, 0, std::as_bytes(std::span(line)));
+}
+
+void AgentEndpoints::Perform(const LinkMessage& message) {
+  if (!greeted_ && message.kind != LinkKind::kHello) return Refuse("found no version, expected one");
+  switch (message.kind) {
+    case LinkKind::kHello: {
+      const std::string version = TextOf(message.content);
+      greeted_ = version == VersionText();
+      if (!greeted_) Refuse(fmt::format("found version '{}', expected '{}'", version.substr(0, 100), VersionText()));
+      return;
+    }
+    case LinkKind::kAddNode: {
+      const Result<NodeText> node = ParseNode(TextOf(message.content));
+      if (!node.ok()) return Refuse(node.error().message);
+      if (nodes_.contains(message.id)) return Refuse("found a node a second time");
+      nodes_[message.id] = participant_.AddNode(node.value().node_namespace, node.value().name);
+      return;
+    }
+    case LinkKind::kMakeWriter:
+    case LinkKind::kMakeReader:
+    case LinkKind::kMakeService: {
+      const Result<EndpointText> endpoint = ParseEndpoint(TextOf(message.content));
+      if (!endpoint.ok()) return Refuse(endpoint.error().message);
+      return Make(message.kind, message.id, endpoint.value());
+    }
+    case LinkKind::kStartService:
+      if (const auto found = services_.find(message.id); found != services_.end()) found->second.endpoint->Start();
+      return;
+    case LinkKind::kShareWriter:
+      return ShareWriter(message.id, TextOf(message.content));
+    case LinkKind::kRemove:
+      RetireOne(writers_, message.id, pools_.writers);
+      RetireOne(readers_, message.id, pools_.readers);
+      RetireOne(services_, message.id, pools_.services);
+      return;
+    case LinkKind::kAnnounce:
+      announces_ = true;
+      return;
+    case LinkKind::kWatchDistributions:
+      watches_distributions_ = true;
+      return participant_.WatchDistributions();
+    case LinkKind::kWrite:
+      return Write(message);
+    case LinkKind::kRespond:
+      return Respond(message);
+    default:
+      return Refuse("found a message for agents");
+  }
+}
+
+void AgentEndpoints::Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint) {
+  const auto node = nodes_.find(endpoint.node);
+  if (node == nodes_.end()) return Refuse(fmt::format("found node {}, expected one of this agent", endpoint.node));
+  if (writers_.contains(id) || readers_.contains(id) || services_.contains(id)) {
+    return Refuse("found an endpoint a second time");
+  }
+  if (kind == LinkKind::kMakeWriter) return MakeWriter(id, node->second, endpoint);
+  if (kind == LinkKind::kMakeReader) return MakeReader(id, node->second, endpoint);
+  MakeService(id, node->second, endpoint);
+}
+
+void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
+  const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
+  if (type == nullptr) return;
+  std::string text = TextForAll(endpoint);
+  std::unique_ptr<ReusableWriter> writer = pools_.writers.Take(text);
+  if (!writer) writer = std::make_unique<ReusableWriter>(participant_, TopicSpec{endpoint.name, type, endpoint.qos});
+  writer->Attach(node, [this, id](bool wanted, bool is_new) {
+    const WantedContent content = {wanted, is_new};
+    Send(LinkKind::kWanted, id, std::as_bytes(std::span(&content, 1)));
+  });
+  writers_[id] = {std::move(text), std::move(writer)};
+}
+
+void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
+  const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
+  if (type == nullptr) return;
+  std::string text = TextForAll(endpoint);
+  std::unique_ptr<ReusableReader> reader = pools_.readers.Take(text);
+  if (!reader) {
+    reader =
+        std::make_unique<ReusableReader>(participant_, TopicSpec{endpoint.name, type, endpoint.qos}, endpoint.part);
+  }
+  reader->Attach(
+      node, {[this, id, type](const void* sample) { Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type)); },
+             [this, id] { Send(LinkKind::kMissed, id); }});
+  readers_[id] = {std::move(text), std::move(reader)};
+}
+
+void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
+  const dds_topic_descriptor_t* const request = TypeOf(endpoint.type);
+  const dds_topic_descriptor_t* const response = TypeOf(endpoint.response_type);
+  if (request == nullptr || response == nullptr) return;
+  std::string text = TextForAll(endpoint);
+  std::unique_ptr<ReusableService> service = pools_.services.Take(text);
+  if (!service) {
+    service =
+        std::make_unique<ReusableService>(participant_, ServiceSpec{endpoint.name, request, response, endpoint.qos});
+  }
+  service->Attach(node, [this, id](std::span<const std::byte> bytes) { Send(LinkKind::kRequest, id, bytes); });
+  services_[id] = {std::move(text), std::move(service)};
+}
+
+void AgentEndpoints::Write(const LinkMessage& message) {
+  const auto found = writers_.find(message.id);
+  if (found == writers_.end()) return Refuse("found a sample of no writer");
+  ReusableWriter& writer = *found->second.endpoint;
+  const wire::UntypedSample sample(writer.type());
+  const Status decoded = wire::SampleFromCdr(message.content, writer.type(), sample.data());
+  if (!decoded.ok()) return Refuse(decoded.error().message);
+  if (!writer.writer().Write(sample.data())) participant_.CountLost();
+}
+
+void AgentEndpoints::Respond(const LinkMessage& message) {
+  const auto found = services_.find(message.id);
+  if (found == services_.end()) return Refuse("found a response of no service");
+  ReusableService& service = *found->second.endpoint;
+  const wire::UntypedSample sample(service.response());
+  const Status decoded = wire::SampleFromCdr(message.content, service.response(), sample.data());
+  if (!decoded.ok()) return Refuse(decoded.error().message);
+  if (!service.service().Respond(sample.data())) participant_.CountLost();
+}
+
+void AgentEndpoints::ShareWriter(std::uint32_t writer, const std::string& node) {
+  const auto found = writers_.find(writer);
+  const auto of_agent = std::find_if(nodes_.begin(), nodes_.end(),
+                                     [&node](const auto& entry) { return std::to_string(entry.first) == node; });
+  if (found == writers_.end() || of_agent == nodes_.end()) return Refuse("found no writer and node to share it with");
+  participant_.ShareWriter(of_agent->second, found->second.endpoint->writer());
+}
+
+const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
+  const dds_topic_descriptor_t* const type = FindTopicType(name, participant_.distribution());
+  if (type == nullptr) Refuse(fmt::format("found type '{}', expected one of ROS that robots use", name));
+  return type;
+}
+
+void AgentEndpoints::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
+  const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest;
+  if (may_be_dropped && link_.pending() > kMostPending) return;
+  link_.Add(kind, id, content);
+  // At once, so that an acknowledged command is with the agent.
+  if (!link_.Flush() || link_.pending() > 0) wake_();
+}
+
+void AgentEndpoints::Refuse(const std::string& problem) {
+  if (problem_.empty()) problem_ = problem;
+}
+
+}  // namespace troupe::ros

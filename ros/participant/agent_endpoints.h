@@ -1,0 +1,97 @@
+// AgentEndpoints: the nodes and endpoints of one agent on the participant, as its messages ask for them.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "ros/connection/ros_participant.h"
+#include "ros/link/endpoint_text.h"
+#include "ros/link/link.h"
+#include "ros/participant/endpoint_pool.h"
+#include "ros/participant/reusable_endpoints.h"
+
+namespace troupe::ros {
+
+// The endpoints that no agent has, of all kinds.
+struct EndpointPools {
+  EndpointPool<ReusableWriter> writers;
+  EndpointPool<ReusableReader> readers;
+  EndpointPool<ReusableService> services;
+
+  void EndThoseUntil(std::chrono::steady_clock::time_point now) {
+    writers.EndThoseUntil(now);
+    readers.EndThoseUntil(now);
+    services.EndThoseUntil(now);
+  }
+};
+
+class AgentEndpoints {
+ public:
+  // Owns the descriptor of the connection. `wake` is called on any thread when Process has something to send. The
+  // participant and the pools must outlive this.
+  AgentEndpoints(RosParticipant& participant, EndpointPools& pools, int connection, std::function<void()> wake);
+  ~AgentEndpoints();
+  AgentEndpoints(const AgentEndpoints&) = delete;
+  AgentEndpoints& operator=(const AgentEndpoints&) = delete;
+
+  // Performs the messages that have arrived, and sends those that wait. False: the connection has ended, or must, for
+  // the reason of problem().
+  bool Process();
+  // Empty: the agent has ended.
+  const std::string& problem() const { return problem_; }
+  bool has_output() const { return link_.pending() > 0; }
+  // Whether its nodes are to be announced since the last call.
+  bool TakeAnnouncement();
+  // Whether it has a node.
+  bool has_nodes() const { return !nodes_.empty(); }
+
+  // Whether a reader of this agent is on the topic.
+  bool Reads(const std::string& topic) const;
+  bool watches_distributions() const { return watches_distributions_; }
+  // A line for the agent's log.
+  void Report(const std::string& line);
+
+ private:
+  // With the text by which another agent finds it.
+  template <typename Endpoint>
+  struct Used {
+    std::string text;
+    std::unique_ptr<Endpoint> endpoint;
+  };
+  template <typename Endpoint>
+  using ById = std::map<std::uint32_t, Used<Endpoint>>;
+
+  void Perform(const LinkMessage& message);
+  void Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint);
+  void MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
+  void MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
+  void MakeService(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
+  void Write(const LinkMessage& message);
+  void Respond(const LinkMessage& message);
+  void ShareWriter(std::uint32_t writer, const std::string& node);
+  const dds_topic_descriptor_t* TypeOf(const std::string& name);
+  // From any thread. Drops the message if the agent reads too slowly.
+  void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
+  void Refuse(const std::string& problem);
+
+  RosParticipant& participant_;
+  EndpointPools& pools_;
+  Link link_;
+  const std::function<void()> wake_;
+  std::string problem_;
+  bool greeted_ = false;
+  bool announces_ = false;
+  bool watches_distributions_ = false;
+  std::map<std::uint32_t, std::size_t> nodes_;  // of the participant
+  ById<ReusableWriter> writers_;
+  ById<ReusableReader> readers_;
+  ById<ReusableService> services_;
+};
+
+}  // namespace troupe::ros

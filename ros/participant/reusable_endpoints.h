@@ -1,0 +1,104 @@
+// Endpoints of the participant that one agent after another uses: a writer, a reader and a service. Between two agents
+// they are detached. So the nodes of ROS need not discover them anew when the robots of an agent are made anew, as by a
+// reset; and Cyclone DDS keeps some hundred bytes for each endpoint that has ended, as long as its participant lives.
+//
+// A sink is called on any thread, one call at a time, and never after Detach has returned.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ros/connection/dds_service.h"
+#include "ros/connection/dds_topic.h"
+#include "ros/connection/ros_participant.h"
+
+namespace troupe::ros {
+
+class ReusableWriter {
+ public:
+  using Sink = DdsTopicWriter::OnMatched;
+
+  // Detached. The constructors throw dds::Exception; the participant must outlive this.
+  ReusableWriter(RosParticipant& participant, const TopicSpec& spec);
+
+  // Lists it as one of the node, and tells the sink now and at each change whether it has readers.
+  void Attach(std::size_t node, Sink sink);
+  // Readers that come later do not get its samples.
+  void Detach();
+
+  const dds_topic_descriptor_t& type() const { return type_; }
+  // REQUIRES: attached.
+  DdsTopicWriter& writer() { return writer_; }
+
+ private:
+  RosParticipant& participant_;
+  const dds_topic_descriptor_t& type_;
+  const bool is_volatile_;  // keeps no samples
+  std::mutex mutex_;        // guards sink_
+  Sink sink_;
+  DdsTopicWriter writer_;
+};
+
+class ReusableReader {
+ public:
+  struct Sink {
+    std::function<void(const void* sample)> on_sample;
+    std::function<void()> on_missed_writer;
+  };
+
+  ReusableReader(RosParticipant& participant, const TopicSpec& spec, Part part);
+
+  // Passes the samples on that arrive from now on, or since the constructor.
+  void Attach(std::size_t node, Sink sink);
+  void Detach();
+
+  const std::string& topic() const { return topic_; }
+
+ private:
+  void Pass();
+
+  RosParticipant& participant_;
+  const std::string topic_;
+  const Part part_;
+  std::mutex mutex_;  // guards the two below
+  std::optional<Sink> sink_;
+  bool used_ = false;  // was attached
+  DdsTopicReader reader_;
+};
+
+class ReusableService {
+ public:
+  // Receives a request as its CDR bytes.
+  using Sink = std::function<void(std::span<const std::byte> request)>;
+
+  ReusableService(RosParticipant& participant, const ServiceSpec& spec);
+
+  void Attach(std::size_t node, Sink sink);
+  void Detach();
+  // Passes the requests on that arrive from now on, and those that wait since the last Detach.
+  void Start();
+
+  const dds_topic_descriptor_t& response() const { return response_; }
+  DdsService& service() { return service_; }
+
+ private:
+  void Pass(const void* request);
+
+  RosParticipant& participant_;
+  const dds_topic_descriptor_t& request_;
+  const dds_topic_descriptor_t& response_;
+  std::mutex mutex_;  // guards the three below
+  Sink sink_;
+  bool passes_ = false;
+  std::deque<std::vector<std::byte>> waiting_;  // requests
+  bool started_ = false;
+  DdsService service_;
+};
+
+}  // namespace troupe::ros

@@ -1,0 +1,24 @@
+#include "transport/dds/binding/network_log.h"
+
+#include <dds/ddsrt/log.h>
+
+#include <utility>
+
+namespace troupe::dds {
+
+NetworkLog::NetworkLog(FloodLimiter::Tell tell)
+    : lines_([tell = std::move(tell)](const std::string& line) { tell("network: " + line); }) {
+  dds_set_log_sink(
+      [](void* lines, const dds_log_data_t* entry) {
+        std::string line(entry->message, entry->size);
+        while (!line.empty() && line.back() == '\n') line.pop_back();
+        static_cast<FloodLimiter*>(lines)->Add(line);
+      },
+      &lines_);
+}
+
+NetworkLog::~NetworkLog() {
+  dds_set_log_sink(nullptr, nullptr);  // waits for calls that have begun
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,37 @@
+// ControlClient: asks the world service of a session to pause, play or step, or to change its world.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/run/network_settings.h"
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+class ControlClient {
+ public:
+  // Of the service of `network.session`. Reaches services on the same network that multicast reaches, and the one at
+  // network.service_address.
+  explicit ControlClient(const NetworkSettings& network);
+  ~ControlClient();
+
+  // Waits for the service, at most `seconds`, and then for its first answer, at most 2 s. The error is for people;
+  // kBadInput: the keys of network.security are not those of an operator. Throws dds::Exception
+  // (transport/dds/binding/exception.h) when DDS cannot start.
+  Status WaitForService(double seconds);
+
+  // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived,
+  // or WaitForService has not succeeded before.
+  Result<ControlReply> Call(ControlRequest request, double seconds);
+  Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
+
+ private:
+  class Connection;
+  NetworkSettings network_;
+  std::unique_ptr<Connection> connection_;  // null: none yet
+};
+
+}  // namespace troupe

@@ -1,0 +1,46 @@
+// SessionMonitor: the sessions that run in a domain, for tools that only watch.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/run/network_settings.h"
+#include "transport/protocol/messages.h"
+
+namespace troupe {
+
+struct SessionInfo {
+  std::string session;
+  RunId run = 0;
+  std::string host;  // of its service
+  std::uint32_t pid = 0;
+  std::string world;
+  std::uint32_t robots = 0;
+  std::optional<StatusMessage> status;  // the latest, if there was one
+};
+
+class SessionMonitor {
+ public:
+  // Sees services on the same network that multicast reaches, and the one at network.service_address. With security
+  // "auto" these are the runs without security, and the secured ones that this user's runs publish on this host; with a
+  // folder of keys those of its authority; with "off" those without security. Throws std::exception when DDS cannot
+  // start, or the keys cannot be read.
+  explicit SessionMonitor(const NetworkSettings& network);
+  ~SessionMonitor();
+
+  // The sessions known now, by name and run. A session is discovered after a moment, and leaves the list when its
+  // service ends.
+  std::vector<SessionInfo> Sessions();
+
+  // Waits until something may have changed, at most `seconds`.
+  void WaitForChange(double seconds);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace troupe

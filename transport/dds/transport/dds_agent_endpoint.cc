@@ -1,0 +1,273 @@
+#include "transport/dds/transport/dds_agent_endpoint.h"
+
+#include <new>
+#include <utility>
+
+#include "transport/protocol/topics.h"
+
+namespace troupe::dds {
+
+DdsAgentEndpoint::Network::Network(const DdsConnection& connection)
+    : proposals(connection, topics::kProposal, qos_profiles::Proposal()),
+      frames(connection, topics::kFrame, qos_profiles::ReceivedFrame()) {}
+
+DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service,
+                                   bool data_sharing)
+    : connection_(connection),
+      data_sharing_(data_sharing),
+      joins_(connection, topics::kJoin, qos_profiles::Join(connection.lease_seconds)),
+      sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
+      admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
+      histories_(connection, topics::kHistory, qos_profiles::PastStates()),
+      network_(data_sharing ? nullptr : std::make_unique<Network>(connection)),
+      services_(connection.proves(), service) {}
+
+DdsAgentEndpoint::~DdsAgentEndpoint() {
+  sessions_.Close();
+  admissions_.Close();
+  histories_.Close();
+  if (network_maker_.joinable()) network_maker_.join();
+  if (network_) network_->frames.Close();
+  {
+    const std::lock_guard lock(segments_mutex_);
+    for (const auto& [writer, segment] : segments_) {
+      if (segment) segment->Close();
+    }
+  }
+  for (Reader& reader : readers_) reader.thread.join();
+  if (network_maker_.joinable()) network_maker_.join();  // which a reader may have started
+  if (network_) network_->frames.Close();
+  // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
+  troupe_wire_Join last{};
+  last.run = joined_run_;
+  last.leaving = true;
+  for (const AgentId agent : joined_agents_) {
+    last.agent = agent;
+    joins_.SendWire(last);
+  }
+}
+
+void DdsAgentEndpoint::Start(AgentHandler& handler) {
+  {
+    const std::lock_guard lock(mutex_);
+    TROUPE_CHECK(handler_ == nullptr);
+    handler_ = &handler;
+  }
+  const auto drain_sessions = [this] { Deliver([this] { DrainSessions(); }); };
+  const auto drain_admissions = [this] { Deliver([this] { DrainAdmissions(); }); };
+  sessions_.Listen(drain_sessions);
+  admissions_.Listen(drain_admissions);
+  histories_.Listen([this] { Deliver([this] { DrainHistories(); }); });
+  if (network_) ListenToNetwork();
+  drain_sessions();
+  drain_admissions();
+  Deliver([this] { DrainHistories(); });
+}
+
+void DdsAgentEndpoint::Deliver(const std::function<void()>& drain) {
+  try {
+    drain();
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(mutex_);
+    handler_->OnOutOfMemory();
+  }
+}
+
+void DdsAgentEndpoint::UseNetwork() {
+  const std::lock_guard lock(network_mutex_);
+  if (network_ || network_maker_.joinable()) return;
+  network_maker_ = std::thread([this] { MakeNetwork(); });
+}
+
+void DdsAgentEndpoint::MakeNetwork() {
+  try {
+    auto network = std::make_unique<Network>(connection_);
+    {
+      const std::lock_guard lock(network_mutex_);
+      network_ = std::move(network);
+    }
+    ListenToNetwork();
+  } catch (const Exception& failure) {
+    connection_.Report(failure.what());
+  }
+}
+
+void DdsAgentEndpoint::ListenToNetwork() {
+  const auto drain_frames = [this] { Deliver([this] { DrainFrames(); }); };
+  network_->frames.Listen(drain_frames);
+  drain_frames();
+}
+
+void DdsAgentEndpoint::ChooseWays() {
+  if (!data_sharing_) return;
+  JoinEndedReaders();
+  for (const Sender* service : sessions_.Matched()) {
+    if (!services_.MayBeService(service->participant)) continue;
+    const std::lock_guard lock(segments_mutex_);
+    const auto [way, is_new] = segments_.try_emplace(service->writer);
+    if (!is_new) continue;
+    way->second = OpenSegment(*service);
+    if (way->second) {
+      std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
+      readers_.push_back({way->second, std::move(reader)});
+    } else {
+      UseNetwork();
+    }
+  }
+}
+
+std::shared_ptr<const std::byte> DdsAgentEndpoint::FindMap(std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);  // the way to the sender of a session is chosen while it is delivered
+  const std::lock_guard segments_lock(segments_mutex_);
+  for (const auto& [writer, segment] : segments_) {
+    if (!segment) continue;
+    if (auto map = segment->FindMap(bytes)) return map;
+  }
+  return nullptr;
+}
+
+void DdsAgentEndpoint::JoinEndedReaders() {
+  std::erase_if(readers_, [](Reader& reader) {
+    if (!reader.segment.expired()) return false;
+    reader.thread.join();
+    return true;
+  });
+}
+
+DdsAgentEndpoint::Segment DdsAgentEndpoint::OpenSegment(const Sender& service) {
+  const std::optional<SharingAddress> address = ParseSharingAddress(service.sharing);
+  if (!address || !IsThisBoot(*address)) return nullptr;
+  Result<std::unique_ptr<AgentSegment>> segment = AgentSegment::Open(*address);
+  if (segment.ok()) return std::move(segment).value();
+  connection_.Report("no data sharing with the world service: " + segment.error().message);
+  return nullptr;
+}
+
+void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& service) {
+  bool is_shared = true;
+  while (is_shared && segment->Wait()) {
+    Deliver([&] {
+      const std::lock_guard lock(mutex_);
+      is_shared = DrainSegment(*segment, service);
+    });
+  }
+  if (is_shared) return;
+  UseNetwork();
+  const std::lock_guard lock(segments_mutex_);
+  for (auto& [writer, shared] : segments_) {
+    if (shared == segment) shared.reset();
+  }
+}
+
+bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& service) {
+  for (;;) {
+    switch (segment.Read(shared_frame_)) {
+      case AgentSegment::Outcome::kNothing:
+        return true;
+      case AgentSegment::Outcome::kFrame:
+        if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) ==
+            KnownServices::Verdict::kService) {
+          handler_->OnFrame(shared_frame_);
+        }
+        break;
+      case AgentSegment::Outcome::kMalformed:
+        connection_.Report("ignored: a malformed frame in shared memory");
+        break;
+      case AgentSegment::Outcome::kEnded:
+        return false;
+    }
+  }
+}
+
+void DdsAgentEndpoint::DrainSessions() {
+  const std::lock_guard lock(mutex_);
+  sessions_.Drain(
+      [this](const troupe_wire_Session& session, const Sender& sender) {
+        if (!services_.Admits(sessions_, session.run, session.incarnation, sender)) return false;
+        if (session.ended) EndRuns(sender, true);
+        return !session.ended;
+      },
+      [this](const SessionMessage& session, const Sender&) { handler_->OnSession(session); },
+      [this](const Sender& ended) {
+        EndRuns(ended, false);
+        const std::lock_guard segments_lock(segments_mutex_);
+        segments_.erase(ended.writer);
+      });
+  sessions_.Clear();  // a world may be large, and is received once
+  ChooseWays();
+}
+
+void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
+  Segment segment;
+  {
+    const std::lock_guard lock(segments_mutex_);
+    if (const auto way = segments_.find(service.writer); way != segments_.end()) segment = std::move(way->second);
+  }
+  if (segment) {
+    DrainSegment(*segment, service.participant);  // the last frame
+    segment->Close();
+  }
+  for (const RunId run : services_.Forget(service.participant)) {
+    // The late end of an earlier run of the session does not concern this agent.
+    const RunId joined = joined_run_;
+    if (run != joined && (joined != 0 || !services_.empty())) continue;
+    if (in_order) {
+      handler_->OnServiceGone();
+    } else {
+      handler_->OnServiceLost();
+    }
+  }
+}
+
+void DdsAgentEndpoint::DrainAdmissions() {
+  const std::lock_guard lock(mutex_);
+  admissions_.Drain(AdmitAll(), [this](const std::vector<AdmissionMessage>& admissions, const Sender& sender) {
+    for (const AdmissionMessage& admission : admissions) {
+      if (services_.Admits(admissions_, admission.run, admission.incarnation, sender)) handler_->OnAdmission(admission);
+    }
+  });
+}
+
+void DdsAgentEndpoint::DrainFrames() {
+  const std::lock_guard lock(mutex_);
+  Inbox<troupe_wire_Frame, FrameMessage>& frames = network_->frames;
+  frames.Drain([&](const troupe_wire_Frame& frame,
+                   const Sender& sender) { return services_.Admits(frames, frame.run, frame.incarnation, sender); },
+               [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
+}
+
+void DdsAgentEndpoint::DrainHistories() {
+  const std::lock_guard lock(mutex_);
+  histories_.Drain(
+      [this](const troupe_wire_History& history, const Sender& sender) {
+        return services_.Admits(histories_, history.run, history.incarnation, sender);
+      },
+      [this](const HistoryMessage& history, const Sender&) { handler_->OnHistory(history); });
+  histories_.Clear();  // large, and seldom
+}
+
+void DdsAgentEndpoint::SendJoin(const JoinMessage& join) {
+  joined_run_ = join.run;
+  {
+    const std::lock_guard lock(joined_mutex_);
+    joined_agents_.insert(join.agent);
+  }
+  joins_.Send(join);
+}
+
+void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
+  bool needs_network = !data_sharing_;
+  {
+    const std::lock_guard lock(segments_mutex_);
+    for (const auto& [writer, segment] : segments_) {
+      if (segment && segment->Send(proposal) != AgentSegment::Sent::kImpossible) continue;
+      needs_network = true;
+    }
+  }
+  if (!needs_network) return;
+  UseNetwork();
+  const std::lock_guard lock(network_mutex_);
+  if (network_) network_->proposals.Send(proposal);
+}
+
+}  // namespace troupe::dds

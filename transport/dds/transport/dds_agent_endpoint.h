@@ -1,0 +1,97 @@
+// An agent's end of a DdsTransport. It answers on the thread that received the frame, without handing it over.
+//
+// Frames and proposals travel through the memory that a service of the same machine shares (transport/shared_memory).
+// Their reader and their writer on the network exist only if a service was discovered that shares none.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/dds_connection.h"
+#include "transport/dds/transport/known_services.h"
+#include "transport/protocol/transport.h"
+#include "transport/shared_memory/agent_segment.h"
+
+namespace troupe::dds {
+
+class DdsAgentEndpoint : public AgentEndpoint {
+ public:
+  // REQUIRES: the connection outlives it. With `service`, only this participant is a world service.
+  DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service, bool data_sharing);
+  ~DdsAgentEndpoint() override;
+
+  void Start(AgentHandler& handler) override;
+  void SendJoin(const JoinMessage& join) override;
+  void SendProposal(const ProposalMessage& proposal) override;
+  std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) override;
+
+ private:
+  // The reader of frames and the writer of proposals on the network.
+  struct Network {
+    explicit Network(const DdsConnection& connection);
+    Outbox<troupe_wire_Proposal> proposals;
+    Inbox<troupe_wire_Frame, FrameMessage> frames;
+  };
+  using Segment = std::shared_ptr<AgentSegment>;
+  struct Reader {
+    std::weak_ptr<AgentSegment> segment;  // expires with the thread
+    std::thread thread;
+  };
+
+  // Calls a member below; the handler is told of a message for which there was no memory.
+  void Deliver(const std::function<void()>& drain);
+  void DrainSessions();
+  void DrainAdmissions();
+  void DrainFrames();
+  void DrainHistories();
+  void EndRuns(const Sender& service, bool in_order);
+
+  // Chooses the way to each service that was discovered. REQUIRES: mutex_ is locked.
+  void ChooseWays();
+  // A thread that has ended keeps its stack until it is joined. REQUIRES: mutex_ is locked.
+  void JoinEndedReaders();
+  // Null: this service is to be reached over the network.
+  Segment OpenSegment(const Sender& service);
+  // The thread of a segment.
+  void ReadFrames(const Segment& segment, const GuidPrefix& service);
+  // False: frames travel over the network from now on. REQUIRES: mutex_ is locked.
+  bool DrainSegment(AgentSegment& segment, const GuidPrefix& service);
+  // Makes the network's endpoints, on another thread: a listener must not make any.
+  void UseNetwork();
+  void MakeNetwork();
+  void ListenToNetwork();
+
+  const DdsConnection& connection_;
+  const bool data_sharing_;
+  Outbox<troupe_wire_Join> joins_;
+  Inbox<troupe_wire_Session, SessionMessage> sessions_;
+  Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
+  Inbox<troupe_wire_History, HistoryMessage> histories_;
+
+  std::mutex network_mutex_;  // guards the members up to the next empty line
+  std::unique_ptr<Network> network_;
+  std::thread network_maker_;
+
+  // The run that the agent last asked to join; 0: none yet.
+  std::atomic<RunId> joined_run_{0};
+  std::mutex joined_mutex_;  // guards the next member
+  std::set<AgentId> joined_agents_;
+
+  std::mutex segments_mutex_;                          // guards the next member; locked after mutex_ where both are
+  std::map<dds_instance_handle_t, Segment> segments_;  // by the writers of services; null: the network is used
+
+  std::mutex mutex_;  // locked while a handler runs; guards the members below
+  AgentHandler* handler_ = nullptr;
+  KnownServices services_;
+  FrameMessage shared_frame_;  // filled again and again
+  std::vector<Reader> readers_;
+};
+
+}  // namespace troupe::dds

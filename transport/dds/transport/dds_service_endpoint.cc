@@ -1,0 +1,271 @@
+#include "transport/dds/transport/dds_service_endpoint.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <utility>
+
+#include "transport/protocol/agent_name.h"
+#include "transport/protocol/topics.h"
+
+namespace troupe::dds {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Agents that may join through one writer: an agent that rejoins as another one is a new agent.
+constexpr std::size_t kAgentsOfWriter = 64;
+
+// Lost agents whose proposals are still accepted: the run asks them to join again.
+constexpr std::size_t kLostAgentsKept = 1024;
+
+std::unique_ptr<ServiceSegment> MakeSegment(const DdsConnection& connection, bool data_sharing) {
+  if (!data_sharing) return nullptr;
+  Result<std::unique_ptr<ServiceSegment>> segment = ServiceSegment::Create();
+  if (segment.ok()) return std::move(segment).value();
+  connection.Report("no data sharing: " + segment.error().message);
+  return nullptr;
+}
+
+std::vector<std::unique_ptr<AgentGroup>> MakeGroups(const std::vector<const DdsConnection*>& connections,
+                                                    const ServiceSegment* segment) {
+  std::vector<std::unique_ptr<AgentGroup>> groups;
+  const std::string sharing = segment != nullptr ? ToText(segment->address()) : std::string();
+  for (const DdsConnection* connection : connections) {
+    groups.push_back(std::make_unique<AgentGroup>(*connection, sharing));
+  }
+  return groups;
+}
+
+}  // namespace
+
+DdsServiceEndpoint::DdsServiceEndpoint(const std::vector<const DdsConnection*>& connections, bool data_sharing)
+    : connection_(*connections.front()),
+      segment_(MakeSegment(connection_, data_sharing)),
+      groups_(MakeGroups(connections, segment_.get())),
+      whole_frames_(connection_, topics::kWholeFrame, qos_profiles::WholeFrame()),
+      statuses_(connection_, topics::kStatus, qos_profiles::Status()),
+      control_replies_(connection_, topics::kControlReply, qos_profiles::ControlReply()),
+      controls_(connection_, topics::kControl, qos_profiles::FromMany(qos_profiles::Control())),
+      frame_requests_(connection_, topics::kFrameRequest, qos_profiles::FromMany(qos_profiles::FrameRequest())),
+      rivals_(connection_, topics::kSession,
+              qos_profiles::FromMany(qos_profiles::Description()) << IgnoreLocal::Participant()),
+      secured_(connection_.secured),
+      proven_(connection_.proves()) {}
+
+DdsServiceEndpoint::~DdsServiceEndpoint() {
+  for (const auto& group : groups_) {
+    group->joins.Close();
+    group->proposals.Close();
+  }
+  controls_.Close();
+  frame_requests_.Close();
+  rivals_.Close();
+  if (collector_.joinable()) {
+    segment_->Close();
+    collector_.join();
+  }
+  if (run_ == 0) return;
+  troupe_wire_Session last{};
+  last.run = run_;
+  last.ended = true;
+  for (const auto& group : groups_) group->sessions.SendWire(last);
+}
+
+void DdsServiceEndpoint::Start(ServiceHandler& handler) {
+  {
+    const std::lock_guard lock(mutex_);
+    TROUPE_CHECK(handler_ == nullptr);
+    handler_ = &handler;
+  }
+  for (const auto& owned : groups_) {
+    AgentGroup& group = *owned;
+    group.joins.Listen([this, &group] { Deliver([this, &group] { DrainJoins(group); }); });
+    group.proposals.Listen([this, &group] { Deliver([this, &group] { DrainProposals(group); }); });
+  }
+  controls_.Listen([this] { Deliver([this] { DrainControls(); }); });
+  frame_requests_.Listen([this] { Deliver([this] { DrainFrameRequests(); }); });
+  rivals_.Listen([this] { Deliver([this] { DrainSessions(); }); });
+  DrainSessions();
+  for (const auto& group : groups_) {
+    DrainJoins(*group);
+    DrainProposals(*group);
+  }
+  DrainControls();
+  DrainFrameRequests();
+  if (segment_) collector_ = std::thread([this] { CollectAnswers(); });
+}
+
+void DdsServiceEndpoint::CollectAnswers() {
+  while (segment_->Wait()) {
+    Deliver([this] { DrainAnswers(); });
+  }
+}
+
+void DdsServiceEndpoint::DrainAnswers() {
+  const std::lock_guard lock(mutex_);
+  for (const SharedAnswer& answer : segment_->Collect()) {
+    if (answer.malformed.ok()) {
+      handler_->OnProposal(answer.proposal);
+    } else {
+      groups_.front()->proposals.ReportMalformed(answer.malformed.error());
+    }
+  }
+}
+
+void DdsServiceEndpoint::Deliver(const std::function<void()>& drain) {
+  try {
+    drain();
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(mutex_);
+    handler_->OnOutOfMemory();
+  }
+}
+
+void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
+  const std::lock_guard lock(mutex_);
+  group.joins.Drain(
+      [this, &group](const troupe_wire_Join& join, const Sender& sender) {
+        if (join.leaving) {
+          Leave(join.agent, sender);
+          return false;
+        }
+        if (!MayJoinFor(Strings(join.robots), sender)) {
+          group.joins.Refuse(sender, "its keys are those of an agent of other robots");
+          return false;
+        }
+        if (Bind(join.agent, sender)) return true;
+        group.joins.Refuse(sender, "it joins as the agent of another participant, or as too many");
+        return false;
+      },
+      [this](const JoinMessage& join, const Sender&) { handler_->OnJoin(join); },
+      [this](const Sender& ended) { LoseAgentsOf(ended); });
+}
+
+bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
+  if (const auto known = agents_.find(agent); known != agents_.end()) return known->second.writer == sender.writer;
+  std::set<AgentId>& of_writer = agents_of_writer_[sender.writer];
+  if (of_writer.size() >= kAgentsOfWriter) return false;
+  of_writer.insert(agent);
+  agents_.emplace(agent, sender);
+  lost_agents_.erase(agent);
+  if (segment_) segment_->Bind(agent);
+  return true;
+}
+
+bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, const Sender& sender) {
+  if (!secured_) return true;
+  // The permissions of its keys have the name, and so has the partition, which DDS Security has compared with them.
+  const std::string name = qos_profiles::AgentOfPartition(sender.partition);
+  if (AgentName(robots) == name) robots_of_agents_[name] = {robots.begin(), robots.end()};
+  // After an edit it may join for those that are left.
+  const auto known = robots_of_agents_.find(name);
+  return known != robots_of_agents_.end() && std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) {
+           return known->second.contains(robot);
+         });
+}
+
+void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
+  const auto known = agents_.find(agent);
+  if (known == agents_.end() || known->second.writer != sender.writer) return;
+  agents_.erase(known);
+  agents_of_writer_[sender.writer].erase(agent);
+  if (segment_) segment_->Unbind(agent);
+  handler_->OnAgentGone(agent);
+}
+
+void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
+  const auto lost = agents_of_writer_.extract(ended.writer);
+  if (lost.empty()) return;
+  for (const AgentId agent : lost.mapped()) {
+    agents_.erase(agent);
+    if (lost_agents_.size() == kLostAgentsKept) {
+      if (segment_) segment_->Unbind(lost_agents_.begin()->first);
+      lost_agents_.erase(lost_agents_.begin());
+    }
+    lost_agents_[agent] = ended.participant;
+    handler_->OnAgentGone(agent);
+  }
+}
+
+bool DdsServiceEndpoint::IsFromAgent(AgentGroup& group, AgentId agent, const Sender& sender) {
+  if (const auto known = agents_.find(agent); known != agents_.end()) {
+    if (known->second.participant == sender.participant) return true;
+    group.proposals.Refuse(sender, "another participant is this agent");
+    return false;
+  }
+  const auto lost = lost_agents_.find(agent);
+  return lost != lost_agents_.end() && lost->second == sender.participant;
+}
+
+void DdsServiceEndpoint::DrainProposals(AgentGroup& group) {
+  const std::lock_guard lock(mutex_);
+  group.proposals.Drain([&](const troupe_wire_Proposal& proposal,
+                            const Sender& sender) { return IsFromAgent(group, proposal.agent, sender); },
+                        [this](const ProposalMessage& proposal, const Sender&) { handler_->OnProposal(proposal); });
+}
+
+void DdsServiceEndpoint::DrainControls() {
+  const std::lock_guard lock(mutex_);
+  controls_.Drain(AdmitAll(), [this](const ControlRequest& request, const Sender&) { handler_->OnControl(request); });
+  controls_.Clear();  // a stranger's may be large
+}
+
+void DdsServiceEndpoint::DrainSessions() {
+  const std::lock_guard lock(mutex_);
+  // A stranger cannot end this run by claiming to continue it.
+  const RunId own = proven_ ? RunId(0) : RunId(run_);
+  rivals_.Drain([own](const troupe_wire_Session& session,
+                      const Sender&) { return !session.ended && (own == 0 || session.run != own); },
+                [this](const SessionMessage& session, const Sender&) { handler_->OnRivalService(session); });
+  rivals_.Clear();
+}
+
+void DdsServiceEndpoint::SendSession(const SessionMessage& session) {
+  run_ = session.run;
+  for (const auto& group : groups_) group->sessions.Send(session);
+}
+
+void DdsServiceEndpoint::SendAdmissions(const std::vector<AdmissionMessage>& admissions) {
+  for (const auto& group : groups_) group->admissions.Send(admissions);
+}
+
+void DdsServiceEndpoint::DrainFrameRequests() {
+  const std::lock_guard lock(frame_mutex_);
+  bool requested = false;
+  frame_requests_.Drain(AdmitAll(), [&requested](const FrameRequest&, const Sender&) { requested = true; });
+  if (!requested) return;
+  const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+  if (const FrameMessage* frame = stream_.AnswerRequest(now)) whole_frames_.Send(*frame);
+}
+
+void DdsServiceEndpoint::SendFrame(const FrameMessage& frame) {
+  const std::lock_guard lock(frame_mutex_);
+  if (segment_) {
+    const Status published = segment_->Publish(frame);
+    if (!published.ok()) connection_.Report("data sharing ends: " + published.error().message);
+  }
+  for (const auto& group : groups_) group->SendFrame(frame, stream_.BaseOf(frame));
+  stream_.Sent(frame);
+}
+
+void DdsServiceEndpoint::SendHistory(const HistoryMessage& history) {
+  for (const auto& group : groups_) group->histories.Send(history);
+}
+
+void DdsServiceEndpoint::SendStatus(const StatusMessage& status) {
+  statuses_.Send(status);
+}
+
+void DdsServiceEndpoint::SendControlReply(const ControlReply& reply) {
+  control_replies_.Send(reply);
+}
+
+void DdsServiceEndpoint::Flush(double seconds) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
+  for (const auto& group : groups_) group->Flush(remaining);
+  control_replies_.writer().wait_for_acknowledgments(seconds);
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,44 @@
+// DdsTransport: the tick protocol over Cyclone DDS, between any number of processes and hosts. docs/qos.md describes
+// discovery and QoS.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/run/network_settings.h"
+#include "transport/protocol/transport.h"
+#include "transport/security/session_keys.h"
+
+namespace troupe {
+
+struct DdsOptions : NetworkSettings {
+  ParticipantKeys keys;
+  // Of a service: groups of agents, each with a participant of its own (agent_group.h). At least 1.
+  std::size_t agent_groups = 1;
+  // Of a service: UDP ports that DDS has for this domain, of the participants of its groups; those that are not given
+  // are the first free ones.
+  std::vector<std::uint16_t> discovery_ports;
+  std::vector<std::string> robots;  // of an agent: it may join for these only
+  // Called, on any thread, when a run of this session has a token that `keys` lacks.
+  std::function<void()> on_foreign_run;
+  // Called, on any thread, with one line for each message that was ignored because it was malformed, or could not be
+  // sent.
+  std::function<void(const std::string&)> on_problem;
+};
+
+// A participant of its own each. All throw dds::Exception (transport/dds/binding/exception.h) when DDS cannot start. A
+// service transport makes service endpoints only, an agent transport agent endpoints, an observer transport observer
+// endpoints.
+struct DdsServiceTransport {
+  std::unique_ptr<Transport> transport;
+  // By group of agents; the first is for observers, too, and for agents that are not assigned to a group.
+  std::vector<ServiceParticipant> participants;
+};
+DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);
+std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);
+std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options);
+
+}  // namespace troupe

@@ -1,0 +1,294 @@
+// The messages between the world service, its agents and tools: plain values, independent of the transport. The files
+// in idl/ define their layout on the wire; transport/dds/convert converts.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/model/proposal.h"
+#include "troupe/event.h"
+#include "troupe/ids.h"
+#include "troupe/result.h"
+#include "troupe/robot_command.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+// Random, made at the start of a program; tells two runs of a session, or two agents, apart.
+using RunId = std::uint64_t;
+using AgentId = std::uint64_t;
+
+// Counts the edits of a run: changes of its world from outside the simulation (reset, load, spawn, delete, set pose).
+// Frames are ordered by edition, then tick.
+using Edition = std::uint32_t;
+
+// Counts the services of a run, one after the other: each that continues the run after the death of the one before is
+// the next. A message of an older one has no effect.
+using Incarnation = std::uint32_t;
+
+// Service to agents and tools, kept for latecomers: the run of a session, its service and its world.
+struct SessionMessage {
+  RunId run = 0;
+  std::uint32_t protocol_version = 0;
+  std::string host;
+  std::uint32_t pid = 0;
+  double lease_seconds = 0.0;  // an agent that is silent for longer is lost
+  bool begun = false;          // the run ticks already
+  WorldDescription world;
+  Edition world_edition = 0;  // that made this world
+  Incarnation incarnation = 0;
+  bool operator==(const SessionMessage&) const = default;
+};
+
+// How far the memory of robots reaches: the newest state that they have processed.
+struct MemoryPlace {
+  Edition edition = 0;
+  Tick tick = 0;
+  bool decided = false;  // on this state; false: it was paused
+  auto operator<=>(const MemoryPlace&) const = default;
+};
+
+// Agent to service: requests the control of robots, by name. Resent until answered.
+struct JoinMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  std::uint32_t protocol_version = 0;
+  std::uint64_t world_hash = 0;  // hash of the agent's description
+  std::string host;
+  std::uint32_t pid = 0;
+  std::vector<std::string> robots;
+  Edition world_edition = 0;    // of the agent's description
+  Incarnation incarnation = 0;  // of the newest service that the agent knows
+  // Of those robots, the ones whose controllers accept goals, by name.
+  std::vector<std::string> accept_goals = {};
+  std::optional<MemoryPlace> memory = {};  // nothing: the robots are new
+  bool operator==(const JoinMessage&) const = default;
+};
+
+// Service to one agent: the answer to its JoinMessage.
+struct AdmissionMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  bool admitted = false;
+  // Of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its proposal
+  // has arrived, but it is unknown (any more).
+  std::string reason = {};
+  Incarnation incarnation = 0;
+  bool operator==(const AdmissionMessage&) const = default;
+};
+
+// Service to agents and observers: tick n is committed. Contains the whole state, so that any single frame brings any
+// replica up to date. A resent frame equals the first one, but for `last` (a run that is stopped resends its newest
+// frame with it set) and `awaited`.
+struct FrameMessage {
+  RunId run = 0;
+  WorldState state;
+  std::uint64_t state_hash = 0;  // StateHash(state)
+  bool last = false;             // the run is over: agents leave without an answer
+  std::vector<Event> events;     // of this tick
+  // The run is paused: agents publish the state (ROS 2) and answer with a paused proposal. When the run resumes, the
+  // same frame is sent again without `paused`.
+  bool paused = false;
+  // In a resent frame: the agents that have not answered; the others need not answer again. Empty: all are to answer.
+  std::vector<AgentId> awaited;
+  Edition edition = 0;
+  Edition world_edition = 0;  // the session of this edition has the world that the state belongs to
+  Edition fresh_edition = 0;  // the newest at which all robots were made anew, as at the start
+  Incarnation incarnation = 0;
+  std::vector<RobotCommand> commands = {};  // in force for the next tick, in robot-id order; not in a paused frame
+  // Robots that were made anew at fresh_edition need the memory of the states since. An agent that has none of them
+  // joins again, for their history.
+  bool remembered = false;
+  bool operator==(const FrameMessage&) const = default;
+};
+
+// A state of the past.
+struct HistoryEntry {
+  FrameMessage frame;         // without events
+  bool step_follows = false;  // false: an edit
+  // Of the frame, where it differs from that of the entry before, and of the first entry where the agents may lack it.
+  std::optional<WorldDescription> world = {};
+  bool operator==(const HistoryEntry&) const = default;
+};
+
+// Service to agents: states of the run so far, in order and without a gap, for agents whose join says that their memory
+// is behind. They process them, and join again.
+struct HistoryMessage {
+  RunId run = 0;
+  std::vector<AgentId> agents;            // that asked; others may use it if it follows their memory
+  std::optional<MemoryPlace> after = {};  // that it follows; nothing: the robots of these agents are new
+  std::vector<HistoryEntry> entries;
+  Incarnation incarnation = 0;
+  bool operator==(const HistoryMessage&) const = default;
+};
+
+// Observer to service: resend the newest frame, whole.
+struct FrameRequest {
+  std::uint64_t observer = 0;  // random; tells observers apart
+  bool operator==(const FrameRequest&) const = default;
+};
+
+// Agent to service: exactly one for each frame, for all robots of the agent.
+struct ProposalMessage {
+  RunId run = 0;
+  AgentId agent = 0;
+  Tick tick = 0;                     // the tick to be stepped: frame.state.tick + 1
+  std::vector<Proposal> proposals;   // in robot-id order
+  std::vector<std::string> reports;  // of controllers, and their failures, for the log; usually empty
+  bool paused = false;               // answers a paused frame: no proposals
+  Edition edition = 0;               // of the frame that it answers
+  Incarnation incarnation = 0;       // of the newest service that the agent knows
+  bool operator==(const ProposalMessage&) const = default;
+};
+
+enum class ControlCommand : std::uint8_t {
+  kStatus = 0,
+  kPause = 1,  // after the open tick; answered when the pause is quiescent
+  kPlay = 2,
+  kStep = 3,  // from a pause: `ticks` ticks, and pause again; answered when that pause is quiescent
+  // Edits, each in a pause of its own if the run plays; answered when all agents have the edited world.
+  kReset = 4,      // by `scopes`
+  kLoadWorld = 5,  // the file `source`; an empty world without one
+  kSpawn = 6,      // `source`, as `name`, at `pose`
+  kDelete = 7,     // `name`
+  kSetPose = 8,    // of `name` to `pose`
+  // Questions.
+  kEntities = 9,     // the one called `name`; all if that is empty
+  kSpawnables = 10,  // models of the run's world file
+  // While the run plays or is paused.
+  kSpeed = 11,         // `speed`
+  kCommandRobot = 12,  // `robot_command` for robot `name`, in force for `ticks` ticks
+  // An edit: adds the deleted entity `source` again as `name`, at `pose`. A robot has a new id, and its controller
+  // starts.
+  kRestore = 13,
+  // An edit: back to tick `ticks`, from the recording of the run.
+  kRewind = 14,
+  // In recordings only, an edit: the seed and the controllers, as `source` says.
+  kChange = 15,
+  // Questions.
+  kWorld = 16,   // the name of the loaded world, and its file as its type; nothing after it was unloaded
+  kWorlds = 17,  // the files of worlds in the folder `source`; without one in that of the run's world
+  // Another edit.
+  kSetTwist = 18,  // of robot `name` to `twist`
+};
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kSetTwist;
+
+inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
+
+// The scopes of a reset; a sum of these.
+inline constexpr std::uint8_t kResetTime = 1;     // back to tick 0
+inline constexpr std::uint8_t kResetState = 2;    // robots and objects back to their first state; controllers restart
+inline constexpr std::uint8_t kResetSpawned = 4;  // deletes the spawned entities
+inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded, with the entities deleted since
+
+// Tool to service: pause, play and step, edits of the world, queries, and commands to robots.
+struct ControlRequest {
+  std::uint64_t client = 0;  // random; tells tools apart
+  std::uint64_t number = 0;  // of the request; repeated in the reply
+  ControlCommand command = ControlCommand::kStatus;
+  std::uint64_t ticks = 1;  // kStep, kCommandRobot, kRewind
+  std::string name = {};    // of an entity; a spawn without one is named after the source
+  std::string source = {};
+  Pose pose = {};  // in W
+  std::uint8_t scopes = kResetAll;
+  bool rename = false;               // kSpawn: choose another name if this one is in use
+  std::optional<double> speed = {};  // kSpeed: multiple of real time; none: as fast as possible
+  // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
+  // and the number of its goal do not count.
+  RobotCommand robot_command = {};
+  Twist twist = {};                              // kSetTwist, in R
+  std::optional<std::uint32_t> ros_domain = {};  // kSpawn: RosIdentity::domain of the robot; none: as its source says
+  // Only in the service's process, not on the wire.
+  std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
+  std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot
+  // kSpawn: a robot without a ROS domain of its own has the first free one from this on.
+  std::optional<std::uint32_t> ros_domains_from = {};
+  bool with_boxes = false;  // kEntities: report their boxes
+  bool operator==(const ControlRequest&) const = default;
+};
+
+enum class RunState : std::uint8_t { kStarting = 0, kPlaying = 1, kPaused = 2, kOver = 3 };
+
+enum class EntityKind : std::uint8_t {
+  kRobot = 0,
+  kObject = 1,  // grippers can hold it
+  kModel = 2,   // never moves
+};
+
+// The smallest box around an entity, upright and aligned with its frame E, m. Empty: it has no body.
+struct EntityBox {
+  double min_x = 0.0, min_y = 0.0, min_z = 0.0;
+  double max_x = 0.0, max_y = 0.0, max_z = 0.0;
+  bool operator==(const EntityBox&) const = default;
+};
+
+// The agent of a robot.
+struct AgentReport {
+  std::string host;
+  std::uint32_t pid = 0;
+  bool present = false;          // false: lost
+  double answer_seconds = 0.0;   // from a frame to the answer, smoothed over some ticks; 0: no answer yet
+  std::uint64_t times_last = 0;  // ticks in which the robot's agent was the last to answer
+  bool operator==(const AgentReport&) const = default;
+};
+
+// The unit of edits: a model without a parent, with its whole tree.
+struct EntityReport {
+  std::string name;
+  std::string type;  // as in the world file
+  EntityKind kind = EntityKind::kModel;
+  Pose X_WE = {};
+  Twist twist = {};                       // in E
+  EntityBox box = {};                     // only in the service's process, and if the request asks for it
+  std::optional<AgentReport> agent = {};  // of a robot that has one, or has lost it
+  bool operator==(const EntityReport&) const = default;
+};
+
+// Service to the tool that sent the request.
+struct ControlReply {
+  std::uint64_t client = 0;
+  std::uint64_t number = 0;
+  bool done = false;
+  std::string problem;                           // reason of a refusal or failure; empty when done
+  ErrorCode problem_code = ErrorCode::kFailure;  // its kind; only in the service's process, not on the wire
+  RunState state = RunState::kStarting;
+  Tick tick = 0;
+  std::uint64_t state_hash = 0;
+  Edition edition = 0;
+  std::vector<EntityReport> entities = {};  // kEntities, kSpawn: the new one, kSpawnables: name and type only
+  bool operator==(const ControlReply&) const = default;
+};
+
+// What the service does in a tick: wall times in s, on average over about the last second; 0: no tick was made.
+struct PhaseSeconds {
+  double wait = 0.0;  // for proposals, and for the time of the tick
+  double step = 0.0;
+  double record = 0.0;  // output files and ROS messages
+  double publish = 0.0;
+  bool operator==(const PhaseSeconds&) const = default;
+};
+
+// Service to tools, twice a second: the progress of the run.
+struct StatusMessage {
+  RunId run = 0;
+  Tick tick = 0;
+  std::uint64_t target_ticks = 0;  // 0: no end
+  double sim_seconds = 0.0;
+  double wall_seconds = 0.0;      // since the first tick
+  double real_time_factor = 0.0;  // over the last period
+  std::uint32_t robots = 0;
+  std::uint32_t agents = 0;
+  std::vector<std::string> waiting_for;  // robots whose proposals have been missing for a while, by name
+  double waiting_seconds = 0.0;          // wall time that the barrier has been waiting
+  Edition edition = 0;
+  Incarnation incarnation = 0;
+  std::optional<double> speed = {};  // that the run is paced to, multiple of real time; none: it is not paced
+  PhaseSeconds phases = {};
+  bool operator==(const StatusMessage&) const = default;
+};
+
+}  // namespace troupe

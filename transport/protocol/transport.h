@@ -1,0 +1,123 @@
+// Transport: the connection between a world service, its agents and its observers. Implementations: memory_transport.h
+// (one process), transport/dds/transport/dds_transport.h (any number of processes and machines), faulty_transport.h
+// (wraps another one and loses, delays, duplicates and reorders messages, for tests).
+//
+// Messages may be lost, late, duplicated or out of order in any of them; the tick protocol (docs/tick-protocol.md)
+// tolerates that. The handler of an endpoint is called on one thread at a time, which the transport chooses; sending
+// from inside a handler call is allowed. A handler must not destroy its endpoint.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "transport/protocol/messages.h"
+
+namespace troupe {
+
+class ServiceHandler {
+ public:
+  virtual ~ServiceHandler() = default;
+  virtual void OnJoin(const JoinMessage& join) = 0;
+  virtual void OnProposal(const ProposalMessage& proposal) = 0;  // of an agent whose join was delivered before
+  // The agent has left, or its lease has expired.
+  virtual void OnAgentGone(AgentId agent) = 0;
+  // Another service of the same session was discovered.
+  virtual void OnRivalService(const SessionMessage& rival) = 0;
+  // The request of a tool. SendControlReply answers it, now or later.
+  virtual void OnControl(const ControlRequest& request) { (void)request; }
+  // A message was lost for lack of memory, and so may be all that follow.
+  virtual void OnOutOfMemory() {}
+};
+
+// The world service's end. It keeps the newest frame, and answers the frame requests of observers itself.
+class ServiceEndpoint {
+ public:
+  virtual ~ServiceEndpoint() = default;  // no handler call runs any more when it returns
+  // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
+  virtual void Start(ServiceHandler& handler) = 0;
+  virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
+  // Offers agents of this machine a copy of these bytes (RayMap), in place of one of an earlier world. No effect in
+  // transports without shared memory.
+  virtual void ShareMap(std::span<const std::byte> bytes) { (void)bytes; }
+  virtual void SendAdmissions(const std::vector<AdmissionMessage>& admissions) = 0;
+  virtual void SendFrame(const FrameMessage& frame) = 0;
+  virtual void SendHistory(const HistoryMessage& history) = 0;
+  virtual void SendStatus(const StatusMessage& status) = 0;
+  // No effect in transports without tools.
+  virtual void SendControlReply(const ControlReply& reply) { (void)reply; }
+  // Waits until the agents have received all messages that were sent, at most `seconds`; then as long until tools have
+  // received their replies.
+  virtual void Flush(double seconds) = 0;
+};
+
+class AgentHandler {
+ public:
+  virtual ~AgentHandler() = default;
+  virtual void OnSession(const SessionMessage& session) = 0;
+  virtual void OnAdmission(const AdmissionMessage& admission) = 0;  // of any agent
+  virtual void OnFrame(const FrameMessage& frame) = 0;
+  virtual void OnHistory(const HistoryMessage& history) { (void)history; }  // for any agent
+  // The service has ended.
+  virtual void OnServiceGone() = 0;
+  // The lease of the service has expired: it has died, or it or this process was stopped for a time. In the latter case
+  // the service continues, and its messages follow.
+  virtual void OnServiceLost() { OnServiceGone(); }
+  // A message was lost for lack of memory, and so may be all that follow.
+  virtual void OnOutOfMemory() {}
+};
+
+// An agent's end.
+class AgentEndpoint {
+ public:
+  virtual ~AgentEndpoint() = default;  // no handler call runs any more when it returns
+  // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
+  virtual void Start(AgentHandler& handler) = 0;
+  virtual void SendJoin(const JoinMessage& join) = 0;
+  virtual void SendProposal(const ProposalMessage& proposal) = 0;
+  // The map that the service shares with its machine, if its bytes are equal to these; otherwise, and in transports
+  // without shared memory, null. Not for threads that run a handler.
+  virtual std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) {
+    (void)bytes;
+    return nullptr;
+  }
+};
+
+// A tool that follows a run without influence on it: a viewer, a monitor.
+class ObserverHandler {
+ public:
+  virtual ~ObserverHandler() = default;
+  // The world of a run: before its first frame, and again after each edit that changed it.
+  virtual void OnSession(const SessionMessage& session) = 0;
+  // A committed tick with its whole state and its events. Frames may be missing or arrive twice. Its world is
+  // that of the session message with the same run and world_edition. `awaited` means nothing here.
+  virtual void OnFrame(const FrameMessage& frame) = 0;
+  virtual void OnStatus(const StatusMessage& status) = 0;
+  // The service has ended, or its lease has expired. A later run of the session begins with OnSession.
+  virtual void OnServiceGone() = 0;
+};
+
+// An observer's end. It joins a session at any time and receives its newest frame, then each following one. The handler
+// has a thread of its own: a slow handler loses frames, and neither the service nor any agent or other observer waits
+// for it.
+class ObserverEndpoint {
+ public:
+  virtual ~ObserverEndpoint() = default;  // no handler call runs any more when it returns
+  // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
+  virtual void Start(ObserverHandler& handler) = 0;
+  // Requests the newest frame from the service; OnFrame receives it even if it is known. The endpoint does so itself
+  // when it joins and after a gap; a caller needs it only when its own queue has lost a frame. REQUIRES: started.
+  virtual void RequestFrame() = 0;
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  // The endpoints must not outlive the transport.
+  virtual std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() = 0;
+  virtual std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) = 0;
+  virtual std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() = 0;
+};
+
+}  // namespace troupe

@@ -1,0 +1,47 @@
+// Key pairs with certificates, and signed documents: the part of OpenSSL that DDS Security needs. Errors have the code
+// kFailure, except where a text that was read is not understood.
+#pragma once
+
+#include <openssl/types.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "transport/security/validity.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+struct OpenSslDeleter {
+  void operator()(EVP_PKEY* key) const;
+  void operator()(X509* certificate) const;
+};
+
+// A private key on the curve P-256, and the certificate of its public half.
+struct CertifiedKey {
+  std::unique_ptr<EVP_PKEY, OpenSslDeleter> key;
+  std::unique_ptr<X509, OpenSslDeleter> certificate;
+};
+
+// Signed by itself, for signing certificates and documents. Valid from a day ago, because hosts' clocks differ.
+Result<CertifiedKey> MakeAuthorityKey(const std::string& common_name, std::chrono::seconds lifetime);
+
+// Signed by the authority, and valid for as long as that one is.
+Result<CertifiedKey> MakeIdentityKey(const std::string& common_name, const CertifiedKey& authority);
+
+// Reads both from PEM. Fails if the key is not that of the certificate.
+Result<CertifiedKey> ReadCertifiedKey(const std::string& key_pem, const std::string& certificate_pem);
+
+Result<std::string> KeyPem(const CertifiedKey& key);
+Result<std::string> CertificatePem(const CertifiedKey& key);
+
+// The certificate's validity has ended.
+bool HasExpired(const CertifiedKey& key);
+
+Result<Validity> ValidityOf(const CertifiedKey& key);
+
+// An S/MIME message with the text and a detached signature: the contents of a .p7s file.
+Result<std::string> SignedDocument(const std::string& text, const CertifiedKey& authority);
+
+}  // namespace troupe

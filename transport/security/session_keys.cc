@@ -1,0 +1,147 @@
+#include "transport/security/session_keys.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "common/base/enclave.h"
+#include "common/run/network_settings.h"
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path PathOfSessions() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && *runtime != '\0') return fs::path(runtime) / "troupe";
+  std::error_code failure;
+  const fs::path temporary = fs::temp_directory_path(failure);
+  return (failure ? fs::path("/tmp") : temporary) / ("troupe-" + std::to_string(getuid()));
+}
+
+// Anyone could have made it first, where the folder above is writable for all.
+Status CheckPrivate(const fs::path& folder) {
+  struct stat state = {};
+  if (lstat(folder.c_str(), &state) != 0) return Failure(folder.string() + ": " + std::strerror(errno));
+  const bool is_private = S_ISDIR(state.st_mode) && state.st_uid == getuid() && (state.st_mode & 077) == 0;
+  if (is_private) return {};
+  return Failure(folder.string() +
+                 ": found a file or a folder that others own or can read, expected a folder of mode " +
+                 "0700 of this user, for the keys of runs");
+}
+
+std::string Prefix(std::uint32_t domain) {
+  return std::to_string(domain) + "-";
+}
+
+// Its folder; empty if the session has none.
+std::string KeysOf(std::uint32_t domain, const std::string& session) {
+  const fs::path folder = PathOfSessions();
+  if (!CheckPrivate(folder).ok()) return {};
+  std::error_code failure;
+  const fs::path keys = fs::canonical(folder / (Prefix(domain) + session), failure);
+  return failure ? std::string() : keys.string();
+}
+
+}  // namespace
+
+Result<std::string> SessionsFolder() {
+  const fs::path folder = PathOfSessions();
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
+    return Failure("cannot make " + folder.string() + ", for the keys of runs: " + std::strerror(errno));
+  }
+  if (Status status = CheckPrivate(folder); !status.ok()) return status.error();
+  return folder.string();
+}
+
+Result<PublishedKeys> PublishedKeys::Publish(std::uint32_t domain, const std::string& session,
+                                             const std::string& keys) {
+  std::error_code failure;
+  if (keys.empty()) {
+    fs::remove(PathOfSessions() / (Prefix(domain) + session), failure);
+    return PublishedKeys();
+  }
+  Result<std::string> folder = SessionsFolder();
+  if (!folder.ok()) return folder.error();
+  DeleteNamesOfDeletedKeys();
+  const std::string link = folder.value() + "/" + Prefix(domain) + session;
+  const fs::path target = fs::absolute(keys, failure);
+  const std::string fresh = link + ".new-" + std::to_string(getpid());
+  fs::remove(fresh, failure);
+  fs::create_symlink(target, fresh, failure);
+  if (!failure) fs::rename(fresh, link, failure);
+  if (failure) return Failure("cannot make " + link + ": " + failure.message());
+  PublishedKeys published;
+  published.link_ = link;
+  return published;
+}
+
+void DeleteNamesOfDeletedKeys() {
+  const fs::path folder = PathOfSessions();
+  if (!CheckPrivate(folder).ok()) return;
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    if (!entry.is_symlink(failure) || fs::status(entry.path(), failure).type() != fs::file_type::not_found) continue;
+    fs::remove(entry.path(), failure);
+  }
+}
+
+PublishedKeys::PublishedKeys(PublishedKeys&& other) noexcept : link_(std::exchange(other.link_, {})) {}
+
+PublishedKeys& PublishedKeys::operator=(PublishedKeys&& other) noexcept {
+  std::swap(link_, other.link_);
+  return *this;
+}
+
+PublishedKeys::~PublishedKeys() {
+  std::error_code ignored;
+  if (!link_.empty()) fs::remove(link_, ignored);
+}
+
+std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain) {
+  const fs::path folder = PathOfSessions();
+  std::vector<SessionKeys> found;
+  if (!CheckPrivate(folder).ok()) return found;
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    const std::string prefix = Prefix(domain);
+    if (!name.starts_with(prefix) || !entry.is_symlink(failure)) continue;
+    const std::string session = name.substr(prefix.size());
+    const std::string keys = KeysOf(domain, session);
+    if (!keys.empty()) found.push_back({session, keys});
+  }
+  std::sort(found.begin(), found.end(),
+            [](const SessionKeys& a, const SessionKeys& b) { return a.session < b.session; });
+  return found;
+}
+
+Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t domain, const std::string& session,
+                                 const Role& role) {
+  if (security == kSecurityOff) return ParticipantKeys();
+  const bool published = security == kSecurityAuto || security == kSecurityOn;
+  const std::string keys = published ? KeysOf(domain, session) : security;
+  if (keys.empty() && security == kSecurityOn) {
+    return Failure("--security on: no run of session '" + session + "' has published keys in " +
+                   PathOfSessions().string());
+  }
+  if (keys.empty()) return ParticipantKeys();
+  if (RunToken::IsIn(keys)) {
+    Result<RunToken> token = RunToken::ReadFrom(keys);
+    if (!token.ok()) return token.error();
+    return ParticipantKeys{{}, std::move(token).value()};
+  }
+  const std::string enclave = keys + "/" + KeyFolder(role);
+  if (Status status = CheckEnclave(enclave); !status.ok()) return status.error();
+  return ParticipantKeys{enclave, std::nullopt};
+}
+
+}  // namespace troupe

@@ -1,0 +1,211 @@
+#include "transport/shared_memory/service_segment.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "common/base/random_id.h"
+#include "transport/shared_memory/frame_words.h"
+#include "transport/shared_memory/proposal_words.h"
+
+namespace troupe {
+namespace {
+
+// s. The service looks for answers after twice the usual time, and then less and less often.
+constexpr double kShortestWait = 0.001;
+constexpr double kLongestWait = 0.05;
+constexpr double kIdleWait = 0.5;  // without agents
+constexpr double kLearningRate = 0.1;
+
+constexpr std::size_t kReservedAtOnce = std::size_t{1} << 16;  // bytes
+
+}  // namespace
+
+Result<std::unique_ptr<ServiceSegment>> ServiceSegment::Create() {
+  SharingAddress address;
+  address.machine = ThisMachine();
+  if (address.machine.empty()) return Failure("the system does not tell its boot and namespaces");
+  auto frames = SharedMemory::Create("troupe-frames", kFramesBytes, SharedMemory::Peers::kMayRead);
+  if (!frames.ok()) return frames.error();
+  auto answers = SharedMemory::Create("troupe-answers", kAnswersBytes, SharedMemory::Peers::kMayWrite);
+  if (!answers.ok()) return answers.error();
+  if (Status status = frames.value().memory.Reserve(0, kFramesHeaderBytes); !status.ok()) return status.error();
+  if (Status status = answers.value().memory.Reserve(0, kPage); !status.ok()) return status.error();
+  address.process = getpid();
+  address.frames = frames.value().memory.descriptor();
+  address.answers = answers.value().memory.descriptor();
+  address.key = MakeRandomId();
+  return std::unique_ptr<ServiceSegment>(
+      new ServiceSegment(std::move(frames).value(), std::move(answers).value(), address));
+}
+
+ServiceSegment::ServiceSegment(SharedMemory::OwnedMemory frames, SharedMemory::OwnedMemory answers,
+                               const SharingAddress& address)
+    : frames_(std::move(frames)), answers_(std::move(answers)), address_(address) {
+  this->frames().key = address_.key;
+  this->frames().layout = kSharedLayout;
+}
+
+void ServiceSegment::Bind(AgentId agent) {
+  const std::lock_guard lock(mutex_);
+  if (agent == 0 || slot_of_.contains(agent)) return;
+  std::size_t index = 0;
+  while (index < slots_.size() && slots_[index].agent != 0) ++index;
+  if (index == kSlots) return;
+  if (index == slots_.size()) slots_.emplace_back();
+  // A message of the slot's last agent is not one of this agent; the seqlock continues.
+  slots_[index].agent = agent;
+  slots_[index].round = 0;
+  slot_of_[agent] = index;
+  frames().agents[index] = agent;
+}
+
+void ServiceSegment::Unbind(AgentId agent) {
+  const std::lock_guard lock(mutex_);
+  const auto known = slot_of_.find(agent);
+  if (known == slot_of_.end()) return;
+  frames().agents[known->second] = 0;
+  slots_[known->second].agent = 0;
+  slot_of_.erase(known);
+}
+
+// The agents that have answered the frame before will answer this one: so one that is silent costs its time once.
+std::uint32_t ServiceSegment::CountExpected(const FrameMessage& frame) const {
+  std::uint32_t count = 0;
+  if (frame.awaited.empty()) {
+    for (const Slot& slot : slots_) count += slot.agent != 0 && slot.round == round_ ? 1 : 0;
+    return count;
+  }
+  for (const AgentId agent : frame.awaited) {
+    const auto known = slot_of_.find(agent);
+    count += known != slot_of_.end() && slots_[known->second].round != 0 ? 1 : 0;
+  }
+  return count;
+}
+
+void ServiceSegment::ShareMap(std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t size = bytes.size();
+  const bool is_shared =
+      map_ && frames().map_bytes == size && std::memcmp(&map_->mapped.At<std::byte>(0), bytes.data(), size) == 0;
+  if (is_shared) return;
+  frames().map_bytes = 0;
+  map_.reset();
+  if (size == 0) return;
+  auto made = SharedMemory::Create("troupe-map", size, SharedMemory::Peers::kMayRead);
+  if (!made.ok() || !made.value().memory.Reserve(0, size).ok()) return;
+  std::memcpy(&made.value().mapped.At<std::byte>(0), bytes.data(), size);
+  map_ = std::move(made).value();
+  frames().map = static_cast<std::uint64_t>(map_->memory.descriptor());
+  frames().map_bytes = size;
+}
+
+Status ServiceSegment::Publish(const FrameMessage& frame) {
+  const std::lock_guard lock(mutex_);
+  if (ended_) return {};
+  const std::uint32_t next = published_ + 1;
+  const std::size_t bytes = sizeof(SeqlockHeader) + CountFrameWords(frame) * sizeof(Word);
+  std::size_t& reserved = reserved_[next % kBuffers];
+  if (bytes > reserved) {
+    const std::size_t more = (bytes - reserved + kReservedAtOnce - 1) / kReservedAtOnce * kReservedAtOnce;
+    Status status = bytes > kBufferBytes ? Status(Failure("a frame is too long for shared memory"))
+                                         : frames_.memory.Reserve(BufferOffset(next) + reserved, more);
+    if (!status.ok()) {
+      End();
+      return status;
+    }
+    reserved += more;
+  }
+  const MappedMemory& memory = frames_.mapped;
+  SeqlockWriter writer(memory.At<SeqlockHeader>(BufferOffset(next)),
+                       memory.Array<Word>(BufferOffset(next) + sizeof(SeqlockHeader), kBufferWords));
+  AddFrame(frame, writer.words());
+  writer.Finish();
+
+  missing_ = CountExpected(frame);
+  if (frame.awaited.empty()) ++round_;
+  published_ = next;
+  published_at_ = Clock::now();
+  answers().missing.store(Missing(next, missing_), std::memory_order_release);
+  frames().published.store(next, std::memory_order_release);
+  FutexWake(frames().published);
+  if (waiting_) Wake();  // for as long as is right for this frame
+  return {};
+}
+
+void ServiceSegment::Wake() {
+  answers().wakes.fetch_add(1, std::memory_order_release);
+  FutexWake(answers().wakes);
+}
+
+void ServiceSegment::End() {
+  ended_ = true;
+  frames().ended.store(1, std::memory_order_release);
+  frames().published.store(++published_, std::memory_order_release);
+  FutexWake(frames().published);
+}
+
+double ServiceSegment::LongestWait() const {
+  const std::lock_guard lock(mutex_);
+  if (missing_ == 0) return slot_of_.empty() ? kIdleWait : kLongestWait;
+  const double elapsed = std::chrono::duration<double>(Clock::now() - published_at_).count();
+  const double first = 2.0 * usual_seconds_ - elapsed;
+  return std::clamp(first > 0.0 ? first : elapsed / 2.0, kShortestWait, kLongestWait);
+}
+
+bool ServiceSegment::Wait() {
+  waiting_ = true;
+  if (!closing_ && answers().wakes.load(std::memory_order_acquire) == seen_wakes_) {
+    FutexWait(answers().wakes, seen_wakes_, LongestWait());
+  }
+  waiting_ = false;
+  seen_wakes_ = answers().wakes.load(std::memory_order_acquire);
+  return !closing_;
+}
+
+void ServiceSegment::Close() {
+  closing_ = true;
+  while (waiting_) {
+    Wake();
+    std::this_thread::yield();
+  }
+}
+
+bool ServiceSegment::Read(Slot& slot, std::size_t index, SharedAnswer& answer) const {
+  const MappedMemory& memory = answers_.mapped;
+  const SlotHeader& header = memory.At<SlotHeader>(SlotOffset(index));
+  const auto words = memory.Array<const Word>(SlotOffset(index) + sizeof(SlotHeader), kSlotWords);
+  return ReadNewer(header.message, words, slot.seen, [&](const WordReader& reader) {
+    answer.agent = slot.agent;
+    answer.sent_at = header.sent_at.load(std::memory_order_acquire);
+    answer.malformed = ReadProposal(reader, answer.proposal);
+    if (answer.malformed.ok() && answer.proposal.agent != slot.agent) {
+      answer.malformed = Error{{}, "a proposal in shared memory in the name of another agent"};
+    }
+  });
+}
+
+std::span<const SharedAnswer> ServiceSegment::Collect() {
+  const std::lock_guard lock(mutex_);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    if (slot.agent == 0) continue;
+    if (count == collected_.size()) collected_.emplace_back();
+    if (!Read(slot, i, collected_[count])) continue;
+    ++count;
+    if (slot.round != 0 && missing_ > 0 && --missing_ == 0) {
+      const double seconds = std::chrono::duration<double>(Clock::now() - published_at_).count();
+      usual_seconds_ += kLearningRate * (seconds - usual_seconds_);
+    }
+    slot.round = round_;
+  }
+  std::stable_sort(collected_.begin(), collected_.begin() + static_cast<std::ptrdiff_t>(count),
+                   [](const SharedAnswer& a, const SharedAnswer& b) { return a.sent_at < b.sent_at; });
+  return {collected_.data(), count};
+}
+
+}  // namespace troupe

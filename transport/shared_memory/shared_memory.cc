@@ -1,0 +1,95 @@
+#include "transport/shared_memory/shared_memory.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+Error SystemError(const std::string& doing) {
+  return Failure(doing + ": " + std::strerror(errno));
+}
+
+constexpr int kSizeSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+
+}  // namespace
+
+MappedMemory::MappedMemory(MappedMemory&& other) noexcept
+    : begin_(std::exchange(other.begin_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+MappedMemory& MappedMemory::operator=(MappedMemory&& other) noexcept {
+  std::swap(begin_, other.begin_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+MappedMemory::~MappedMemory() {
+  if (begin_ != nullptr) munmap(begin_, size_);
+}
+
+SharedMemory::SharedMemory(SharedMemory&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), writable_(other.writable_) {}
+
+SharedMemory& SharedMemory::operator=(SharedMemory&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(writable_, other.writable_);
+  return *this;
+}
+
+SharedMemory::~SharedMemory() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+Result<SharedMemory::OwnedMemory> SharedMemory::Create(const char* name, std::size_t size, Peers peers) {
+  // Beyond the limit ftruncate would end the process with a signal.
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < size) {
+    return Failure("the limit of file sizes (ulimit -f) is too low for shared memory");
+  }
+  SharedMemory memory(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING), true);
+  if (memory.descriptor_ < 0) return SystemError("making shared memory");
+  if (ftruncate(memory.descriptor_, static_cast<off_t>(size)) != 0) return SystemError("sizing shared memory");
+  // The mapping of the owner precedes the seal that denies later ones.
+  Result<MappedMemory> mapped = memory.Map(0, size);
+  if (!mapped.ok()) return mapped.error();
+  const int seals = kSizeSeals | (peers == Peers::kMayRead ? F_SEAL_FUTURE_WRITE : 0);
+  if (fcntl(memory.descriptor_, F_ADD_SEALS, seals) != 0) return SystemError("sealing shared memory");
+  return OwnedMemory{std::move(memory), std::move(mapped).value()};
+}
+
+Result<SharedMemory> SharedMemory::Open(pid_t owner, int descriptor, std::size_t size, Peers access) {
+  const std::string path = "/proc/" + std::to_string(owner) + "/fd/" + std::to_string(descriptor);
+  const bool writable = access == Peers::kMayWrite;
+  // Never waits, also if the descriptor belongs to something else by now.
+  SharedMemory memory(open(path.c_str(), (writable ? O_RDWR : O_RDONLY) | O_CLOEXEC | O_NONBLOCK | O_NOCTTY), writable);
+  if (memory.descriptor_ < 0) return SystemError("opening the shared memory of process " + std::to_string(owner));
+  struct stat status {};
+  const int seals = fcntl(memory.descriptor_, F_GET_SEALS);
+  if (fstat(memory.descriptor_, &status) != 0 || seals < 0 || (seals & kSizeSeals) != kSizeSeals ||
+      static_cast<std::size_t>(status.st_size) != size || status.st_uid != geteuid()) {
+    return Failure("the descriptor of process " + std::to_string(owner) + " is not its shared memory");
+  }
+  return memory;
+}
+
+Result<MappedMemory> SharedMemory::Map(std::size_t offset, std::size_t size) const {
+  void* const begin = mmap(nullptr, size, writable_ ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, descriptor_,
+                           static_cast<off_t>(offset));
+  if (begin == MAP_FAILED) return SystemError("mapping shared memory");
+  return MappedMemory(static_cast<std::byte*>(begin), size);
+}
+
+Status SharedMemory::Reserve(std::size_t offset, std::size_t size) const {
+  if (fallocate(descriptor_, 0, static_cast<off_t>(offset), static_cast<off_t>(size)) == 0) return {};
+  return SystemError("reserving shared memory");
+}
+
+}  // namespace troupe

@@ -1,0 +1,75 @@
+// SharedMemory: memory that processes of one user on one machine share. It has no name in the file system: another
+// process opens it through the descriptors of its owner in /proc, and it ends with the last process that maps it,
+// however that process ends. Nothing is left to clean.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "troupe/result.h"
+
+namespace troupe {
+
+// A mapping; unmapped by its destructor.
+class MappedMemory {
+ public:
+  MappedMemory() = default;
+  MappedMemory(std::byte* begin, std::size_t size) : begin_(begin), size_(size) {}
+  MappedMemory(MappedMemory&& other) noexcept;
+  MappedMemory& operator=(MappedMemory&& other) noexcept;
+  ~MappedMemory();
+
+  // An object at this place. REQUIRES: it is inside.
+  template <typename T>
+  T& At(std::size_t offset) const {
+    return *reinterpret_cast<T*>(begin_ + offset);
+  }
+  template <typename T>
+  std::span<T> Array(std::size_t offset, std::size_t count) const {
+    return {reinterpret_cast<T*>(begin_ + offset), count};
+  }
+  bool empty() const { return begin_ == nullptr; }
+
+ private:
+  std::byte* begin_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+class SharedMemory {
+ public:
+  enum class Peers : bool { kMayRead, kMayWrite };
+
+  // New memory of zeros, which needs real memory only where it is written, and its mapping. Its size never changes.
+  // Other processes may open it as `peers` says.
+  struct OwnedMemory;
+  static Result<OwnedMemory> Create(const char* name, std::size_t size, Peers peers);
+  // The memory behind a descriptor of another process, of the same user, or why it cannot be opened.
+  static Result<SharedMemory> Open(pid_t owner, int descriptor, std::size_t size, Peers access);
+
+  SharedMemory(SharedMemory&& other) noexcept;
+  SharedMemory& operator=(SharedMemory&& other) noexcept;
+  ~SharedMemory();
+
+  int descriptor() const { return descriptor_; }
+
+  // Multiples of the page size.
+  Result<MappedMemory> Map(std::size_t offset, std::size_t size) const;
+  // Obtains real memory for this part: without it a write to the mapping would end the process.
+  Status Reserve(std::size_t offset, std::size_t size) const;
+
+ private:
+  SharedMemory(int descriptor, bool writable) : descriptor_(descriptor), writable_(writable) {}
+
+  int descriptor_ = -1;
+  bool writable_ = false;  // by this process
+};
+
+struct SharedMemory::OwnedMemory {
+  SharedMemory memory;
+  MappedMemory mapped;
+};
+
+}  // namespace troupe

@@ -1,0 +1,120 @@
+#include "worldfile/edit/stage_edit.h"
+
+#include <cstdlib>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+bool IsBlank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+// True if `written` is the element as it is in the text already, whatever its form.
+bool IsSame(std::string_view element, const WrittenScalar& written) {
+  if (const auto* text = std::get_if<std::string>(&written)) return element == '"' + *text + '"';
+  if (element.front() == '"') return false;
+  const std::string old_text(element);
+  return std::strtod(old_text.c_str(), nullptr) == std::strtod(std::get<WrittenNumber>(written).text.c_str(), nullptr);
+}
+
+std::string ScalarText(const WrittenScalar& scalar) {
+  return ToStage(WrittenValue{scalar});
+}
+
+// A statement behind the last of its kind, or as the first of the body.
+std::string Inserted(const std::string& text, const StageBody& body, const Statement* after, const std::string& what) {
+  const std::string end_of_line = EndOfLineIn(text);
+  const bool several_lines = body.is_file || body.span.Of(text).find('\n') != std::string_view::npos;
+  const std::size_t at = after != nullptr ? after->span.end : body.span.begin;
+  std::size_t rest = at;
+  while (rest < text.size() && IsBlank(text[rest])) ++rest;
+  const bool ends_line = rest == text.size() || text[rest] == '\n' || text[rest] == '\r' || text[rest] == '#';
+  if (several_lines && ends_line) {
+    std::string indent = IndentOf(text, after != nullptr ? after->span.begin : body.span.begin);
+    if (after == nullptr && !body.is_file) indent += "  ";
+    // Behind a comment of that line.
+    const std::size_t line_end = LineEnd(text, at);
+    return ApplyChanges(text, {{{line_end, line_end}, end_of_line + indent + what}});
+  }
+  std::string between = " " + what;
+  if (at < text.size() && !IsBlank(text[at]) && text[at] != '\n' && text[at] != '\r') between += " ";
+  return ApplyChanges(text, {{{at, at}, between}});
+}
+
+}  // namespace
+
+std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name,
+                         const WrittenValue& value) {
+  const Statement* const property = FindProperty(body, name);
+  if (property == nullptr) {
+    const Statement* last = nullptr;
+    for (const Statement& statement : *body.statements) {
+      if (statement.kind == StatementKind::kProperty) last = &statement;
+    }
+    const std::string written = name + " " + ToStage(value);
+    if (!body.is_file || last != nullptr) return Inserted(text, body, last, written);
+    return ApplyChanges(text, {{{0, 0}, written + EndOfLineIn(text)}});
+  }
+  const auto* const tuple = std::get_if<std::vector<WrittenScalar>>(&value.content);
+  if (tuple != nullptr && text[property->value.begin] == '[' && tuple->size() == property->elements.size()) {
+    std::vector<TextChange> changes;
+    for (std::size_t i = 0; i < tuple->size(); ++i) {
+      const TextSpan& element = property->elements[i];
+      if (!IsSame(element.Of(text), (*tuple)[i])) changes.push_back({element, ScalarText((*tuple)[i])});
+    }
+    return ApplyChanges(text, std::move(changes));
+  }
+  const auto* const scalar = std::get_if<WrittenScalar>(&value.content);
+  if (scalar != nullptr && text[property->value.begin] != '[' && IsSame(property->value.Of(text), *scalar)) return text;
+  return ApplyChanges(text, {{property->value, ToStage(value)}});
+}
+
+std::string WithoutProperty(const std::string& text, const StageBody& body, const std::string& name) {
+  std::vector<TextChange> changes;
+  for (const Statement& statement : *body.statements) {
+    if (statement.kind != StatementKind::kProperty || statement.name != name) continue;
+    changes.push_back({WithSurroundings(text, statement.span), ""});
+  }
+  return ApplyChanges(text, std::move(changes));
+}
+
+std::string WithoutStatement(const std::string& text, const Statement& statement) {
+  return ApplyChanges(text, {{WithSurroundings(text, statement.span), ""}});
+}
+
+std::string WithEntry(const std::string& text, const StageBody& body, const WrittenModel& model) {
+  const std::string end_of_line = EndOfLineIn(text);
+  if (body.is_file) {
+    const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
+    const bool follows_define = !body.statements->empty() && body.statements->back().kind == StatementKind::kDefine;
+    return text + (ended ? "" : end_of_line) + (follows_define ? end_of_line : "") + ToStage(model, "", end_of_line) +
+           end_of_line;
+  }
+  const Statement* const last = body.statements->empty() ? nullptr : &body.statements->back();
+  std::string indent = IndentOf(text, last != nullptr ? last->span.begin : body.span.begin);
+  if (last == nullptr) indent += "  ";
+  return Inserted(text, body, last, ToStage(model, indent, end_of_line));
+}
+
+std::string WithDefine(const std::string& text, const StageSyntax& syntax, const std::string& name,
+                       const WrittenModel& model) {
+  const std::string end_of_line = EndOfLineIn(text);
+  const std::string written = ToDefine(model, name, end_of_line) + end_of_line;
+  for (const Statement& statement : syntax.statements) {
+    if (statement.kind != StatementKind::kEntry || statement.name == "window") continue;
+    // Before the comments that belong to the entry.
+    std::size_t at = LineStart(text, statement.span.begin);
+    while (at > 0) {
+      const std::size_t before = LineStart(text, at - 1 - (at > 1 && text[at - 1] == '\n' && text[at - 2] == '\r'));
+      const std::size_t first = text.find_first_not_of(" \t", before);
+      if (before == at || first >= at || text[first] != '#') break;
+      at = before;
+    }
+    return ApplyChanges(text, {{{at, at}, written + end_of_line}});
+  }
+  const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
+  return text + (ended ? "" : end_of_line) + (text.empty() ? "" : end_of_line) + written;
+}
+
+}  // namespace troupe

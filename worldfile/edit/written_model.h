@@ -1,0 +1,53 @@
+// WrittenModel: a model to be added to a file, and its text in the two languages.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "troupe/result.h"
+#include "troupe/vec2.h"
+
+namespace troupe {
+
+// A number (as text, which keeps its form), a string, or a tuple of them.
+struct WrittenNumber {
+  std::string text;
+};
+using WrittenScalar = std::variant<WrittenNumber, std::string>;
+struct WrittenValue {
+  std::variant<WrittenScalar, std::vector<WrittenScalar>> content;
+};
+
+WrittenValue Number(double value, int decimals = 4);
+WrittenValue Text(std::string text);
+WrittenValue Tuple(const std::vector<double>& numbers, int decimals = 4);
+
+// One value of the Stage language, as a user types it. The error says what was found.
+Result<WrittenValue> ReadValueText(const std::string& text);
+
+std::string ToStage(const WrittenValue& value);
+std::string ToJson(const WrittenValue& value);
+
+struct WrittenModel {
+  std::string type;  // a type or a define, or "block", "sensor"
+  std::vector<std::pair<std::string, WrittenValue>> properties;
+  std::vector<WrittenModel> children;
+
+  void Set(std::string name, WrittenValue value) { properties.emplace_back(std::move(name), std::move(value)); }
+};
+
+// A block with these corners, m, and heights.
+WrittenModel WrittenBlock(const std::vector<Vec2>& outline, double z_min, double z_max);
+
+// On one line if it is short. `indent`: of its first line, which the text does not begin with.
+std::string ToStage(const WrittenModel& model, const std::string& indent, const std::string& end_of_line);
+// `define NAME TYPE ( ... )`, always on several lines.
+std::string ToDefine(const WrittenModel& model, const std::string& name, const std::string& end_of_line);
+
+// An entry of "models", "robots" or "children" of a scenario, on one line: "name" and "pose" are members of their own,
+// the pose in metres and degrees.
+std::string ToScenarioEntry(const WrittenModel& model);
+
+}  // namespace troupe

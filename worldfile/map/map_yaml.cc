@@ -1,0 +1,231 @@
+#include "worldfile/map/map_yaml.h"
+
+#include <yaml-cpp/depthguard.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "common/geometry/limits.h"
+#include "worldfile/text/file_lookup.h"
+#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMaxYamlBytes = 1'000'000;
+
+SourceLocation At(const std::string& path, const YAML::Mark& mark) {
+  if (mark.is_null()) return {path, 1, 1};
+  return {path, mark.line + 1, mark.column + 1};
+}
+
+// Reads the keys of the file one by one. The first error is kept; after it values are defaults.
+class MapYamlReader {
+ public:
+  explicit MapYamlReader(const std::string& path) : path_(path) {}
+
+  Result<MapYaml> Read(const std::string& text) {
+    if (Status error = ReadKeys(text); !error.ok()) return error.error();
+    MapYaml map;
+    map.image = ReadImage();
+    map.image_where = WhereOf("image");
+    map.resolution = Number("resolution", std::nullopt, 1e-6, kMaxMagnitude);
+    map.origin = ReadOrigin();
+    const bool negate = Flag("negate", std::nullopt);
+    const double occupied = Number("occupied_thresh", std::nullopt, 0.0, 1.0);
+    const double free = Number("free_thresh", std::nullopt, 0.0, 1.0);
+    if (error_.ok() && free > occupied) {
+      Fail(nodes_.at("free_thresh").Mark(), "found a free_thresh above occupied_thresh, expected at most that");
+    }
+    map.rule = ReadRule(negate, occupied);
+    map.wall_height = Number("wall_height", map.wall_height, 1e-3, kMaxMagnitude);
+    for (const auto& [key, node] : nodes_) {
+      if (!used_[key]) warnings_.push_back({At(path_, marks_[key]), "key " + Quoted(key) + " has no effect"});
+    }
+    if (!error_.ok()) return error_.error();
+    map.warnings = std::move(warnings_);
+    return map;
+  }
+
+ private:
+  void Fail(const YAML::Mark& mark, const std::string& message) {
+    if (error_.ok()) error_ = Error{At(path_, mark), message};
+  }
+
+  Status ReadKeys(const std::string& text) {
+    YAML::Node root;
+    try {
+      root = YAML::Load(text);
+      if (!root.IsMap()) return Error{At(path_, root.Mark()), "found no YAML map, expected keys such as 'image'"};
+      for (const auto& entry : root) {
+        if (!entry.first.IsScalar())
+          return Error{At(path_, entry.first.Mark()), "found a key that is not a word, expected one such as 'image'"};
+        const std::string& key = entry.first.Scalar();
+        marks_[key] = entry.first.Mark();
+        if (!nodes_.emplace(key, entry.second).second) {
+          return Error{At(path_, entry.first.Mark()), "found key " + Quoted(key) + " twice, expected it once"};
+        }
+      }
+    } catch (const YAML::DeepRecursion& exception) {
+      return Error{At(path_, exception.mark), "found text nested too deeply, expected keys such as 'image'"};
+    } catch (const YAML::Exception& exception) {
+      return Error{At(path_, exception.mark), "found text that is not YAML (" + exception.msg + "), expected YAML"};
+    }
+    return Status();
+  }
+
+  // The value of a key as text; nothing if it is missing or not a single value.
+  std::optional<std::string> Scalar(const std::string& key, bool required) {
+    used_[key] = true;
+    const auto found = nodes_.find(key);
+    if (found == nodes_.end()) {
+      if (required && error_.ok()) error_ = Error{{path_, 1, 1}, "found no key " + Quoted(key) + ", expected it"};
+      return std::nullopt;
+    }
+    if (!found->second.IsScalar()) {
+      Fail(found->second.Mark(), "found no single value for " + Quoted(key) + ", expected one");
+      return std::nullopt;
+    }
+    return found->second.Scalar();
+  }
+
+  std::optional<double> ToNumber(const YAML::Node& node, const std::string& key) {
+    double value = 0.0;
+    if (node.IsScalar()) {
+      const std::string& text = node.Scalar();
+      const char* const end = text.data() + text.size();
+      const std::from_chars_result read = std::from_chars(text.data(), end, value);
+      if (!text.empty() && read.ec == std::errc() && read.ptr == end && std::isfinite(value)) return value;
+    }
+    Fail(node.Mark(), "found " + (node.IsScalar() ? Quoted(node.Scalar()) : "no single value") + " for " + Quoted(key) +
+                          ", expected a number");
+    return std::nullopt;
+  }
+
+  double Number(const std::string& key, std::optional<double> otherwise, double min, double max) {
+    if (!Scalar(key, !otherwise)) return otherwise.value_or(min);
+    const YAML::Node& node = nodes_.at(key);
+    const std::optional<double> value = ToNumber(node, key);
+    if (!value) return min;
+    if (*value >= min && *value <= max) return *value;
+    Fail(node.Mark(), "found " + NumberText(*value) + " for " + Quoted(key) + ", expected " + NumberText(min) + " to " +
+                          NumberText(max));
+    return min;
+  }
+
+  bool Flag(const std::string& key, std::optional<bool> otherwise) {
+    const std::optional<std::string> text = Scalar(key, !otherwise);
+    if (!text) return otherwise.value_or(false);
+    if (*text == "1" || *text == "true") return true;
+    if (*text == "0" || *text == "false") return false;
+    Fail(nodes_.at(key).Mark(), "found " + Quoted(*text) + " for " + Quoted(key) + ", expected 0 or 1");
+    return false;
+  }
+
+  // The value of a key; the file if it is missing.
+  SourceLocation WhereOf(const std::string& key) const {
+    const auto found = nodes_.find(key);
+    return found == nodes_.end() ? SourceLocation{path_} : At(path_, found->second.Mark());
+  }
+
+  std::string ReadImage() {
+    const std::optional<std::string> image = Scalar("image", true);
+    if (!image) return "";
+    if (image->empty()) Fail(nodes_.at("image").Mark(), "found an empty image name, expected a file");
+    return (std::filesystem::path(DirectoryOf(path_)) / *image).lexically_normal().string();
+  }
+
+  Pose ReadOrigin() {
+    used_["origin"] = true;
+    const auto found = nodes_.find("origin");
+    if (found == nodes_.end()) {
+      if (error_.ok()) error_ = Error{{path_, 1, 1}, "found no key 'origin', expected it"};
+      return {};
+    }
+    if (!found->second.IsSequence() || found->second.size() != 3) {
+      Fail(found->second.Mark(), "found no list of three for 'origin', expected [x, y, yaw]");
+      return {};
+    }
+    double values[3] = {};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const YAML::Node& node = found->second[i];
+      values[i] = ToNumber(node, "origin").value_or(0.0);
+      if (std::fabs(values[i]) > kMaxMagnitude)
+        Fail(node.Mark(), "found " + NumberText(values[i]) + " for 'origin', expected at most 1e6");
+    }
+    return {values[0], values[1], 0.0, WrapAngle(values[2])};
+  }
+
+  // trinary and scale: a dark pixel is probably occupied (negate: a bright one). raw: the pixel is the probability in
+  // percent, above 100 it is unknown. Unknown pixels are free.
+  PixelRule ReadRule(bool negate, double occupied_threshold) {
+    std::string mode = Scalar("mode", false).value_or("trinary");
+    if (mode != "trinary" && mode != "scale" && mode != "raw") {
+      Fail(nodes_.at("mode").Mark(), "found mode " + Quoted(mode) + ", expected trinary, scale or raw");
+    }
+    PixelRule rule;
+    rule.mean_of_channels = true;
+    rule.transparent_is_free = mode == "scale";
+    for (int value = 0; value < 256; ++value) {
+      double probability = (negate ? value : 255 - value) / 255.0;
+      if (mode == "raw") probability = value <= 100 ? value / 100.0 : 0.0;
+      rule.occupied[static_cast<std::size_t>(value)] = probability >= occupied_threshold;
+    }
+    return rule;
+  }
+
+  const std::string& path_;
+  std::map<std::string, YAML::Node> nodes_;
+  std::map<std::string, YAML::Mark> marks_;
+  std::map<std::string, bool> used_;
+  std::vector<Warning> warnings_;
+  Status error_;
+};
+
+}  // namespace
+
+Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path) {
+  if (text.size() > kMaxYamlBytes) {
+    return Error{{path},
+                 "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxYamlBytes)};
+  }
+  const std::size_t odd = std::min(FindInvalidUtf8(text), text.find('\0'));
+  if (odd != std::string::npos) {
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(odd), '\n') + 1;
+    return Error{{path, static_cast<int>(line), 1}, "found a byte that is not text, expected YAML"};
+  }
+  return MapYamlReader(path).Read(text);
+}
+
+Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where, const AllowedPaths& allowed) {
+  const Result<std::string> text = ReadTextFile(path, where, allowed);
+  if (!text.ok()) return text.error();
+  return ReadMapYamlText(text.value(), path);
+}
+
+WorldTree MapYamlTree(const std::string& path) {
+  const SourceLocation where{path};
+  const auto property = [&](const std::string& name, const std::string& text) {
+    return Property{name, Value{text, where}, where};
+  };
+  WorldTree tree;
+  tree.world.type = "world";
+  tree.world.where = where;
+  tree.directory = DirectoryOf(path);
+  tree.files.push_back(path);
+  WorldNode map;
+  map.type = "model";
+  map.where = where;
+  map.properties = {property("name", "map"), property("map_yaml", std::filesystem::path(path).filename().string()),
+                    property("color", "gray30")};
+  tree.world.children.push_back(std::move(map));
+  return tree;
+}
+
+}  // namespace troupe

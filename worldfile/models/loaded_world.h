@@ -1,0 +1,40 @@
+// LoadedWorld: the result of reading a file that names a world.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/allowed_paths.h"
+#include "common/run/run_settings.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+
+namespace troupe {
+
+struct LoadedWorld {
+  WorldDescription world;
+  RunSettings settings;
+  std::vector<Warning> warnings;            // in the order of the file
+  std::vector<std::string> files;           // every file that was read
+  std::map<ModelId, ModelId> placed_alone;  // models without a parent, with their parent in the file
+  int map_width = 0;                        // pixels of the largest bitmap; 0 without one
+  int map_height = 0;
+  // Of a model that a spawn rule of the scenario gives ROS domains, one each: that of the rule's first robot.
+  std::optional<std::uint32_t> ros_domains_from = {};
+};
+
+// Settings of the program that loads a world.
+struct LoadOverrides {
+  std::optional<std::uint64_t> seed;
+  std::optional<std::string> controller;  // for robots without one
+  // Checks the name and the parameters of every controller that a file names; this library has no controllers.
+  // Nothing: they are not checked.
+  std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
+  AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
+};
+
+}  // namespace troupe

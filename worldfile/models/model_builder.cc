@@ -1,0 +1,171 @@
+#include "worldfile/models/model_builder.h"
+
+#include <algorithm>
+
+#include "worldfile/models/properties/color_reader.h"
+#include "worldfile/models/properties/power_reader.h"
+#include "worldfile/models/properties/unused_properties.h"
+#include "worldfile/models/types/model_types.h"
+#include "worldfile/stage/node_names.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+Size ReadSize(PropertyReader& reader, const Size& otherwise) {
+  const auto size = reader.Numbers("size", 3);
+  if (!size) return otherwise;
+  if (*std::min_element(size->begin(), size->end()) < 0.0) {
+    reader.diagnostics().Fail(reader.Where("size"), "found a negative size, expected values of at least 0");
+    return otherwise;
+  }
+  const double unit = reader.units().length;
+  return {(*size)[0] * unit, (*size)[1] * unit, (*size)[2] * unit};
+}
+
+void WarnIfSeenButNotHit(PropertyReader& reader, const ModelDescription& model) {
+  if (model.obstacle_return || model.ranger_return < 0.0 || reader.node().Find("bitmap") == nullptr) return;
+  reader.diagnostics().Warn(reader.Where("obstacle_return"),
+                            "map " + Quoted(model.name) + " is seen but never hit: its 'obstacle_return' is 0");
+}
+
+void WarnIfControlled(PropertyReader& reader) {
+  const std::vector<std::string> controllers = reader.Texts("ctrl");
+  const auto is_place = [](const std::string& text) { return text == "source" || text == "sink"; };
+  if (std::all_of(controllers.begin(), controllers.end(), is_place)) return;  // places for robots, by their names
+  if (const Property* control = reader.Use("ctrl")) {
+    reader.diagnostics().Warn(control->where, "property 'ctrl' has no effect: only a 'position' has a controller");
+  }
+}
+
+}  // namespace
+
+void ModelBuilder::BuildTree() {
+  BuildChildren(context_.tree.world, nullptr);
+  for (const std::unique_ptr<ModelReader>& reader : readers_) {
+    if (context_.diagnostics.failed()) return;
+    reader->Complete(context_);
+  }
+}
+
+void ModelBuilder::BuildChildren(const WorldNode& node, const Parent* parent) {
+  const std::vector<std::string> names = ChildNames(node);
+  for (std::size_t i = 0; i < node.children.size() && !context_.diagnostics.failed(); ++i) {
+    const WorldNode& child = node.children[i];
+    if (child.type == "window") {
+      context_.diagnostics.WarnOfWindow(child.where, "'window'");
+    } else if (child.type == "block") {
+      if (parent == nullptr)
+        context_.diagnostics.Fail(child.where, "found a 'block' outside of a model, expected it inside one");
+    } else if (child.type == "sensor") {
+      if (parent == nullptr || !parent->type.has_sensors) {
+        context_.diagnostics.Fail(child.where, "found a 'sensor' outside of a ranger, expected it inside one");
+      }
+    } else {
+      BuildModel(child, FullName(parent != nullptr ? parent->name : "", names[i]), parent);
+    }
+  }
+}
+
+void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, const Parent* parent) {
+  const ModelType* const type = FindModelType(node.type);
+  if (type == nullptr) {
+    FailForUnknownType(node);
+    return;
+  }
+  PropertyReader reader(node, context_.units, context_.diagnostics);
+  std::optional<ModelDraft> draft = StartDraft(reader, *type, name, parent);
+  if (!draft) return;
+  std::unique_ptr<ModelReader> type_reader = type->make_reader();
+  const bool moves = Moves(*draft, parent);
+  Shape shape = type_reader->ReadShape(reader, *draft, context_);
+  if (moves) shape = ListedForMotion(reader, std::move(shape));
+  draft->model.shape = context_.shapes.Add(std::move(shape));
+  WarnIfSeenButNotHit(reader, draft->model);
+  if (!type->has_drive) WarnIfControlled(reader);
+  type_reader->ReadProperties(reader, *draft, context_);
+  const bool stack_children = reader.Flag("stack_children", true);
+  WarnOfUnusedInModel(reader, type->name);
+  context_.world.models.push_back(draft->model);
+  type_reader->AddParts(*draft, context_);
+  readers_.push_back(std::move(type_reader));
+
+  const Parent self{draft->id, name, *type, draft->X_WM, stack_children ? draft->size.z : 0.0, draft->robot, moves};
+  BuildChildren(node, &self);
+}
+
+void ModelBuilder::FailForUnknownType(const WorldNode& node) {
+  std::string message = UnknownTypeMessage(node.type, context_.tree.defines);
+  const auto later = context_.tree.defines.find(node.type);
+  if (later != context_.tree.defines.end()) {
+    message = "found " + Quoted(node.type) + " before its define at line " + std::to_string(later->second.where.line) +
+              ", expected the define first";
+  }
+  context_.diagnostics.Fail(node.where, message);
+}
+
+std::optional<ModelDraft> ModelBuilder::StartDraft(PropertyReader& reader, const ModelType& type,
+                                                   const std::string& name, const Parent* parent) {
+  const WorldNode& node = reader.node();
+  context_.names.Add(node, name, context_.diagnostics);
+  reader.Use("name");
+  ModelDraft draft{.type = type, .node = node, .id = ModelId(context_.world.models.size())};
+  draft.map = ReadRosMap(reader, context_);
+  draft.size = ReadSize(reader, draft.map ? draft.map->size : type.size);
+  draft.X_MD = reader.ReadPose("origin").value_or(Pose{});
+  Pose X_PM = reader.ReadPose("pose").value_or(draft.map ? draft.map->origin : Pose{});
+  if (parent != nullptr) X_PM.z += parent->stack_height;
+  draft.X_WM = parent != nullptr ? parent->X_WP * X_PM : X_PM;
+  if (!IsWithinReach(X_PM) || !IsWithinReach(draft.X_WM)) {
+    context_.diagnostics.Fail(reader.Where("pose"), "found a model beyond 1000 km, expected it nearer");
+    return std::nullopt;
+  }
+  if (parent != nullptr) draft.robot = parent->robot;
+
+  ModelDescription& model = draft.model;
+  model.name = name;
+  model.type = node.type;
+  model.size_x = draft.size.x;
+  model.size_y = draft.size.y;
+  model.size_z = draft.size.z;
+  PlaceInTree(reader, parent, X_PM, draft);
+  model.show_nose = reader.Flag("gui_nose", false);
+  model.power = ReadPower(reader);
+  model.color = ReadColor(reader, type.color, context_.world.seed, draft.id);
+  model.fiducial_return =
+      static_cast<std::int32_t>(reader.Integer("fiducial_return", 0, -1'000'000'000, 1'000'000'000));
+  model.fiducial_key = static_cast<std::int32_t>(reader.Integer("fiducial_key", 0, -1'000'000'000, 1'000'000'000));
+  return draft;
+}
+
+// Robots and movable objects are placed in the world by themselves, wherever the file has them.
+void ModelBuilder::PlaceInTree(PropertyReader& reader, const Parent* parent, const Pose& X_PM, ModelDraft& draft) {
+  const bool has_drive = draft.type.has_drive;
+  const bool in_robot = draft.robot.has_value();
+  if (has_drive && parent != nullptr && !in_robot) {
+    context_.diagnostics.Warn(draft.node.where,
+                              "a 'position' below a model that does not move is placed in the world by itself");
+  }
+  ModelDescription& model = draft.model;
+  model.obstacle_return = reader.Flag("obstacle_return", true);
+  model.ranger_return = reader.Number("ranger_return", 1.0);
+  model.gripper_return = reader.Flag("gripper_return", false);
+  const bool is_object = model.gripper_return && !has_drive && !in_robot;
+  if (model.gripper_return && !is_object) {
+    context_.diagnostics.Warn(reader.Where("gripper_return"),
+                              "property 'gripper_return' has no effect on a robot: none of its parts can be gripped");
+  }
+  const bool is_placed_alone = parent != nullptr && !in_robot && (has_drive || is_object);
+  model.X_PM = is_placed_alone ? draft.X_WM : X_PM;
+  if (is_placed_alone) placed_alone_.emplace(draft.id, parent->id);
+  if (parent != nullptr && !is_placed_alone) model.parent = parent->id;
+  if (is_object) context_.world.objects.push_back(draft.id);
+}
+
+bool ModelBuilder::Moves(const ModelDraft& draft, const Parent* parent) const {
+  const std::vector<ModelId>& objects = context_.world.objects;
+  return draft.type.has_drive || draft.robot || (!objects.empty() && objects.back() == draft.id) ||
+         (draft.model.parent && parent->moves);
+}
+
+}  // namespace troupe

@@ -1,0 +1,200 @@
+#include "worldfile/models/properties/model_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "worldfile/map/map_yaml.h"
+#include "worldfile/models/properties/block_reader.h"
+#include "worldfile/text/file_lookup.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kBoundaryThickness = 0.01;  // m, as Stage's
+
+// The rectangles of the property `bitmap`, scaled to the model's size; nothing after an error.
+std::optional<Shape> ReadBitmapShape(PropertyReader& reader, const Size& size, BuildContext& context) {
+  const std::string name = reader.Text("bitmap", "");
+  const SourceLocation& where = reader.Where("bitmap");
+  if (context.without_bitmaps) {
+    reader.diagnostics().Fail(where, "found a bitmap, which cannot be read here");
+    return std::nullopt;
+  }
+  const auto bitmap = context.bitmaps.Load(FindFile(name, context.tree.directory, where.file), StagePixelRule(), where);
+  if (!bitmap.ok()) {
+    reader.diagnostics().Fail(bitmap.error().where, bitmap.error().message);
+    return std::nullopt;
+  }
+  const BitmapRectangles& pixels = *bitmap.value();
+  if (pixels.empty()) {
+    reader.diagnostics().Warn(where, "bitmap " + QuotedPath(name) + " has no occupied pixel, so it has no body");
+  }
+  Shape shape;
+  for (const PixelRectangle& r : pixels.rectangles) {
+    shape.rectangles.push_back(
+        {static_cast<double>(r.x0), static_cast<double>(r.y0), static_cast<double>(r.x1), static_cast<double>(r.y1)});
+  }
+  if (pixels.dense != nullptr) shape.area = PixelArea(pixels.dense, {}, {});
+  shape.rectangles_z = {0.0, 1.0};
+  return ScaledToSize(std::move(shape), size);
+}
+
+// Walls along the inside of the model's outline.
+std::vector<Block> BoundaryBlocks(const Size& size) {
+  const double x = 0.5 * size.x;
+  const double y = 0.5 * size.y;
+  const double tx = std::min(kBoundaryThickness, size.x);
+  const double ty = std::min(kBoundaryThickness, size.y);
+  const ZRange z{0.0, size.z};
+  return {BoxBlock({-x, -y, -x + tx, y}, z), BoxBlock({x - tx, -y, x, y}, z), BoxBlock({-x, -y, x, -y + ty}, z),
+          BoxBlock({-x, y - ty, x, y}, z)};
+}
+
+bool HasBlocks(const WorldNode& node) {
+  return std::any_of(node.children.begin(), node.children.end(),
+                     [](const WorldNode& child) { return child.type == "block"; });
+}
+
+// Nothing after an error.
+std::optional<std::vector<Block>> ReadBlocks(PropertyReader& reader) {
+  std::vector<Block> blocks;
+  for (const WorldNode& child : reader.node().children) {
+    if (child.type != "block") continue;
+    std::optional<Block> block = ReadBlock(child, reader.units(), reader.diagnostics());
+    if (!block) return std::nullopt;
+    blocks.push_back(std::move(*block));
+  }
+  return blocks;
+}
+
+// Blocks without height collide with nothing and are hit by no ray; a shape must not contain them.
+void DropFlatBlocks(Shape& shape) {
+  std::erase_if(shape.blocks, [](const Block& block) { return !(block.z.max - block.z.min > kTouchTolerance); });
+}
+
+bool IsWithinReach(const ZRange& z) {
+  return std::max(std::fabs(z.min), std::fabs(z.max)) <= kMaxMagnitude;
+}
+
+bool IsUsable(const Rectangle& r) {
+  return r.min_x < r.max_x && r.min_y < r.max_y &&
+         std::max({std::fabs(r.min_x), std::fabs(r.min_y), std::fabs(r.max_x), std::fabs(r.max_y)}) <= kMaxMagnitude;
+}
+
+// The body in the model's frame M, checked for validity in a world; an empty shape after an error.
+Shape Placed(PropertyReader& reader, const Pose& X_MD, Shape body) {
+  const std::string culprit = reader.node().Find("origin") != nullptr ? "origin" : "size";
+  const auto fail = [&](const std::string& fault) {
+    reader.diagnostics().Fail(reader.Where(culprit), "found a body that cannot be: " + fault);
+    return Shape();
+  };
+  Shape shape = Moved(std::move(body), X_MD);
+  DropFlatBlocks(shape);
+  for (Block& block : shape.blocks) {
+    Result<Polygon> outline = Normalized(std::move(block.outline));
+    if (!outline.ok()) return fail(outline.error().message);
+    block.outline = std::move(outline).value();
+    if (!IsWithinReach(block.z)) return fail("its height is beyond 1000 km");
+  }
+  for (const Rectangle& rectangle : shape.rectangles) {
+    if (!IsUsable(rectangle)) return fail("a pixel of its bitmap has no area, or is beyond 1000 km");
+  }
+  if (shape.area) {
+    if (const Status status = shape.area->Check(); !status.ok()) return fail(status.error().message);
+  }
+  if (!IsWithinReach(shape.rectangles_z)) return fail("its height is beyond 1000 km");
+  return shape;
+}
+
+}  // namespace
+
+std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) {
+  const Property* property = reader.Use("map_yaml");
+  if (property == nullptr) return std::nullopt;
+  const SourceLocation& where = property->value.where;
+  if (context.without_bitmaps) {
+    reader.diagnostics().Fail(where, "found a map, which cannot be read here");
+    return std::nullopt;
+  }
+  const std::string path = FindFile(reader.Text("map_yaml", ""), context.tree.directory, where.file);
+  const Result<MapYaml> yaml = ReadMapYaml(path, where, context.allowed);
+  if (!yaml.ok()) {
+    reader.diagnostics().Fail(yaml.error().where, yaml.error().message);
+    return std::nullopt;
+  }
+  for (const Warning& warning : yaml.value().warnings) reader.diagnostics().Warn(warning.where, warning.message);
+  const auto pixels = context.bitmaps.Load(yaml.value().image, yaml.value().rule, yaml.value().image_where);
+  if (!pixels.ok()) {
+    reader.diagnostics().Fail(pixels.error().where, pixels.error().message);
+    return std::nullopt;
+  }
+  RosMap map;
+  map.origin = yaml.value().origin;
+  map.pixels = pixels.value();
+  map.resolution = yaml.value().resolution;
+  map.size = {map.pixels->width * map.resolution, map.pixels->height * map.resolution, yaml.value().wall_height};
+  return map;
+}
+
+Shape ListedForMotion(PropertyReader& reader, Shape shape) {
+  if (!shape.area) return shape;
+  const std::size_t count = shape.area->cover().count();
+  if (count <= kMaxMovingRectangles) return Listed(std::move(shape));
+  reader.diagnostics().Fail(reader.Where(reader.node().Find("bitmap") != nullptr ? "bitmap" : "map_yaml"),
+                            "found a bitmap of " + std::to_string(count) +
+                                " rectangles in a model that moves, expected at most " +
+                                std::to_string(kMaxMovingRectangles));
+  return {};
+}
+
+Shape RosMapShape(PropertyReader& reader, const RosMap& map, const Size& size, const Pose& X_MD) {
+  Shape shape;
+  for (const PixelRectangle& r : map.pixels->rectangles) {
+    shape.rectangles.push_back(
+        {r.x0 * map.resolution, r.y0 * map.resolution, r.x1 * map.resolution, r.y1 * map.resolution});
+  }
+  if (map.pixels->dense != nullptr) {
+    const PixelLines lines{.factor = map.resolution};
+    shape.area = PixelArea(map.pixels->dense, lines, lines);
+  }
+  if (!shape.empty()) shape.rectangles_z = {0.0, size.z};
+  return Placed(reader, X_MD, std::move(shape));
+}
+
+Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, const Pose& X_MD, BuildContext& context) {
+  Shape shape;
+  const bool without_box = reader.Flag("noblocks", false);
+  const bool has_bitmap = reader.node().Find("bitmap") != nullptr;
+  const bool has_boundary = reader.Flag("boundary", false);
+  if (has_bitmap) {
+    shape = ReadBitmapShape(reader, size, context).value_or(Shape());
+  } else if (has_box && !without_box) {
+    shape.blocks.push_back(BoxBlock({-0.5 * size.x, -0.5 * size.y, 0.5 * size.x, 0.5 * size.y}, {0.0, size.z}));
+  }
+  if (has_boundary && !shape.empty()) {
+    for (Block& wall : BoundaryBlocks(size)) shape.blocks.push_back(std::move(wall));
+  }
+  const bool has_blocks = HasBlocks(reader.node());
+  if (has_blocks && !has_bitmap) {
+    if (shape.blocks.size() > 1) {
+      reader.diagnostics().Warn(reader.Where("boundary"),
+                                "property 'boundary' has no effect in a model with blocks and without a bitmap");
+    }
+    shape = {};
+  }
+  std::optional<std::vector<Block>> blocks = ReadBlocks(reader);
+  if (!blocks || reader.diagnostics().failed()) return {};
+  std::move(blocks->begin(), blocks->end(), std::back_inserter(shape.blocks));
+  if (shape.empty()) return {};
+
+  if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0)) {
+    reader.diagnostics().Warn(reader.Where("size"), "this model has a size of 0, so it has no body");
+    return {};
+  }
+  return Placed(reader, X_MD, has_blocks ? ScaledToSize(std::move(shape), size) : std::move(shape));
+}
+
+}  // namespace troupe

@@ -1,0 +1,71 @@
+// PropertyReader: reads the properties of one node as values in SI units, and remembers which were read, so that the
+// others can be named. A value of the wrong form is reported to the Diagnostics and read as the default; callers need
+// not check each one.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/limits.h"
+#include "troupe/pose.h"
+#include "worldfile/stage/world_tree.h"
+#include "worldfile/text/diagnostics.h"
+
+namespace troupe {
+
+// The units of lengths and angles in a file.
+struct Units {
+  double length = 1.0;  // m
+  bool degrees = true;  // else radians
+
+  double Angle(double value) const;  // to radians
+};
+
+// True if x, y and z are within kMaxMagnitude: a pose composed of others need not be.
+bool IsWithinReach(const Pose& pose);
+
+class PropertyReader {
+ public:
+  // All three must outlive the reader.
+  PropertyReader(const WorldNode& node, const Units& units, Diagnostics& diagnostics);
+
+  const WorldNode& node() const { return node_; }
+  const Units& units() const { return units_; }
+  Diagnostics& diagnostics() { return diagnostics_; }
+
+  // The property, marked as read; null if it is not there.
+  const Property* Use(const std::string& name);
+  // The place of a property's value, or of the node if it is not there.
+  const SourceLocation& Where(const std::string& name) const;
+
+  // A single number between `min` and `max`, without unit. The default limits are those of a world; properties of other
+  // kinds may allow more.
+  double Number(const std::string& name, double otherwise, double min = -kMaxMagnitude, double max = kMaxMagnitude);
+  double Length(const std::string& name, double otherwise);  // to m
+  std::int64_t Integer(const std::string& name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
+  bool Flag(const std::string& name, bool otherwise);  // 0 or not 0
+  std::string Text(const std::string& name, const std::string& otherwise);
+
+  // Exactly `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or wrong.
+  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count, double limit = kMaxMagnitude);
+  // Every value as text; empty if the property is not there.
+  std::vector<std::string> Texts(const std::string& name);
+  // [x y z heading], to m and radians.
+  std::optional<Pose> ReadPose(const std::string& name);
+
+  // The properties that were not read.
+  std::vector<const Property*> Unused() const;
+
+ private:
+  std::optional<double> ToNumber(const Property& property, const Value::Scalar& scalar, double limit);
+
+  const WorldNode& node_;
+  const Units& units_;
+  Diagnostics& diagnostics_;
+  std::vector<bool> used_;  // by property
+};
+
+}  // namespace troupe

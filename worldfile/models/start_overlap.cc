@@ -1,0 +1,117 @@
+#include "worldfile/models/start_overlap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory_resource>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "common/model/model_poses.h"
+#include "common/spatial/convex_piece.h"
+#include "common/spatial/overlap.h"
+#include "common/spatial/static_index.h"
+#include "troupe/world_state.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMaxMessages = 20;
+
+// All pieces of a world that collide, in W, in one index. A body is a tree that moves as one: a robot's or an object's.
+class Pieces {
+ public:
+  explicit Pieces(const WorldDescription& world) : world_(world) {
+    for (const RobotDescription& robot : world.robots) body_of_[robot.root] = robot.root;
+    for (const ModelId object : world.objects) body_of_[object] = object;
+    const std::vector<Pose> poses = ModelPoses(world, PlacedState(world));
+    std::vector<ConvexPiece> pieces;
+    std::vector<PixelPieces> areas;
+    for (std::size_t i = 0; i < world.models.size(); ++i) {
+      const ModelDescription& model = world.models[i];
+      if (model.parent) {
+        const auto parent = body_of_.find(*model.parent);
+        if (parent != body_of_.end()) body_of_[ModelId(i)] = parent->second;
+      }
+      if (!model.obstacle_return) continue;
+      for (const ConvexPiece& piece : PiecesOf(ModelId(i))) {
+        pieces.push_back(Transformed(piece, poses[i]));
+        pieces.back().model = ModelId(i);
+      }
+      AppendAreaPieces(world, ModelId(i), poses[i], areas);
+    }
+    index_ = StaticIndex(std::move(pieces), std::move(areas));
+  }
+
+  // By root, each body that starts inside another model, with that model; of several the one with the lowest id.
+  std::map<ModelId, ModelId> FindOverlaps() const {
+    std::map<ModelId, ModelId> found;
+    NearPieces near;
+    for (const ConvexPiece& piece : index_.kept_pieces()) {  // all of bodies are among them
+      const std::optional<ModelId> body = BodyOf(piece.model);
+      if (!body) continue;
+      index_.Query(BoundingBox(piece.vertices), near);
+      for (const ConvexPiece* other : near) {
+        if (BodyOf(other->model) == body || !OverlapBy(piece, *other, kNoticeableDepth)) continue;
+        const auto [entry, is_new] = found.emplace(*body, other->model);
+        if (!is_new) entry->second = std::min(entry->second, other->model);
+      }
+    }
+    return found;
+  }
+
+ private:
+  std::optional<ModelId> BodyOf(ModelId model) const {
+    const auto found = body_of_.find(model);
+    return found == body_of_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+  // In the model's frame; cut into pieces once for all models of one shape.
+  const std::vector<ConvexPiece>& PiecesOf(ModelId id) {
+    const auto [entry, is_new] = by_shape_.try_emplace(world_.model(id).shape);
+    if (is_new) entry->second = MakePieces(world_, id, Pose{});
+    return entry->second;
+  }
+
+  const WorldDescription& world_;
+  std::map<ModelId, ModelId> body_of_;
+  std::map<ShapeId, std::vector<ConvexPiece>> by_shape_;
+  StaticIndex index_;
+};
+
+// The messages of one kind of body; of many only their number.
+std::vector<std::string> Describe(const std::string& kind, const std::string& consequence,
+                                  const std::vector<std::pair<std::string, std::string>>& overlaps) {
+  std::vector<std::string> messages;
+  for (const auto& [name, other] : overlaps) {
+    if (messages.size() == kMaxMessages) {
+      messages.push_back(std::to_string(overlaps.size() - kMaxMessages) + " more " + kind + "s start inside something");
+      break;
+    }
+    messages.push_back(fmt::format("{} {} starts inside {}{}", kind, Quoted(name), Quoted(other), consequence));
+  }
+  return messages;
+}
+
+}  // namespace
+
+std::vector<std::string> FindStartOverlaps(const WorldDescription& world) {
+  if (world.robots.empty()) return {};
+  std::set<ModelId> robots;
+  for (const RobotDescription& robot : world.robots) robots.insert(robot.root);
+  std::vector<std::pair<std::string, std::string>> of_robots;
+  std::vector<std::pair<std::string, std::string>> of_objects;
+  for (const auto& [root, other] : Pieces(world).FindOverlaps()) {
+    (robots.contains(root) ? of_robots : of_objects).emplace_back(world.model(root).name, world.model(other).name);
+  }
+  std::vector<std::string> messages = Describe("robot", ", so it may be stuck", of_robots);
+  for (std::string& message : Describe("object", ", so a gripper may not move it", of_objects)) {
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+}  // namespace troupe

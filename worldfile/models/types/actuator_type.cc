@@ -1,0 +1,114 @@
+// `actuator`: a model that a joint moves, if it is a part of a robot.
+#include <algorithm>
+#include <cmath>
+
+#include "worldfile/models/types/built_in_types.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+JointType ReadJointType(PropertyReader& reader) {
+  const std::string type = reader.Text("type", "linear");
+  if (type != "linear" && type != "rotational") {
+    reader.diagnostics().Fail(reader.Where("type"),
+                              "found type " + Quoted(type) + ", expected \"linear\" or \"rotational\"");
+  }
+  return type == "rotational" ? JointType::kRevolute : JointType::kPrismatic;
+}
+
+// A unit vector in the model's frame.
+struct Axis {
+  Vec2 xy{0.0, 0.0};
+  double z = 1.0;
+};
+
+// The vertical, too, after an error.
+Axis ReadAxis(PropertyReader& reader, JointType type) {
+  const auto axis = reader.Numbers("axis", 3);
+  if (reader.diagnostics().failed()) return {};
+  if (type == JointType::kRevolute) {
+    if (axis && ((*axis)[0] != 0.0 || (*axis)[1] != 0.0 || !((*axis)[2] > 0.0))) {
+      reader.diagnostics().Warn(reader.Where("axis"), "a rotational actuator turns about the vertical, [0 0 1]");
+    }
+    return {};
+  }
+  if (!axis) {
+    reader.diagnostics().Fail(reader.node().where,
+                              "found a linear actuator without 'axis', expected its direction [x y z]");
+    return {};
+  }
+  const double largest = std::max({std::fabs((*axis)[0]), std::fabs((*axis)[1]), std::fabs((*axis)[2])});
+  if (!(largest > 0.0)) {
+    reader.diagnostics().Fail(reader.Where("axis"), "found axis [0 0 0], expected a direction");
+    return {};
+  }
+  const double x = (*axis)[0] / largest;
+  const double y = (*axis)[1] / largest;
+  const double z = (*axis)[2] / largest;
+  const double length = std::sqrt(x * x + y * y + z * z);
+  return {{x / length, y / length}, z / length};
+}
+
+// In m or rad, and per second.
+struct Limits {
+  Interval position;
+  double start = 0.0;
+  double max_speed = 1.0;
+};
+
+Limits ReadLimits(PropertyReader& reader, JointType type) {
+  const double min = reader.Number("min_position", 0.0);
+  const double max = reader.Number("max_position", 1.0);
+  if (min > max) {
+    const bool max_is_given = reader.node().Find("max_position") != nullptr;
+    reader.diagnostics().Fail(reader.Where(max_is_given ? "max_position" : "min_position"),
+                              "found a 'max_position' of " + NumberText(max) + " below the 'min_position' of " +
+                                  NumberText(min) + ", expected the other way round");
+    return {};
+  }
+  const double start = reader.Number("start_position", std::clamp(0.0, min, max), min, max);
+  const auto scaled = [&](double value) {
+    return type == JointType::kRevolute ? reader.units().Angle(value) : value * reader.units().length;
+  };
+  return {{scaled(min), scaled(max)}, scaled(start), scaled(reader.Number("max_speed", 1.0, 0.0))};
+}
+
+class ActuatorReader : public ModelReader {
+ public:
+  void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
+    if (draft.robot) {
+      AddJoint(reader, draft, context.world);
+      return;
+    }
+    reader.diagnostics().Warn(draft.node.where, "this actuator is on no robot, so it does not move");
+    const JointType type = ReadJointType(reader);
+    reader.Use("axis");
+    ReadLimits(reader, type);
+  }
+
+ private:
+  static void AddJoint(PropertyReader& reader, const ModelDraft& draft, WorldDescription& world) {
+    JointDescription joint;
+    joint.type = ReadJointType(reader);
+    const Axis axis = ReadAxis(reader, joint.type);
+    joint.axis_xy = axis.xy;
+    joint.axis_z = axis.z;
+    const Limits limits = ReadLimits(reader, joint.type);
+    joint.position = limits.position;
+    joint.start = limits.start;
+    joint.max_speed = limits.max_speed;
+    joint.robot = *draft.robot;
+    joint.model = draft.id;
+    joint.name = NameOnRobot(world, *draft.robot, draft.model.name);
+    world.joints.push_back(std::move(joint));
+  }
+};
+
+}  // namespace
+
+ModelType ActuatorType() {
+  return {.name = "actuator", .make_reader = MakeReader<ActuatorReader>};
+}
+
+}  // namespace troupe

@@ -1,0 +1,61 @@
+// `blobfinder`: a finder of colours.
+#include "worldfile/models/properties/color_names.h"
+#include "worldfile/models/types/built_in_types.h"
+#include "worldfile/models/types/sensor_properties.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+// The names of `colors`, as many as `colors_count` says, or all without it.
+std::vector<Color> ReadColors(PropertyReader& reader) {
+  std::vector<std::string> names = reader.Texts("colors");
+  const auto count =
+      static_cast<std::size_t>(reader.Integer("colors_count", static_cast<std::int64_t>(names.size()), 0, 1000));
+  if (count > names.size()) {
+    reader.diagnostics().Fail(reader.Where("colors_count"),
+                              "found " + CountText(names.size(), "colour") + ", expected " + std::to_string(count));
+    return {};
+  }
+  names.resize(count);
+  std::vector<Color> colors;
+  for (const std::string& name : names) {
+    const std::optional<Color> color = FindColor(name);
+    if (color) {
+      colors.push_back(*color);
+    } else {
+      reader.diagnostics().Warn(reader.Where("colors"), "colour " + Quoted(name) + " is not known; it is not found");
+    }
+  }
+  return colors;
+}
+
+class BlobfinderReader : public ModelReader {
+ public:
+  void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
+    BlobfinderParameters finder;
+    if (const auto image = reader.Numbers("image", 2)) {
+      for (const double side : *image) {
+        if (side >= 1.0 && side <= kMaxImageSide) continue;
+        reader.diagnostics().Fail(reader.Where("image"), "found an image of " + NumberText(side) +
+                                                             " pixels, expected 1 to " + std::to_string(kMaxImageSide));
+        return;
+      }
+      finder.width = static_cast<std::uint32_t>((*image)[0]);
+      finder.height = static_cast<std::uint32_t>((*image)[1]);
+    }
+    finder.range = ReadDistance(reader, "range", finder.range);
+    finder.fov = ReadFov(reader, finder.fov, 2.0 * kMaxElevation);
+    finder.X_MS = draft.X_MD * Pose{0.0, 0.0, 0.0, WrapAngle(ReadAngle(reader, "pan", 0.0))};
+    finder.colors = ReadColors(reader);
+    AddSensor(reader, draft, "blobfinder", std::move(finder), context);
+  }
+};
+
+}  // namespace
+
+ModelType BlobfinderType() {
+  return {.name = "blobfinder", .has_body = false, .make_reader = MakeReader<BlobfinderReader>};
+}
+
+}  // namespace troupe

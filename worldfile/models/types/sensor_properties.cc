@@ -1,0 +1,86 @@
+#include "worldfile/models/types/sensor_properties.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/limits.h"
+#include "worldfile/text/quote.h"
+
+namespace troupe {
+namespace {
+
+std::string AngleText(const Units& units, double radians) {
+  return units.degrees ? NumberText(RadiansToDegrees(radians)) + " degrees" : NumberText(radians) + " radians";
+}
+
+}  // namespace
+
+std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns) {
+  const double period_ns = reader.Number("update_interval", 100.0, 0.0, 1e9) * 1e6;
+  const double ticks = std::ceil(period_ns / static_cast<double>(interval_ns));
+  return static_cast<std::uint32_t>(std::clamp(ticks, 1.0, 4e9));
+}
+
+double ReadFov(PropertyReader& reader, double otherwise, double max) {
+  const auto fov = reader.Numbers("fov", 1);
+  if (!fov) return otherwise;
+  const double radians = reader.units().Angle(fov->front());
+  // Files in radians round 2 pi up.
+  if (radians >= 0.0 && radians <= max + 1e-3) return std::min(radians, max);
+  const std::string limit =
+      max == 2.0 * kPi ? (reader.units().degrees ? "360 degrees" : "6.2832 radians") : AngleText(reader.units(), max);
+  reader.diagnostics().Fail(reader.Where("fov"),
+                            "found " + NumberText(fov->front()) + " for 'fov', expected 0 to " + limit);
+  return otherwise;
+}
+
+Interval ReadRange(PropertyReader& reader, const Interval& otherwise) {
+  const auto range = reader.Numbers("range", 2);
+  if (!range) return otherwise;
+  const Interval result{(*range)[0] * reader.units().length, (*range)[1] * reader.units().length};
+  if (result.min >= 0.0 && result.max > result.min && result.max <= kMaxMagnitude) return result;
+  reader.diagnostics().Fail(reader.Where("range"), "found range [" + NumberText((*range)[0]) + " " +
+                                                       NumberText((*range)[1]) +
+                                                       "], expected [min max] with 0 <= min < max <= 1000 km");
+  return otherwise;
+}
+
+double ReadDistance(PropertyReader& reader, const std::string& name, double otherwise) {
+  const double distance = reader.Length(name, otherwise);
+  if (distance >= 0.0) return distance;
+  reader.diagnostics().Fail(reader.Where(name), "found a negative " + Quoted(name) + ", expected at least 0");
+  return otherwise;
+}
+
+double ReadAngle(PropertyReader& reader, const std::string& name, double otherwise, double max) {
+  const auto angle = reader.Numbers(name, 1);
+  if (!angle) return otherwise;
+  const double radians = reader.units().Angle(angle->front());
+  if (std::abs(radians) <= max) return radians;
+  reader.diagnostics().Fail(reader.Where(name), "found " + NumberText(angle->front()) + " for " + Quoted(name) +
+                                                    ", expected at most " + AngleText(reader.units(), max) +
+                                                    " to both sides");
+  return otherwise;
+}
+
+void AddSensor(PropertyReader& reader, const ModelDraft& draft, std::string_view noun, SensorParameters parameters,
+               BuildContext& context) {
+  SensorDescription sensor;
+  sensor.period_ticks = ReadPeriod(reader, context.world.interval_ns);
+  if (!draft.robot) {
+    reader.diagnostics().Warn(draft.node.where,
+                              "this " + std::string(noun) + " is on no robot, so it measures nothing");
+    return;
+  }
+  if (const Status problem = CheckParameters(parameters); !problem.ok() && !reader.diagnostics().failed()) {
+    reader.diagnostics().Fail(draft.node.where, "found a " + std::string(noun) + " that cannot be: " +
+                                                    problem.error().message + ", expected usable values");
+  }
+  sensor.parameters = std::move(parameters);
+  sensor.name = NameOnRobot(context.world, *draft.robot, draft.model.name);
+  sensor.model = draft.id;
+  context.world.robots[draft.robot->index()].sensors.push_back(std::move(sensor));
+}
+
+}  // namespace troupe

@@ -1,0 +1,175 @@
+#include "worldfile/scenario/scenario.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "worldfile/map/map_yaml.h"
+#include "worldfile/scenario/json_document.h"
+#include "worldfile/scenario/place_spawns.h"
+#include "worldfile/scenario/scenario_file.h"
+#include "worldfile/scenario/scenario_tree.h"
+#include "worldfile/stage/stage_parser.h"
+#include "worldfile/text/file_lookup.h"
+#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+// Reads a file that the scenario names. If it cannot be opened at all, the error names the scenario's line.
+Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const AllowedPaths& allowed,
+                            const ScenarioTools& tools) {
+  const std::string path = (std::filesystem::path(directory) / name.text).lexically_normal().string();
+  Result<WorldTree> tree = tools.read_world(path, allowed);
+  if (!tree.ok() && tree.error().where.line == 0) return Error{name.where, tree.error().message};
+  return tree;
+}
+
+Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const AllowedPaths& allowed,
+                           const ScenarioTools& tools) {
+  const std::string directory = DirectoryOf(path);
+  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, allowed, tools) : ParseStageText("", path);
+  if (!tree.ok()) return tree;
+  if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
+  for (const PlacedText& include : file.includes) {
+    Result<WorldTree> included = ReadNamed(include, directory, allowed, tools);
+    if (!included.ok()) return included;
+    tree = Merged(std::move(tree).value(), std::move(included).value(), include.where);
+  }
+  return tree;
+}
+
+// Checks every controller that the scenario names.
+Status CheckControllers(const ScenarioFile& file, const LoadOverrides& overrides) {
+  if (!overrides.check_controller) return Status();
+  const auto check = [&](const std::optional<ControllerEntry>& entry) -> Status {
+    if (!entry) return Status();
+    const Status checked = overrides.check_controller(entry->controller.name, entry->controller.parameters);
+    if (checked.ok()) return Status();
+    return Error{entry->where, checked.error().message, checked.error().code};
+  };
+  if (Status error = check(file.controller); !error.ok()) return error;
+  for (const ModelEntry& robot : file.robots) {
+    if (Status error = check(robot.controller); !error.ok()) return error;
+  }
+  for (const SpawnEntry& spawn : file.spawns) {
+    if (Status error = check(spawn.controller); !error.ok()) return error;
+  }
+  return Status();
+}
+
+// Reads a scenario, with the checks that do not need its world.
+Result<ScenarioFile> ReadText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
+                              const ScenarioTools& tools) {
+  const Result<JsonDocument> document = JsonDocument::Parse(text, path);
+  if (!document.ok()) return document.error();
+  if (Status error = tools.schema.Check(document.value()); !error.ok()) return error.error();
+  Result<ScenarioFile> file = ReadScenarioFile(document.value(), DirectoryOf(path), tools.max_spawned);
+  if (!file.ok()) return file;
+  if (Status error = CheckControllers(file.value(), overrides); !error.ok()) return error.error();
+  return file;
+}
+
+std::optional<ControllerDescription> DefaultController(const ScenarioFile& file, const LoadOverrides& overrides) {
+  if (overrides.controller) return ControllerDescription{*overrides.controller, "{}"};
+  if (file.controller) return file.controller->controller;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
+  // The tree only names the map: an unreadable one would be found too late to name the right line.
+  const Result<MapYaml> map = ReadMapYaml(path, {path}, allowed);
+  if (!map.ok()) return map.error();
+  return MapYamlTree(path);
+}
+
+Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& overrides) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
+  if (!text.ok()) return text.error();
+  return LoadScenarioText(text.value(), path, overrides);
+}
+
+Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
+  if (!text.ok()) return text.error();
+  const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, ScenarioTools{});
+  if (!file.ok()) return file.error();
+  return Status();
+}
+
+Result<ScenarioWorld> ReadScenarioWorld(const std::string& path, const LoadOverrides& overrides) {
+  const ScenarioTools tools;
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
+  if (!text.ok()) return text.error();
+  const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, tools);
+  if (!file.ok()) return file.error();
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
+  if (!tree.ok()) return tree.error();
+  for (const Property& property : file.value().properties) tree.value().world.Set(property);
+  ScenarioWorld world{std::move(tree).value(), DefaultController(file.value(), overrides), {}};
+  for (const SpawnEntry& rule : file.value().spawns) {
+    if (rule.ros_domain && rule.ros_domain->each) {
+      world.ros_domains_from.emplace(rule.model.text, rule.ros_domain->first);
+    }
+  }
+  return world;
+}
+
+Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& path, const LoadOverrides& overrides) {
+  const ScenarioTools tools;
+  const Result<ScenarioFile> file = ReadText(text, path, overrides, tools);
+  if (!file.ok()) return file.error();
+  Result<WorldTree> tree = ReadTree(file.value(), path, overrides.allowed, tools);
+  if (!tree.ok()) return tree;
+  Result<ScenarioPlan> plan =
+      ApplyScenario(file.value(), DefaultController(file.value(), overrides), std::move(tree).value());
+  if (!plan.ok()) return plan.error();
+  return std::move(plan.value().tree);
+}
+
+Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  Result<ScenarioFile> file = ReadText(text.value(), path, {}, ScenarioTools{});
+  if (!file.ok()) return file.error();
+  return std::move(file.value().hosts);
+}
+
+Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
+                                     const ScenarioTools& tools) {
+  const Result<ScenarioFile> read = ReadText(text, path, overrides, tools);
+  if (!read.ok()) return read.error();
+  const ScenarioFile& file = read.value();
+
+  Result<WorldTree> tree = ReadTree(file, path, overrides.allowed, tools);
+  if (!tree.ok()) return tree.error();
+  const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
+  if (!plan.ok()) return plan.error();
+  LoadOverrides build;
+  build.allowed = overrides.allowed;
+  build.seed = overrides.seed ? overrides.seed : file.seed;
+  Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
+  if (!built.ok()) return built;
+
+  LoadedWorld loaded = std::move(built).value();
+  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
+  loaded.settings = file.settings;
+  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
+  if (file.name) loaded.world.name = *file.name;
+  loaded.world.places = file.places;
+  for (RobotDescription& robot : loaded.world.robots) {
+    const auto controller = plan.value().controllers.find(robot.name);
+    if (controller != plan.value().controllers.end()) robot.controller = controller->second;
+    const auto domain = plan.value().ros_domains.find(robot.name);
+    if (domain != plan.value().ros_domains.end()) robot.ros.domain = domain->second;
+  }
+  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
+  const std::uint64_t seed = loaded.world.seed;
+  return PlaceSpawns(std::move(loaded), plan.value().spawns, seed, tools.max_spawn_draws);
+}
+
+}  // namespace troupe

@@ -1,0 +1,38 @@
+// Merges a scenario's entries into the tree of its world.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "troupe/result.h"
+#include "worldfile/scenario/scenario_file.h"
+#include "worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+// The models that one spawn rule added, still without a place.
+struct PlannedSpawn {
+  const SpawnEntry* rule = nullptr;
+  std::vector<std::string> names;
+  bool origin_at_start = true;  // odometry counts from the robot's start: the world has no `localization_origin`
+};
+
+// The tree of a scenario's world, and the facts that a tree has no place for.
+struct ScenarioPlan {
+  WorldTree tree;
+  std::vector<PlannedSpawn> spawns;
+  std::map<std::string, ControllerDescription> controllers;  // by robot
+  std::map<std::string, std::uint32_t> ros_domains;          // of their own, by robot
+};
+
+// Adds the models, robots and spawned models of `file` to `tree`, and applies its overrides. `default_controller` is
+// for the robots for which neither world nor scenario names one. The plan refers to `file`, which must outlive it.
+Result<ScenarioPlan> ApplyScenario(const ScenarioFile& file,
+                                   const std::optional<ControllerDescription>& default_controller, WorldTree tree);
+
+// `tree` with an included file's defines and models. The first define of a name counts. `where` names the file.
+WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where);
+
+}  // namespace troupe

@@ -1,0 +1,69 @@
+// WorldTree: the content of a world file after includes and defines, before anything is given a meaning. Stage files
+// and scenarios both become trees, so that a scenario can override any property before the world is built
+// (build_world.h).
+#pragma once
+
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "troupe/result.h"
+
+namespace troupe {
+
+// A number, with its text for messages.
+struct NumberValue {
+  double value = 0.0;
+  std::string text;
+};
+
+// A number, a string, or a tuple of them.
+struct Value {
+  using Number = NumberValue;
+  using Scalar = std::variant<Number, std::string>;
+
+  std::variant<Number, std::string, std::vector<Scalar>> content;
+  SourceLocation where;
+};
+
+struct Property {
+  std::string name;  // "pose", "point[0]"
+  Value value;
+  SourceLocation where;
+};
+
+// A model, a sensor, a block, or (the root) the world. Defines are already applied: the macro's properties and children
+// precede the instance's own; of two properties with one name the later one counts.
+struct WorldNode {
+  std::string type;                  // the base type: "position", "sensor", "block", ...
+  std::vector<std::string> macros;   // names of the defines it was made from, outermost first
+  std::vector<Property> properties;  // names are unique
+  std::vector<WorldNode> children;
+  SourceLocation where;
+
+  const Property* Find(const std::string& name) const;
+  // Replaces the property of that name, or adds it.
+  void Set(Property property);
+};
+
+// Of properties with one name the last one, at the place of the first.
+std::vector<Property> LastOfEachName(std::vector<Property> properties);
+
+// `define NAME BASE ( body )`, not yet applied.
+struct Define {
+  std::string base;
+  std::vector<Property> properties;
+  std::vector<WorldNode> children;  // types may be macros
+  SourceLocation where;
+};
+
+struct WorldTree {
+  WorldNode world;                        // top-level properties; children are the top-level nodes
+  std::map<std::string, Define> defines;  // for making further instances (spawn rules)
+  std::vector<std::string> files;         // every file that was read, the top one first
+  std::vector<Warning> warnings;
+  std::string directory;  // of the top file: relative bitmaps and includes start here
+};
+
+}  // namespace troupe
