@@ -23,14 +23,19 @@ std::string FilterOf(const std::set<std::string, std::less<>>& files) {
   const testing::UnitTest& all = *testing::UnitTest::GetInstance();
   for (int i = 0; i < all.total_test_suite_count(); ++i) {
     const testing::TestSuite& suite = *all.GetTestSuite(i);
+    std::string names;
+    bool whole = true;
     for (int j = 0; j < suite.total_test_count(); ++j) {
       const testing::TestInfo& test = *suite.GetTestInfo(j);
       const std::string_view path = test.file();
       const std::size_t folder = path.rfind("/tests/");
-      if (folder == std::string_view::npos || !files.contains(path.substr(folder + 7))) continue;
-      if (!filter.empty()) filter += ':';
-      filter += NameOf(test);
+      if (folder != std::string_view::npos && files.contains(path.substr(folder + 7))) {
+        names += NameOf(test) + ':';
+      } else {
+        whole = false;
+      }
     }
+    filter += whole ? std::string(suite.name()) + ".*:" : names;
   }
   return filter;
 }
