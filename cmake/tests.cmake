@@ -40,7 +40,8 @@ endfunction()
 # troupe_test(NAME GROUP group SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds] [NEEDS target ...]
 #             [DEFINITIONS d ...] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
-# PROPERTIES: of CTest. Labels: slow (not in scripts/test), process (drives the programs), determinism, threads (runs under
+# PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
+# PROCESSORS: how many of the places for tests, two for each core, it takes. Labels: slow (not in scripts/test), process (drives the programs), determinism, threads (runs under
 # the thread sanitizer too), addresses (under the address sanitizer; all that are neither slow nor process have it).
 # In a unity build the sources of a folder are compiled together, up to 12 at a time.
 function(troupe_test name)
@@ -98,8 +99,13 @@ macro(troupe_add_test)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
       list(APPEND environment ${TROUPE_SANITIZER_ENVIRONMENT})
     endif()
+    # With two places for each core, a test that drives processes, which mostly waits, takes half a core.
+    set(processors 2)
+    if("process" IN_LIST arg_LABELS AND NOT TROUPE_SANITIZER)
+      set(processors 1)
+    endif()
     set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}"
-      SKIP_RETURN_CODE 77 ${arg_PROPERTIES})
+      SKIP_RETURN_CODE 77 PROCESSORS ${processors} ${arg_PROPERTIES})
     if(arg_NEEDS)
       add_dependencies(test_programs ${arg_NEEDS})
     endif()
