@@ -31,12 +31,20 @@ Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(const Recording& 
 std::optional<std::string> RecordedStates::ReadPlaces() {
   TickReader reader(recording_);
   RecordedTick tick;
+  std::optional<ReplayedWorld> edited;
   for (;;) {
     const Result<bool> more = reader.Next(tick);
     if (!more.ok()) return more.error().message;
     if (!more.value()) return std::nullopt;
+    if (tick.edit && events_.size() < kEventsKept) {
+      if (!edited) edited.emplace(recording_);
+      if (Status problem = edited->ApplyAlone(tick.number, *tick.edit); !problem.ok()) return problem.error().message;
+    }
+    const WorldDescription& world = edited ? edited->world() : recording_.run().world;
     for (const Event& event : tick.events) {
-      if (events_.size() < kEventsKept) events_.push_back({events_.size() + 1, places_.size(), event});
+      if (events_.size() < kEventsKept) {
+        events_.push_back({events_.size() + 1, places_.size(), event, NamesIn(world, event)});
+      }
     }
     has_edits_ = has_edits_ || tick.edit.has_value();
     places_.push_back({tick.tick, tick.log_time, tick.edition});

@@ -14,13 +14,13 @@ bool IsWarning(EventType type) {
          type == EventType::kStallBegan || type == EventType::kUnstable;
 }
 
-std::string TextOf(const WorldDescription& world, const Event& event) {
-  std::string text = ToString(event.type);
-  if (event.robot && event.robot->index() < world.robots.size()) text += " " + world.robot(*event.robot).name;
-  for (const std::optional<ModelId>& model : {event.object, event.other}) {
-    if (model && model->index() < world.models.size()) text += " " + world.model(*model).name;
+std::string TextOf(const NumberedEvent& numbered) {
+  std::string text = ToString(numbered.event.type);
+  for (const std::string& name : {numbered.names.robot, numbered.names.object, numbered.names.other}) {
+    if (!name.empty()) text += " " + name;
   }
-  return event.detail.empty() ? text : text + ": " + event.detail;
+  const std::string& detail = numbered.event.detail;
+  return detail.empty() ? text : text + ": " + detail;
 }
 
 }  // namespace
@@ -175,11 +175,10 @@ void FoxgloveClient::SendScan(std::uint32_t subscription, const foxglove::Channe
 
 void FoxgloveClient::SendEvents(std::uint32_t subscription, const ShownState& shown,
                                 const std::deque<NumberedEvent>& events) {
-  for (const auto& [number, position, event] : events) {
-    if (number <= event_) continue;
-    event_ = number;
-    const std::string text =
-        foxglove::EventText(TextOf(shown.world->scene->world(), event), IsWarning(event.type), shown.time);
+  for (const NumberedEvent& event : events) {
+    if (event.number <= event_) continue;
+    event_ = event.number;
+    const std::string text = foxglove::EventText(TextOf(event), IsWarning(event.event.type), shown.time);
     Send(foxglove::DataMessage(subscription, shown.time, text), false);
   }
 }

@@ -14,6 +14,14 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
   return world;
 }
 
+EventNames NamesIn(const WorldDescription& world, const Event& event) {
+  const auto name_of = [&](const std::optional<ModelId>& model) {
+    return model && model->index() < world.models.size() ? world.model(*model).name : std::string();
+  };
+  const bool has_robot = event.robot && event.robot->index() < world.robots.size();
+  return {has_robot ? world.robot(*event.robot).name : std::string(), name_of(event.other), name_of(event.object)};
+}
+
 std::size_t SizeOf(const PastState& past) {
   return sizeof past - sizeof past.state + MemoryOf(past.state);
 }

@@ -30,10 +30,19 @@ struct PastState {
   Edition edition = 0;
 };
 
+// The names of what an event is about. Empty: nothing.
+struct EventNames {
+  std::string robot;
+  std::string other;
+  std::string object;
+};
+EventNames NamesIn(const WorldDescription& world, const Event& event);
+
 struct NumberedEvent {
   std::uint64_t number = 0;    // counts the events of a run or a recording from 1
   std::uint64_t position = 0;  // of its state
   Event event;
+  EventNames names;  // in the world of the event: its ids may be those of others after an edit
 };
 inline constexpr std::size_t kEventsKept = 500;  // for viewers
 

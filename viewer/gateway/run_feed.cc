@@ -52,7 +52,10 @@ void RunFeed::AddEvents(const FrameMessage& frame) {
   const std::pair at(frame.edition, frame.state.tick);
   if (newest_events_ && at <= *newest_events_) return;
   newest_events_ = at;
-  for (const Event& event : frame.events) content_.events.push_back({++events_, content_.position, event});
+  const WorldDescription& world = content_.world->scene->world();
+  for (const Event& event : frame.events) {
+    content_.events.push_back({++events_, content_.position, event, NamesIn(world, event)});
+  }
   while (content_.events.size() > kEventsKept) content_.events.pop_front();
 }
 

@@ -45,9 +45,9 @@ void Write(ByteWriter& writer, const NumberedEvent& numbered) {
   writer.Write(numbered.position);
   writer.Write(event.tick);
   writer.Write(static_cast<std::uint8_t>(event.type));
-  writer.WriteId(event.robot);
-  writer.WriteId(event.other);
-  writer.WriteId(event.object);
+  for (const std::string& name : {numbered.names.robot, numbered.names.other, numbered.names.object}) {
+    writer.WriteText(name);
+  }
   writer.WriteText(event.detail);
 }
 

@@ -89,6 +89,22 @@ TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
   EXPECT_EQ(content.events.front().number, 101u);
 }
 
+TEST(RunFeedTest, EventsHaveTheNamesOfTheWorldInWhichTheyHappened) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage first = Session();
+  SessionMessage second = Session(1, 5);
+  second.world.robots[0].name = "other";
+  feed.OnSession(first);
+  feed.OnFrame(Frame(first, 1, 1));
+  feed.OnSession(second);
+  feed.OnFrame(Frame(second, 0, 1));
+  feed.Read(content);
+  ASSERT_EQ(content.events.size(), 2u);
+  EXPECT_EQ(content.events[0].names.robot, "r0");
+  EXPECT_EQ(content.events[1].names.robot, "other");
+}
+
 TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   RunFeed feed;
   FeedContent content;
