@@ -531,8 +531,10 @@ TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure)
   const dds::DdsConnection connection(
       dds::ToolConfig(options_.domain, "lo", "127.0.0.1:" + std::to_string(port_)), options_.session,
       [&](const std::string&) { ++failures; }, {}, AgentName({"r1"}));
-  // As long as the participant has a topic of that name with another type, there can be no writer of proposals.
-  auto other = std::make_unique<dds::Topic<troupe_wire_Status>>(connection.participant, topics::kProposal);
+  // As long as the participant has this topic with other QoS, there can be no writer of proposals.
+  auto other = std::make_unique<dds::Entity>(
+      dds_create_topic(connection.participant.handle(), dds::TopicTraits<troupe_wire_Proposal>::descriptor(),
+                       topics::kProposal, dds::qos_profiles::Description().get(), nullptr));
   Agent agent;
   dds::DdsAgentEndpoint agent_end(connection, std::nullopt, true);
   agent_end.Start(agent);
@@ -548,6 +550,7 @@ TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure)
   proposal.run = 5;
   proposal.agent = 1;
   EXPECT_TRUE(Eventually([&] {
+    agent_end.SendJoin(Join(5, 1));
     agent_end.SendProposal(proposal);
     return !service.Heard(service.proposals).empty();
   }));
