@@ -58,7 +58,7 @@ std::optional<std::uint64_t> RecordedStates::PositionOf(Tick tick) const {
   return static_cast<std::uint64_t>(places_.rend() - found) - 1;
 }
 
-Result<std::shared_ptr<const PastState>> RecordedStates::At(std::uint64_t position) {
+Result<std::shared_ptr<const ViewedState>> RecordedStates::At(std::uint64_t position) {
   position = std::min<std::uint64_t>(position, places_.size() - 1);
   if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
   if (!position_ || *position_ > position || position - *position_ > kStepOn) {
@@ -116,8 +116,8 @@ Status RecordedStates::Advance() {
 
 void RecordedStates::Keep() {
   if (kept_.contains(*position_)) return;
-  auto state = std::make_shared<const PastState>(PastState{*position_, WorldOf(world_->scene()), world_->state(),
-                                                           world_->state_hash(), places_[*position_].edition});
+  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()), world_->state(),
+                                                               world_->state_hash(), places_[*position_].edition});
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(*position_, std::move(state));
   // The farthest ones are dropped.

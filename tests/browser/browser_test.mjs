@@ -343,7 +343,8 @@ async function showsThePast() {
 
 async function namesEventsByTheWorldInWhichTheyHappened() {
   writeFileSync(path('other.world'), 'name "other"\nposition ( name "zora" pose [0 0 0 0] )\n');
-  const loaded = run('loaded', ['--ticks', '1000000', '--speed', '1', '--paused', '--record', path('loaded.mcap')]);
+  const loaded = run('loaded', ['--ticks', '1000000', '--speed', '1', '--paused', '--record', path('loaded.mcap'), '--allow-files', files,
+  ]);
   const url = await loaded.line('viewer: ');
   const page = await open(url);
   const events = from => from.$$eval('.event-text', texts => texts.map(text => text.textContent));
@@ -352,6 +353,7 @@ async function namesEventsByTheWorldInWhichTheyHappened() {
   const load = new Program(troupe, [
     'ctl', 'load', path('other.world'), '--session', `${session}-loaded`, '--domain', domain]);
   assert.equal(await load.end, 0, load.lines.join('\n'));
+  await page.click('#step');  // events come with the next tick
   const shown = await until('the new agent has joined', async () => {
     const texts = await events(page);
     return both(texts) ? texts : null;
