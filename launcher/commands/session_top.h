@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -28,14 +29,17 @@ class SessionTop final : public ObserverHandler {
  private:
   using Clock = std::chrono::steady_clock;
 
-  std::string RunText(double ticks_per_second) const;
+  // Forgets the run. REQUIRES: mutex_ is locked.
+  void Reset();
+  std::string RunText(double ticks_per_second, std::size_t lost) const;
   bool IsLate(const std::string& robot) const;
 
-  std::mutex mutex_;  // guards the others
-  std::optional<SessionMessage> session_;
+  std::mutex mutex_;                               // guards the others
+  std::shared_ptr<const SessionMessage> session_;  // the newest; null: none
+  std::shared_ptr<const SessionMessage> shown_;    // with the world of frame_
   std::optional<FrameMessage> frame_;
   std::optional<StatusMessage> status_;
-  std::set<RobotId> lost_;  // since the first frame that was received
+  std::set<std::string> lost_;  // since the first frame that was received: robots by name, which outlives an edit
   Tick counted_tick_ = 0;
   Clock::time_point counted_at_ = Clock::now();
 };

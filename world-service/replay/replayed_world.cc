@@ -26,12 +26,8 @@ ReplayedWorld::ReplayedWorld(const Recording& recording)
 Result<ReplayedWorld> ReplayedWorld::At(const Recording& recording, std::size_t chunk) {
   if (chunk == 0) return ReplayedWorld(recording);
   ReplayedWorld world(std::make_shared<const Scene>(recording.run().world));
-  // Each edit is recorded with the state before it, so that the steps between them need not be repeated.
-  const Status edited = recording.VisitEdits(chunk, [&](std::uint64_t number, const RecordedEdit& edit) {
-    if (Status problem = CheckStartState(world.world(), edit.before.state); !problem.ok()) return problem;
-    world.number_ = number;
-    return world.Edit(edit, edit.before.edition + 1, edit.before.state);
-  });
+  const Status edited = recording.VisitEdits(
+      chunk, [&](std::uint64_t number, const RecordedEdit& edit) { return world.ApplyAlone(number, edit); });
   if (!edited.ok()) return Error{{recording.name()}, edited.error().message, ErrorCode::kFailure};
   world.has_state_ = false;  // that after the last edit
   return world;
@@ -92,6 +88,12 @@ Status ReplayedWorld::Step(const RecordedTick& tick) {
   events_ = std::move(next.events);
   SetState(std::move(next.state));
   return {};
+}
+
+Status ReplayedWorld::ApplyAlone(std::uint64_t number, const RecordedEdit& edit) {
+  if (Status problem = CheckStartState(world(), edit.before.state); !problem.ok()) return problem;
+  number_ = number;
+  return Edit(edit, edit.before.edition + 1, edit.before.state);
 }
 
 Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const WorldState& before) {

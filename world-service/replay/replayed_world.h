@@ -45,6 +45,9 @@ class ReplayedWorld {
   // Steps with the proposals of a recorded tick, or applies its edit. The error is an input that this world refuses;
   // the state is then the one before. REQUIRES: `tick` follows the state.
   Status Apply(const RecordedTick& tick);
+  // Applies a recorded edit to the state it was recorded with, so that the steps since the edit before need not be
+  // repeated. `number`: of the tick. The error is as in Apply.
+  Status ApplyAlone(std::uint64_t number, const RecordedEdit& edit);
   // Goes to the recorded state: by Apply, or by its keyframe if there is no valid state yet. The error is also another
   // state than recorded.
   Status Follow(const RecordedTick& tick);

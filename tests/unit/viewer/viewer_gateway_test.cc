@@ -418,10 +418,10 @@ class ScriptedRecording : public Recorded {
  public:
   std::optional<Range> range() const override { return Range{0, 9}; }
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
-  Result<std::shared_ptr<const PastState>> At(std::uint64_t position) override {
+  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
     if (position == 8) return Failure("the chunk is damaged");
     const FrameMessage frame = FrameAt(session, position);
-    return std::make_shared<const PastState>(PastState{position, world, frame.state, frame.state_hash, 0});
+    return std::make_shared<const ViewedState>(ViewedState{position, world, frame.state, frame.state_hash, 0});
   }
   std::vector<NumberedEvent> Events() const override { return {}; }
 

@@ -176,7 +176,8 @@ class Viewer {
   }
 
   private showEvent(event: RunEvent): void {
-    if (event.robot >= 0) this.selectAndCenter({kind: 'robot', index: event.robot});
+    const entity = this.run && event.robot ? findEntity(this.run.world, event.robot) : null;
+    if (entity) this.selectAndCenter(entity);
     if (this.timeBar.timeline.inPast) this.timeBar.timeline.seek(event.position);
   }
 

@@ -1,7 +1,7 @@
 // The messages of the gateway: viewer/gateway/world_message.cc, viewer_gateway.cc and robot_readings.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise.
 
-export const PROTOCOL = 3;
+export const PROTOCOL = 4;
 
 export interface Pose {
   x: number;
@@ -93,6 +93,7 @@ export interface Light {
 
 export interface World {
   number: number;
+  run: string;  // of which it is a world
   name: string;
   host: string;
   interval: number;  // s
@@ -141,9 +142,9 @@ export interface RunEvent {
   position: number;  // of its state on the timeline
   tick: number;
   type: EventType;
-  robot: number;
-  other: number;  // models; -1: none
-  object: number;
+  robot: string;  // by their names in the world of the event; empty: none
+  other: string;  // models
+  object: string;
   detail: string;
 }
 
@@ -381,6 +382,7 @@ function readWorld(r: Reader): World {
   if (protocol !== PROTOCOL) throw new Error('the viewer was updated: load the page again');
   return {
     number: r.u32(),
+    run: String(r.u64()),
     name: r.text(),
     host: r.text(),
     interval: r.f64(),
@@ -501,7 +503,8 @@ function readUpdate(r: Reader): Update {
     stores: r.list((): [number, StoreRow] => [r.u32(), {joules: r.f64(), chargeWatts: r.f64()}]),
     lights: r.list((): [number, boolean] => [r.u32(), r.flag()]),
     events: r.list((): RunEvent => ({
-      position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
+      position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.text(), other: r.text(), object: r.text(),
+      detail: r.text(),
     })),
     status: (flags & 4) !== 0 ? readStatus(r) : null,
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,

@@ -26,10 +26,12 @@ export class Run {
   paused = false;
   over = false;
   hasState = false;
-  lostAgents = new Set<number>();  // robots
+  lostAgents = new Set<string>();  // of robots, by name
 
   constructor(public readonly world: World, before: Run | null) {
-    if (before) this.events = before.events;
+    if (before?.world.run !== world.run) return;
+    this.events = before.events;
+    this.lostAgents = before.lostAgents;
   }
 
   get seconds(): number {
