@@ -16,7 +16,7 @@
 #include "viewer/editor/request_values.h"
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
 
@@ -139,9 +139,9 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
     if (place.entry == nullptr) return elsewhere("not an entry of the scenario,");
     return place;
   }
-  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
-  place.stage = std::make_unique<StageSyntax>(std::move(syntax).value());
+  place.stage = std::make_unique<StageTree>(std::move(syntax).value());
   const auto chain = FindStatement(*place.stage, entity.where.line, entity.where.column);
   if (chain.empty()) return elsewhere("not found,");
   if (chain.front()->kind == StatementKind::kDefine && !entity.on_shelf) return elsewhere("a part of a model");
@@ -245,7 +245,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
 
 Result<std::string> Editor::WithAdded(const WrittenModel& model) const {
   if (kind_ != EditedKind::kScenario) {
-    const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+    const Result<StageTree> syntax = ParseStage(text(), path());
     if (!syntax.ok()) return syntax.error();
     return WithEntry(text(), syntax.value().body(), model);
   }

@@ -4,13 +4,13 @@
 #include <memory>
 
 #include "viewer/editor/editor.h"
-#include "worldfile/edit/stage_syntax.h"
+#include "worldfile/stage/stage_tree.h"
 #include "worldfile/text/json_tree.h"
 
 namespace troupe {
 
 struct Editor::Place {
-  std::unique_ptr<StageSyntax> stage;    // of a Stage file
+  std::unique_ptr<StageTree> stage;      // of a Stage file
   const Statement* statement = nullptr;  // in there
   std::unique_ptr<JsonTree> json;        // of a scenario
   const JsonNode* holder = nullptr;      // in there: the list of the entry

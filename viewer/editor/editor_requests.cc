@@ -240,7 +240,7 @@ Result<Json> Editor::SetProperty(const Json& request) {
       place.entry = &place.json->root();
       status = SetBody(place, property, value, label);
     } else {
-      const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+      const Result<StageTree> syntax = ParseStage(text(), path());
       if (!syntax.ok()) return syntax.error();
       const StageBody body = syntax.value().body();
       status =

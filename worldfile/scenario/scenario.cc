@@ -6,7 +6,7 @@
 #include "worldfile/scenario/place_spawns.h"
 #include "worldfile/scenario/scenario_file.h"
 #include "worldfile/scenario/scenario_tree.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/file_lookup.h"
 #include "worldfile/text/json_tree.h"
 #include "worldfile/text/quote.h"
