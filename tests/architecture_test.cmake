@@ -42,7 +42,7 @@ set(may_include_worldfile/scenario
   worldfile/models worldfile/models/types worldfile/map worldfile/stage
   worldfile/text)
 set(may_include_worldfile/edit
-  common/base common/geometry worldfile/scenario worldfile/stage worldfile/text)
+  common/base common/geometry worldfile/stage worldfile/text)
 set(may_include_worldfile
   common/base common/geometry common/model
   worldfile/models worldfile/models/types worldfile/map worldfile/scenario
