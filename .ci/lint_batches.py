@@ -1,13 +1,20 @@
 """Runs clang-tidy on the sources of a unity build, a batch at a time.
 
-    lint_batches.py BUILD_FOLDER [FILES]      exit status 1 if there is a finding
+    lint_batches.py [--all] [--record] BUILD_FOLDER [FILES]      exit status 1 if there is a finding
+
+The file .ci/linted has a hash of each batch that had no finding: of its sources, all headers of the project that they
+include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record the
+hashes are written. It works without history, and a change of a header reaches all batches that include it.
 
 Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one file.
 The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
 printed with the place in the original source.
 """
 
+import argparse
 import concurrent.futures
+import functools
+import hashlib
 import json
 import os
 import re
@@ -15,7 +22,9 @@ import subprocess
 import sys
 
 ROOT = os.getcwd()
+RECORD = ".ci/linted"
 INCLUDE = re.compile(r'^#include "(/.*\.cc)"$')
+INCLUDED = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.MULTILINE)
 FINDING = re.compile(r"^(/[^:]+):(\d+)(:\d+: (?:error|warning|note): .*)$")
 
 
@@ -36,6 +45,21 @@ class Batch:
                     for number, line in enumerate(lines, 1):
                         joined.write(line)
                         self.origins.append((source, number))
+
+    def hash(self, read, checks):
+        """Of all that decides on the findings but the system's headers. `read(path)`: the text of a file, None without."""
+        folders = [ROOT, *re.findall(rf"-(?:I|isystem) *({re.escape(ROOT)}\S*)", self.command["command"])]
+        found, open_files = {}, list(map(os.path.abspath, self.sources))
+        while open_files:
+            file = open_files.pop()
+            if file not in found:
+                found[file] = read(file)
+                for name in INCLUDED.findall(found[file]):
+                    paths = (os.path.normpath(os.path.join(folder, name)) for folder in (os.path.dirname(file), *folders))
+                    open_files += [path for path in paths if read(path) is not None][:1]
+        text = "\0".join([checks, self.command["command"], *(part for file in sorted(found) for part in (file, found[file]))])
+        guard = re.sub(r"\W", "_", ROOT.upper())  # in headers that idlc has made
+        return hashlib.sha256(text.replace(ROOT, "").replace(guard, "").encode()).hexdigest()[:32]
 
     def located(self, line):
         """A line of clang-tidy's output, with the place in the original source if it has one."""
@@ -60,9 +84,23 @@ class Batch:
         return findings or ([f"clang-tidy failed on {self.path}\n{run.stderr}"] if run.returncode else [])
 
 
+@functools.cache
+def read_text(path):
+    if not os.path.isfile(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
 def main():
-    build = os.path.abspath(sys.argv[1])
-    selected = {os.path.relpath(file, ROOT) for file in sys.argv[2:]}
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("build")
+    parser.add_argument("files", nargs="*")
+    arguments = parser.parse_args()
+    build = os.path.abspath(arguments.build)
+    selected = {os.path.relpath(file, ROOT) for file in arguments.files}
     folder = os.path.join(build, "batches")
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as database:
@@ -71,7 +109,15 @@ def main():
     with open(os.path.join(folder, "compile_commands.json"), "w", encoding="utf-8") as database:
         json.dump([batch.command for batch in batches], database)
 
-    batches = [batch for batch in batches if not selected or selected & set(batch.sources)]
+    version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
+    checks = re.search(r"version \S+", version).group() + read_text(".clang-tidy")
+    hashes = {batch.hash(read_text, checks): batch for batch in batches}
+    if selected:
+        batches = [batch for batch in batches if selected & set(batch.sources)]
+    elif not arguments.all:
+        linted = (read_text(RECORD) or "").split()
+        batches = [batch for hash_, batch in hashes.items() if hash_ not in linted]
+        print(f"{len(hashes) - len(batches)} of {len(hashes)} batches are as they were when {RECORD} was written")
     batches.sort(key=lambda batch: -len(batch.origins))  # the longest first, so that all processors end together
     printed = set()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -82,6 +128,9 @@ def main():
                     print(finding, flush=True)
     sources = sum(len(batch.sources) for batch in batches)
     print(f"{len(printed)} findings in {sources} sources and their headers")
+    if arguments.record and not selected and not printed:
+        with open(RECORD, "w", encoding="utf-8") as record:
+            record.write("\n".join(sorted(hashes)) + "\n")
     sys.exit(1 if printed else 0)
 
 

@@ -7,16 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "ros/connection/ros_connection.h"
+
 namespace troupe::ros {
 
 using Bytes = std::vector<std::uint8_t>;
-
-struct CallHeader {
-  std::uint64_t client_guid = 0;
-  std::int64_t sequence_number = 0;
-
-  friend bool operator==(const CallHeader&, const CallHeader&) = default;
-};
 
 // Nothing for a sample that is not in the encoding of ROS: plain CDR of either byte order.
 std::optional<Bytes> WithHeader(std::span<const std::uint8_t> sample, const CallHeader& header);

@@ -22,7 +22,6 @@
 namespace troupe::test {
 namespace {
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 constexpr Tick kTicks = 30;
 constexpr std::size_t kFlood = 20000;   // messages
 constexpr double kMemoryMargin = 40.0;  // MiB

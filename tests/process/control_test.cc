@@ -13,10 +13,8 @@
 namespace troupe::test {
 namespace {
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
 // Hashes by tick.
-std::vector<std::uint64_t> HashesOf(const std::string& log) {
+std::vector<std::uint64_t> HashesInLog(const std::string& log) {
   std::vector<std::uint64_t> hashes;
   std::istringstream lines(log);
   std::string tick;
@@ -27,7 +25,7 @@ std::vector<std::uint64_t> HashesOf(const std::string& log) {
 TEST(Control, SteppingGivesTheSameHashesAsRunning) {
   OutputFolder folder;
   ASSERT_EQ(Finish(RunPen({"--ticks", "120", "--hash-log", folder.Path("hashes")})).exit_status, 0);
-  const std::vector<std::uint64_t> hashes = HashesOf(folder.Read("hashes"));
+  const std::vector<std::uint64_t> hashes = HashesInLog(folder.Read("hashes"));
   ASSERT_EQ(hashes.size(), 121u);
 
   const std::string session = TestSession("step");

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string HashesOf(const std::vector<std::string>& options) {
+std::string HashLogOf(const std::vector<std::string>& options) {
   const OutputFolder folder;
   std::vector<std::string> arguments = {"--ticks", "100", "--hash-log", folder.Path("hashes")};
   arguments.insert(arguments.end(), options.begin(), options.end());
@@ -45,20 +45,14 @@ int CountStacks(pid_t process) {
   return guards;
 }
 
-std::vector<pid_t> ChildrenWith(const Program& run, const std::string& part) {
-  std::vector<pid_t> children = ChildrenOf(run.pid());
-  std::erase_if(children, [&](pid_t child) { return CommandLineOf(child).find(part) == std::string::npos; });
-  return children;
-}
-
 TEST(DataSharing, GivesTheHashesOfRunsWithoutIt) {
-  const std::string expected = HashesOf({"--in-process", "--threads", "1"});
+  const std::string expected = HashLogOf({"--in-process", "--threads", "1"});
   ASSERT_NE(expected, "");
-  EXPECT_EQ(HashesOf({"--in-process", "--threads", "2"}), expected);
-  EXPECT_EQ(HashesOf({"--data-sharing", "on"}), expected);
-  EXPECT_EQ(HashesOf({"--data-sharing", "off"}), expected);
-  EXPECT_EQ(HashesOf({"--data-sharing", "on", "--robots-per-process", "3", "--threads", "2"}), expected);
-  EXPECT_EQ(HashesOf({"--security", "on"}), expected);
+  EXPECT_EQ(HashLogOf({"--in-process", "--threads", "2"}), expected);
+  EXPECT_EQ(HashLogOf({"--data-sharing", "on"}), expected);
+  EXPECT_EQ(HashLogOf({"--data-sharing", "off"}), expected);
+  EXPECT_EQ(HashLogOf({"--data-sharing", "on", "--robots-per-process", "3", "--threads", "2"}), expected);
+  EXPECT_EQ(HashLogOf({"--security", "on"}), expected);
 }
 
 TEST(DataSharing, IsUsedByAllProcessesOfAMachineUnlessItIsOff) {

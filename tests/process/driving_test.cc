@@ -24,8 +24,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
 // A program in a terminal of its own.
 class TerminalProgram {
  public:

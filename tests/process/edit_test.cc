@@ -9,6 +9,7 @@
 #include "tests/process/programs.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/edits.h"
 #include "transport/dds/tools/control_client.h"
 #include "worldfile/load_world.h"
 
@@ -16,16 +17,6 @@ namespace troupe::test {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
-ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {}) {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  return request;
-}
 
 // Edits of every kind, with steps between them.
 std::vector<ControlRequest> Script() {
@@ -60,7 +51,7 @@ std::vector<ControlRequest> Script() {
 }
 
 template <typename Call>
-std::vector<std::uint64_t> HashesOf(Call call) {
+std::vector<std::uint64_t> HashesOfScript(Call call) {
   std::vector<std::uint64_t> hashes;
   for (const ControlRequest& request : Script()) {
     const Result<ControlReply> reply = call(request);
@@ -84,7 +75,7 @@ std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) 
   }
   run.WaitForLine("ready");
   std::vector<std::uint64_t> hashes =
-      HashesOf([&](const ControlRequest& request) { return client.Call(request, kSeconds); });
+      HashesOfScript([&](const ControlRequest& request) { return client.Call(request, kSeconds); });
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130) << run.output();
   return hashes;
@@ -94,7 +85,7 @@ TEST(Edit, GivesTheSameHashesForAnyPackingAndInOneProcess) {
   const std::string world = WorldPath("pen.world");
   ControlledRun run(LoadWorld(world).value().world, {.packing = 4, .world_file = world});
   const std::vector<std::uint64_t> expected =
-      HashesOf([&](const ControlRequest& request) { return Result<ControlReply>(run.Ask(request)); });
+      HashesOfScript([&](const ControlRequest& request) { return Result<ControlReply>(run.Ask(request)); });
   ASSERT_EQ(expected.size(), Script().size());
   EXPECT_EQ(HashesOverDds("1"), expected);
   EXPECT_EQ(HashesOverDds("3"), expected);

@@ -15,10 +15,10 @@ namespace {
 
 using testing::HasSubstr;
 
-struct Files {
+struct Logs {
   std::string hashes;
   std::string scans;
-  bool operator==(const Files&) const = default;
+  bool operator==(const Logs&) const = default;
 };
 
 class EquipmentTest : public testing::Test {
@@ -36,16 +36,16 @@ class EquipmentTest : public testing::Test {
     arguments.insert(arguments.end(), options.begin(), options.end());
     return Troupe(AndFiles(std::move(arguments)));
   }
-  Files FilesOf(Program program) const {
+  Logs LogsOf(Program program) const {
     const Finished finished = Finish(std::move(program));
     EXPECT_EQ(finished.exit_status, 0) << finished.output;
     return {folder_.Read("hash-log"), folder_.Read("scans")};
   }
-  Files FilesOfRun(const std::vector<std::string>& options) const { return FilesOf(Start(options)); }
-  Files FilesOfReplay(const std::vector<std::string>& options) const {
+  Logs LogsOfRun(const std::vector<std::string>& options) const { return LogsOf(Start(options)); }
+  Logs LogsOfReplay(const std::vector<std::string>& options) const {
     std::vector<std::string> arguments = {"replay", Path("run.mcap")};
     arguments.insert(arguments.end(), options.begin(), options.end());
-    return FilesOf(Troupe(AndFiles(std::move(arguments))));
+    return LogsOf(Troupe(AndFiles(std::move(arguments))));
   }
 
  private:
@@ -64,21 +64,21 @@ class EquipmentTest : public testing::Test {
 };
 
 TEST_F(EquipmentTest, GivesTheSameFilesInEveryKindOfRun) {
-  const Files expected = FilesOfRun({"--in-process", "--record", Path("run.mcap")});
+  const Logs expected = LogsOfRun({"--in-process", "--record", Path("run.mcap")});
   for (const char* kind : {"\"ranges\"", "\"fiducials\":[{", "\"pressed_by\":[\"", "\"contacts\":[{", "\"blobs\":[{",
                            "\"received\":[{", "\"turn\"", "\"broken_by\":[\""}) {
     EXPECT_THAT(expected.scans, HasSubstr(kind)) << "the run is too poor for a test";
   }
-  EXPECT_TRUE(FilesOfReplay({"--verify", "--controllers"}) == expected);
-  EXPECT_TRUE(FilesOfRun({"--in-process", "--threads", "2"}) == expected);
-  EXPECT_TRUE(FilesOfRun({}) == expected) << "a process for each robot";
-  EXPECT_TRUE(FilesOfRun({"--robots-per-process", "2", "--data-sharing", "off"}) == expected);
-  EXPECT_TRUE(FilesOfRun({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}) == expected);
-  EXPECT_TRUE(FilesOfRun({"--in-process", "--seed", "4"}).hashes != expected.hashes);
+  EXPECT_TRUE(LogsOfReplay({"--verify", "--controllers"}) == expected);
+  EXPECT_TRUE(LogsOfRun({"--in-process", "--threads", "2"}) == expected);
+  EXPECT_TRUE(LogsOfRun({}) == expected) << "a process for each robot";
+  EXPECT_TRUE(LogsOfRun({"--robots-per-process", "2", "--data-sharing", "off"}) == expected);
+  EXPECT_TRUE(LogsOfRun({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}) == expected);
+  EXPECT_TRUE(LogsOfRun({"--in-process", "--seed", "4"}).hashes != expected.hashes);
 }
 
 TEST_F(EquipmentTest, GivesTheSameFilesWhateverDies) {
-  const Files expected = FilesOfRun({"--in-process"});
+  const Logs expected = LogsOfRun({"--in-process"});
   Program run = Start({"--on-agent-loss", "rebuild", "--lease", "1", "--speed", "10", "--record", Path("run.mcap")});
   run.WaitForLine("ready");
   const auto kill_child = [&run](const std::string& part) {
@@ -96,8 +96,8 @@ TEST_F(EquipmentTest, GivesTheSameFilesWhateverDies) {
   kill_child("--robot=r2");
   run.WaitForLineAfter("restart ");
   // The log of scans is a log of the sent readings, of which those of a killed process are missing.
-  EXPECT_EQ(FilesOf(std::move(run)).hashes, expected.hashes);
-  EXPECT_TRUE(FilesOfReplay({"--verify", "--controllers"}) == expected);
+  EXPECT_EQ(LogsOf(std::move(run)).hashes, expected.hashes);
+  EXPECT_TRUE(LogsOfReplay({"--verify", "--controllers"}) == expected);
 }
 
 }  // namespace

@@ -21,8 +21,6 @@ namespace {
 using nlohmann::json;
 using testing::ElementsAre;
 
-constexpr double kSeconds = 60.0;  // timeout of a response, for the slowest machine
-
 std::string RosDomain() {
   return std::to_string(TestRosOptions().domain);
 }

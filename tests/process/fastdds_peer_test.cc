@@ -21,8 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
-constexpr int kEnough = 200;                       // scans
+constexpr int kEnough = 200;  // scans
 
 Tick TickOf(const json& message) {
   return message["stamp"].get<std::uint64_t>() / kIntervalNs;

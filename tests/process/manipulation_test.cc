@@ -11,7 +11,7 @@
 namespace troupe::test {
 namespace {
 
-std::string HashesOf(const std::string& scenario, const std::string& ticks, std::vector<std::string> more) {
+std::string HashesOfScenario(const std::string& scenario, const std::string& ticks, std::vector<std::string> more) {
   OutputFolder folder;
   std::vector<std::string> arguments{"run",
                                      WorldPath("../../../worlds/scenarios/" + scenario + ".json"),
@@ -32,9 +32,9 @@ std::string HashesOf(const std::string& scenario, const std::string& ticks, std:
 
 // `last`: the hash at tick `ticks`.
 void ExpectSameHashes(const std::string& scenario, const std::string& ticks, const std::string& last) {
-  const std::string in_process = HashesOf(scenario, ticks, {"--in-process"});
+  const std::string in_process = HashesOfScenario(scenario, ticks, {"--in-process"});
   EXPECT_TRUE(in_process.ends_with("\n" + ticks + " " + last + "\n")) << in_process.substr(in_process.size() / 2);
-  EXPECT_TRUE(HashesOf(scenario, ticks, {}) == in_process);
+  EXPECT_TRUE(HashesOfScenario(scenario, ticks, {}) == in_process);
 }
 
 TEST(ManipulationOverDds, StackingIsTheSame) {
@@ -64,7 +64,7 @@ TEST(ManipulationOverDds, AnAgentKilledWithAPayloadAndRestartedReachesTheSameSta
   Program agent({"/bin/sh", "-c", "exec " + run.WaitForLineAfter("to start it again:")});
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
-  EXPECT_TRUE(folder.Read("hashes") == HashesOf("stage_stacking", "210", {"--in-process"}));
+  EXPECT_TRUE(folder.Read("hashes") == HashesOfScenario("stage_stacking", "210", {"--in-process"}));
 }
 
 }  // namespace

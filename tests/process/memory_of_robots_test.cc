@@ -17,8 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
 std::vector<pid_t> AgentsOf(const Program& run) {
   std::vector<pid_t> agents;
   for (const pid_t child : ChildrenOf(run.pid())) {

@@ -17,7 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 constexpr std::size_t kMebibyte = 1024 * 1024;
 
 // Sanitizers reserve more addresses than any limit leaves.

@@ -166,4 +166,10 @@ Finished Finish(Program program) {
   return {exit_status, program.output()};
 }
 
+std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part) {
+  std::vector<pid_t> children = ChildrenOf(program.pid());
+  std::erase_if(children, [&](pid_t child) { return CommandLineOf(child).find(part) == std::string::npos; });
+  return children;
+}
+
 }  // namespace troupe::test

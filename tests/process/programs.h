@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "launcher/process/process.h"
 
 namespace troupe::test {
+
+inline constexpr double kSeconds = 60.0;                  // longest time to an answer on the slowest machine
+inline constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
 
 // The path of a program of this build.
 std::string ProgramPath(const std::string& name);
@@ -66,5 +70,8 @@ struct Finished {
   std::string output;
 };
 Finished Finish(Program program);
+
+// Its running children whose command lines contain `part`.
+std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part);
 
 }  // namespace troupe::test

@@ -13,6 +13,7 @@
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/edits.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -20,8 +21,6 @@ namespace {
 
 using testing::ContainsRegex;
 using testing::HasSubstr;
-
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
 
 std::string ScenarioPath(const std::string& name) {
   return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/" + name;
@@ -183,16 +182,6 @@ TEST_F(ControllersTest, NamesTheFirstNumberOfAControllerThatIsNotRepeatable) {
   // From any tick: the memory of controllers begins with the run.
   EXPECT_EQ(Replay({"--verify", "--controllers", "--from", "20", "--to", "30"}).exit_status, 0);
   EXPECT_EQ(Replay({"--controllers"}).exit_status, 2) << "without --verify";
-}
-
-ControlRequest Request(ControlCommand command, const std::string& name = "", const Pose& pose = {},
-                       const std::string& source = "") {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  request.source = source;
-  return request;
 }
 
 ControlRequest Steps(std::uint64_t ticks) {

@@ -21,17 +21,8 @@
 namespace troupe::test {
 namespace {
 
-constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
-
 std::int64_t Nanoseconds(const ros::Time& time) {
   return time.sec * std::int64_t{1'000'000'000} + time.nanosec;
-}
-
-std::vector<std::string> RosArguments(std::vector<std::string> more) {
-  std::vector<std::string> arguments = {"--ros", "--ros-interface", "lo", "--ros-domain",
-                                        std::to_string(TestRosOptions().domain)};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
 }
 
 // The stamp of the first message on a topic, in ticks.

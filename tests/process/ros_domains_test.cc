@@ -16,22 +16,13 @@
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
+#include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
 
 namespace troupe::test {
 namespace {
 
 constexpr int kRobots = 50;
-constexpr std::uint32_t kFirstDomain = 1;
-constexpr std::uint32_t kRunDomain = 90;
-constexpr std::uint32_t kSimulationDomain = 95;
-
-ros::RosOptions InDomain(std::uint32_t domain) {
-  ros::RosOptions options;
-  options.domain = domain;
-  options.network_interface = "lo";
-  return options;
-}
 
 class RosDomains : public testing::Test {
  protected:

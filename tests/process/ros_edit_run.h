@@ -87,8 +87,6 @@ class RosEditRun {
   }
 
  private:
-  static constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
-
   std::vector<std::string> Arguments(const std::string& file, std::vector<std::string> more) const {
     std::vector<std::string> arguments = {"run",
                                           file,

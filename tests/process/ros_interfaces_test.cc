@@ -22,16 +22,8 @@ namespace {
 
 using testing::ElementsAre;
 
-constexpr std::uint8_t kOk = 1;
-constexpr std::uint8_t kNotFound = 2;
-constexpr std::uint8_t kFailed = 4;
-
 #define TROUPE_TEST_SERVICE(name) \
   Client<simulation_interfaces_srv_dds__##name##_Request_, simulation_interfaces_srv_dds__##name##_Response_>
-
-char* Text(const char* text) {
-  return const_cast<char*>(text);
-}
 
 geometry_msgs_msg_dds__PoseStamped_ PoseAt(double x, double y) {
   geometry_msgs_msg_dds__PoseStamped_ pose{};

@@ -10,7 +10,7 @@
 namespace troupe::test {
 namespace {
 
-constexpr int kRobots = 20;
+constexpr int kSpawned = 20;
 constexpr int kDeleted = 10;            // robots that are deleted and spawned again, in turn
 constexpr int kRounds = 20;             // of five edits
 constexpr int kSettled = kRounds / 2;   // rounds after which allocators have what they need
@@ -30,7 +30,7 @@ Pose PlaceOf(int robot) {
 std::string WriteWorld(const OutputFolder& folder, const std::string& name, const std::string& more) {
   std::ofstream file(folder.Path(name));
   file << kField << more;
-  for (int i = 0; i < kRobots; ++i) {
+  for (int i = 0; i < kSpawned; ++i) {
     file << "rover ( name \"r" << i << "\" pose [" << PlaceOf(i).x << " " << PlaceOf(i).y
          << " 0 0] ctrl \"wander\" )\n";
   }
@@ -60,7 +60,7 @@ TEST(RosManyEdits, TheGraphIsRightAfterEachAndMemoryIsFlat) {
   const std::string other =
       WriteWorld(folder, "other.world", "cube ( name \"more\" pose [-3 0 0 0] size [0.2 0.2 0.2] )\n");
   std::vector<std::string> robots;
-  for (int i = 0; i < kRobots; ++i) robots.push_back("r" + std::to_string(i));
+  for (int i = 0; i < kSpawned; ++i) robots.push_back("r" + std::to_string(i));
   RosEditRun run(field, {"--paused", "--robots-per-process", "1"});
   const auto expect = [&](const std::vector<std::string>& names) {
     run.Step(2);
@@ -70,7 +70,7 @@ TEST(RosManyEdits, TheGraphIsRightAfterEachAndMemoryIsFlat) {
   ASSERT_TRUE(expect(robots));
 
   std::vector<pid_t> agents;  // of the robots that are never deleted
-  for (int i = kDeleted; i < kRobots; ++i) agents.push_back(run.AgentsOf(robots[i]).at(0));
+  for (int i = kDeleted; i < kSpawned; ++i) agents.push_back(run.AgentsOf(robots[i]).at(0));
   const pid_t service = run.Service();
   const pid_t participant = run.Participant();  // which the robots share, being more than ten
   double agents_settled = 0.0;

@@ -25,7 +25,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // that an answer may take on the slowest machine
 // s. To a goal a robot drives for some simulated seconds.
 constexpr double kDrive = 60.0;
 

@@ -30,14 +30,8 @@ namespace {
 using testing::Pair;
 
 constexpr std::uint8_t kUnsupported = 0;
-constexpr std::uint8_t kOk = 1;
-constexpr std::uint8_t kNotFound = 2;
 
-char* Text(const char* text) {
-  return const_cast<char*>(text);
-}
-
-rolling_client_dds__Pose_ PoseAt(double x, double y) {
+rolling_client_dds__Pose_ RollingPoseAt(double x, double y) {
   return {{x, y, 0.0}, {0.0, 0.0, 0.6, 0.8}};
 }
 
@@ -55,7 +49,7 @@ class RosRollingTest : public testing::Test {
     request.name = Text(name);
     request.entity_resource = {Text(uri), Text(resource_string)};
     request.entity_namespace = Text(name);
-    request.initial_pose = {{{}, Text("map")}, PoseAt(x, y)};
+    request.initial_pose = {{{}, Text("map")}, RollingPoseAt(x, y)};
     std::pair<int, std::string> answer;
     spawn_.Call(request, [&](const auto& response) {
       answer = {response.result.result, dds::Text(response.entity_name)};
@@ -123,7 +117,7 @@ void RosRollingTest::CheckOnlyPosesAreSet() {
   rolling_client_dds__SetEntityState_Request_ request{};
   request.entity = Text("late");
   request.state.header.frame_id = Text("map");
-  request.state.pose = PoseAt(1.0, -2.0);
+  request.state.pose = RollingPoseAt(1.0, -2.0);
   EXPECT_EQ(Set(request), kOk);
   EXPECT_EQ(PoseOf("late").position.x, 0.5) << "set_pose is false";
   request.state.twist.linear.x = 1.0;

@@ -24,20 +24,6 @@
 namespace troupe::test {
 namespace {
 
-constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
-
-Tick TickOf(const ros::Time& stamp) {
-  return static_cast<Tick>((stamp.sec * std::int64_t{1'000'000'000} + stamp.nanosec) / kIntervalNs);
-}
-
-std::vector<std::string> RosArguments(std::vector<std::string> more) {
-  const ros::RosOptions options = TestRosOptions();
-  std::vector<std::string> arguments = {"--ros", "--ros-interface", "lo", "--ros-domain",
-                                        std::to_string(options.domain)};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
-
 // Reads the topics of r0 and r1 while a program runs, and stores the messages by tick.
 class Reader {
  public:
@@ -282,9 +268,6 @@ class WorldServices {
 };
 
 TEST(RosRun, EditsTheWorldByService) {
-  constexpr std::uint8_t kOk = 1;
-  constexpr std::uint8_t kNotFound = 2;
-  constexpr std::uint8_t kFailed = 4;
   WorldServices world;
   ros::RosParticipant participant(TestRosOptions());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");

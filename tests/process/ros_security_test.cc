@@ -19,7 +19,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr const char* kRobots[] = {"/r0", "/r1", "/r2", "/r3"};
+constexpr const char* kNamespaces[] = {"/r0", "/r1", "/r2", "/r3"};
 
 std::vector<std::string> InRosDomain(std::vector<std::string> arguments) {
   const ros::RosOptions options = TestRosOptions();
@@ -73,7 +73,7 @@ class RosSecurity : public testing::Test {
 
 TEST_F(RosSecurity, ARunIsVisibleWithKeysOnly) {
   keystore_.AddEnclave("/world");
-  for (const char* robot : kRobots) keystore_.AddEnclave(robot);
+  for (const char* robot : kNamespaces) keystore_.AddEnclave(robot);
   SetEnvironment("Enforce", keystore_.path());
   ExpectVisibleWithKeysOnly({"--speed", "10"});
 }

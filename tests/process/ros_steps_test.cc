@@ -24,14 +24,8 @@ using ros::CancelAnswer;
 using ros::GoalStatus;
 using testing::HasSubstr;
 
-constexpr std::uint8_t kOk = 1;
-constexpr std::uint8_t kFailed = 4;
 constexpr std::uint8_t kPlaying = 1;
 constexpr std::uint8_t kPaused = 2;
-
-std::int64_t TickOf(const ros::Time& stamp) {  // of pen.world
-  return stamp.sec * std::int64_t{10} + stamp.nanosec / 100'000'000;
-}
 
 struct Ended {
   GoalStatus status = GoalStatus::kUnknown;

@@ -12,8 +12,8 @@
 namespace troupe::test {
 namespace {
 
-constexpr int kTicks = 300;
-constexpr int kRobots = 4;
+constexpr int kTicksOfRun = 300;
+constexpr int kRobotsOfPen = 4;
 
 std::ptrdiff_t CountLines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
@@ -31,7 +31,7 @@ Files RunWith(std::vector<std::string> arguments) {
     arguments.push_back(folder.Path(name));
   }
   for (const char* word : {"--speed", "max", "--ticks"}) arguments.push_back(word);
-  arguments.push_back(std::to_string(kTicks));
+  arguments.push_back(std::to_string(kTicksOfRun));
   Finished run = Finish(RunPen(arguments));
   EXPECT_EQ(run.exit_status, 0) << run.output;
   EXPECT_EQ(folder.size(), 5u) << "only the five files that were asked for are left";
@@ -85,9 +85,9 @@ TEST(SameResult, DependsOnTheSeed) {
 TEST(OutputFiles, HaveTheFormatsOfTheManual) {
   const Files& files = Reference();
   // The loaded world is tick 0.
-  EXPECT_EQ(CountLines(files.hashes), kTicks + 1);
+  EXPECT_EQ(CountLines(files.hashes), kTicksOfRun + 1);
   EXPECT_THAT(files.hashes.substr(0, files.hashes.find('\n')), testing::MatchesRegex("0 [0-9a-f]+"));
-  EXPECT_EQ(CountLines(files.poses), 1 + (kTicks + 1) * kRobots);
+  EXPECT_EQ(CountLines(files.poses), 1 + (kTicksOfRun + 1) * kRobotsOfPen);
   EXPECT_THAT(files.poses, testing::StartsWith("tick,robot,x,y,z,heading,stalled\n0,r0,"));
 
   std::istringstream scans(files.scans);
@@ -99,15 +99,15 @@ TEST(OutputFiles, HaveTheFormatsOfTheManual) {
         << line;
   }
   // Three sonars and a scanner for each robot. The last state has no readings, because no agent answers it.
-  EXPECT_EQ(count, kTicks * kRobots * 4);
+  EXPECT_EQ(count, kTicksOfRun * kRobotsOfPen * 4);
 
   std::istringstream record(files.record);
   count = 0;
   for (std::string line; std::getline(record, line); ++count) {
     ASSERT_TRUE(nlohmann::json::parse(line, nullptr, false).is_object()) << line;
   }
-  EXPECT_EQ(count, 1 + kTicks + 1);
-  EXPECT_EQ(files.summary["processes"], 1 + kRobots);
+  EXPECT_EQ(count, 1 + kTicksOfRun + 1);
+  EXPECT_EQ(files.summary["processes"], 1 + kRobotsOfPen);
   EXPECT_GT(files.summary["stalls"], 0) << "the world has too few contacts for a test";
   EXPECT_GT(files.summary["agent_peak_memory_mib"], 0.0);
 }

@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr const char* kRosDomain = "5";
-constexpr const char* kSimulationDomain = "6";
+constexpr const char* kTroupeDomain = "6";
 
 class ServiceBridgeHosts : public testing::Test {
  protected:
@@ -39,7 +39,7 @@ class ServiceBridgeHosts : public testing::Test {
     const BridgedHosts::Visit visit(*hosts_, 1);
     std::vector<std::string> arguments = {
         "run",      WorldPath("pen.world"), "--headless", "--paused",     "--session", session_,
-        "--domain", kSimulationDomain,      "--ros",      "--ros-domain", kRosDomain,  "--ros-services",
+        "--domain", kTroupeDomain,          "--ros",      "--ros-domain", kRosDomain,  "--ros-services",
         "both"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Troupe(std::move(arguments));

@@ -19,8 +19,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
 pid_t ServiceOf(const Program& run) {
   for (const pid_t child : ChildrenOf(run.pid())) {
     if (CommandLineOf(child).find("world-service") != std::string::npos) return child;

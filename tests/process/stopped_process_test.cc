@@ -16,19 +16,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSeconds = 60.0;  // longest time to an answer on the slowest machine
-
 const std::vector<std::string>& Robots() {
   static const std::vector<std::string> robots = {"r0", "r1", "r2", "r3"};
   return robots;
-}
-
-std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part) {
-  std::vector<pid_t> children;
-  for (const pid_t child : ChildrenOf(program.pid())) {
-    if (CommandLineOf(child).find(part) != std::string::npos) children.push_back(child);
-  }
-  return children;
 }
 
 void SignalAll(const std::vector<pid_t>& processes, int signal) {

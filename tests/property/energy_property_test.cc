@@ -61,9 +61,9 @@ double Distance(const Corners& a, const Corners& b) {
 }
 
 // A yard with its ledger.
-class Yard {
+class PoweredYard {
  public:
-  explicit Yard(std::uint64_t seed) : random_(seed) {
+  explicit PoweredYard(std::uint64_t seed) : random_(seed) {
     for (int i = 0; i < 6; ++i) {
       ModelDescription& charger =
           small_.AddBox("charger" + std::to_string(i), random_.Uniform(-3.0, 3.0), random_.Uniform(-3.0, 3.0),
@@ -187,7 +187,7 @@ TEST(EnergyProperty, EveryStoreHasTheEnergyOfTheLedger) {
   int ticks = 0;
   for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
     SCOPED_TRACE(seed);
-    Yard yard(seed);
+    PoweredYard yard(seed);
     const Scene scene(yard.world());
     WorldState state = InitialState(scene);
     for (int tick = 0; tick < kTicks; ++tick, ++ticks) {

@@ -16,7 +16,7 @@ namespace {
 using test::RandomStream;
 
 // The deepest overlap of the robots' obstacles with anything of another tree.
-double DeepestOverlap(const Scene& scene, const WorldState& state) {
+double DeepestOfAllPairs(const Scene& scene, const WorldState& state) {
   std::vector<std::vector<ConvexPiece>> bodies(state.robots.size());
   for (std::size_t i = 0; i < state.robots.size(); ++i) {
     for (const ConvexPiece& piece : scene.body(BodyId(i)).pieces) {
@@ -62,12 +62,12 @@ TEST(StepProperty, NeverMakesTreesOverlap) {
     const Scene scene(test::RandomWorld(seed, random.Uniform(3.0, 6.0), random.Index(8), 1 + random.Index(8)));
     WorldState state = InitialState(scene);
     robots += static_cast<int>(state.robots.size());
-    ASSERT_LE(DeepestOverlap(scene, state), 0.0) << "seed " << seed;
+    ASSERT_LE(DeepestOfAllPairs(scene, state), 0.0) << "seed " << seed;
     for (int tick = 0; tick < 30; ++tick) {
       const double speed = random.Chance(0.1) ? 300.0 : random.Uniform(0.5, 10.0);
       state = Step(scene, state, RandomProposals(random, state.robots.size(), speed)).state;
       for (const RobotState& robot : state.robots) stalls += robot.stalled;
-      ASSERT_LE(DeepestOverlap(scene, state), 1.001 * kTouchTolerance) << "seed " << seed << " tick " << tick;
+      ASSERT_LE(DeepestOfAllPairs(scene, state), 1.001 * kTouchTolerance) << "seed " << seed << " tick " << tick;
     }
   }
   EXPECT_GT(robots, 1500);
@@ -124,7 +124,7 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     for (int step = 0; step <= kSteps; ++step) {
       const double time = 0.1 * step / kSteps;
       probe.robots[0].X_WR = start.robots[0].X_WR * Integrate(twist, time);
-      if (DeepestOverlap(scene, probe) <= kTouchTolerance) continue;
+      if (DeepestOfAllPairs(scene, probe) <= kTouchTolerance) continue;
       contact_at = time;
       break;
     }
@@ -146,7 +146,7 @@ TEST(StepProperty, StopsAtTheFirstContactOfTheWholeTree) {
     bool met = false;
     for (int step = 1; step <= 100 && !met; ++step) {
       probe.robots[0].X_WR = start.robots[0].X_WR * Integrate(twist, contact->time + millimetre * step / 100);
-      met = DeepestOverlap(scene, probe) > kTouchTolerance;
+      met = DeepestOfAllPairs(scene, probe) > kTouchTolerance;
     }
     ASSERT_TRUE(met) << "seed " << seed;
   }
@@ -202,7 +202,7 @@ TEST(StepProperty, NeverMakesTreesOverlapOnALattice) {
       }
       state = Step(scene, state, proposals).state;
       for (const RobotState& robot : state.robots) stalls += robot.stalled;
-      ASSERT_LE(DeepestOverlap(scene, state), 1.001 * kTouchTolerance) << "seed " << seed << " tick " << tick;
+      ASSERT_LE(DeepestOfAllPairs(scene, state), 1.001 * kTouchTolerance) << "seed " << seed << " tick " << tick;
     }
   }
   EXPECT_GT(stalls, 1000);

@@ -1,4 +1,4 @@
-// A client of a ROS service, for tests.
+// A client of a ROS service, for tests, and what its messages have.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,11 +8,28 @@
 
 #include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_service.h"
+#include "ros/messages/messages.h"
 #include "tests/support/dds_domain.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
+#include "troupe/ids.h"
 
 namespace troupe::test {
+
+// Results of simulation_interfaces/Result.
+inline constexpr std::uint8_t kOk = 1;
+inline constexpr std::uint8_t kNotFound = 2;
+inline constexpr std::uint8_t kFailed = 4;
+
+// Of pen.world, with ten ticks in a second.
+inline Tick TickOf(const ros::Time& stamp) {
+  return static_cast<Tick>(stamp.sec) * 10 + stamp.nanosec / 100'000'000;
+}
+
+// For a field of a message that is only sent.
+inline char* Text(const char* text) {
+  return const_cast<char*>(text);
+}
 
 // Calls a service as rmw_cyclonedds does.
 template <typename Request, typename Response>

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "tests/support/controlled_run.h"
+#include "tests/support/edits.h"
 #include "tests/support/yard.h"
 
 namespace troupe::test {
@@ -16,14 +17,6 @@ using testing::ElementsAreArray;
 
 std::vector<std::uint64_t> Slice(const std::vector<std::uint64_t>& hashes, std::size_t begin, std::size_t end) {
   return {hashes.begin() + static_cast<std::ptrdiff_t>(begin), hashes.begin() + static_cast<std::ptrdiff_t>(end)};
-}
-
-ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  return request;
 }
 
 TEST(EditedRunTest, AResetGivesTheSameHashesAgain) {
@@ -101,18 +94,6 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
     EXPECT_TRUE(summary.value().lost.empty());
   }
 }
-
-// A world file that defines a robot, for as long as it is there.
-class DefinitionFile {
- public:
-  DefinitionFile() { std::ofstream(path_) << "define scout position ( size [0.3 0.3 0.2] ctrl \"wander\" )\n"; }
-  ~DefinitionFile() { std::filesystem::remove(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  const std::string path_ =
-      (std::filesystem::temp_directory_path() / ("edited-run-" + std::to_string(getpid()) + ".world")).string();
-};
 
 ControlRequest SpawnScout(const std::string& name, const Pose& pose) {
   ControlRequest request = Request(ControlCommand::kSpawn, name, pose);

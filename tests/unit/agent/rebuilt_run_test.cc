@@ -10,6 +10,7 @@
 #include <random>
 
 #include "tests/support/controlled_run.h"
+#include "tests/support/edits.h"
 #include "tests/support/yard.h"
 #include "worldfile/load_world.h"
 
@@ -18,21 +19,6 @@ namespace {
 
 using testing::ElementsAreArray;
 using testing::IsEmpty;
-
-WorldDescription Scenario(const std::string& name) {
-  const std::string path = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/" + name;
-  Result<LoadedWorld> loaded = LoadWorld(path, {});
-  EXPECT_TRUE(loaded.ok()) << loaded.error().ToString();
-  return std::move(loaded.value().world);
-}
-
-ControlRequest Edit(ControlCommand command, const std::string& name = {}, const Pose& pose = {}) {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  return request;
-}
 
 // With controllers that depend on all ticks before.
 WorldDescription CountingYard(int robots) {
@@ -126,18 +112,6 @@ TEST(RebuiltRunTest, FaultsOfTheTransportChangeNoHash) {
   ExpectSameRun(run.Hashes(), undisturbed, 200);
 }
 
-// A world file that defines a robot, for as long as it is there.
-class DefinitionFile {
- public:
-  DefinitionFile() { std::ofstream(path_) << "define scout position ( size [0.3 0.3 0.2] ctrl \"wander\" )\n"; }
-  ~DefinitionFile() { std::filesystem::remove(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  const std::string path_ =
-      (std::filesystem::temp_directory_path() / ("rebuilt-run-" + std::to_string(getpid()) + ".world")).string();
-};
-
 // Edits of all kinds; `between` is called after each.
 template <typename Between>
 void RunWithEdits(ControlledRun& run, const Between& between) {
@@ -150,18 +124,18 @@ void RunWithEdits(ControlledRun& run, const Between& between) {
   };
   run.Step(20);
   between();
-  ask(Edit(ControlCommand::kSetPose, "r1", {0.5, 3.0, 0.0, 1.0}));
-  ControlRequest spawn = Edit(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
+  ask(Request(ControlCommand::kSetPose, "r1", {0.5, 3.0, 0.0, 1.0}));
+  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
   spawn.source = "scout";
   ask(spawn);
-  ask(Edit(ControlCommand::kDelete, "r2"));
-  ControlRequest time = Edit(ControlCommand::kReset);
+  ask(Request(ControlCommand::kDelete, "r2"));
+  ControlRequest time = Request(ControlCommand::kReset);
   time.scopes = kResetTime;
   ask(time);
-  ask(Edit(ControlCommand::kSetPose, "late", {-1.0, 3.0, 0.0, -1.0}));
-  ask(Edit(ControlCommand::kReset));
+  ask(Request(ControlCommand::kSetPose, "late", {-1.0, 3.0, 0.0, -1.0}));
+  ask(Request(ControlCommand::kReset));
   ask(spawn);
-  ask(Edit(ControlCommand::kDelete, "late"));
+  ask(Request(ControlCommand::kDelete, "late"));
   ask(spawn);  // another robot of the same name
 }
 
@@ -177,7 +151,7 @@ TEST(RebuiltRunTest, EditsAreRemembered) {
     ControlledRun run(CountingYard(4), {.world_file = file.path(), .on_agent_loss = OnAgentLoss::kRebuild});
     std::mt19937 random(all ? 3 : 4);
     RunWithEdits(run, [&] {
-      const ControlReply reply = run.Ask(Edit(ControlCommand::kEntities));
+      const ControlReply reply = run.Ask(Request(ControlCommand::kEntities));
       for (const EntityReport& entity : reply.entities) {
         if (entity.kind == EntityKind::kRobot && (all || random() % 4 == 0)) run.ReplaceAgentOf(entity.name);
       }

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "tests/support/controlled_run.h"
+#include "tests/support/edits.h"
 #include "tests/support/yard.h"
 #include "world-service/replay/run_replay.h"
 #include "worldfile/load_world.h"
@@ -17,26 +18,11 @@ namespace {
 
 using testing::HasSubstr;
 
-WorldDescription Scenario(const std::string& name) {
-  const std::string path = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/" + name;
-  Result<LoadedWorld> loaded = LoadWorld(path, {});
-  EXPECT_TRUE(loaded.ok()) << loaded.error().ToString();
-  return std::move(loaded.value().world);
-}
-
 // With controllers that depend on all ticks before.
 WorldDescription CountingYard() {
   WorldDescription world = Yard(4);
   for (std::size_t i = 0; i < world.robots.size(); i += 2) world.robots[i].controller.name = COUNTING_CONTROLLER;
   return world;
-}
-
-ControlRequest Edit(ControlCommand command, const std::string& name = {}, const Pose& pose = {}) {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  return request;
 }
 
 class Files {
@@ -176,14 +162,14 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
       const ControlReply reply = run.Ask(request);
       ASSERT_TRUE(reply.done) << reply.problem;
     };
-    ControlRequest spawn = Edit(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
+    ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
     spawn.source = "scout";
     run.Step(20);
     ask(spawn);  // at tick 20
     run.Step(20);
-    ask(Edit(ControlCommand::kDelete, "r1"));  // at tick 40
+    ask(Request(ControlCommand::kDelete, "r1"));  // at tick 40
     run.Step(20);
-    ask(Edit(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));  // at tick 60
+    ask(Request(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));  // at tick 60
     run.Step(40);
     std::vector<std::uint64_t> hashes;  // of the last state of each tick
     for (const FrameMessage& frame : run.frames()) {
@@ -195,18 +181,18 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
     Rewind(run, 50);
     EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 4u + 4u);  // walls, and r0, r2, r3, late
     run.Step(10);
-    ask(Edit(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));
+    ask(Request(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));
     ExpectSame(run, hashes, 90);
     Rewind(run, 30);  // r1 has an agent again
     run.Step(10);
-    ask(Edit(ControlCommand::kDelete, "r1"));
+    ask(Request(ControlCommand::kDelete, "r1"));
     ExpectSame(run, hashes, 60 - 1);
     Rewind(run, 10);  // nothing is spawned
     run.Step(10);
     ask(spawn);
     ExpectSame(run, hashes, 39);
     // Behind a reset the past begins anew.
-    ask(Edit(ControlCommand::kReset));
+    ask(Request(ControlCommand::kReset));
     run.Step(15);
     EXPECT_FALSE(run.Ask(ControlCommand::kRewind, 30).done);
     Rewind(run, 12);

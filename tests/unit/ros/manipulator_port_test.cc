@@ -27,7 +27,7 @@ using Feedback = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
 using Statuses = action_msgs_msg_dds__GoalStatusArray_;
 using Uuid = unique_identifier_msgs_msg_dds__UUID_;
 
-constexpr double kLargest = 0.3;  // m, opening of the gripper
+constexpr double kWidest = 0.3;  // m, opening of the gripper
 
 // A robot with a gripper, an arm that turns, and a box of 0.1 m between its fingers. Fingers move 0.01 m in a tick, the
 // lift 0.05 m.
@@ -115,7 +115,7 @@ class ManipulatorPortTest : public testing::TestWithParam<ros::ParticipantScope>
     return id;
   }
   double position(std::size_t joint) const { return state_.joints[joint].position; }
-  double opening() const { return kLargest - position(1) - position(2); }
+  double opening() const { return kWidest - position(1) - position(2); }
 
   ros::RosParticipant participant_{TestRosOptions()};
   ros::RosNode peer_ = ros::MakeNode(participant_, "/", "peer");
@@ -140,7 +140,7 @@ TEST_P(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   EXPECT_EQ(position(0), 0.25);
   Command("/a/arm/command", -0.5, [&] { return position(3) <= -0.5; });
   EXPECT_EQ(position(3), -0.5);
-  Command("/a/gripper/command", 1e30, [&] { return opening() >= kLargest; });
+  Command("/a/gripper/command", 1e30, [&] { return opening() >= kWidest; });
   Command("/a/arm/command", 7.0, [&] { return position(3) >= 1.0; });
   Tick(3);
   EXPECT_EQ(position(3), 1.0) << "bounded";
@@ -179,7 +179,7 @@ TEST_P(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   std::vector<int> statuses;
   ASSERT_TRUE(SendGoalOf(0.2, 1));
   Tick();
-  EXPECT_EQ(opening(), kLargest - 0.02) << "from the next tick on";
+  EXPECT_EQ(opening(), kWidest - 0.02) << "from the next tick on";
   AskForResultOf(1);
   const auto response = ResultAfterTicks();
   EXPECT_EQ(response.status, 4);
@@ -223,7 +223,7 @@ TEST_P(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   }
   EXPECT_FALSE(SendGoalOf(0.1, 1, std::nan("")));
   Tick(2);
-  EXPECT_EQ(opening(), kLargest);
+  EXPECT_EQ(opening(), kWidest);
   ASSERT_EQ(reports_.size(), 1u);
   EXPECT_EQ(reports_[0], "/a/gripper/gripper_cmd: refused a goal of 0.1 m, expected 0 to 0.3 (5 so far)");
 }
@@ -256,7 +256,7 @@ TEST_P(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
   AskForResultOf(1);
   Pause();
   EXPECT_FALSE(get_result_.Receive([](const auto&) {}));
-  EXPECT_EQ(opening(), kLargest);
+  EXPECT_EQ(opening(), kWidest);
   const ProposalMessage answer = replica_->Decide(state_);
   state_ = Step(scene_, state_, answer.proposals).state;
   Pause();
@@ -268,7 +268,7 @@ TEST_P(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
 TEST_P(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(2);
-  Command("/a/gripper/command", kLargest, [&] { return opening() == kLargest; });
+  Command("/a/gripper/command", kWidest, [&] { return opening() == kWidest; });
   AskForResultOf(1);
   EXPECT_EQ(ResultAfterTicks().status, 6);
 }

@@ -37,9 +37,9 @@ ros::RosOptions Options(Distribution distribution, DiscoveryRange range) {
 }
 
 // A participant that writes one topic.
-class Speaker {
+class Announcer {
  public:
-  Speaker(const ros::RosOptions& options, const std::string& topic)
+  Announcer(const ros::RosOptions& options, const std::string& topic)
       : participant_(options), writer_(ros::MakeNode(participant_, "/", "speaker"), topic, ros::Latched()) {}
 
  private:
@@ -64,23 +64,23 @@ class Localhost : public testing::TestWithParam<Range> {
 
 TEST_P(Localhost, AnEarlyToolFindsAParticipant) {
   RosTool early(options_.domain, GetParam().tool_xml);
-  const Speaker speaker(options_, "/topic");
+  const Announcer speaker(options_, "/topic");
   EXPECT_TRUE(Finds(early, {"/topic"}));
 }
 
 TEST_P(Localhost, ALateToolFindsAParticipant) {
-  const Speaker speaker(options_, "/topic");
+  const Announcer speaker(options_, "/topic");
   RosTool late(options_.domain, GetParam().tool_xml);
   EXPECT_TRUE(Finds(late, {"/topic"}));
 }
 
 // Tools have a limited number of participant indices, of which Troupe must leave some.
 TEST_P(Localhost, ToolsFindAllOfManyParticipants) {
-  std::vector<std::unique_ptr<Speaker>> speakers;
+  std::vector<std::unique_ptr<Announcer>> speakers;
   std::vector<std::string> topics;
   for (int i = 0; i < 20; ++i) {
     topics.push_back("/topic" + std::to_string(i));
-    speakers.push_back(std::make_unique<Speaker>(options_, topics.back()));
+    speakers.push_back(std::make_unique<Announcer>(options_, topics.back()));
   }
   RosTool tool(options_.domain, GetParam().tool_xml);
   EXPECT_TRUE(Finds(tool, topics)) << testing::PrintToString(tool.Topics());
@@ -93,8 +93,8 @@ INSTANTIATE_TEST_SUITE_P(Distributions, Localhost,
 
 TEST(RosNetwork, OffHidesAParticipant) {
   test::HasNetworkOfItsOwn();
-  const Speaker hidden(Options(Distribution::kJazzy, DiscoveryRange::kOff), "/hidden");
-  const Speaker seen(Options(Distribution::kJazzy, DiscoveryRange::kLocalhost), "/seen");
+  const Announcer hidden(Options(Distribution::kJazzy, DiscoveryRange::kOff), "/hidden");
+  const Announcer seen(Options(Distribution::kJazzy, DiscoveryRange::kLocalhost), "/seen");
   RosTool tool(test::TestRosOptions().domain, test::kJazzyLocalhost);
   EXPECT_TRUE(Eventually([&] { return tool.Topics().contains("/seen"); }));
   EXPECT_THAT(tool.Topics(), Not(Contains("/hidden")));
@@ -104,9 +104,9 @@ TEST(RosNetwork, StaticPeersAreFoundWithoutMulticastUnlessTheRangeIgnoresThem) {
   if (!test::HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
   ros::RosOptions options = Options(Distribution::kJazzy, DiscoveryRange::kSystemDefault);
   options.static_peers = {"10.77.0.1"};
-  const Speaker ignoring(options, "/ignoring");
+  const Announcer ignoring(options, "/ignoring");
   options.discovery = DiscoveryRange::kSubnet;
-  const Speaker searching(options, "/searching");
+  const Announcer searching(options, "/searching");
   RosTool tool(options.domain, test::kJazzySubnetWithoutMulticast);
   EXPECT_TRUE(Eventually([&] { return tool.Topics().contains("/searching"); }));
   EXPECT_THAT(tool.Topics(), Not(Contains("/ignoring")));

@@ -21,7 +21,8 @@ TEST(CallHeader, IsSplitFromASample) {
     ASSERT_TRUE(headed);
     const std::optional<HeadedSample> split = SplitHeader(*headed);
     ASSERT_TRUE(split);
-    EXPECT_EQ(split->header, (CallHeader{0xfedcba9876543210, -2}));
+    EXPECT_EQ(split->header.client_guid, 0xfedcba9876543210);
+    EXPECT_EQ(split->header.sequence_number, -2);
     EXPECT_EQ(split->sample, sample);
   }
 }

@@ -1,0 +1,83 @@
+"""Runs ctest, counts what was skipped, and fails if a test fails or is skipped for a reason that is not expected here.
+
+    run_tests.py BUILD_FOLDER [OPTION OF CTEST ...]      the last lines printed are the closing lines of ctest
+"""
+
+import collections
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def cannot_make_hosts():
+    """Without root, or on a kernel without network namespaces and veth."""
+    make = "ip link add name check0 type veth peer name check1"
+    return subprocess.run(["unshare", "--net", "sh", "-c", make], capture_output=True, check=False).returncode != 0
+
+
+def is_missing(*paths):
+    return lambda: not any(os.path.exists(ROOT / path) for path in paths)
+
+
+# Where a test may skip itself: what it says, and when that is expected.
+EXPECTED = (
+    (r"network namespaces|cannot make networks|cannot mount a file system|needs root", cannot_make_hosts),
+    (r"no Stage worlds|TROUPE_STAGE_WORLDS", is_missing("../shared/stage-worlds", os.environ.get("TROUPE_STAGE_WORLDS", "-"))),
+    (r"needs libfastrtps-dev", is_missing("/usr/include/fastrtps", "/usr/bin/fastddsgen")),
+    (r"chromium is not installed", is_missing("/usr/bin/chromium", "/usr/bin/chromium-browser")),
+    (r"no node and npm", is_missing("/usr/bin/npm")),
+    # npm has no network.
+    (r"packages of viewer/web are not installed", is_missing("viewer/web/node_modules")),
+    (r"npm cannot install", is_missing("build/mcap/node_modules")),
+    (r"sanitizers need more addresses", lambda: True),
+    (r"the file system of .* cannot free parts of a file", lambda: True),
+    (r"no /dev/full", is_missing("/dev/full")),
+    (r"personality is forbidden", lambda: True),  # in a container
+)
+
+
+def run(build, options):
+    """ctest's exit status, its closing lines, and the tests whose command was skipped. Prints the lines before them."""
+    closing, skipped = [], set()
+    command = ["ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", *options]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace") as ctest:
+        for line in ctest.stdout:
+            if closing or re.match(r"\d+% tests passed, ", line):
+                closing.append(line)
+                continue
+            if match := re.search(r"Test +#\d+: (\S+) .*\*\*\*Skipped", line):
+                skipped.add(match.group(1))
+            print(line, end="", flush=True)
+    return ctest.returncode, closing, skipped
+
+
+def skips(build, skipped):
+    """What was skipped, with the reason, according to the log of the last run."""
+    log = (pathlib.Path(build) / "Testing/Temporary/LastTest.log").read_text(errors="replace")
+    for test, output in re.findall(r"^\d+/\d+ Testing: (\S+)$.*?^Output:\n-+\n(.*?)^<end of output>$", log, re.M | re.S):
+        if test in skipped:
+            yield test, (output.split("\n")[-2:] or [""])[0] if output.strip() else "no reason"
+        for name, reason in re.findall(r"^SKIPPED (\S+): (.*)$", output, re.M):
+            yield f"{test}: {name}", reason
+
+
+def main():
+    build = sys.argv[1]
+    status, closing, skipped = run(build, sys.argv[2:])
+    expected = collections.Counter()
+    for test, reason in skips(build, skipped):
+        if any(re.search(pattern, reason) and holds() for pattern, holds in EXPECTED):
+            expected[reason] += 1
+        else:
+            print(f"error: unexpected skip of {test}: {reason or 'without a reason'} (see .ci/run_tests.py)")
+            status = status or 1
+    print(f"{sum(expected.values())} tests skipped" + "".join(f"\n  {count}: {reason}" for reason, count in sorted(expected.items())))
+    print("\n" + "".join(closing), end="", flush=True)
+    sys.exit(status)
+
+
+main()

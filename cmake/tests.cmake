@@ -1,0 +1,107 @@
+# How tests are declared. Many tests share a program: a link of each would take longer than most of them run.
+set(TROUPE_TEST_OPTIONS "" CACHE STRING "Options for the compiler, for the sources of tests only")
+set(TROUPE_TEST_LABEL "" CACHE STRING "Only tests with this label are built and run, for instance: threads")
+set(TROUPE_TEST_NAMES "" CACHE STRING "Only tests whose names match this regular expression are built and run")
+
+# The environment of programs with sanitizers. Leaks in libraries that the file names are not reported. Cyclone DDS is not
+# built with the thread sanitizer, so its atomics are not seen: its reads and writes are not checked, while its locks count.
+set(TROUPE_SANITIZER_ENVIRONMENT
+  LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
+  TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+
+troupe_precompiled_headers(troupe_test_headers
+  HEADERS <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry> <map> <string> <vector>
+  DEPENDS Eigen3::Eigen GTest::gtest GTest::gmock)
+if(TARGET troupe_test_headers)
+  target_compile_options(troupe_test_headers PRIVATE ${TROUPE_TEST_OPTIONS})
+endif()
+add_library(troupe_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/support/test_main.cc)
+target_link_libraries(troupe_test_main PRIVATE troupe_options GTest::gtest GTest::gmock)
+
+# All that the tests need.
+add_custom_target(test_programs ALL)
+
+# troupe_test_program(GROUP [OPTIMIZED]): the GoogleTest program GROUP_tests, of all tests of that group. OPTIMIZED: the
+# tests themselves calculate much.
+function(troupe_test_program group)
+  cmake_parse_arguments(arg "OPTIMIZED" "" "" ${ARGN})
+  set(program ${group}_tests)
+  add_executable(${program} EXCLUDE_FROM_ALL $<TARGET_OBJECTS:troupe_test_main>)
+  set_target_properties(${program} PROPERTIES UNITY_BUILD_MODE GROUP)
+  target_link_libraries(${program} PRIVATE troupe_options GTest::gtest GTest::gmock)
+  # The options are -O0 in the presets release and ci: the code under test is optimised, but not the tests, because their
+  # optimisation would take longer than they run. The precompiled headers have the same options.
+  if(NOT arg_OPTIMIZED OR NOT TROUPE_TEST_OPTIONS)
+    target_compile_options(${program} PRIVATE ${TROUPE_TEST_OPTIONS})
+    troupe_use_precompiled_headers(${program} troupe_test_headers)
+  endif()
+endfunction()
+
+# troupe_test(NAME GROUP group SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds] [NEEDS target ...]
+#             [DEFINITIONS d ...] [PROPERTIES name value ...])
+# The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
+# PROPERTIES: of CTest. Labels: slow (not in scripts/test), process (drives the programs), determinism, threads (runs under
+# the thread sanitizer too), addresses (under the address sanitizer; all that are neither slow nor process have it).
+# In a unity build the sources of a folder are compiled together, up to 12 at a time.
+function(troupe_test name)
+  cmake_parse_arguments(arg "" "GROUP;TIMEOUT" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
+  if(NOT "slow" IN_LIST arg_LABELS AND NOT "process" IN_LIST arg_LABELS)
+    list(APPEND arg_LABELS addresses)
+  endif()
+  set(program ${arg_GROUP}_tests)
+  list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  set(selection ${arg_SOURCES})
+  list(TRANSFORM selection REPLACE "^${PROJECT_SOURCE_DIR}/tests/" "")
+  list(JOIN selection "," selection)
+  troupe_add_test(COMMAND ${program} --sources=${selection})
+  if(NOT TEST ${name})
+    return()
+  endif()
+
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  string(MAKE_C_IDENTIFIER ${folder} folder)
+  get_property(count TARGET ${program} PROPERTY count_${folder})
+  if(NOT count)
+    set(count 0)
+  endif()
+  math(EXPR batch "${count} / 12")
+  set_source_files_properties(${arg_SOURCES} TARGET_DIRECTORY ${program} PROPERTIES UNITY_GROUP ${folder}_${batch})
+  list(LENGTH arg_SOURCES length)
+  math(EXPR count "${count} + ${length}")
+  set_target_properties(${program} PROPERTIES count_${folder} ${count})
+
+  target_sources(${program} PRIVATE ${arg_SOURCES})
+  target_link_libraries(${program} PRIVATE ${arg_DEPENDS})
+  target_compile_definitions(${program} PRIVATE ${arg_DEFINITIONS})
+  add_custom_target(${name})  # so that a test is built by its name
+  add_dependencies(${name} ${program})
+  add_dependencies(test_programs ${program})
+endfunction()
+
+# troupe_command_test(NAME COMMAND program argument ... [LABELS l ...] [TIMEOUT seconds] [NEEDS target ...]
+#                     [PROPERTIES name value ...])
+# A test that is a command. With exit status 77 it was skipped, for the reason in the last line that it printed.
+function(troupe_command_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "COMMAND;LABELS;NEEDS;PROPERTIES" ${ARGN})
+  troupe_add_test(COMMAND ${arg_COMMAND})
+endfunction()
+
+# Of both: adds test `name`, if it is selected, with the arguments of the caller.
+macro(troupe_add_test)
+  if("${name}" MATCHES "${TROUPE_TEST_NAMES}" AND (NOT TROUPE_TEST_LABEL OR TROUPE_TEST_LABEL IN_LIST arg_LABELS))
+    add_test(NAME ${name} ${ARGN})
+    set(environment TROUPE_SOURCE_DIR=${PROJECT_SOURCE_DIR} TROUPE_BINARY_DIR=${CMAKE_BINARY_DIR})
+    if(NOT arg_TIMEOUT)
+      set(arg_TIMEOUT 120)
+    endif()
+    if(TROUPE_SANITIZER)
+      math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
+      list(APPEND environment ${TROUPE_SANITIZER_ENVIRONMENT})
+    endif()
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}"
+      SKIP_RETURN_CODE 77 ${arg_PROPERTIES})
+    if(arg_NEEDS)
+      add_dependencies(test_programs ${arg_NEEDS})
+    endif()
+  endif()
+endmacro()
