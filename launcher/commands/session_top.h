@@ -1,6 +1,4 @@
-// SessionTop: the robots of one session for `troupe top --session NAME`, the lost, late and stalled ones first.
-//
-// Threads: the handler calls come on one thread, Text on another.
+// The texts of `troupe top`: a table of all sessions, and the robots of one.
 #pragma once
 
 #include <chrono>
@@ -10,11 +8,19 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "transport/dds/tools/session_monitor.h"
 #include "transport/protocol/transport.h"
 
 namespace troupe {
 
+// A heading and a line for each session, columns aligned.
+std::string SessionTable(const std::vector<SessionInfo>& sessions);
+
+// The robots of one session, the lost, late and stalled ones first.
+//
+// Threads: the handler calls come on one thread, Text on another.
 class SessionTop final : public ObserverHandler {
  public:
   // A few lines about the run, then the robots: at most `rows` lines in all. Ticks a second are those since the last

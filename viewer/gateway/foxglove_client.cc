@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/base/json_text.h"
+
 namespace troupe {
 namespace {
 
@@ -112,7 +114,7 @@ std::optional<PageRequest> FoxgloveClient::RequestOf(const foxglove::ServiceCall
   object["id"] = call.call;
   object["command"] = call.command;
   calls_[call.call] = {call.service, call.call};
-  Result<PageRequest> request = ParsePageRequest(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  Result<PageRequest> request = ParsePageRequest(JsonText(object));
   if (request.ok()) return std::move(request).value();
   Answer(PageReplyText(call.call, request.error()));
   return std::nullopt;

@@ -16,11 +16,8 @@ constexpr std::chrono::milliseconds kPicturePeriod{100};
 // The flags of an update message.
 constexpr std::uint8_t kPausedFlag = 1;
 constexpr std::uint8_t kLastFlag = 2;
-constexpr std::uint8_t kStatusFlag = 4;
 constexpr std::uint8_t kReadingsFlag = 8;
 constexpr std::uint8_t kPastFlag = 16;
-
-constexpr std::size_t kMostAwaited = 50;  // names in an update
 
 std::uint8_t Flag(bool is_set, std::uint8_t flag) {
   return is_set ? flag : 0;
@@ -35,22 +32,6 @@ void Write(ByteWriter& writer, const NumberedEvent& numbered) {
     writer.WriteText(name);
   }
   writer.WriteText(event.detail);
-}
-
-void Write(ByteWriter& writer, const StatusMessage& status) {
-  writer.Write(status.target_ticks);
-  writer.Write(status.wall_seconds);
-  writer.Write(status.real_time_factor);
-  writer.WriteCount(status.robots);
-  writer.WriteCount(status.agents);
-  writer.Write(status.waiting_seconds);
-  writer.WriteCount(status.waiting_for.size());
-  const std::size_t named = std::min(status.waiting_for.size(), kMostAwaited);
-  writer.WriteCount(named);
-  for (std::size_t i = 0; i < named; ++i) writer.WriteText(status.waiting_for[i]);
-  writer.Write(status.speed.value_or(0.0));
-  const PhaseSeconds& phases = status.phases;
-  for (const double seconds : {phases.wait, phases.step, phases.record, phases.publish}) writer.Write(seconds);
 }
 
 }  // namespace
@@ -78,7 +59,13 @@ void PageViewer::ReturnToLive() {
 }
 
 bool PageViewer::NeedsMessage() const {
-  return session_ != run_.session || !waiting_.empty() || NeedsUpdate();
+  return session_ != run_.session || !waiting_.empty() || NeedsStatus() || NeedsUpdate();
+}
+
+// Of the live run, once its world is known.
+bool PageViewer::NeedsStatus() const {
+  return !in_past_ && run_.status != nullptr && status_ != run_.status && shown() != nullptr &&
+         world_ == shown()->world->number;
 }
 
 bool PageViewer::NeedsUpdate() const {
@@ -95,24 +82,28 @@ std::optional<WebMessage> PageViewer::Next() {
     return WebMessage{session_, true};
   }
   if (auto waiting = NextWaiting()) return waiting;
+  if (NeedsStatus()) {
+    status_ = run_.status;
+    return WebMessage{status_, true};
+  }
   if (!NeedsUpdate()) return std::nullopt;
   const ViewedWorld& world = *shown()->world;
   if (world_ == world.number) return WebMessage{std::make_shared<const std::string>(MakeUpdate()), false};
   world_ = world.number;
   update_ = 0;
+  status_.reset();
   return WebMessage{world.message, false};
 }
 
 std::string PageViewer::MakeUpdate() {
   const ViewedState& state = *shown();
   const FeedContent& content = run_.content;
-  const bool has_status = !in_past_ && content.status;
   const bool has_readings = in_past_ || !selected_.all || readings_.measures_all;
   ByteWriter writer;
   writer.Write(static_cast<std::uint8_t>(PageMessage::kUpdate));
   writer.Write(state.world->number);
   writer.Write(static_cast<std::uint8_t>(Flag(in_past_ || content.paused, kPausedFlag) |
-                                         Flag(!in_past_ && content.last, kLastFlag) | Flag(has_status, kStatusFlag) |
+                                         Flag(!in_past_ && content.last, kLastFlag) |
                                          Flag(has_readings, kReadingsFlag) | Flag(in_past_, kPastFlag)));
   writer.Write(state.state.tick);
   writer.Write(state.state_hash);
@@ -122,7 +113,6 @@ std::string PageViewer::MakeUpdate() {
   for (const std::uint64_t position : {state.position, range.first, range.last}) writer.Write(position);
   WriteRows(writer);
   WriteEvents(writer);
-  if (has_status) Write(writer, *content.status);
   readings_missing_ = !has_readings;
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;

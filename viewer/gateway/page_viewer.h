@@ -1,4 +1,4 @@
-// PageViewer: a viewer that speaks the protocol of the page: the session and replies as JSON, each world once, then
+// PageViewer: a viewer that speaks the protocol of the page: session, status and replies as JSON, each world once, then
 // updates, each the difference from the one before that this viewer has received.
 #pragma once
 
@@ -45,6 +45,7 @@ class PageViewer final : public Viewer {
  private:
   using Clock = PageReadings::Clock;
 
+  bool NeedsStatus() const;
   bool NeedsUpdate() const;
   std::string MakeUpdate();
   void WriteRows(ByteWriter& writer) const;
@@ -59,10 +60,11 @@ class PageViewer final : public Viewer {
   bool selection_is_new_ = false;               // since the last update
   bool readings_missing_ = false;               // the last update left out some of the selection
   Clock::time_point next_pictures_;             // camera images are not sent earlier
-  std::shared_ptr<const std::string> session_;  // the session message that it has
-  std::uint32_t world_ = 0;                     // number of the world that it has; 0: none
-  std::uint64_t update_ = 0;                    // of that world that it has received last; 0: none
-  std::uint64_t event_ = 0;                     // number of the last event
+  std::shared_ptr<const std::string> session_;  // the messages that it has, as in ShownRun
+  std::shared_ptr<const std::string> status_;
+  std::uint32_t world_ = 0;   // number of the world that it has; 0: none
+  std::uint64_t update_ = 0;  // of that world that it has received last; 0: none
+  std::uint64_t event_ = 0;   // number of the last event
 };
 
 }  // namespace troupe

@@ -22,10 +22,12 @@ namespace troupe {
 
 // The run, as all viewers see it that are not in the past.
 struct ShownRun {
-  std::shared_ptr<const std::string> session;  // the session message of the page
-  FeedContent content;                         // of a recording: the events alone
-  StateRows rows;                              // of the state
-  std::uint64_t update = 0;                    // counts the versions of the content
+  // Messages of the page, as JSON.
+  std::shared_ptr<const std::string> session;
+  std::shared_ptr<const std::string> status;  // null: none yet
+  FeedContent content;                        // of a recording: the events alone
+  StateRows rows;                             // of the state
+  std::uint64_t update = 0;                   // counts the versions of the content
 };
 
 class Viewer {

@@ -1,5 +1,6 @@
 #include "viewer/gateway/viewer_gateway.h"
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,8 @@
 #include <variant>
 
 #include "common/base/host_name.h"
+#include "common/base/json_fields.h"
+#include "common/base/json_text.h"
 #include "viewer/gateway/foxglove_client.h"
 #include "viewer/gateway/page_viewer.h"
 #include "viewer/gateway/request_queue.h"
@@ -16,6 +19,19 @@
 
 namespace troupe {
 namespace {
+
+constexpr std::size_t kMostAwaited = 50;  // names in a status
+
+// The status message of the page: the fields of the status, and `waiting_count`, because it names only some robots.
+std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status) {
+  if (!status) return nullptr;
+  const std::size_t count = status->waiting_for.size();
+  status->waiting_for.resize(std::min(count, kMostAwaited));
+  auto text = FieldsToJson<nlohmann::ordered_json>(*status);
+  text["type"] = "status";
+  text["waiting_count"] = count;
+  return std::make_shared<const std::string>(JsonText(text));
+}
 
 // The viewers of a run or of a recording, and their requests. The web server calls it, on its thread.
 class Viewers final : public WebHandler {
@@ -175,6 +191,7 @@ void Viewers::OnWake(WebLoop& loop) {
 
 void Viewers::OnPeriod(WebLoop& loop) {
   const std::shared_ptr<const ViewedState> before = run_.content.state;
+  const std::optional<StatusMessage> status = run_.content.status;
   const std::uint64_t version = run_.content.version;
   feed_.Read(run_.content);
   if (run_.content.version != version) ++run_.update;
@@ -182,6 +199,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
   if (state != before && state != nullptr) {
     run_.rows.Assign(state->state, run_.update, before == nullptr || before->world != state->world);
   }
+  if (run_.content.status != status) run_.status = StatusText(run_.content.status);
   NameSession();
   readings_.BeginPeriod();
   bool all_know = true;
@@ -202,7 +220,7 @@ void Viewers::NameSession() {
                                   {"recording", is_recording_},
                                   {"editor", options_.editor},
                                   {"problem", follower_ ? follower_->problem() : std::string()}};
-  std::string text = session.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string text = JsonText(session);
   if (run_.session && text == *run_.session) return;
   run_.session = std::make_shared<const std::string>(std::move(text));
 }

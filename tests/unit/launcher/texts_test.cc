@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "launcher/commands/check_command.h"
-#include "launcher/commands/session_table.h"
 #include "launcher/commands/session_top.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/summary.h"

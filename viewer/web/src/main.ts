@@ -30,6 +30,10 @@ class Viewer {
       this.showConnection();
     },
     onSession: info => this.onSession(info),
+    onStatus: status => {
+      if (this.run) this.run.status = status;
+      this.refresh();
+    },
     onMessage: message => this.onMessage(message),
   });
   private run: Run | null = null;

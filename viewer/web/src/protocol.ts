@@ -1,4 +1,4 @@
-// The messages of the gateway: viewer/gateway/world_message.cc, viewer_gateway.cc and robot_readings.cc write them. Numbers are
+// The messages of the gateway: viewer/gateway/world_message.cc, page_viewer.cc and robot_readings.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise.
 
 export const PROTOCOL = 4;
@@ -148,16 +148,14 @@ export interface RunEvent {
   detail: string;
 }
 
+// The fields of StatusMessage (transport/protocol/messages.h), as JSON.
 export interface RunStatus {
-  targetTicks: number;  // 0: no end
-  wallSeconds: number;
-  realTimeFactor: number;
-  robots: number;
-  agents: number;
-  waitingSeconds: number;
-  waitingCount: number;
-  waitingFor: string[];  // the first ones
-  speed: number;  // that the run is paced to, multiple of real time; 0: none
+  target_ticks: number;  // 0: no end
+  real_time_factor: number;
+  waiting_seconds: number;
+  waiting_count: number;
+  waiting_for: string[];  // the first ones
+  speed?: number;  // that the run is paced to, multiple of real time; none: it is not paced
   phases: {wait: number; step: number; record: number; publish: number};  // s, of a tick of the service; 0: no tick was made
 }
 
@@ -294,7 +292,6 @@ export interface Update {
   stores: Array<[number, StoreRow]>;
   lights: Array<[number, boolean]>;  // switched on
   events: RunEvent[];
-  status: RunStatus | null;
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -472,14 +469,6 @@ function readRobotReadings(r: Reader): RobotReadings {
   return {robot, tick, readings};
 }
 
-function readStatus(r: Reader): RunStatus {
-  return {
-    targetTicks: Number(r.u64()), wallSeconds: r.f64(), realTimeFactor: r.f64(), robots: r.u32(), agents: r.u32(),
-    waitingSeconds: r.f64(), waitingCount: r.u32(), waitingFor: r.list(() => r.text()),
-    speed: r.f64(), phases: {wait: r.f64(), step: r.f64(), record: r.f64(), publish: r.f64()},
-  };
-}
-
 function readUpdate(r: Reader): Update {
   const world = r.u32();
   const flags = r.u8();
@@ -506,7 +495,6 @@ function readUpdate(r: Reader): Update {
       position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.text(), other: r.text(), object: r.text(),
       detail: r.text(),
     })),
-    status: (flags & 4) !== 0 ? readStatus(r) : null,
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }

@@ -51,7 +51,6 @@ export class Run {
       this.events.push(event);
     }
     if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
-    if (update.status) this.status = update.status;
     if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, this.withKept(readings)]));
     this.tick = update.tick;
     this.hash = update.hash;

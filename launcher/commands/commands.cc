@@ -1,12 +1,21 @@
-#include "launcher/commands/select_session.h"
+#include "launcher/commands/commands.h"
+
+#include <fmt/format.h>
 
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "command_line/exit_status.h"
 #include "transport/dds/tools/session_monitor.h"
 
 namespace troupe {
+
+int Fail(const Error& error) {
+  fmt::print(stderr, "{}\n", error.ToString());
+  return ExitStatusOf(error);
+}
 
 Status SelectSession(NetworkSettings& network) {
   if (!network.session.empty()) return {};

@@ -1,4 +1,4 @@
-#include "launcher/hosts/local_host.h"
+#include "launcher/hosts/host.h"
 
 #include <utility>
 
