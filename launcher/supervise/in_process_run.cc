@@ -314,7 +314,7 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   const bool needs_memory = branch || service.settings.on_agent_loss == OnAgentLoss::kRebuild;
   const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, world_file, needs_memory);
   if (!recorders.ok()) return FailedRun(recorders.error());
-  const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
+  const auto history = MakeRunHistory(recorders.value().recordings);
   service.history = history.get();
   std::unique_ptr<RunObserver> gateway;
   InProcessBridge bridge;

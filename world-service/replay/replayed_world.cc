@@ -125,4 +125,28 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
   return {};
 }
 
+Result<ReplayCursor> ReplayCursor::At(const Recording& recording, std::size_t chunk) {
+  Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
+  if (!world.ok()) return world.error();
+  ReplayCursor cursor(std::move(world).value(), TickReader(recording, chunk));
+  if (Status damage = cursor.ReadNext(); !damage.ok()) return damage.error();
+  return cursor;
+}
+
+Status ReplayCursor::Advance() {
+  if (Status problem = world_.Follow(*next_); !problem.ok()) {
+    return Error{{}, fmt::format("tick {}: {}", next_->tick, problem.error().message), ErrorCode::kFailure};
+  }
+  return ReadNext();
+}
+
+Status ReplayCursor::ReadNext() {
+  RecordedTick tick;
+  const Result<bool> more = reader_.Next(tick);
+  if (!more.ok()) return more.error();
+  next_.reset();
+  if (more.value()) next_ = std::move(tick);
+  return {};
+}
+
 }  // namespace troupe

@@ -69,6 +69,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     while (coordinator_.phase() != Phase::kOver) {
       const double now = Now();
       Act([&] {
+        coordinator_.AdvanceRewind(now);
         if (stop) coordinator_.Stop(now);
         coordinator_.Poll(now);
       });
@@ -82,8 +83,13 @@ class Driver final : public WorldControl, private ServiceHandler {
       Report(status_due, lock);
       ReadFiles(lock);
       SendHistories(lock);
-      Rewind(lock);
-
+      if (coordinator_.rewind().is_running()) {
+        // Slow, so without the lock: no message may wait for it.
+        lock.unlock();
+        coordinator_.rewind().Work(*service_.history);
+        lock.lock();
+        continue;
+      }
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
@@ -199,16 +205,6 @@ class Driver final : public WorldControl, private ServiceHandler {
     }
   }
 
-  void Rewind(std::unique_lock<std::mutex>& lock) {
-    const std::optional<ControlRequest> request = coordinator_.TakeRewind();
-    if (!request) return;
-    const FrameMessage newest = coordinator_.frame();
-    lock.unlock();
-    const Result<RewoundRun> rewound = OrFailure([&] { return service_.history->Rewind(*request, newest); });
-    lock.lock();
-    Act([&] { coordinator_.FinishRewind(*request, rewound, Now()); });
-  }
-
   void Execute(const AskedRequest& open, const Result<RequestedFile>& file) {
     if (!file.ok()) return coordinator_.Reply(open.request, open.reply, file.error());
     if (open.request.command == ControlCommand::kSpawnables || open.request.command == ControlCommand::kWorlds) {
@@ -252,7 +248,8 @@ class Driver final : public WorldControl, private ServiceHandler {
     {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
-      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || AgentsHaveJoined();
+      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || coordinator_.rewind().is_running() ||
+             AgentsHaveJoined();
     }
     if (wake) wake_.notify_one();
   }
