@@ -20,7 +20,7 @@
 #include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 #include "worldfile/models/build_world.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe::fuzz {
 namespace {

@@ -5,7 +5,7 @@
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
-#include "robot-agent/drive/twist_command.h"
+#include "robot-agent/drive/drive.h"
 #include "robot-agent/ros/gripper_goals.h"
 #include "ros/connection/action_server.h"
 #include "ros/connection/simulation_types.h"

@@ -5,7 +5,7 @@
 
 #include "fuzz/check.h"
 #include "fuzz/targets.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe::fuzz {
 namespace {

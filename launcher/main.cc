@@ -6,20 +6,7 @@
 #include "command_line/exit_status.h"
 #include "command_line/parse_command_line.h"
 #include "common/base/version.h"
-#include "launcher/commands/check_command.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/ctl_command.h"
-#include "launcher/commands/edit_command.h"
-#include "launcher/commands/export_map_command.h"
-#include "launcher/commands/goto_command.h"
-#include "launcher/commands/host_command.h"
-#include "launcher/commands/keys_command.h"
-#include "launcher/commands/replay_command.h"
-#include "launcher/commands/run_command.h"
-#include "launcher/commands/snapshot_command.h"
-#include "launcher/commands/teleop_command.h"
-#include "launcher/commands/top_command.h"
-#include "launcher/commands/view_command.h"
+#include "launcher/commands/commands.h"
 
 namespace troupe {
 namespace {

@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 # The public headers that belong to a folder of the sources: its rules hold for them.
-set(public_headers_of_common/base check deterministic_math ids random result)
+set(public_headers_of_common/base check deterministic_math fields ids random result)
 set(public_headers_of_common/geometry polygon pose rectangle vec2 z_range)
 set(public_headers_of_common/bitmap bitmap dense_cover pixel_area rectangle_cover)
 set(public_headers_of_common/model
@@ -42,7 +42,7 @@ set(may_include_worldfile/scenario
   worldfile/models worldfile/models/types worldfile/map worldfile/stage
   worldfile/text)
 set(may_include_worldfile/edit
-  common/base common/geometry worldfile/scenario worldfile/stage worldfile/text)
+  common/base common/geometry worldfile/stage worldfile/text)
 set(may_include_worldfile
   common/base common/geometry common/model
   worldfile/models worldfile/models/types worldfile/map worldfile/scenario
@@ -167,7 +167,7 @@ set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users
-  launcher/commands/ctl_command.cc launcher/commands/select_session.cc launcher/commands/session_table.h
+  launcher/commands/ctl_command.cc launcher/commands/commands.cc launcher/commands/session_top.h
   launcher/commands/top_command.cc launcher/commands/view_command.cc launcher/driving/robot_remote.cc
   robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others

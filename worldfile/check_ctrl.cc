@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worldfile/models/types/stage_controllers.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe {
 namespace {

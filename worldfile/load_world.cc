@@ -6,7 +6,7 @@
 #include "worldfile/models/build_world.h"
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/scenario/scenario.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

@@ -7,8 +7,8 @@
 #include "worldfile/models/build_world.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
-#include "worldfile/stage/node_names.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
+#include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

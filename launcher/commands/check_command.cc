@@ -9,7 +9,7 @@
 #include "command_line/exit_status.h"
 #include "command_line/run_flags.h"
 #include "launcher/commands/check_controllers.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "recording/recording.h"
 #include "robot-agent/controller/create_controller.h"
 

@@ -5,16 +5,9 @@
 
 #include "worldfile/load_world.h"
 
-namespace CLI {
-class App;
-}
-
 namespace troupe {
 
 // Several lines, each with its end.
 std::string DescribeWorld(const LoadedWorld& loaded);
-
-// Adds the command; running it sets `exit_status`.
-void AddCheckCommand(CLI::App& app, int& exit_status);
 
 }  // namespace troupe

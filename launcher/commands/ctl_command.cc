@@ -1,5 +1,3 @@
-#include "launcher/commands/ctl_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +10,8 @@
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/pose_text.h"
-#include "launcher/commands/select_session.h"
+#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/protocol/run_state_text.h"
 #include "troupe/deterministic_math.h"

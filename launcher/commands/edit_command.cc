@@ -1,5 +1,3 @@
-#include "launcher/commands/edit_command.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -13,8 +11,8 @@
 #include <vector>
 
 #include "command_line/exit_status.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/listen_address.h"
+#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
 #include "launcher/process/signal_watch.h"
 #include "viewer/editor/edit_link.h"
 #include "viewer/gateway/access.h"

@@ -1,5 +1,3 @@
-#include "launcher/commands/export_map_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,7 +11,7 @@
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
 #include "common/spatial/occupancy_grid.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {

@@ -1,5 +1,3 @@
-#include "launcher/commands/goto_command.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -14,9 +12,8 @@
 #include "command_line/exit_status.h"
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/goal_text.h"
-#include "launcher/commands/select_session.h"
+#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/process/signal_watch.h"
 #include "troupe/deterministic_math.h"

@@ -1,5 +1,3 @@
-#include "launcher/commands/host_command.h"
-
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -18,10 +16,10 @@
 #include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "launcher/hosts/host_folder.h"
 #include "launcher/hosts/host_messages.h"
-#include "launcher/hosts/local_host.h"
+#include "launcher/hosts/host.h"
 #include "launcher/process/line_pipe.h"
 #include "launcher/process/signal_watch.h"
 #include "transport/security/session_keys.h"

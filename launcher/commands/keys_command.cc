@@ -1,5 +1,3 @@
-#include "launcher/commands/keys_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,7 +11,7 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "transport/protocol/agent_name.h"
 #include "transport/security/key_authority.h"
 

@@ -31,12 +31,20 @@ Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(const Recording& 
 std::optional<std::string> RecordedStates::ReadPlaces() {
   TickReader reader(recording_);
   RecordedTick tick;
+  std::optional<ReplayedWorld> edited;
   for (;;) {
     const Result<bool> more = reader.Next(tick);
     if (!more.ok()) return more.error().message;
     if (!more.value()) return std::nullopt;
+    if (tick.edit && events_.size() < kEventsKept) {
+      if (!edited) edited.emplace(recording_);
+      if (Status problem = edited->ApplyAlone(tick.number, *tick.edit); !problem.ok()) return problem.error().message;
+    }
+    const WorldDescription& world = edited ? edited->world() : recording_.run().world;
     for (const Event& event : tick.events) {
-      if (events_.size() < kEventsKept) events_.push_back({events_.size() + 1, places_.size(), event});
+      if (events_.size() < kEventsKept) {
+        events_.push_back({events_.size() + 1, places_.size(), event, NamesIn(world, event)});
+      }
     }
     has_edits_ = has_edits_ || tick.edit.has_value();
     places_.push_back({tick.tick, tick.log_time, tick.edition});
@@ -50,7 +58,7 @@ std::optional<std::uint64_t> RecordedStates::PositionOf(Tick tick) const {
   return static_cast<std::uint64_t>(places_.rend() - found) - 1;
 }
 
-Result<std::shared_ptr<const PastState>> RecordedStates::At(std::uint64_t position) {
+Result<std::shared_ptr<const ViewedState>> RecordedStates::At(std::uint64_t position) {
   position = std::min<std::uint64_t>(position, places_.size() - 1);
   if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
   if (!position_ || *position_ > position || position - *position_ > kStepOn) {
@@ -108,8 +116,8 @@ Status RecordedStates::Advance() {
 
 void RecordedStates::Keep() {
   if (kept_.contains(*position_)) return;
-  auto state = std::make_shared<const PastState>(PastState{*position_, WorldOf(world_->scene()), world_->state(),
-                                                           world_->state_hash(), places_[*position_].edition});
+  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()), world_->state(),
+                                                               world_->state_hash(), places_[*position_].edition});
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(*position_, std::move(state));
   // The farthest ones are dropped.

@@ -25,7 +25,7 @@ class RecordedStates final : public Recorded {
 
   std::optional<Range> range() const override { return Range{0, places_.size() - 1}; }
   std::optional<std::uint64_t> PositionOf(Tick tick) const override;
-  Result<std::shared_ptr<const PastState>> At(std::uint64_t position) override;
+  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override;
   std::vector<NumberedEvent> Events() const override { return events_; }
 
  private:
@@ -56,7 +56,7 @@ class RecordedStates final : public Recorded {
   std::vector<std::shared_ptr<const ViewedWorld>> worlds_;  // all that were shown
   std::weak_ptr<const Scene> newest_scene_;                 // of worlds_.back() or another one like it
   std::shared_ptr<const ViewedWorld> newest_world_;
-  std::map<std::uint64_t, std::shared_ptr<const PastState>> kept_;  // by position
+  std::map<std::uint64_t, std::shared_ptr<const ViewedState>> kept_;  // by position
   std::size_t kept_bytes_ = 0;
 };
 

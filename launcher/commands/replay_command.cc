@@ -1,5 +1,3 @@
-#include "launcher/commands/replay_command.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,7 +13,7 @@
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "launcher/commands/controller_check.h"
 #include "world-service/replay/run_replay.h"
 

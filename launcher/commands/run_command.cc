@@ -1,16 +1,19 @@
-#include "launcher/commands/run_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "common/base/output_file.h"
 #include "launcher/commands/check_controllers.h"
-#include "launcher/commands/check_ros_options.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/in_process_viewer.h"
+#include "launcher/commands/commands.h"
 #include "launcher/supervise/bridge_process.h"
 #include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
@@ -18,11 +21,119 @@
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/summary.h"
 #include "robot-agent/controller/create_controller.h"
+#include "ros/messages/names.h"
 #include "ros/messages/ros_security.h"
+#include "transport/protocol/transport.h"
+#include "viewer/gateway/access.h"
+#include "viewer/gateway/viewer_gateway.h"
 #include "world-service/replay/branched_run.h"
+#include "world-service/service/run_observer.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {
+
+// Of the world and of the first robot of each process.
+std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld& loaded) {
+  std::vector<std::string> enclaves = {ros::kWorldEnclave};
+  if (!options.hosts.empty() || options.in_process) return enclaves;
+  const std::vector<std::string> robots = ros::RobotNames(loaded.world);
+  const std::uint32_t packing = options.run.robots_per_process.value_or(loaded.settings.robots_per_process);
+  for (std::size_t i = 0; i < robots.size(); i += std::max(1U, packing)) enclaves.push_back("/" + robots[i]);
+  return enclaves;
+}
+
+// Whether ROS's environment is valid, and the participants of a run have their keys for ROS 2, before any process is
+// started. Fails for a run with ROS whose environment is not valid, and with the first enclave whose keys are required
+// and missing; prints a warning where ROS itself would continue, and a warning for each that a run in one process does
+// without. Looks at the keystore of this host only, so not for the processes of remote hosts, which look themselves.
+// Other faults of the file are left to the run.
+Status CheckRosOptions(const RunOptions& options) {
+  const ros::RosSecurity& security = options.ros.security;
+  const ros::EnvironmentFaults& faults = options.ros.faults;
+  const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
+  if (is_open && faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty()) return Status();
+  const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
+  if (!loaded.ok() || !options.run.ros.value_or(loaded.value().settings.ros)) return Status();
+  for (const std::string& fault : {faults.domain, faults.distribution}) {
+    if (!fault.empty()) return Error{{}, fault};
+  }
+  if (!faults.discovery.empty()) fmt::print(stderr, "warning: {}\n", faults.discovery);
+  if (is_open) return Status();
+  for (const std::string& name : EnclavesOf(options, loaded.value())) {
+    const Result<ros::Enclave> enclave = ros::FindEnclave(security, name);
+    if (!enclave.ok()) return enclave.error();
+    // Processes of their own print it themselves.
+    if (options.in_process && !enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
+  }
+  return Status();
+}
+
+constexpr auto kLongestReply = std::chrono::seconds(10);
+constexpr int kShowEndMilliseconds = 300;  // for viewers to receive the end of the run
+constexpr int kLookMilliseconds = 10;
+
+class MemoryObservation : public RunObservation {
+ public:
+  MemoryObservation(Transport& transport, ObserverHandler& handler) : endpoint_(transport.MakeObserverEndpoint()) {
+    endpoint_->Start(handler);
+  }
+
+ private:
+  std::unique_ptr<ObserverEndpoint> endpoint_;
+};
+
+// The viewer of a run in this process: an observer that serves the page from the begin of the run to its end, and
+// prints its address. Without a viewer, for want of a port, the run is the same.
+class InProcessViewer final : public RunObserver, private RunLink {
+ public:
+  // `session`: for the page. The transport outlives the run.
+  InProcessViewer(Transport& transport, std::string session) : transport_(transport), session_(std::move(session)) {}
+
+  Status OnBegin(const RunStart& start) override {
+    control_ = &start.control;
+    ViewerGatewayOptions options;
+    options.session = session_;
+    options.token = MakeToken();
+    Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, *this);
+    if (!gateway.ok()) {
+      fmt::print(stderr, "no viewer: {}\n", gateway.error().message);
+      return {};
+    }
+    gateway_ = std::move(gateway).value();
+    fmt::print("viewer: {}\n", gateway_->Address());
+    std::fflush(stdout);
+    return {};
+  }
+
+  Status OnEnd() override {
+    if (gateway_ == nullptr) return {};
+    for (int ms = 0; ms < kShowEndMilliseconds && !gateway_->HasShownEnd(); ms += kLookMilliseconds) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kLookMilliseconds));
+    }
+    gateway_.reset();
+    return {};
+  }
+
+ private:
+  Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
+    return std::unique_ptr<RunObservation>(std::make_unique<MemoryObservation>(transport_, handler));
+  }
+
+  Result<ControlReply> Ask(const ControlRequest& request) override {
+    // The reply may come after the wait.
+    auto promise = std::make_shared<std::promise<ControlReply>>();
+    std::future<ControlReply> reply = promise->get_future();
+    control_->Request(request, [promise](const ControlReply& made) { promise->set_value(made); });
+    if (reply.wait_for(kLongestReply) != std::future_status::ready) return Failure("the run has not replied in time");
+    return reply.get();
+  }
+
+  Transport& transport_;
+  const std::string session_;
+  WorldControl* control_ = nullptr;
+  std::unique_ptr<ViewerGateway> gateway_;
+};
 
 Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
   Result<OutputFile> file = OutputFile::Create(path);
@@ -51,7 +162,7 @@ int RunCommand(RunOptions options) {
   if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
   const MakeViewer make_viewer = [&options](Transport& transport) {
-    return MakeInProcessViewer(transport, options.network.session);
+    return std::make_unique<InProcessViewer>(transport, options.network.session);
   };
   const RunEnd end = options.in_process ? RunInProcess(options, make_viewer) : RunDistributed(options);
   if (end.error) fmt::print(stderr, "{}\n", end.error->ToString());

@@ -15,7 +15,7 @@
 #include "command_line/option_checks.h"
 #include "common/sensing/sensor_registry.h"
 #include "launcher/commands/check_controllers.h"
-#include "launcher/commands/command_failure.h"
+#include "launcher/commands/commands.h"
 #include "library/save_picture.h"
 #include "library/save_view.h"
 #include "recording/recording.h"

@@ -6,10 +6,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace troupe {
 
 struct SnapshotOptions {
@@ -28,9 +24,6 @@ struct SnapshotOptions {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;
 };
-
-// Declares the command; it sets `exit_status` when it is run.
-void AddSnapshotCommand(CLI::App& app, int& exit_status);
 
 // Returns the exit status; errors are printed for the user.
 int SnapshotCommand(const SnapshotOptions& options);

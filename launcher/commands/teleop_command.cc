@@ -1,5 +1,3 @@
-#include "launcher/commands/teleop_command.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -15,8 +13,7 @@
 #include "command_line/exit_status.h"
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/select_session.h"
+#include "launcher/commands/commands.h"
 #include "launcher/driving/raw_terminal.h"
 #include "launcher/driving/robot_remote.h"
 #include "launcher/driving/teleop_keys.h"

@@ -1,5 +1,3 @@
-#include "launcher/commands/top_command.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -13,8 +11,7 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/network_flags.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/session_table.h"
+#include "launcher/commands/commands.h"
 #include "launcher/commands/session_top.h"
 #include "launcher/process/signal_watch.h"
 #include "transport/dds/tools/session_monitor.h"

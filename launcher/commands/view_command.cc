@@ -1,5 +1,3 @@
-#include "launcher/commands/view_command.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
@@ -15,10 +13,9 @@
 #include "command_line/exit_status.h"
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
-#include "launcher/commands/command_failure.h"
-#include "launcher/commands/listen_address.h"
+#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
-#include "launcher/commands/select_session.h"
 #include "launcher/process/signal_watch.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/dds/tools/session_observer.h"

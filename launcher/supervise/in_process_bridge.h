@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "launcher/hosts/local_host.h"
+#include "launcher/hosts/host.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/bridge_process.h"
 

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/or_failure.h"
 #include "common/base/thread_pool.h"
 #include "common/base/wake_event.h"
 #include "common/spatial/scene.h"
@@ -40,16 +41,6 @@
 
 namespace troupe {
 namespace {
-
-// The result of `run`; an exception, as for lack of memory, becomes a failure.
-template <typename Run>
-auto OrFailure(const Run& run) -> decltype(run()) {
-  try {
-    return run();
-  } catch (const std::exception& exception) {
-    return FailureOf(exception);
-  }
-}
 
 // Agents for the robots that edits add to the world.
 class NewAgents {
@@ -323,7 +314,7 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   const bool needs_memory = branch || service.settings.on_agent_loss == OnAgentLoss::kRebuild;
   const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, world_file, needs_memory);
   if (!recorders.ok()) return FailedRun(recorders.error());
-  const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
+  const auto history = MakeRunHistory(recorders.value().recordings);
   service.history = history.get();
   std::unique_ptr<RunObserver> gateway;
   InProcessBridge bridge;

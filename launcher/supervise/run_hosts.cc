@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "launcher/hosts/connect_hosts.h"
-#include "launcher/hosts/local_host.h"
-#include "launcher/hosts/network_address.h"
+#include "launcher/hosts/host.h"
 #include "launcher/hosts/place_robots.h"
 
 namespace troupe {

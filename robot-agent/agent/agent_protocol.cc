@@ -14,8 +14,7 @@ namespace troupe {
 namespace {
 
 // Wall times, s.
-constexpr double kJoinPeriod = 0.1;  // from a join without an answer to the next one, at first
-// The period doubles up to this, until the run has begun.
+// The period of joins doubles up to this, until the run has begun.
 constexpr double kLongestJoinPeriod = 3.2;
 // Messages that were sent before a loss of the service arrive within this time after it.
 constexpr double kLongestDelay = 1.0;
@@ -38,228 +37,200 @@ AgentProtocol::AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& option
 
 void AgentProtocol::WaitForSession(double now) {
   const double timeout = options_.session_timeout_seconds;
-  stage_ = Stage::kWaiting;
-  waiting_until_ = timeout > 0.0 ? now + timeout : kNever;
-  session_.reset();
-  kept_frame_.reset();
+  state_ = Waiting{timeout > 0.0 ? now + timeout : kNever};
+  run_.kept_frame.reset();
 }
 
 void AgentProtocol::Choose(const SessionMessage& session) {
-  if (session.run != run_) kept_frame_.reset();
-  session_ = std::make_unique<SessionMessage>(session);
-  run_ = session.run;
-  incarnation_ = session.incarnation;
-  world_edition_ = session.world_edition;
-  run_has_begun_ = session.begun;
-  stage_ = Stage::kPreparing;
+  Run run;
+  run.id = session.run;
+  run.incarnation = session.incarnation;
+  run.newest_world = session.world_edition;
+  run.has_begun = session.begun;
+  if (run_.id == run.id) run.kept_frame = std::move(run_.kept_frame);
+  run_ = std::move(run);
+  state_ =
+      Preparing{std::make_unique<ReplicaTask::Work>(ReplicaTask::Making{std::make_unique<SessionMessage>(session)})};
 }
 
 bool AgentProtocol::IsCurrent(Incarnation incarnation) {
-  if (incarnation <= incarnation_) return incarnation == incarnation_;
-  incarnation_ = incarnation;
-  if (was_admitted()) {
-    service_lost_at_.reset();
+  if (incarnation <= run_.incarnation) return incarnation == run_.incarnation;
+  run_.incarnation = incarnation;
+  if (run_.was_member) {
+    run_.service_lost_at.reset();
     notices_.emplace_back("another world service continues the run");
     Rejoin();
   }
-  if (stage_ == Stage::kJoining) StartJoining();
+  if (Is<Joining>()) state_ = Joining{};
   return true;
 }
 
-void AgentProtocol::StartJoining() {
-  stage_ = Stage::kJoining;
-  joined_at_ = -kNever;
-  join_period_ = kJoinPeriod;
-}
-
 void AgentProtocol::Rejoin() {
-  was_lost_ = true;
-  tells_return_ = true;
-  if (stage_ == Stage::kRunning) StartJoining();
+  run_.notes_return = true;
+  if (auto* const changing = std::get_if<Changing>(&state_)) changing->rejoins = true;
+  if (Is<Running>()) state_ = Joining{};
 }
 
 double AgentProtocol::GiveUpAt() const {
   const double timeout = options_.session_timeout_seconds;
-  return service_lost_at_ && timeout > 0.0 ? *service_lost_at_ + timeout : kNever;
+  return run_.service_lost_at && timeout > 0.0 ? *run_.service_lost_at + timeout : kNever;
 }
 
 double AgentProtocol::NextJoin() const {
-  return joined_at_ + (run_has_begun_ ? kJoinPeriod : join_period_);
+  const auto* const joining = std::get_if<Joining>(&state_);
+  if (joining == nullptr) return kNever;
+  if (!joining->sent_at) return -kNever;
+  return *joining->sent_at + (run_.has_begun ? kFirstJoinPeriod : joining->period);
+}
+
+double AgentProtocol::NextRepeat() const {
+  return Is<Running>() && run_.paused_state ? run_.repeated_at + kRepeatPeriod : kNever;
+}
+
+double AgentProtocol::NextPoll() const {
+  if (const auto* const waiting = std::get_if<Waiting>(&state_)) return waiting->until;
+  return std::min({NextJoin(), NextRepeat(), GiveUpAt()});
 }
 
 std::optional<JoinMessage> AgentProtocol::Poll(double now) {
-  if (stage_ == Stage::kWaiting && now >= waiting_until_) {
+  if (const auto* const waiting = std::get_if<Waiting>(&state_); waiting != nullptr && now >= waiting->until) {
     Fail(Failure(fmt::format("no world service appeared within {} s", options_.session_timeout_seconds)));
   }
   if (!over() && now >= GiveUpAt()) {
     Fail(Failure(
         fmt::format("the world service is gone, and has not returned within {} s", options_.session_timeout_seconds)));
   }
-  if (Replica* const replica = replica_.get(); replica != nullptr && now >= NextRepeat()) {
-    replica->Repeat(*paused_state_);
-    repeated_at_ = now;
+  if (now >= NextRepeat()) {
+    robots_.replica->Repeat(*run_.paused_state);
+    run_.repeated_at = now;
   }
-  if (stage_ != Stage::kJoining || now < NextJoin()) return std::nullopt;
+  if (now < NextJoin()) return std::nullopt;
+  auto& joining = std::get<Joining>(state_);
   // Frequent joins of hundreds of agents before the run begins would delay the service.
-  if (joined_at_ > -kNever) join_period_ = std::min(2.0 * join_period_, kLongestJoinPeriod);
-  joined_at_ = now;
+  if (joining.sent_at) joining.period = std::min(2.0 * joining.period, kLongestJoinPeriod);
+  joining.sent_at = now;
   JoinMessage join = MakeJoin();
-  if (join.robots.empty()) {
-    stage_ = Stage::kRunOver;
-    return std::nullopt;
-  }
-  return join;
-}
-
-double AgentProtocol::NextPoll() const {
-  if (stage_ == Stage::kWaiting) return waiting_until_;
-  return std::min({stage_ == Stage::kJoining ? NextJoin() : kNever, NextRepeat(), GiveUpAt()});
-}
-
-double AgentProtocol::NextRepeat() const {
-  return stage_ == Stage::kRunning && paused_state_ ? repeated_at_ + kRepeatPeriod : kNever;
+  if (!join.robots.empty()) return join;
+  state_ = Ended{};
+  return std::nullopt;
 }
 
 JoinMessage AgentProtocol::MakeJoin() {
-  JoinMessage join{.run = run_,
+  JoinMessage join{.run = run_.id,
                    .agent = options_.agent,
                    .protocol_version = kProtocolVersion,
-                   .world_hash = world_hash_,
+                   .world_hash = robots_.world_hash,
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
-                   .robots = robots_,
-                   .world_edition = world_edition_,
-                   .incarnation = incarnation_,
-                   .accept_goals = replica_->NamesThatAcceptGoals(),
-                   .memory = memory_};
-  if (session_) {
+                   .robots = robots_.names,
+                   .world_edition = robots_.world_edition,
+                   .incarnation = run_.incarnation,
+                   .accept_goals = robots_.replica->NamesThatAcceptGoals(),
+                   .memory = robots_.memory};
+  if (const SessionMessage* const edited = run_.edited.get()) {
     // The world was edited since the agent was lost. The next frame says how the replica is to follow.
-    if (session_hash_ == 0) session_hash_ = Hash(session_->world);
-    join.world_hash = session_hash_;
-    join.world_edition = session_->world_edition;
-    std::erase_if(join.robots, [this](const std::string& name) { return !FindRobot(session_->world, name); });
+    if (run_.edited_hash == 0) run_.edited_hash = Hash(edited->world);
+    join.world_hash = run_.edited_hash;
+    join.world_edition = edited->world_edition;
+    std::erase_if(join.robots, [&](const std::string& name) { return !FindRobot(edited->world, name); });
   }
   return join;
 }
 
 bool AgentProtocol::has_task() const {
-  const bool works_on_replica = stage_ == Stage::kChanging || stage_ == Stage::kRetracing;
-  return (stage_ == Stage::kPreparing && session_ != nullptr) || (works_on_replica && replica_ != nullptr);
+  return std::visit(
+      [](const auto& state) {
+        if constexpr (requires { state.work; }) return state.work != nullptr;
+        return false;
+      },
+      state_);
 }
 
 std::optional<ReplicaTask> AgentProtocol::BeginTask() {
   if (!has_task()) return std::nullopt;
-  ReplicaTask task;
-  if (stage_ == Stage::kChanging) {
-    task = std::exchange(change_, {});
-  } else if (stage_ == Stage::kRetracing) {
-    task.history = std::move(history_);
-    task.own_robots = robots_;
-    task.world_edition = world_edition_;
-    task.world_hash = world_hash_;
-    task.made_at = fresh_edition_;
-    task.memory = memory_;
-  } else {
-    task.is_new = true;
-    task.session = std::move(session_);
-  }
-  task.replica = std::move(replica_);
-  return task;
+  return std::visit(
+      [this](auto& state) -> std::optional<ReplicaTask> {
+        if constexpr (requires { state.work; }) {
+          const Work work = std::move(state.work);
+          return ReplicaTask{std::move(*work), std::exchange(robots_, {}), {}};
+        }
+        return std::nullopt;
+      },
+      state_);
 }
 
 void AgentProtocol::FinishTask(ReplicaTask& task) {
+  auto* const past = std::get_if<ReplicaTask::Retracing>(&task.work);
+  const bool is_new = std::holds_alternative<ReplicaTask::Making>(task.work);
   // Else the run has ended meanwhile, or another session is to be prepared for.
-  if (task.is_new && stage_ == Stage::kPreparing && session_ == nullptr) FinishMaking(task);
-  if (task.is_new) return;
-  if (task.history && stage_ == Stage::kRetracing) return FinishRetracing(task);
-  if (!task.history && stage_ == Stage::kChanging) FinishChange(task);
-}
-
-void AgentProtocol::FinishMaking(ReplicaTask& task) {
+  const bool is_awaited = is_new ? Is<Preparing>() : past != nullptr ? Is<Retracing>() : Is<Changing>();
+  if (!is_awaited || has_task()) return;
   if (!task.outcome.ok()) return Fail(task.outcome.error());
-  if (task.replica == nullptr) {
-    stage_ = Stage::kRunOver;
+  robots_ = std::move(task.robots);
+  if (past != nullptr) return FinishRetracing(*past);
+  if (robots_.replica == nullptr || !robots_.replica->has_robots()) {
+    state_ = Ended{};
     return;
   }
-  replica_ = std::move(task.replica);
-  world_hash_ = task.world_hash;
-  robots_ = replica_->RobotNames();
-  answered_.reset();
-  fresh_edition_.reset();
-  memory_.reset();
-  remembered_.reset();
-  log_is_marked_ = false;
-  StartJoining();
-}
-
-void AgentProtocol::FinishChange(ReplicaTask& task) {
-  if (!task.outcome.ok()) return Fail(task.outcome.error());
-  replica_ = std::move(task.replica);
-  if (task.session) world_hash_ = task.world_hash;
-  robots_ = replica_->RobotNames();
-  if (!replica_->has_robots()) {
-    stage_ = Stage::kRunOver;
+  const auto* const changing = std::get_if<Changing>(&state_);
+  if (changing == nullptr || changing->rejoins) {
+    state_ = Joining{};
     return;
   }
-  stage_ = Stage::kRunning;
-  if (was_lost_) return StartJoining();
+  state_ = Running{};
   ProcessKept();
 }
 
-void AgentProtocol::FinishRetracing(ReplicaTask& task) {
-  if (!task.outcome.ok()) return Fail(task.outcome.error());
-  replica_ = std::move(task.replica);
-  world_hash_ = task.world_hash;
-  world_edition_ = task.world_edition;
-  fresh_edition_ = task.made_at;
-  memory_ = task.memory;
-  if (task.put_aside && !session_) {
-    session_ = std::move(task.put_aside);
-    session_hash_ = 0;
+void AgentProtocol::FinishRetracing(ReplicaTask::Retracing& past) {
+  run_.newest_world = std::max(run_.newest_world, robots_.world_edition);
+  if (past.later_world && !run_.edited) {
+    run_.edited = std::move(past.later_world);
+    run_.edited_hash = 0;
   }
-  if (session_ && session_->world_edition <= world_edition_) session_.reset();
-  StartJoining();  // at once, for the states that follow
+  if (run_.edited && run_.edited->world_edition <= robots_.world_edition) run_.edited.reset();
+  state_ = Joining{};  // at once, for the states that follow
 }
 
 void AgentProtocol::OnSession(const SessionMessage& session) {
-  if (over() || (session.run == run_ && !IsCurrent(session.incarnation))) return;
-  if (was_admitted()) {
-    if (session.run != run_) return;
-    if (std::exchange(service_lost_at_, std::nullopt) && stage_ == Stage::kJoining) StartJoining();
-    if (session.world_edition <= (session_ ? session_->world_edition : world_edition_)) return;
-    session_ = std::make_unique<SessionMessage>(session);
-    session_hash_ = 0;
-    if (stage_ == Stage::kRunning) ProcessKept();
+  if (over() || (session.run == run_.id && !IsCurrent(session.incarnation))) return;
+  const bool is_newer = session.run != run_.id || session.world_edition > run_.newest_world;
+  if (!run_.was_member) {
+    // After the choice of a session, this may be its world after an edit, or the next run in place of one that ended
+    // before it answered.
+    if (Is<Waiting>() || is_newer) Choose(session);
     return;
   }
-  // After the choice of a session, this may be its world after an edit, or the next run in place of one that ended
-  // before it answered.
-  const Edition known = session_ ? session_->world_edition : world_edition_;
-  if (stage_ != Stage::kWaiting && session.run == run_ && session.world_edition <= known) return;
-  Choose(session);
+  if (session.run != run_.id) return;
+  if (std::exchange(run_.service_lost_at, std::nullopt) && Is<Joining>()) state_ = Joining{};
+  if (!is_newer) return;
+  run_.newest_world = session.world_edition;
+  run_.edited = std::make_unique<SessionMessage>(session);
+  run_.edited_hash = 0;
+  if (Is<Running>()) ProcessKept();
 }
 
 void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
-  if (admission.run != run_ || admission.agent != options_.agent || !IsCurrent(admission.incarnation)) return;
-  if (stage_ == Stage::kRunning && !admission.admitted && admission.reason.empty()) return Rejoin();
-  if (stage_ != Stage::kJoining) return;
+  if (over() || admission.run != run_.id || admission.agent != options_.agent) return;
+  if (!IsCurrent(admission.incarnation)) return;
+  if (Is<Running>() && !admission.admitted && admission.reason.empty()) return Rejoin();
+  if (!Is<Joining>()) return;
   if (!admission.admitted) {
     if (!admission.reason.empty()) Fail({{}, "the world service refused: " + admission.reason});
     return;
   }
-  was_lost_ = false;
-  if (std::exchange(tells_return_, false)) notices_.emplace_back("joined the run again");
-  stage_ = Stage::kRunning;
+  run_.was_member = true;
+  if (std::exchange(run_.notes_return, false)) notices_.emplace_back("joined the run again");
+  state_ = Running{};
   ProcessKept();
 }
 
 void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
-  if (over() || stage_ == Stage::kWaiting || frame.run != run_ || !IsCurrent(frame.incarnation)) return;
-  run_has_begun_ = true;
-  if (service_lost_at_ && now > *service_lost_at_ + kLongestDelay) service_lost_at_.reset();
+  if (over() || Is<Waiting>() || frame.run != run_.id || !IsCurrent(frame.incarnation)) return;
+  run_.has_begun = true;
+  if (run_.service_lost_at && now > *run_.service_lost_at + kLongestDelay) run_.service_lost_at.reset();
   if (frame.last) {
-    stage_ = Stage::kRunOver;
-  } else if (stage_ == Stage::kRunning) {
+    state_ = Ended{};
+  } else if (Is<Running>()) {
     Process(frame);
   } else {
     Keep(frame);
@@ -267,128 +238,124 @@ void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
 }
 
 void AgentProtocol::OnHistory(const HistoryMessage& history) {
-  if (stage_ != Stage::kJoining || history.run != run_ || !IsCurrent(history.incarnation)) return;
-  if (history.after != memory_) return;
+  if (!Is<Joining>() || history.run != run_.id || !IsCurrent(history.incarnation)) return;
+  if (history.after != robots_.memory) return;
   const bool asked = std::find(history.agents.begin(), history.agents.end(), options_.agent) != history.agents.end();
-  if (!asked && !memory_) return;  // it may begin behind the first state of these robots
-  run_has_begun_ = true;           // the service has work for joins: resend them often
-  history_ = std::make_unique<HistoryMessage>(history);
-  stage_ = Stage::kRetracing;
+  if (!asked && !robots_.memory) return;  // it may begin behind the first state of these robots
+  run_.has_begun = true;                  // the service has work for joins: resend them often
+  state_ =
+      Retracing{std::make_unique<ReplicaTask::Work>(ReplicaTask::Retracing{std::make_unique<HistoryMessage>(history)})};
 }
 
 void AgentProtocol::OnServiceGone(double now) {
   if (over()) return;
-  if (was_admitted()) return Fail(Failure("the world service is gone"));
+  if (run_.was_member) return Fail(Failure("the world service is gone"));
   WaitForSession(now);  // another service may replace one that left before it answered
 }
 
 void AgentProtocol::OnServiceLost(double now) {
   if (over()) return;
-  if (!was_admitted()) return WaitForSession(now);
+  if (!run_.was_member) return WaitForSession(now);
   notices_.emplace_back("the world service is silent; waiting for it to return");
-  service_lost_at_ = now;
+  run_.service_lost_at = now;
   Rejoin();
 }
 
 void AgentProtocol::Process(const FrameMessage& frame) {
-  if (frame.world_edition < world_edition_ || (answered_ && PlaceOf(frame) < *answered_)) return;
+  const FramePlace place = PlaceOf(frame);
+  if (frame.world_edition < robots_.world_edition || (run_.answered && place < *run_.answered)) return;
   // Robots that have not answered a frame yet are as new, but the ids may have changed since their world.
-  const bool is_new_world = frame.world_edition != world_edition_;
-  const bool fresh =
-      fresh_edition_ ? frame.fresh_edition > *fresh_edition_ : is_new_world && frame.fresh_edition > world_edition_;
-  if (!is_new_world && !fresh) return Answer(frame);
+  const bool is_new_world = frame.world_edition != robots_.world_edition;
+  const bool fresh = robots_.fresh_edition ? frame.fresh_edition > *robots_.fresh_edition
+                                           : is_new_world && frame.fresh_edition > robots_.world_edition;
+  if (!is_new_world && !fresh) return place == run_.answered ? AnswerAgain(frame) : AnswerNew(frame);
   Keep(frame);
-  if (!is_new_world || (session_ && session_->world_edition == frame.world_edition)) BeginChange(frame, fresh);
-}
-
-void AgentProtocol::BeginChange(const FrameMessage& frame, bool fresh) {
-  change_.fresh = fresh;
-  change_.fresh_edition = frame.fresh_edition;
-  if (frame.world_edition != world_edition_) change_.session = std::move(session_);
-  world_edition_ = frame.world_edition;
-  if (fresh) {
-    fresh_edition_ = frame.fresh_edition;
-    memory_.reset();
-    log_is_marked_ = true;  // by the change
-  }
-  stage_ = Stage::kChanging;
+  if (is_new_world && (!run_.edited || run_.edited->world_edition != frame.world_edition)) return;
+  ReplicaTask::Changing change{.session = {}, .fresh = fresh, .fresh_edition = frame.fresh_edition};
+  if (is_new_world) change.session = std::move(run_.edited);
+  state_ = Changing{std::make_unique<ReplicaTask::Work>(std::move(change))};
 }
 
 void AgentProtocol::ProcessKept() {
-  if (kept_frame_) Process(*std::exchange(kept_frame_, std::nullopt));
+  if (run_.kept_frame) Process(*std::exchange(run_.kept_frame, std::nullopt));
 }
 
 void AgentProtocol::Keep(const FrameMessage& frame) {
-  if (!kept_frame_ || PlaceOf(frame) > PlaceOf(*kept_frame_)) kept_frame_ = frame;
+  if (!run_.kept_frame || PlaceOf(frame) > PlaceOf(*run_.kept_frame)) run_.kept_frame = frame;
 }
 
-void AgentProtocol::Answer(const FrameMessage& frame) {
-  const FramePlace place = PlaceOf(frame);
-  const bool is_new = !answered_ || place > *answered_;
-  if (!is_new && !frame.awaited.empty() &&
-      std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) == frame.awaited.end()) {
-    return;  // the answer has arrived
-  }
-  const Tick next = frame.state.tick + 1;
-  // A tick that was published in a pause is not published again.
-  const bool is_shown =
-      answered_ && std::get<Edition>(*answered_) == frame.edition && std::get<Tick>(*answered_) == frame.state.tick;
-  if (is_new && LacksMemory(frame)) {
+void AgentProtocol::AnswerAgain(const FrameMessage& frame) {
+  const bool is_awaited = frame.awaited.empty() ||
+                          std::find(frame.awaited.begin(), frame.awaited.end(), options_.agent) != frame.awaited.end();
+  if (!is_awaited) return;  // the answer has arrived
+  SendAnswer(frame.state.tick + 1);
+  WriteTrace(frame.state.tick + 1);
+}
+
+void AgentProtocol::AnswerNew(const FrameMessage& frame) {
+  if (LacksMemory(frame)) {
     Keep(frame);
-    remembered_ = frame.fresh_edition;
-    was_lost_ = true;
-    return StartJoining();
+    run_.asked_memory_of = frame.fresh_edition;
+    state_ = Joining{};
+    return;
   }
-  if (is_new && !ComputeAnswer(frame)) return;
+  // A tick that was published in a pause is not published again.
+  const bool is_shown = run_.answered && std::get<Edition>(*run_.answered) == frame.edition &&
+                        std::get<Tick>(*run_.answered) == frame.state.tick;
+  if (!ComputeAnswer(frame)) return;
   // A paused tick is published first: the answers of all agents mean that every gateway shows the tick.
-  if (is_new) paused_state_.reset();
-  if (is_new && frame.paused) {
-    replica_->Publish(frame.state);
-    if (replica_->has_gateway()) paused_state_ = frame.state;
+  run_.paused_state.reset();
+  if (frame.paused) {
+    robots_.replica->Publish(frame.state);
+    if (robots_.replica->has_gateway()) run_.paused_state = frame.state;
   }
-  answer_.incarnation = incarnation_;
-  Enter(replica_->lane(), TickPhase::kSend, next);
-  endpoint_.SendProposal(answer_);
-  if (is_new && !is_shown && !frame.paused) replica_->Publish(frame.state);  // last, so that no tick waits for it
+  SendAnswer(frame.state.tick + 1);
+  if (!is_shown && !frame.paused) robots_.replica->Publish(frame.state);  // last, so that no tick waits for it
+  WriteTrace(frame.state.tick + 1);
+}
+
+void AgentProtocol::SendAnswer(Tick next) {
+  run_.answer.incarnation = run_.incarnation;
+  Enter(robots_.replica->lane(), TickPhase::kSend, next);
+  endpoint_.SendProposal(run_.answer);
+}
+
+void AgentProtocol::WriteTrace(Tick next) {
   if (resources_.trace == nullptr) return;
   if (const Status& status = resources_.trace->WriteSome(); !status.ok()) return Fail(status.error());
-  Enter(replica_->lane(), TickPhase::kWait, next + 1);
+  Enter(robots_.replica->lane(), TickPhase::kWait, next + 1);
 }
 
 bool AgentProtocol::LacksMemory(const FrameMessage& frame) const {
-  const bool knows = memory_ && memory_->edition >= frame.fresh_edition;
-  return frame.remembered && !knows && remembered_ != frame.fresh_edition;
+  const bool knows = robots_.memory && robots_.memory->edition >= frame.fresh_edition;
+  return frame.remembered && !knows && run_.asked_memory_of != frame.fresh_edition;
 }
 
 bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
-  Enter(replica_->lane(), TickPhase::kApply, frame.state.tick + 1);
-  if (const Status status = replica_->CheckState(frame.state); !status.ok()) {
+  Replica& replica = *robots_.replica;
+  Enter(replica.lane(), TickPhase::kApply, frame.state.tick + 1);
+  if (const Status status = replica.CheckState(frame.state); !status.ok()) {
     Fail(Failure("the world service sent a bad frame: " + status.error().message));
     return false;
   }
-  const bool was_edited = memory_ && memory_->edition != frame.edition;
-  if (was_edited) replica_->Relocate(frame.state);
-  answer_ = frame.paused ? replica_->Pause(frame.state) : replica_->Decide(frame.state, frame.commands);
-  answer_.run = run_;
-  answer_.agent = options_.agent;
-  answer_.edition = frame.edition;
-  answered_ = PlaceOf(frame);
-  memory_ = {frame.edition, frame.state.tick, !frame.paused};
+  const bool was_edited = robots_.memory && robots_.memory->edition != frame.edition;
+  if (was_edited) replica.Relocate(frame.state);
+  run_.answer = frame.paused ? replica.Pause(frame.state) : replica.Decide(frame.state, frame.commands);
+  run_.answer.run = run_.id;
+  run_.answer.agent = options_.agent;
+  run_.answer.edition = frame.edition;
+  run_.answered = PlaceOf(frame);
+  robots_.memory = {frame.edition, frame.state.tick, !frame.paused};
   ScanLog* const log = resources_.scan_log;
-  if (!std::exchange(log_is_marked_, true) && frame.fresh_edition > 0 && log != nullptr) {
+  if (!std::exchange(robots_.log_is_marked, true) && frame.fresh_edition > 0 && log != nullptr) {
     log->Restart(frame.fresh_edition);
   }
-  fresh_edition_ = frame.fresh_edition;
+  robots_.fresh_edition = frame.fresh_edition;
   if (log != nullptr && !log->status().ok()) {
     Fail(AsFailure(log->status().error()));
     return false;
   }
   return true;
-}
-
-void AgentProtocol::Fail(Error error) {
-  stage_ = Stage::kFailed;
-  failure_ = std::move(error);
 }
 
 }  // namespace troupe

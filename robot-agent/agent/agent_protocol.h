@@ -5,6 +5,30 @@
 // Passive: it acts only inside the calls below, which must be made one at a time, and knows the time only from `now`:
 // wall time in s, of a clock that never decreases. It answers a frame inside OnFrame. The replica is made and changed
 // by tasks that the caller performs between BeginTask and FinishTask, in which all other calls may be made.
+//
+// Its states, and what leads from one to the next; any other message leaves the state as it is:
+//   Waiting    a session                                         Preparing
+//              none within the session timeout                   Ended, failed
+//   Preparing  the replica is made                               Joining
+//              none of the robots is in the world any more       Ended
+//   Joining    the admission                                     Running
+//              a history that follows the memory of the robots   Retracing
+//              a refusal                                         Ended, failed
+//              none of the robots is in the world any more       Ended
+//   Retracing  the robots have processed the history             Joining
+//   Running    a frame of an edited world or of a fresh start    Changing
+//              a frame that needs memory that the robots lack    Joining
+//              the agent is unknown, the service is lost, or     Joining
+//              another one continues the run
+//   Changing   the replica is changed                            Running, or Joining after a loss meanwhile
+//              none of the robots is in the world any more       Ended
+//   before the first admission
+//              another session, or a newer world of it           Preparing
+//              the service is gone or lost                       Waiting
+//   after it   the service is gone                               Ended, failed
+//              a lost service has not returned in time           Ended, failed
+//   any        the last frame of the run                         Ended
+//              a task or an answer fails                         Ended, failed
 #pragma once
 
 #include <cstdint>
@@ -13,6 +37,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "robot-agent/agent/agent_options.h"
@@ -47,96 +72,107 @@ class AgentProtocol {
   void FinishTask(ReplicaTask& task);
 
   // Ends the agent.
-  void Fail(Error error);
+  void Fail(Error error) { state_ = Ended{std::move(error)}; }
 
   // The agent has ended: by the end of its run, or by failure().
-  bool over() const { return stage_ == Stage::kRunOver || stage_ == Stage::kFailed; }
-  const Status& failure() const { return failure_; }
+  bool over() const { return Is<Ended>(); }
+  Status failure() const { return over() ? std::get<Ended>(state_).failure : Status(); }
   // The agent is a member of its run, and answers frames.
-  bool is_running() const { return stage_ == Stage::kRunning; }
+  bool is_running() const { return Is<Running>(); }
   // The names of its robots. REQUIRES: is_running()
-  std::vector<std::string> RobotNames() const { return replica_->RobotNames(); }
+  std::vector<std::string> RobotNames() const { return robots_.replica->RobotNames(); }
   // Lines for people, each returned once.
   std::vector<std::string> DrainNotices() { return std::exchange(notices_, {}); }
 
  private:
-  // Messages of another stage change nothing.
-  enum class Stage : std::uint8_t {
-    kWaiting,    // for a session
-    kPreparing,  // the replica for run_ is to be made
-    kJoining,    // joins are sent: for the first time, or again
-    kRetracing,  // the robots are to process history_, then joins are sent again
-    kRunning,    // admitted: frames are answered
-    kChanging,   // admitted: the replica is to be changed as change_ says
-    kRunOver,    // the service ended the run, or all robots were removed
-    kFailed,     // by failure_
+  static constexpr double kFirstJoinPeriod = 0.1;  // s; from a join without an answer to the next one
+
+  // For a task; null: it has begun.
+  using Work = std::unique_ptr<ReplicaTask::Work>;
+  struct Waiting {
+    double until;  // time
   };
+  struct Preparing {
+    Work work;
+  };
+  struct Joining {
+    std::optional<double> sent_at = {};  // the newest join; nothing: it is to be sent
+    double period = kFirstJoinPeriod;    // until the run has begun
+  };
+  struct Retracing {
+    Work work;
+  };
+  struct Running {};
+  struct Changing {
+    Work work;
+    bool rejoins = false;  // the agent is no longer a member, and has to join again
+  };
+  struct Ended {
+    Status failure = {};  // ok: the service ended the run, or all robots were removed
+  };
+  template <typename State>
+  bool Is() const {
+    return std::holds_alternative<State>(state_);
+  }
+
   // The order of frames: a tick that pauses has a paused frame first, then one to be answered with proposals.
   using FramePlace = std::tuple<Edition, Tick, bool>;
   static FramePlace PlaceOf(const FrameMessage& frame) { return {frame.edition, frame.state.tick, !frame.paused}; }
 
-  bool is_admitted() const { return stage_ == Stage::kRunning || stage_ == Stage::kChanging; }
-  // The service has admitted this agent to run_ at some time.
-  bool was_admitted() const { return is_admitted() || was_lost_; }
-  // Of a message of the run: false if it is of an earlier service than the newest. The first message of a later one
-  // makes the agent join again.
-  bool IsCurrent(Incarnation incarnation);
+  // What the agent knows of the run that it has chosen.
+  struct Run {
+    RunId id = 0;
+    Incarnation incarnation = 0;             // the highest
+    Edition newest_world = 0;                // the highest that the service has announced
+    bool has_begun = false;                  // a frame of it has arrived
+    bool was_member = false;                 // the service has admitted this agent
+    bool notes_return = false;               // the next admission is a notice
+    std::optional<double> service_lost_at;   // when its lease expired; nothing: it has returned since
+    std::unique_ptr<SessionMessage> edited;  // with the world of frames to come; null: the replica has the newest world
+    std::uint64_t edited_hash = 0;           // of that world; 0: not computed yet
+    std::optional<Edition> asked_memory_of;  // the fresh start since which the agent has asked for a history
+    std::optional<FrameMessage> kept_frame;  // the newest one that cannot be answered yet
+    std::optional<FramePlace> answered;      // of the frame that `answer` answers
+    ProposalMessage answer;
+    std::optional<WorldState> paused_state;  // of that frame, if it is paused and a gateway shows it
+    double repeated_at = 0.0;                // when the gateway was asked to repeat a tick
+  };
+
   void WaitForSession(double now);
   // Prepares for a session before the admission.
   void Choose(const SessionMessage& session);
-  void StartJoining();
+  // Of a message of the run: false if it is of an earlier service than the newest. The first message of a later one
+  // makes the agent join again.
+  bool IsCurrent(Incarnation incarnation);
   // The run of which the agent was a member has to admit it again.
   void Rejoin();
   double GiveUpAt() const;  // time, unless the lost service returns
   double NextJoin() const;
   double NextRepeat() const;
   JoinMessage MakeJoin();
-  // Answers a frame in the stage kRunning, or begins the stage kChanging if an edit came before the frame.
+
+  // Applies the result of a history: the world of the replica may be another one.
+  void FinishRetracing(ReplicaTask::Retracing& past);
+  // Answers a frame in the state Running, or begins to change the replica if an edit came before the frame.
   void Process(const FrameMessage& frame);
   void ProcessKept();
   // Keeps a frame that cannot be answered yet, unless a newer one is kept.
   void Keep(const FrameMessage& frame);
-  void BeginChange(const FrameMessage& frame, bool fresh);
-  void Answer(const FrameMessage& frame);
-  // Computes answer_ for a new frame; false if the frame cannot be answered.
+  void AnswerNew(const FrameMessage& frame);
+  void AnswerAgain(const FrameMessage& frame);
+  void SendAnswer(Tick next);
+  void WriteTrace(Tick next);
+  // Computes the answer to a new frame; false if the frame cannot be answered.
   bool ComputeAnswer(const FrameMessage& frame);
-  void FinishMaking(ReplicaTask& task);
-  void FinishChange(ReplicaTask& task);
-  void FinishRetracing(ReplicaTask& task);
   // The robots lack the memory that the frame demands, and their history was not asked for yet.
   bool LacksMemory(const FrameMessage& frame) const;
 
   AgentEndpoint& endpoint_;
   const AgentOptions& options_;
   const AgentResources resources_;
-  Stage stage_ = Stage::kWaiting;
-  double waiting_until_ = 0.0;               // for a session
-  std::unique_ptr<SessionMessage> session_;  // arrived, and not yet used
-  std::uint64_t session_hash_ = 0;           // of its world; 0: not computed yet
-  RunId run_ = 0;                            // from preparing on
-  Incarnation incarnation_ = 0;              // the highest of the run
-  std::unique_ptr<Replica> replica_;         // from joining on, but for a task
-  std::uint64_t world_hash_ = 0;             // of the replica's world
-  Edition world_edition_ = 0;                // of the replica, or of change_
-  ReplicaTask change_;                       // in the stage kChanging
-  std::unique_ptr<HistoryMessage> history_;  // in the stage kRetracing, until its task begins
-  std::vector<std::string> robots_;          // of the agent, from joining on
-  std::optional<MemoryPlace> memory_;        // of the robots
-  std::optional<Edition> remembered_;        // the fresh edition whose history the agent has asked for
-  bool log_is_marked_ = false;               // the scan log has the edition of the robots
-  double joined_at_ = 0.0;                   // the newest join
-  double join_period_ = 0.0;
-  bool run_has_begun_ = false;              // a frame of it has arrived
-  bool was_lost_ = false;                   // since it was admitted; it has to join again
-  bool tells_return_ = false;               // its next admission is a notice
-  std::optional<double> service_lost_at_;   // when its lease expired; nothing: it has returned since
-  std::optional<Edition> fresh_edition_;    // the edition that its robots started at; nothing: no frame was answered
-  std::optional<FrameMessage> kept_frame_;  // the newest one that cannot be answered yet
-  std::optional<FramePlace> answered_;      // of the frame that answer_ answers
-  ProposalMessage answer_;
-  std::optional<WorldState> paused_state_;  // of the answered frame, if it is paused and a gateway shows it
-  double repeated_at_ = 0.0;                // when the gateway was asked to repeat a tick
-  Status failure_;
+  std::variant<Waiting, Preparing, Joining, Retracing, Running, Changing, Ended> state_;
+  Run run_;             // from Preparing on
+  AgentRobots robots_;  // from Joining on, but for a task
   std::vector<std::string> notices_;
 };
 

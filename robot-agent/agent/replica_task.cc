@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <new>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "common/base/version.h"
 #include "robot-agent/robot/scan_log.h"
@@ -14,56 +12,73 @@ namespace troupe {
 
 void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& resources) {
   try {
-    if (session) world_hash = Hash(session->world);
-    if (history) {
+    if (auto* const making = std::get_if<Making>(&work)) {
+      outcome = Make(*making->session, options, resources);
+    } else if (auto* const change = std::get_if<Changing>(&work)) {
+      outcome = Change(*change);
+    } else {
       // The lines of the past are in the log, or in that of the agent before.
       if (resources.scan_log != nullptr) resources.scan_log->Mute(true);
-      outcome = Retrace();
+      outcome = Retrace(std::get<Retracing>(work));
       if (resources.scan_log != nullptr) resources.scan_log->Mute(false);
-      return;
     }
-    outcome = is_new ? Make(options, resources) : Change();
   } catch (const std::bad_alloc& no_memory) {
     outcome = FailureOf(no_memory);
   }
 }
 
-Status ReplicaTask::Make(const AgentOptions& options, const AgentResources& resources) {
-  replica.reset();
-  if (session->protocol_version != kProtocolVersion) {
-    return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session->host,
-                               session->protocol_version, kProtocolVersion));
+Status ReplicaTask::Make(SessionMessage& session, const AgentOptions& options, const AgentResources& resources) {
+  robots = {};
+  if (session.protocol_version != kProtocolVersion) {
+    return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session.host,
+                               session.protocol_version, kProtocolVersion));
   }
-  if (const Status status = Validate(session->world); !status.ok()) {
-    return Failure(fmt::format("the world service on {} sent a bad world: {}", session->host, status.error().message));
+  if (const Status status = Validate(session.world); !status.ok()) {
+    return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, status.error().message));
   }
-  std::vector<std::string> robots = options.robots;
+  std::vector<std::string> names = options.robots;
   if (options.skip_deleted) {
-    std::erase_if(robots, [this](const std::string& name) { return !FindRobot(session->world, name); });
-    if (robots.empty()) return {};
+    std::erase_if(names, [&](const std::string& name) { return !FindRobot(session.world, name); });
+    if (names.empty()) return {};
   }
+  robots.world_hash = Hash(session.world);
+  robots.world_edition = session.world_edition;
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(session->world), robots, {resources.scan_log, options.libraries}, options.pool,
+      Replica::Create(std::move(session.world), names, {resources.scan_log, options.libraries}, options.pool,
                       options.make_gateway, resources.trace, resources.find_map);
   if (!made.ok()) return made.error();
-  replica = std::move(made).value();
+  robots.replica = std::move(made).value();
+  robots.names = robots.replica->RobotNames();
   return {};
 }
 
-Status ReplicaTask::Change() {
+Status ReplicaTask::Change(Changing& change) {
   Status status;
-  if (session) status = Validate(session->world);
-  if (status.ok()) {
-    status =
-        session ? replica->ChangeWorld(std::move(session->world), fresh, fresh_edition) : replica->Renew(fresh_edition);
+  if (change.session) {
+    status = Validate(change.session->world);
+    robots.world_hash = Hash(change.session->world);
+    robots.world_edition = change.session->world_edition;
   }
-  if (status.ok()) return status;
-  return Failure("the world was edited, and this agent cannot continue: " + status.error().message);
+  if (status.ok()) {
+    status = change.session
+                 ? robots.replica->ChangeWorld(std::move(change.session->world), change.fresh, change.fresh_edition)
+                 : robots.replica->Renew(change.fresh_edition);
+  }
+  if (!status.ok()) {
+    return Failure("the world was edited, and this agent cannot continue: " + status.error().message);
+  }
+  robots.names = robots.replica->RobotNames();
+  if (change.fresh) {
+    robots.fresh_edition = change.fresh_edition;
+    robots.memory.reset();
+    robots.log_is_marked = true;  // by the change
+  }
+  return {};
 }
 
-Status ReplicaTask::Retrace() {
-  for (HistoryEntry& entry : history->entries) {
-    if (Status problem = Retrace(entry); !problem.ok()) {
+Status ReplicaTask::Retrace(Retracing& past) {
+  for (HistoryEntry& entry : past.history->entries) {
+    if (Status problem = Retrace(entry, past); !problem.ok()) {
       return Failure("the world service sent a bad history: " + problem.error().message);
     }
   }
@@ -71,37 +86,38 @@ Status ReplicaTask::Retrace() {
 }
 
 // As AgentProtocol answers the frames of a run.
-Status ReplicaTask::Retrace(HistoryEntry& entry) {
+Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past) {
   const FrameMessage& frame = entry.frame;
+  Replica& replica = *robots.replica;
   // Robots without a memory may be of a later world, with other ids.
-  const bool starts = !memory || !made_at || frame.fresh_edition > *made_at;
-  if (frame.world_edition != world_edition) {
+  const bool starts = !robots.memory || !robots.fresh_edition || frame.fresh_edition > *robots.fresh_edition;
+  if (frame.world_edition != robots.world_edition) {
     if (!entry.world) return Error{{}, "a state without its world"};
     if (Status problem = Validate(*entry.world); !problem.ok()) return problem;
-    if (frame.world_edition < world_edition) {
-      put_aside = std::make_unique<SessionMessage>();
-      put_aside->run = history->run;
-      put_aside->world = replica->world();
-      put_aside->world_edition = world_edition;
+    if (frame.world_edition < robots.world_edition) {
+      past.later_world = std::make_unique<SessionMessage>();
+      past.later_world->run = past.history->run;
+      past.later_world->world = replica.world();
+      past.later_world->world_edition = robots.world_edition;
     }
-    world_hash = Hash(*entry.world);
-    if (Status problem = replica->ChangeWorld(std::move(*entry.world), starts, frame.fresh_edition); !problem.ok()) {
+    robots.world_hash = Hash(*entry.world);
+    if (Status problem = replica.ChangeWorld(std::move(*entry.world), starts, frame.fresh_edition); !problem.ok()) {
       return problem;
     }
-    if (Status problem = replica->AddRobots(own_robots); !problem.ok()) return problem;
-    world_edition = frame.world_edition;
-  } else if (made_at && frame.fresh_edition > *made_at) {
-    if (Status problem = replica->Renew(frame.fresh_edition); !problem.ok()) return problem;
+    if (Status problem = replica.AddRobots(robots.names); !problem.ok()) return problem;
+    robots.world_edition = frame.world_edition;
+  } else if (robots.fresh_edition && frame.fresh_edition > *robots.fresh_edition) {
+    if (Status problem = replica.Renew(frame.fresh_edition); !problem.ok()) return problem;
   }
-  if (Status problem = replica->CheckState(frame.state); !problem.ok()) return problem;
-  if (memory && memory->edition != frame.edition) replica->Relocate(frame.state);
+  if (Status problem = replica.CheckState(frame.state); !problem.ok()) return problem;
+  if (robots.memory && robots.memory->edition != frame.edition) replica.Relocate(frame.state);
   if (entry.step_follows) {
-    replica->Retrace(frame.state, frame.commands);
+    replica.Retrace(frame.state, frame.commands);
   } else {
-    replica->Pause(frame.state);
+    replica.Pause(frame.state);
   }
-  made_at = frame.fresh_edition;
-  memory = {frame.edition, frame.state.tick, entry.step_follows};
+  robots.fresh_edition = frame.fresh_edition;
+  robots.memory = {frame.edition, frame.state.tick, entry.step_follows};
   return {};
 }
 

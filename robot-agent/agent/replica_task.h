@@ -1,4 +1,4 @@
-// ReplicaTask: makes or changes the replica of an agent, or lets its robots remember states of the past. It may last
+// ReplicaTask: makes or changes the replica of an agent, or lets its robots process states of the past. It may last
 // long, and a gateway may have a DDS participant, whose end waits for all threads of DDS: so a task must not run, nor
 // end, on a thread that delivers messages or while such a thread waits for the caller.
 #pragma once
@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/base/equal_memory.h"
@@ -25,35 +26,47 @@ struct AgentResources {
   FindEqualMemory find_map;     // memory for the map of the world; may be empty
 };
 
-struct ReplicaTask {
-  bool is_new = false;  // the replica is made for `session`; false: it is changed
-  // Of a change:
-  bool fresh = false;         // all robots start anew
-  Edition fresh_edition = 0;  // of the newest fresh start
-  // Of a history, which the robots process: the state of their memory before and, as results, after. Null: none.
-  std::unique_ptr<HistoryMessage> history;
-  std::vector<std::string> own_robots;        // of the agent: some may be missing in the world at that time
-  Edition world_edition = 0;                  // of the replica
-  std::optional<Edition> made_at;             // the fresh edition of the robots; nothing: they are new
-  std::optional<MemoryPlace> memory;          // of the robots
-  std::unique_ptr<SessionMessage> put_aside;  // result: the world of the replica, if an older one has replaced it
+// The robots of an agent, in their replica of the world.
+struct AgentRobots {
+  std::unique_ptr<Replica> replica;      // null: not made yet, or all robots of the agent are deleted
+  std::vector<std::string> names;        // the world of a history may lack some of them
+  std::uint64_t world_hash = 0;          // of the replica's world
+  Edition world_edition = 0;             // likewise
+  std::optional<Edition> fresh_edition;  // at which they were made anew; nothing: they have processed no frame yet
+  std::optional<MemoryPlace> memory;     // nothing: they are new
+  bool log_is_marked = false;            // the scan log has fresh_edition
+};
 
-  // With the world; null: the world is as before.
-  std::unique_ptr<SessionMessage> session;
-  // The replica to change; after a success the result, null if all robots of a new one are deleted. A replica to be
-  // replaced ends first, because the names of its gateway may be those of the next one.
-  std::unique_ptr<Replica> replica;
-  std::uint64_t world_hash = 0;  // result: of the session's world
-  Status outcome;                // result
+struct ReplicaTask {
+  // Makes the replica for the world of a session. The one before ends first: the names of its gateway may be the same.
+  struct Making {
+    std::unique_ptr<SessionMessage> session;
+  };
+  // Applies an edit of the world, a fresh start of all robots, or both.
+  struct Changing {
+    std::unique_ptr<SessionMessage> session;  // with the world; null: it is as before
+    bool fresh = false;
+    Edition fresh_edition = 0;  // of the newest fresh start
+  };
+  // The robots process the states that follow their memory.
+  struct Retracing {
+    std::unique_ptr<HistoryMessage> history;
+    std::unique_ptr<SessionMessage> later_world = {};  // result: that of the replica, if the history has an older one
+  };
+  using Work = std::variant<Making, Changing, Retracing>;
+
+  Work work;
+  AgentRobots robots;  // before the task; after a success the result
+  Status outcome;      // result
 
   // Sets the results. REQUIRES: `options` and `resources` are those of all tasks of the agent.
   void Perform(const AgentOptions& options, const AgentResources& resources);
 
  private:
-  Status Make(const AgentOptions& options, const AgentResources& resources);
-  Status Change();
-  Status Retrace();
-  Status Retrace(HistoryEntry& entry);
+  Status Make(SessionMessage& session, const AgentOptions& options, const AgentResources& resources);
+  Status Change(Changing& change);
+  Status Retrace(Retracing& past);
+  Status Retrace(HistoryEntry& entry, Retracing& past);
 };
 
 }  // namespace troupe

@@ -1,7 +1,8 @@
-// Drive: computes the proposed twist from a controller's command.
+// Drives: the twist of a robot from a command, the command from a twist, and the pose estimate of a robot.
 #pragma once
 
 #include "troupe/controller.h"
+#include "troupe/pose.h"
 #include "troupe/world_description.h"
 
 namespace troupe {
@@ -9,5 +10,31 @@ namespace troupe {
 // The twist (in R) that the drive reaches from its present twist `current` within `seconds` on the way to `command`,
 // within its limits. A component of the command that is not finite counts as zero.
 Twist DriveTowards(const DriveDescription& drive, const Twist& current, const Command& command, double seconds);
+
+// The command for a twist. The drive applies its own bounds. A car steers onto the arc of the twist; it cannot turn on
+// the spot. REQUIRES: IsFinite(wanted).
+Command CommandFromTwist(const Twist& wanted, const DriveDescription& drive);
+
+// The pose estimate of a robot.
+class Odometry {
+ public:
+  explicit Odometry(const LocalizationDescription& localization) : localization_(&localization) {}
+
+  // Applies the robot's true pose after a tick; odometry starts at the first one.
+  void Update(const Pose& X_WR);
+
+  // Applies a true pose that an edit has set: not a motion, so the estimate stays.
+  void Relocate(const Pose& X_WR) { last_X_WR_ = X_WR; }
+
+  // gps: the true pose in the world. odometry: the sum of the robot's motions, each read with its error, from
+  // localization.origin on (frame: odom).
+  const Pose& estimate() const { return estimate_; }
+
+ private:
+  const LocalizationDescription* localization_;
+  bool started_ = false;
+  Pose last_X_WR_;
+  Pose estimate_;
+};
 
 }  // namespace troupe

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "robot-agent/gripper/gripper_machine.h"
-#include "robot-agent/gripper/joint_motor.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
 

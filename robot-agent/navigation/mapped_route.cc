@@ -1,6 +1,6 @@
 #include "robot-agent/navigation/mapped_route.h"
 
-#include "robot-agent/navigation/plan_path.h"
+#include "robot-agent/navigation/evidence_grid.h"
 
 namespace troupe {
 namespace {

@@ -1,6 +1,6 @@
 #include "robot-agent/robot/external_command.h"
 
-#include "robot-agent/drive/twist_command.h"
+#include "robot-agent/drive/drive.h"
 
 namespace troupe {
 

@@ -10,7 +10,7 @@
 #include "common/base/allowed_paths.h"
 #include "common/model/proposal.h"
 #include "common/sensing/sensor_suite.h"
-#include "robot-agent/drive/odometry.h"
+#include "robot-agent/drive/drive.h"
 #include "robot-agent/gripper/manipulator.h"
 #include "robot-agent/robot/external_command.h"
 #include "troupe/controller.h"

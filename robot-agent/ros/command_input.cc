@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "robot-agent/drive/twist_command.h"
+#include "robot-agent/drive/drive.h"
 #include "ros/connection/ros_qos.h"
 
 namespace troupe {

@@ -1,7 +1,7 @@
 // Drives the page of `troupe view` in a headless Chromium against live runs.
 //   node browser_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {mkdirSync, readFileSync} from 'node:fs';
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -341,4 +341,40 @@ async function showsThePast() {
   }
 }
 
-await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast], path);
+async function namesEventsByTheWorldInWhichTheyHappened() {
+  writeFileSync(path('other.world'), 'name "other"\nposition ( name "zora" pose [0 0 0 0] )\n');
+  const loaded = run('loaded', ['--ticks', '1000000', '--speed', '1', '--paused', '--record', path('loaded.mcap'), '--allow-files', files,
+  ]);
+  const url = await loaded.line('viewer: ');
+  const page = await open(url);
+  const events = from => from.$$eval('.event-text', texts => texts.map(text => text.textContent));
+  const both = shown => shown.includes('anna has an agent') && shown.includes('zora has an agent');
+  await until('the agents have joined', async () => (await events(page)).includes('anna has an agent'));
+  const load = new Program(troupe, [
+    'ctl', 'load', path('other.world'), '--session', `${session}-loaded`, '--domain', domain]);
+  assert.equal(await load.end, 0, load.lines.join('\n'));
+  await page.click('#step');  // events come with the next tick
+  const shown = await until('the new agent has joined', async () => {
+    const texts = await events(page);
+    return both(texts) ? texts : null;
+  });
+  // A page that has seen the second world alone.
+  const late = await open(url);
+  await until('the late page has the events of both worlds', async () => both(await events(late)));
+  assert.deepEqual(await events(late), shown);
+  pages.mayComplain = true;
+  await late.close();
+  await page.close();
+  await loaded.stop();
+  pages.mayComplain = false;
+
+  const replayed = new Program(troupe, ['view', path('loaded.mcap'), '--listen', '127.0.0.1:0']);
+  const replay = await open(await replayed.line('viewer: '));
+  await until('the page of the recording has the events', async () => both(await events(replay)));
+  assert.deepEqual(await events(replay), shown);
+  pages.mayComplain = true;
+  await replay.close();
+  assert.equal(await replayed.stop(), 0);
+}
+
+await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast, namesEventsByTheWorldInWhichTheyHappened], path);

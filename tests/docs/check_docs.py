@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compares the documents with the source tree: fails if a link leads nowhere, if the table of folders in
-docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, or if a step of the walks there names a file
-or function that does not exist.
+docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, if a step of
+the walks there names a file or function that does not exist, or if a folder of the top level has no README, one that is
+too long, or one that names a file that does not exist.
 
 usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
 """
@@ -11,10 +12,36 @@ import sys
 
 WALKS = 5
 FEWEST_STEPS = 4  # of a walk
+MOST_README_LINES = 30
+
+
+def rooms(root):
+    """The folders of the top level that have sources."""
+    return sorted(path for path in root.iterdir()
+                  if path.is_dir() and path.name != "build" and not path.name.startswith("."))
 
 
 def documents(root):
-    return [root / "README.md", *sorted((root / "docs").glob("*.md"))]
+    return [root / "README.md", *sorted((root / "docs").glob("*.md")),
+            *(room / "README.md" for room in rooms(root) if room.name != "docs" and (room / "README.md").exists())]
+
+
+def check_room_readmes(root):
+    problems = []
+    for room in rooms(root):
+        page = room / "README.md"
+        if not page.exists():
+            problems.append(f"{room.name}: expected a README.md")
+            continue
+        text = page.read_text()
+        lines = text.count("\n")
+        if lines > MOST_README_LINES:
+            problems.append(f"{room.name}/README.md: found {lines} lines, expected at most {MOST_README_LINES}")
+        for name in re.findall(r"`([\w/.-]+\.(?:h|cc|ts|py|cmake|json|md))`", text):
+            places = [room / name, root / name, root / "include" / name, *room.glob(f"**/{name}")]
+            if not any(place.exists() for place in places):
+                problems.append(f"{room.name}/README.md: no file {name}")
+    return problems
 
 
 def check_links(root):
@@ -131,7 +158,7 @@ def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     root = pathlib.Path(sys.argv[1]).resolve()
-    problems = check_links(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
+    problems = check_links(root) + check_room_readmes(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <future>
 #include <list>
 #include <map>
@@ -40,6 +41,8 @@ class ControlledRun final : private RunObserver {
     OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
     Speed speed = {};
     bool can_rewind = false;
+    // A history in place of that of the recording, which it may use; `stop` stops the run. Outlives the run.
+    std::function<RunHistory*(RunHistory* history, std::atomic<bool>& stop)> wrap_history = {};
   };
 
   ControlledRun(WorldDescription world, const Setup& setup)
@@ -60,8 +63,8 @@ class ControlledRun final : private RunObserver {
     recorders_ = MakeRecorders(scene_->world(), setup.outputs, setup.world_file, needs_memory).value();
     RunObservers observers = {this};
     for (const auto& recorder : recorders_.observers) observers.push_back(recorder.get());
-    history_ = MakeRunHistory(recorders_.recording, recorders_.recording_path);
-    options.history = history_.get();
+    history_ = MakeRunHistory(recorders_.recordings);
+    options.history = setup.wrap_history ? setup.wrap_history(history_.get(), stop_) : history_.get();
     service_ = std::thread([this, options, observers] {
       summary_ = RunService(scene_, options, transport_->MakeServiceEndpoint(), observers, stop_);
       StopAgents();  // those that have not ended

@@ -58,7 +58,7 @@ const BadScenario kNotJson[] = {
     {"NumberTooLarge", "{\"agent_deadline\":\n  1e999}",
      ":2:3: error: found a number that is too large, expected at most 1.8e308"},
     {"NotUtf8", "{\"name\": \"caf\xe9\"}",
-     ":1:15: error: not valid JSON: syntax error while parsing value - invalid string: ill-formed UTF-8 byte"},
+     ":1:14: error: not valid JSON: syntax error while parsing value - invalid string: ill-formed UTF-8 byte"},
     {"KeyTwice", "{\"seed\": 1,\n \"ticks\": 5, \"seed\": 2}",
      ":2:14: error: found the key 'seed' again, expected it once"},
     {"KeyTwiceInside", "{\"robots\": [{\"name\": \"a\", \"pose\": [0, 0, 0],\n \"name\": \"b\"}]}",
@@ -66,6 +66,8 @@ const BadScenario kNotJson[] = {
     {"TooDeep", Nested(40),
      ":1:1005: error: found deeper nesting, expected at most 64 objects and arrays inside each other"},
     {"DeepNonsense", std::string(1'000'000, '{'),
+     ":1:2: error: not valid JSON: syntax error while parsing object key - unexpected '{'; expected string literal"},
+    {"DeepArrays", std::string(1'000'000, '['),
      ":1:65: error: found deeper nesting, expected at most 64 objects and arrays inside each other"},
 };
 

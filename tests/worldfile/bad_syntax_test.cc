@@ -120,7 +120,12 @@ const BadSyntax kBadSyntaxs[] = {
     {"unclosed include",
      "include \"open.inc\"\n"
      "model( )\n",
-     "w.world:3:1: error: found the end of the file, expected ')' to close 'model' of open.inc:1"},
+     "open.inc:2:1: error: found the end of the file, expected ')' to close 'model' of line 1"},
+    {"include that closes the bracket of another file",
+     "model(\n"
+     "include \"close.inc\"\n"
+     ")\n",
+     "close.inc:1:1: error: found ')', expected a property or a model"},
     {"line numbers after a define",
      "define a model(\n"
      " color \"red\"\n"

@@ -1,6 +1,6 @@
 // The language: comments, line ends, defines, includes, and the warnings about them.
 #include "tests/worldfile/world_folder.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe {
 namespace {

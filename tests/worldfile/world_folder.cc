@@ -15,6 +15,7 @@ WorldFolder::WorldFolder() {
   std::filesystem::create_directory(Path("folder"));
   Write("bad.inc", "model( )\n\nmodel( color )\n");
   Write("open.inc", "model( color \"red\"\n");
+  Write("close.inc", ")\n");
   Write("loop.inc", "model( )\ninclude \"back.inc\"\n");
   Write("back.inc", "include \"loop.inc\"\n");
   Write("text.png", "not an image");

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/model/proposal.h"
 #include "troupe/event.h"
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
@@ -270,9 +272,18 @@ struct PhaseSeconds {
   double record = 0.0;  // output files and ROS messages
   double publish = 0.0;
   bool operator==(const PhaseSeconds&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"wait", &PhaseSeconds::wait},
+        Field{"step", &PhaseSeconds::step},
+        Field{"record", &PhaseSeconds::record},
+        Field{"publish", &PhaseSeconds::publish},
+    };
+  }
 };
 
-// Service to tools, twice a second: the progress of the run.
+// Service to tools, twice a second: the progress of the run. From its fields come the sample of idl/status.idl, and the
+// JSON for the launcher and the viewer's page.
 struct StatusMessage {
   RunId run = 0;
   Tick tick = 0;
@@ -289,6 +300,24 @@ struct StatusMessage {
   std::optional<double> speed = {};  // that the run is paced to, multiple of real time; none: it is not paced
   PhaseSeconds phases = {};
   bool operator==(const StatusMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &StatusMessage::run},
+        Field{"tick", &StatusMessage::tick},
+        Field{"target_ticks", &StatusMessage::target_ticks},
+        Field{"sim_seconds", &StatusMessage::sim_seconds},
+        Field{"wall_seconds", &StatusMessage::wall_seconds},
+        Field{"real_time_factor", &StatusMessage::real_time_factor},
+        Field{"robots", &StatusMessage::robots},
+        Field{"agents", &StatusMessage::agents},
+        Field{"waiting_for", &StatusMessage::waiting_for},
+        Field{"waiting_seconds", &StatusMessage::waiting_seconds},
+        Field{"edition", &StatusMessage::edition},
+        Field{"incarnation", &StatusMessage::incarnation},
+        Field{"speed", &StatusMessage::speed},
+        Field{"phases", &StatusMessage::phases},
+    };
+  }
 };
 
 }  // namespace troupe

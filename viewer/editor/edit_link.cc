@@ -9,7 +9,7 @@
 #include "common/base/host_name.h"
 #include "common/base/random_id.h"
 #include "common/model/state_hash.h"
-#include "robot-agent/drive/twist_command.h"
+#include "robot-agent/drive/drive.h"
 #include "viewer/editor/request_values.h"
 #include "viewer/editor/test_world.h"
 #include "world-service/core/initial_state.h"

@@ -14,9 +14,9 @@
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/request_values.h"
-#include "worldfile/edit/json_syntax.h"
+#include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
 
@@ -125,10 +125,10 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   if (entity.where.file != path()) return elsewhere("in another file,");
   Place place;
   if (kind_ == EditedKind::kScenario) {
-    Result<JsonItem> json = ReadJsonSyntax(text(), path());
+    Result<JsonTree> json = JsonTree::Parse(text(), path());
     if (!json.ok()) return json.error();
-    place.json = std::move(json).value();
-    const auto chain = FindJsonAt(place.json, OffsetOf(text(), entity.where.line, entity.where.column));
+    place.json = std::make_unique<JsonTree>(std::move(json).value());
+    const auto chain = place.json->PathTo(place.json->OffsetOf(entity.where));
     for (std::size_t i = 1; i < chain.size(); ++i) {
       if (chain[i]->key == "spawn") return elsewhere("made by a spawn rule,");
       const bool is_list = chain[i]->key == "models" || chain[i]->key == "robots" || chain[i]->key == "children";
@@ -139,9 +139,9 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
     if (place.entry == nullptr) return elsewhere("not an entry of the scenario,");
     return place;
   }
-  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
-  place.stage = std::make_unique<StageSyntax>(std::move(syntax).value());
+  place.stage = std::make_unique<StageTree>(std::move(syntax).value());
   const auto chain = FindStatement(*place.stage, entity.where.line, entity.where.column);
   if (chain.empty()) return elsewhere("not found,");
   if (chain.front()->kind == StatementKind::kDefine && !entity.on_shelf) return elsewhere("a part of a model");
@@ -196,7 +196,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
     const Result<Place> place = PlaceOf(entity);
     if (!place.ok()) return place.error();
     if (entity.parent != nullptr) return Error{{}, "a child of a scenario's model is moved by its properties"};
-    const JsonItem* const old = place.value().entry->Find("pose");
+    const JsonNode* const old = place.value().entry->Find("pose");
     const bool is_raised = (old != nullptr && old->items.size() == 4) || !keeps_z;
     return Commit(WithMember(text(), *place.value().entry, "pose", is_raised ? raised : flat), label);
   }
@@ -204,16 +204,14 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   if (entity.parent != nullptr) {
     return Error{{}, fmt::format("{} is a part of a model at {}", Quoted(entity.name), PlaceText(entity.where))};
   }
-  const Result<JsonItem> read = ReadJsonSyntax(text(), path());
+  const Result<JsonTree> read = JsonTree::Parse(text(), path());
   if (!read.ok()) return read.error();
-  const JsonItem& root = read.value();
-  const auto is_called = [&](const JsonItem* value) {
-    return value != nullptr && nlohmann::json::parse(value->span.Of(text()), nullptr, false) == entity.name;
-  };
+  const JsonNode& root = read.value().root();
+  const auto is_called = [&](const JsonNode* value) { return value != nullptr && value->text == entity.name; };
   const std::string name = nlohmann::json(entity.name).dump();
   if (entity.type == "position") {
-    if (const JsonItem* const robots = root.Find("robots")) {
-      for (const JsonItem& robot : robots->items) {
+    if (const JsonNode* const robots = root.Find("robots")) {
+      for (const JsonNode& robot : robots->items) {
         if (is_called(robot.Find("name")))
           return Commit(WithMember(text(), robot, "pose", keeps_z ? flat : raised), label);
       }
@@ -230,34 +228,35 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
                                           number(pose.y * factor, kLengthDecimals),
                                           number(old[2].value + (pose.z - before.z) * factor, kLengthDecimals),
                                           units.radians == 1.0 ? number(pose.heading, kRadianDecimals) : heading);
-  if (const JsonItem* const overrides = root.Find("override")) {
-    for (const JsonItem& rule : overrides->items) {
-      const JsonItem* const match = rule.Find("match");
-      const JsonItem* const properties = rule.Find("properties");
+  if (const JsonNode* const overrides = root.Find("override")) {
+    for (const JsonNode& rule : overrides->items) {
+      const JsonNode* const match = rule.Find("match");
+      const JsonNode* const properties = rule.Find("properties");
       if (match == nullptr || properties == nullptr || match->items.size() != 1 || !is_called(match->Find("name")))
         continue;
       return Commit(WithMember(text(), *properties, "pose", in_file), label);
     }
   }
   const std::string rule = fmt::format(R"({{"match": {{"name": {}}}, "properties": {{"pose": {}}}}})", name, in_file);
-  if (const JsonItem* const overrides = root.Find("override"))
+  if (const JsonNode* const overrides = root.Find("override"))
     return Commit(WithElement(text(), *overrides, rule), label);
   return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
 }
 
 Result<std::string> Editor::WithAdded(const WrittenModel& model) const {
   if (kind_ != EditedKind::kScenario) {
-    const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+    const Result<StageTree> syntax = ParseStage(text(), path());
     if (!syntax.ok()) return syntax.error();
     return WithEntry(text(), syntax.value().body(), model);
   }
-  const Result<JsonItem> root = ReadJsonSyntax(text(), path());
-  if (!root.ok()) return root.error();
+  const Result<JsonTree> read = JsonTree::Parse(text(), path());
+  if (!read.ok()) return read.error();
+  const JsonNode& root = read.value().root();
   const Result<WorldNode> node = Instantiate(world_->tree, model.type, {});
   const char* const list = node.ok() && node.value().type == "position" ? "robots" : "models";
   const std::string entry = ToScenarioEntry(model);
-  if (const JsonItem* const holder = root.value().Find(list)) return WithElement(text(), *holder, entry);
-  return WithMember(text(), root.value(), list, "[\n    " + entry + "\n  ]");
+  if (const JsonNode* const holder = root.Find(list)) return WithElement(text(), *holder, entry);
+  return WithMember(text(), root, list, "[\n    " + entry + "\n  ]");
 }
 
 Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {

@@ -18,8 +18,8 @@
 #include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
 #include "viewer/editor/edited_file.h"
-#include "worldfile/edit/stage_syntax.h"
 #include "worldfile/edit/written_model.h"
+#include "worldfile/stage/stage_tree.h"
 
 namespace troupe {
 

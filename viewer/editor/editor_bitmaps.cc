@@ -19,7 +19,7 @@
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/pixel_stroke.h"
 #include "viewer/editor/request_values.h"
-#include "worldfile/edit/stage_body_edit.h"
+#include "worldfile/edit/stage_edit.h"
 #include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
 

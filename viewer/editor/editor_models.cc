@@ -8,9 +8,8 @@
 #include "viewer/editor/fitted_body.h"
 #include "viewer/editor/property_text.h"
 #include "viewer/editor/request_values.h"
-#include "worldfile/edit/stage_body_edit.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -74,7 +73,7 @@ Result<Json> Editor::SetModel(const Json& request) {
   }
   Result<std::vector<std::pair<std::string, WrittenValue>>> properties = PropertiesIn(request);
   if (!properties.ok()) return properties.error();
-  const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  const Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
   const auto known = world_->tree.defines.find(name);
   if (const std::string base = TextIn(request, "base"); !base.empty()) {

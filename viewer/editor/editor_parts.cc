@@ -15,10 +15,9 @@
 #include "viewer/editor/model_picture.h"
 #include "viewer/editor/part_requests.h"
 #include "viewer/editor/property_text.h"
-#include "worldfile/edit/stage_body_edit.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/stage/node_names.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
+#include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -26,7 +25,7 @@ namespace troupe {
 // A part of a define in this file, with the define as built.
 struct Editor::EditedPart {
   std::string model;  // name of the define
-  StageSyntax syntax;
+  StageTree syntax;
   BuiltDefine built;
   std::vector<ModelPart> parts;
   PartPath path;                         // empty: the define itself
@@ -117,12 +116,13 @@ Result<Json> Editor::ModelReport(const std::string& name) const {
                  {"own", Json::object()},
                  {"parts", Json::array()}};
   std::vector<ModelPart> parts;
-  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok() && here) return syntax.error();
   const Statement* const statement = here ? FindDefine(syntax.value(), name) : nullptr;
   if (statement != nullptr) {
     for (const Statement& inner : statement->statements) {
-      if (inner.kind == StatementKind::kProperty) report["own"][inner.name] = std::string(inner.value.Of(text()));
+      if (inner.kind == StatementKind::kProperty)
+        report["own"][std::string(inner.name)] = std::string(inner.value.Of(text()));
     }
     parts = PartsOf(built.value(), *statement, path());
     report["parts"] = PartsReport(built.value(), parts, text());
@@ -136,7 +136,7 @@ Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const Json& r
   if (kind_ == EditedKind::kScenario) return Error{{}, "a scenario has no models of its own"};
   auto edited = std::make_unique<EditedPart>();
   edited->model = TextIn(request, "model");
-  Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+  Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
   edited->syntax = std::move(syntax).value();
   const Statement* const define = FindDefine(edited->syntax, edited->model);

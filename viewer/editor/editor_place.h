@@ -4,17 +4,17 @@
 #include <memory>
 
 #include "viewer/editor/editor.h"
-#include "worldfile/edit/json_syntax.h"
-#include "worldfile/edit/stage_syntax.h"
+#include "worldfile/stage/stage_tree.h"
+#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 
 struct Editor::Place {
-  std::unique_ptr<StageSyntax> stage;    // of a Stage file
+  std::unique_ptr<StageTree> stage;      // of a Stage file
   const Statement* statement = nullptr;  // in there
-  JsonItem json;                         // of a scenario
-  const JsonItem* holder = nullptr;      // in there: the list of the entry
-  const JsonItem* entry = nullptr;
+  std::unique_ptr<JsonTree> json;        // of a scenario
+  const JsonNode* holder = nullptr;      // in there: the list of the entry
+  const JsonNode* entry = nullptr;
 };
 
 }  // namespace troupe

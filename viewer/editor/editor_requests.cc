@@ -6,12 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/base/json_text.h"
 #include "viewer/editor/editor.h"
 #include "viewer/editor/editor_place.h"
 #include "viewer/editor/model_picture.h"
 #include "viewer/editor/property_text.h"
 #include "viewer/editor/request_values.h"
-#include "worldfile/edit/json_syntax.h"
+#include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/property_table.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/scenario/scenario_schema_text.h"
@@ -184,7 +185,7 @@ Result<Json> Editor::EntityReport(const std::string& name) const {
     } else if (place.ok() && place.value().entry != nullptr) {
       const TextSpan& span = place.value().entry->span;
       const bool here = property.where.file == path() && property.where.line > 0;
-      own = here && span.Contains(OffsetOf(text(), property.where.line, property.where.column));
+      own = here && span.Contains(place.value().json->OffsetOf(property.where));
     }
     properties.push_back({{"name", property.name},
                           {"value", ValueText(property.value)},
@@ -201,22 +202,10 @@ Status Editor::SetBody(const Place& place, const std::string& name, const std::o
     const StageBody body = BodyOf(*place.statement);
     return Commit(value ? WithProperty(text(), body, name, *value) : WithoutProperty(text(), body, name), label);
   }
-  const JsonItem& entry = *place.entry;
-  if (name == "pose" || name == "name") {
-    if (value) return Commit(WithMember(text(), entry, name, ToJson(*value)), label);
-    for (std::size_t i = 0; i < entry.items.size(); ++i) {
-      if (entry.items[i].key == name) return Commit(WithoutItem(text(), entry, i), label);
-    }
-    return {};
-  }
-  const JsonItem* const properties = entry.Find("properties");
-  if (!value) {
-    for (std::size_t i = 0; properties != nullptr && i < properties->items.size(); ++i) {
-      if (properties->items[i].key == name) return Commit(WithoutItem(text(), *properties, i), label);
-    }
-    return {};
-  }
-  if (properties != nullptr) return Commit(WithMember(text(), *properties, name, ToJson(*value)), label);
+  const JsonNode& entry = *place.entry;
+  const JsonNode* const holder = name == "pose" || name == "name" ? &entry : entry.Find("properties");
+  if (!value) return holder != nullptr ? Commit(WithoutMember(text(), *holder, name), label) : Status();
+  if (holder != nullptr) return Commit(WithMember(text(), *holder, name, ToJson(*value)), label);
   return Commit(WithMember(text(), entry, "properties", "{" + Json(name).dump() + ": " + ToJson(*value) + "}"), label);
 }
 
@@ -245,13 +234,13 @@ Result<Json> Editor::SetProperty(const Json& request) {
     const std::string label = "the " + property + " of the world";
     if (kind_ == EditedKind::kScenario) {
       Place place;
-      Result<JsonItem> root = ReadJsonSyntax(text(), path());
-      if (!root.ok()) return root.error();
-      place.json = std::move(root).value();
-      place.entry = &place.json;
+      Result<JsonTree> json = JsonTree::Parse(text(), path());
+      if (!json.ok()) return json.error();
+      place.json = std::make_unique<JsonTree>(std::move(json).value());
+      place.entry = &place.json->root();
       status = SetBody(place, property, value, label);
     } else {
-      const Result<StageSyntax> syntax = ReadStageSyntax(text(), path());
+      const Result<StageTree> syntax = ParseStage(text(), path());
       if (!syntax.ok()) return syntax.error();
       const StageBody body = syntax.value().body();
       status =
@@ -283,21 +272,15 @@ Result<Json> Editor::SetMember(const Json& request) {
     if (!found.ok()) return found.error();
     place = std::move(found).value();
   } else {
-    Result<JsonItem> root = ReadJsonSyntax(text(), path());
-    if (!root.ok()) return root.error();
-    place.json = std::move(root).value();
-    place.entry = &place.json;
+    Result<JsonTree> json = JsonTree::Parse(text(), path());
+    if (!json.ok()) return json.error();
+    place.json = std::make_unique<JsonTree>(std::move(json).value());
+    place.entry = &place.json->root();
   }
-  const JsonItem& entry = *place.entry;
   const auto value = request.find("value");
-  std::string changed = text();
-  if (value != request.end() && !value->is_null()) {
-    changed = WithMember(text(), entry, key, value->dump(-1, ' ', false, Json::error_handler_t::replace));
-  } else {
-    for (std::size_t i = 0; i < entry.items.size(); ++i) {
-      if (entry.items[i].key == key) changed = WithoutItem(text(), entry, i);
-    }
-  }
+  const bool sets = value != request.end() && !value->is_null();
+  std::string changed =
+      sets ? WithMember(text(), *place.entry, key, JsonText(*value)) : WithoutMember(text(), *place.entry, key);
   if (Status failure = Commit(std::move(changed), "the change of " + key); !failure.ok()) return failure.error();
   return Json::object();
 }
@@ -306,10 +289,10 @@ Result<Json> Editor::SetMember(const Json& request) {
 Result<Json> Editor::SetRegion(const Json& request) {
   if (kind_ != EditedKind::kScenario) return Error{{}, "spawn regions belong to scenarios (.json)"};
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
-  const Result<JsonItem> read = ReadJsonSyntax(text(), path());
+  const Result<JsonTree> read = JsonTree::Parse(text(), path());
   if (!read.ok()) return read.error();
-  const JsonItem& root = read.value();
-  const JsonItem* const list = root.Find("spawn");
+  const JsonNode& root = read.value().root();
+  const JsonNode* const list = root.Find("spawn");
   const auto rule = request.find("rule");
   const bool deletes = rule == request.end() || rule->is_null();
   if (!deletes && !rule->is_object()) return Error{{}, "found no rule, expected an object"};
@@ -323,7 +306,7 @@ Result<Json> Editor::SetRegion(const Json& request) {
     for (const std::string& key : keys) {
       if (!value.contains(key)) continue;
       const Json& member = value.at(key);
-      std::string dumped = member.dump(-1, ' ', false, Json::error_handler_t::replace);
+      std::string dumped = JsonText(member);
       if (member.is_array()) {
         std::string spaced;
         for (const char c : dumped) spaced += c == ',' ? std::string(", ") : std::string(1, c);
@@ -353,10 +336,9 @@ Result<Json> Editor::SetRegion(const Json& request) {
   // Member by member, so that the rest of the rule stays as it is written.
   std::string changed = text();
   for (const auto& [key, member] : rule->items()) {
-    const Result<JsonItem> now = ReadJsonSyntax(changed, path());
+    const Result<JsonTree> now = JsonTree::Parse(changed, path());
     if (!now.ok()) return now.error();
-    changed = WithMember(changed, now.value().Find("spawn")->items[at], key,
-                         member.dump(-1, ' ', false, Json::error_handler_t::replace));
+    changed = WithMember(changed, now.value().root().Member("spawn").items[at], key, JsonText(member));
   }
   if (Status failure = Commit(std::move(changed), "the change of a spawn region"); !failure.ok())
     return failure.error();

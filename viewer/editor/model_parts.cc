@@ -6,8 +6,8 @@
 
 #include "viewer/editor/file_numbers.h"
 #include "viewer/editor/model_picture.h"
-#include "worldfile/stage/node_names.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 namespace {
@@ -102,7 +102,8 @@ class PartReporter {
     for (const ModelPart& part : parts) {
       Json properties = Json::object();
       for (const Statement& inner : part.statement->statements) {
-        if (inner.kind == StatementKind::kProperty) properties[inner.name] = std::string(inner.value.Of(text_));
+        if (inner.kind == StatementKind::kProperty)
+          properties[std::string(inner.name)] = std::string(inner.value.Of(text_));
       }
       Json row = {{"index", part.path.back()},
                   {"type", part.statement->name},

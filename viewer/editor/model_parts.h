@@ -11,7 +11,7 @@
 
 #include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
-#include "worldfile/edit/stage_syntax.h"
+#include "worldfile/stage/stage_tree.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {

@@ -7,7 +7,7 @@
 
 #include "worldfile/edit/text_change.h"
 #include "worldfile/models/build_world.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe {
 namespace {

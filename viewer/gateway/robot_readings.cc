@@ -162,13 +162,13 @@ bool IsCamera(const Sensor& sensor) {
 
 }  // namespace
 
-void RobotReadings::SetState(const std::shared_ptr<const Scene>& scene, const WorldState& state) {
-  if (scene != scene_) {
+void RobotReadings::SetState(const std::shared_ptr<const ViewedState>& state) {
+  if (state == state_) return;
+  if (state_ == nullptr || state->world->scene != state_->world->scene) {
     robots_.clear();
-    scene_ = scene;
-    bodies_.emplace(*scene_);
+    bodies_.emplace(*state->world->scene);
   }
-  state_ = &state;
+  state_ = state;
   bodies_fresh_ = false;
   for (auto& [id, robot] : robots_) robot.encoded.assign(robot.encoded.size(), {});
 }
@@ -176,23 +176,25 @@ void RobotReadings::SetState(const std::shared_ptr<const Scene>& scene, const Wo
 const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   std::string& encoded = robot.encoded[sensor];
   if (!encoded.empty()) return encoded;
-  if (!bodies_fresh_) bodies_->Assign(*state_);
+  const WorldState& state = state_->state;
+  if (!bodies_fresh_) bodies_->Assign(state);
   bodies_fresh_ = true;
   ByteWriter writer;
-  std::visit(ContentWriter{writer}, robot.suite.Measure(sensor, {*scene_, *bodies_, state_}, state_->tick).content);
+  const Scene& scene = *state_->world->scene;
+  std::visit(ContentWriter{writer}, robot.suite.Measure(sensor, {scene, *bodies_, &state}, state.tick).content);
   return encoded = writer.TakeBytes();
 }
 
 bool RobotReadings::Write(ByteWriter& writer, RobotId id, Pictures pictures) {
   auto known = robots_.find(id);
   if (known == robots_.end()) {
-    known = robots_.emplace(id, Robot{SensorSuite(*scene_, id), {}}).first;
+    known = robots_.emplace(id, Robot{SensorSuite(*state_->world->scene, id), {}}).first;
     known->second.encoded.resize(known->second.suite.size());
   }
   Robot& robot = known->second;
   bool is_missing = false;
   writer.WriteCount(id.index());
-  writer.Write(state_->tick);
+  writer.Write(state_->state.tick);
   writer.WriteCount(robot.suite.size());
   for (std::size_t i = 0; i < robot.suite.size(); ++i) {
     const Sensor& sensor = robot.suite.sensor(i);

@@ -14,6 +14,7 @@
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/body_index.h"
 #include "viewer/gateway/byte_writer.h"
+#include "viewer/gateway/past_states.h"
 
 namespace troupe {
 
@@ -26,8 +27,8 @@ enum class Pictures : std::uint8_t {
 
 class RobotReadings {
  public:
-  // Until the next call the readings are of this state. The scene and the state must outlive the use.
-  void SetState(const std::shared_ptr<const Scene>& scene, const WorldState& state);
+  // Until the next call the readings are of this state.
+  void SetState(const std::shared_ptr<const ViewedState>& state);
 
   // Writes the readings of a robot in the state, measured now if need be. Returns true if the robot has a camera whose
   // image is not among them. REQUIRES: SetState was called; the robot exists.
@@ -40,8 +41,7 @@ class RobotReadings {
   };
   const std::string& Encoded(Robot& robot, std::size_t sensor);
 
-  std::shared_ptr<const Scene> scene_;
-  const WorldState* state_ = nullptr;
+  std::shared_ptr<const ViewedState> state_;
   std::optional<BodyIndex> bodies_;
   bool bodies_fresh_ = false;
   std::map<RobotId, Robot> robots_;  // made on first use

@@ -1,36 +1,34 @@
-// RunFeed: the newest state of a run, between the thread that delivers frames and the thread that serves the page.
-//
-// Threads: the handler calls come on one thread, Read on another.
+// RunFeed: the newest state of a run, between the thread that delivers frames and the thread that serves viewers.
+// Follower: observes the run as long as there are viewers.
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
+#include <thread>
 
 #include "transport/protocol/transport.h"
-#include "viewer/gateway/kept_states.h"
-#include "viewer/gateway/past_state.h"
+#include "viewer/gateway/past_states.h"
+#include "viewer/gateway/run_link.h"
 
 namespace troupe {
 
 // A copy of the newest content of a feed.
 struct FeedContent {
   std::uint64_t version = 0;                 // of everything below; 0: nothing yet
-  std::shared_ptr<const ViewedWorld> world;  // null: no run was found yet, or it has ended
-  WorldState state;                          // of that world
-  std::uint64_t state_hash = 0;
-  std::uint64_t position = 0;  // in the history
-  Edition edition = 0;
+  std::shared_ptr<const ViewedState> state;  // null: no run was found yet, or it has ended
   bool paused = false;
   bool last = false;  // the run has ended in order
   std::optional<StatusMessage> status;
   std::deque<NumberedEvent> events;  // the newest of the run, at most kEventsKept
 };
 
+// Threads: the handler calls come on one thread, Read on another.
 class RunFeed : public ObserverHandler {
  public:
   explicit RunFeed(std::size_t history_bytes = std::size_t{128} << 20) : history_(history_bytes) {}
@@ -51,8 +49,6 @@ class RunFeed : public ObserverHandler {
   void OnServiceGone() override;
 
  private:
-  void AddEvents(const FrameMessage& frame);
-
   KeptStates history_;
   mutable std::mutex mutex_;  // guards content_ and service_gone_
   FeedContent content_;
@@ -61,8 +57,39 @@ class RunFeed : public ObserverHandler {
   std::shared_ptr<const ViewedWorld> announced_;
   std::uint32_t worlds_ = 0;
   std::uint64_t events_ = 0;
-  std::optional<std::pair<Edition, Tick>> remembered_;     // the newest state of the history
-  std::optional<std::pair<Edition, Tick>> newest_events_;  // of the frame with the newest events
+};
+
+// Without viewers, and while none is expected, the gateway has no DDS participant and receives nothing, so that it
+// costs a run nothing.
+//
+// Threads: any.
+class Follower {
+ public:
+  // The link and the feed must outlive this.
+  Follower(RunLink& link, RunFeed& feed);
+  ~Follower();
+  Follower(const Follower&) = delete;
+  Follower& operator=(const Follower&) = delete;
+
+  // Whether there are viewers. Does not wait.
+  void SetWanted(bool wanted);
+  // A viewer will probably come within seconds: the discovery of the run takes part of one. Does not wait.
+  void Expect();
+  // The reason why the run cannot be observed; empty: it is, or is not wanted.
+  std::string problem() const;
+
+ private:
+  void Run();
+
+  RunLink& link_;
+  RunFeed& feed_;
+  mutable std::mutex mutex_;  // guards the next four
+  bool wanted_ = false;
+  std::chrono::steady_clock::time_point wanted_until_;
+  bool ending_ = false;
+  std::string problem_;
+  std::condition_variable changed_;
+  std::thread thread_;  // last
 };
 
 }  // namespace troupe

@@ -24,9 +24,9 @@ constexpr const char* kContentSecurityPolicy =
 
 // What lws keeps for each connection. Zeroed by lws.
 struct Connection {
-  const PageFile* file;       // on its way
-  std::size_t sent;           // bytes of it
-  WebHandler::Viewer viewer;  // 0: none
+  const PageFile* file;  // on its way
+  std::size_t sent;      // bytes of it
+  ViewerId viewer;       // 0: none
 };
 
 struct ViewerConnection {
@@ -54,17 +54,16 @@ int Refuse(lws* socket, unsigned status, const char* reason) {
 
 }  // namespace
 
-class WebServer::Implementation {
+class WebServer::Implementation final : public WebLoop {
  public:
-  Implementation(const Options& options, WebHandler& handler) : options_(options), handler_(handler) {
-    period_.owner = this;
-  }
+  explicit Implementation(const Options& options) : options_(options) { period_.owner = this; }
   ~Implementation();
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
   Status Listen();
-  void Serve() {
+  void Serve(WebHandler& handler) {
+    handler_ = &handler;
     thread_ = std::thread([this] {
       while (!ending_) lws_service(context_, 0);
     });
@@ -78,11 +77,11 @@ class WebServer::Implementation {
   }
   void Wake() { lws_cancel_service(context_); }
 
-  void RequestMessage(WebHandler::Viewer viewer) {
+  void RequestMessage(ViewerId viewer) override {
     const auto known = viewers_.find(viewer);
     if (known != viewers_.end()) lws_callback_on_writable(known->second.socket);
   }
-  void SetPeriod(double seconds) {
+  void SetPeriod(double seconds) override {
     period_us_ = static_cast<lws_usec_t>(seconds * 1e6);
     lws_sul_schedule(context_, 0, &period_.timer, OnTimer, period_us_ > 0 ? period_us_ : LWS_SET_TIMER_USEC_CANCEL);
   }
@@ -105,14 +104,14 @@ class WebServer::Implementation {
   int WritePiece(lws* socket, Connection& connection);
 
   const Options options_;
-  WebHandler& handler_;
+  WebHandler* handler_ = nullptr;  // while it serves
   std::array<lws_protocols, std::size(kProtocols) + 2> protocols_{};
   lws_retry_bo_t idle_policy_{};
   lws_context* context_ = nullptr;
   lws_vhost* vhost_ = nullptr;
   int connections_ = 0;
-  WebHandler::Viewer last_viewer_ = 0;
-  std::map<WebHandler::Viewer, ViewerConnection> viewers_;
+  ViewerId last_viewer_ = 0;
+  std::map<ViewerId, ViewerConnection> viewers_;
   std::vector<unsigned char> piece_ = std::vector<unsigned char>(LWS_PRE + kPiece);
   Period period_;
   lws_usec_t period_us_ = 0;
@@ -168,7 +167,7 @@ Status WebServer::Implementation::Listen() {
 void WebServer::Implementation::OnTimer(lws_sorted_usec_list_t* timer) {
   Implementation& self = *reinterpret_cast<Period*>(timer)->owner;
   lws_sul_schedule(self.context_, 0, timer, OnTimer, self.period_us_);
-  self.handler_.OnPeriod();
+  self.handler_->OnPeriod(self);
 }
 
 int WebServer::Implementation::Callback(lws* socket, lws_callback_reasons reason, void* user, void* in, size_t length) {
@@ -207,7 +206,7 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
     case LWS_CALLBACK_HTTP_WRITEABLE:
       return WriteFile(socket, *connection);
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-      if (std::strcmp(lws_get_protocol(socket)->name, "http") == 0) handler_.OnWake();
+      if (std::strcmp(lws_get_protocol(socket)->name, "http") == 0) handler_->OnWake(*this);
       return 0;
     case LWS_CALLBACK_HTTP_BODY:  // the page sends none
     case LWS_CALLBACK_RAW_RX:
@@ -252,7 +251,7 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
   const std::string host = Header(socket, WSI_TOKEN_HOST);
   const Access access = rules.ForPage(host, path == "/" ? TokenIn(socket) : rules.token);
   if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, ToString(access));
-  if (path == "/") handler_.OnPage();
+  if (path == "/") handler_->OnPage();
 
   std::array<unsigned char, LWS_PRE + 1024> buffer{};
   unsigned char* const start = buffer.data() + LWS_PRE;
@@ -298,12 +297,12 @@ int WebServer::Implementation::OnViewer(lws* socket, lws_callback_reasons reason
     case LWS_CALLBACK_ESTABLISHED: {
       connection.viewer = ++last_viewer_;
       viewers_[connection.viewer].socket = socket;
-      handler_.OnOpened(connection.viewer, lws_get_protocol(socket)->name);
+      handler_->OnOpened(*this, connection.viewer, lws_get_protocol(socket)->name);
       lws_callback_on_writable(socket);
       return 0;
     }
     case LWS_CALLBACK_CLOSED:
-      if (viewers_.erase(connection.viewer) > 0) handler_.OnClosed(connection.viewer);
+      if (viewers_.erase(connection.viewer) > 0) handler_->OnClosed(*this, connection.viewer);
       return 0;
     case LWS_CALLBACK_RECEIVE:
       return Receive(socket, connection, {in, length});
@@ -329,16 +328,15 @@ int WebServer::Implementation::Receive(lws* socket, Connection& connection, std:
   message.append(part);
   if (lws_is_final_fragment(socket) == 0 || lws_remaining_packet_payload(socket) > 0) return 0;
   const std::string whole = std::exchange(message, {});
-  const bool accepted =
-      is_binary ? handler_.OnBinary(connection.viewer, whole) : handler_.OnText(connection.viewer, whole);
-  return accepted ? 0 : close(LWS_CLOSE_STATUS_POLICY_VIOLATION);
+  return handler_->OnMessage(*this, connection.viewer, whole, !is_binary) ? 0
+                                                                          : close(LWS_CLOSE_STATUS_POLICY_VIOLATION);
 }
 
 // A viewer that does not read is not asked for its next message: lws calls this when its socket can take more.
 int WebServer::Implementation::WritePiece(lws* socket, Connection& connection) {
   ViewerConnection& viewer = viewers_[connection.viewer];
   if (!viewer.message) {
-    viewer.message = handler_.NextMessage(connection.viewer);
+    viewer.message = handler_->NextMessage(connection.viewer);
     viewer.sent = 0;
     if (!viewer.message) return 0;
   }
@@ -355,8 +353,8 @@ int WebServer::Implementation::WritePiece(lws* socket, Connection& connection) {
   return 0;
 }
 
-Result<std::unique_ptr<WebServer>> WebServer::Create(const Options& options, WebHandler& handler) {
-  auto implementation = std::make_unique<Implementation>(options, handler);
+Result<std::unique_ptr<WebServer>> WebServer::Create(const Options& options) {
+  auto implementation = std::make_unique<Implementation>(options);
   if (Status failure = implementation->Listen(); !failure.ok()) return failure.error();
   return std::unique_ptr<WebServer>(new WebServer(std::move(implementation)));
 }
@@ -369,8 +367,8 @@ std::uint16_t WebServer::port() const {
   return implementation_->port();
 }
 
-void WebServer::Serve() {
-  implementation_->Serve();
+void WebServer::Serve(WebHandler& handler) {
+  implementation_->Serve(handler);
 }
 
 void WebServer::Stop() {
@@ -379,14 +377,6 @@ void WebServer::Stop() {
 
 void WebServer::Wake() {
   implementation_->Wake();
-}
-
-void WebServer::RequestMessage(WebHandler::Viewer viewer) {
-  implementation_->RequestMessage(viewer);
-}
-
-void WebServer::SetPeriod(double seconds) {
-  implementation_->SetPeriod(seconds);
 }
 
 }  // namespace troupe

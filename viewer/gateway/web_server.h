@@ -5,8 +5,7 @@
 // viewer as long as Options says; one message on its way to each viewer, in pieces of kPiece bytes. A connection that
 // sends no request for kRequestSeconds, or does not answer a ping, is closed.
 //
-// Threads: the handler is called on the server's own thread. Wake may be called on any thread; RequestMessage and
-// SetPeriod only inside of handler calls.
+// Threads: the handler is called on the server's own thread. Wake may be called on any thread.
 #pragma once
 
 #include <cstdint>
@@ -28,24 +27,34 @@ struct WebMessage {
   bool is_text = false;
 };
 
+using ViewerId = std::uint64_t;  // of a connection; never used twice
+
+// What a handler can do inside of its calls, and only there.
+class WebLoop {
+ public:
+  // Calls NextMessage as soon as the viewer can receive one.
+  virtual void RequestMessage(ViewerId viewer) = 0;
+  // Seconds between two calls of OnPeriod; 0: none.
+  virtual void SetPeriod(double seconds) = 0;
+
+ protected:
+  ~WebLoop() = default;
+};
+
 class WebHandler {
  public:
-  using Viewer = std::uint64_t;  // never used twice
-
   virtual ~WebHandler() = default;
   // Someone with access loads the page, and will probably open a connection.
   virtual void OnPage() = 0;
   // `protocol`: one of WebServer::kProtocols.
-  virtual void OnOpened(Viewer viewer, std::string_view protocol) = 0;
-  virtual void OnClosed(Viewer viewer) = 0;
-  // False closes the connection: the text is none that the page sends.
-  virtual bool OnText(Viewer viewer, std::string_view text) = 0;
-  // Likewise. The page sends none.
-  virtual bool OnBinary(Viewer viewer, std::string_view bytes) = 0;
+  virtual void OnOpened(WebLoop& loop, ViewerId viewer, std::string_view protocol) = 0;
+  virtual void OnClosed(WebLoop& loop, ViewerId viewer) = 0;
+  // False closes the connection: the message is none that such a viewer sends. The page sends only text.
+  virtual bool OnMessage(WebLoop& loop, ViewerId viewer, std::string_view message, bool is_text) = 0;
   // The viewer has received all messages before: the next one, if there is one already.
-  virtual std::optional<WebMessage> NextMessage(Viewer viewer) = 0;
-  virtual void OnPeriod() = 0;  // each period of SetPeriod
-  virtual void OnWake() = 0;    // after Wake
+  virtual std::optional<WebMessage> NextMessage(ViewerId viewer) = 0;
+  virtual void OnPeriod(WebLoop& loop) = 0;  // each period of SetPeriod
+  virtual void OnWake(WebLoop& loop) = 0;    // after Wake
 };
 
 class WebServer {
@@ -69,25 +78,20 @@ class WebServer {
     std::span<const PageFile> files;
   };
 
-  // Listens. The handler must outlive the server.
-  static Result<std::unique_ptr<WebServer>> Create(const Options& options, WebHandler& handler);
+  // Listens.
+  static Result<std::unique_ptr<WebServer>> Create(const Options& options);
   ~WebServer();  // stops it
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
   std::uint16_t port() const;
 
-  // Serves until Stop. REQUIRES: called once.
-  void Serve();
+  // Serves until Stop. REQUIRES: called once; the handler is valid until Stop has returned.
+  void Serve(WebHandler& handler);
   // No handler call runs any more when it returns.
   void Stop();
 
   void Wake();
-
-  // Calls NextMessage as soon as the viewer can receive one.
-  void RequestMessage(WebHandler::Viewer viewer);
-  // Seconds between two calls of OnPeriod; 0: none.
-  void SetPeriod(double seconds);
 
  private:
   class Implementation;

@@ -161,6 +161,7 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   writer.Write(static_cast<std::uint8_t>(PageMessage::kWorld));
   writer.Write(kPageProtocol);
   writer.Write(number);
+  writer.Write(session.run);
   writer.WriteText(world.name);
   writer.WriteText(session.host);
   writer.Write(world.interval_seconds());

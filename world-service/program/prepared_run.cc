@@ -9,6 +9,7 @@
 #include "world-service/observers/recorder/make_recorders.h"
 #include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"
+#include "world-service/replay/journal_rewind.h"
 #include "world-service/replay/restore_run.h"
 
 namespace troupe {
@@ -48,12 +49,19 @@ Result<PreparedRun> Branch(const ServiceCommandLine& line) {
   return run;
 }
 
-// Goes to the end of a rewind within which the service before died.
-Status FinishRewind(ResumedRun& run, RunRecorder& recorder, const std::string& path, RunObservers observers) {
+// Writes the rest of a rewind within which the service before died.
+Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observers) {
   const UnfinishedRewind rewind = *std::exchange(run.rewind, std::nullopt);
   recorder.StartWriting();
-  const std::unique_ptr<JournalHistory> history = MakeRunHistory(&recorder, path);
-  Result<RewoundRun> end = history->FinishRewind(rewind, *run.frame, run.next_number);
+  Result<std::unique_ptr<JournalRewind>> states =
+      JournalRewind::Finish({&recorder}, rewind, *run.frame, run.next_number);
+  if (!states.ok()) return states.error();
+  for (bool has_more = true; has_more;) {
+    const Result<bool> more = states.value()->MakeSome();
+    if (!more.ok()) return more.error();
+    has_more = more.value();
+  }
+  Result<RewoundRun> end = states.value()->Write();
   if (!end.ok()) return end.error();
   const WorldState before = std::move(run.frame->state);
   run.frame = std::move(end.value().frame);
@@ -73,7 +81,6 @@ Status FinishRewind(ResumedRun& run, RunRecorder& recorder, const std::string& p
 
 Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   const RecordedRun begin = journal.recording.run();
-  const std::string path = line.outputs.journal->recording;
   PreparedRun run;
   run.first_world = std::make_shared<const WorldDescription>(begin.world);
   Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, line.outputs);
@@ -86,12 +93,11 @@ Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
       RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(line.outputs, begin.file));
   if (!recorder.ok()) return recorder.error();
   if (resumed.value().rewind) {
-    if (Status failure = FinishRewind(resumed.value(), *recorder.value(), path, told); !failure.ok()) {
+    if (Status failure = FinishRewind(resumed.value(), *recorder.value(), told); !failure.ok()) {
       return failure.error();
     }
   }
-  run.recorders.recording = recorder.value().get();
-  run.recorders.recording_path = path;
+  run.recorders.recordings = {recorder.value().get()};
   run.recorders.observers.push_back(std::move(recorder).value());
   if (texts.value() != nullptr) run.recorders.observers.push_back(std::move(texts).value());
 
@@ -137,7 +143,7 @@ Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line) {
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
   }
-  run.history = MakeRunHistory(run.recorders.recording, run.recorders.recording_path);
+  run.history = MakeRunHistory(run.recorders.recordings);
   run.options.history = run.history.get();
   return {};
 }

@@ -26,12 +26,8 @@ ReplayedWorld::ReplayedWorld(const Recording& recording)
 Result<ReplayedWorld> ReplayedWorld::At(const Recording& recording, std::size_t chunk) {
   if (chunk == 0) return ReplayedWorld(recording);
   ReplayedWorld world(std::make_shared<const Scene>(recording.run().world));
-  // Each edit is recorded with the state before it, so that the steps between them need not be repeated.
-  const Status edited = recording.VisitEdits(chunk, [&](std::uint64_t number, const RecordedEdit& edit) {
-    if (Status problem = CheckStartState(world.world(), edit.before.state); !problem.ok()) return problem;
-    world.number_ = number;
-    return world.Edit(edit, edit.before.edition + 1, edit.before.state);
-  });
+  const Status edited = recording.VisitEdits(
+      chunk, [&](std::uint64_t number, const RecordedEdit& edit) { return world.ApplyAlone(number, edit); });
   if (!edited.ok()) return Error{{recording.name()}, edited.error().message, ErrorCode::kFailure};
   world.has_state_ = false;  // that after the last edit
   return world;
@@ -94,6 +90,12 @@ Status ReplayedWorld::Step(const RecordedTick& tick) {
   return {};
 }
 
+Status ReplayedWorld::ApplyAlone(std::uint64_t number, const RecordedEdit& edit) {
+  if (Status problem = CheckStartState(world(), edit.before.state); !problem.ok()) return problem;
+  number_ = number;
+  return Edit(edit, edit.before.edition + 1, edit.before.state);
+}
+
 Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const WorldState& before) {
   if (!IsEdit(edit.request.command)) return Error{{}, "found a request that is no edit"};
   const bool rewinds = edit.request.command == ControlCommand::kRewind;
@@ -120,6 +122,30 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
   if (edited.value().fresh) fresh_edition_ = edition;
   events_ = std::move(edited.value().events);
   SetState(std::move(edited.value().state));
+  return {};
+}
+
+Result<ReplayCursor> ReplayCursor::At(const Recording& recording, std::size_t chunk) {
+  Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
+  if (!world.ok()) return world.error();
+  ReplayCursor cursor(std::move(world).value(), TickReader(recording, chunk));
+  if (Status damage = cursor.ReadNext(); !damage.ok()) return damage.error();
+  return cursor;
+}
+
+Status ReplayCursor::Advance() {
+  if (Status problem = world_.Follow(*next_); !problem.ok()) {
+    return Error{{}, fmt::format("tick {}: {}", next_->tick, problem.error().message), ErrorCode::kFailure};
+  }
+  return ReadNext();
+}
+
+Status ReplayCursor::ReadNext() {
+  RecordedTick tick;
+  const Result<bool> more = reader_.Next(tick);
+  if (!more.ok()) return more.error();
+  next_.reset();
+  if (more.value()) next_ = std::move(tick);
   return {};
 }
 

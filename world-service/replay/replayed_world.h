@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "recording/recording.h"
+#include "recording/tick_reader.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -34,7 +36,8 @@ class ReplayedWorld {
   Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
   // The state as it was published, without the run's id and events.
   FrameMessage Frame() const;
-  // The state is on the way of a rewind to its tick, a copy of an earlier one: the run has not published it.
+  std::uint64_t number() const { return number_; }  // of the state in the recording
+  // The state is one of a rewind before its last, a copy of an earlier one: the run has not published it.
   bool in_rewind() const { return number_ < rewound_until_; }
   // Of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
@@ -45,6 +48,9 @@ class ReplayedWorld {
   // Steps with the proposals of a recorded tick, or applies its edit. The error is an input that this world refuses;
   // the state is then the one before. REQUIRES: `tick` follows the state.
   Status Apply(const RecordedTick& tick);
+  // Applies a recorded edit to the state it was recorded with, so that the steps since the edit before need not be
+  // repeated. `number`: of the tick. The error is as in Apply.
+  Status ApplyAlone(std::uint64_t number, const RecordedEdit& edit);
   // Goes to the recorded state: by Apply, or by its keyframe if there is no valid state yet. The error is also another
   // state than recorded.
   Status Follow(const RecordedTick& tick);
@@ -67,6 +73,27 @@ class ReplayedWorld {
   Edition world_edition_ = 0;
   Edition fresh_edition_ = 0;
   std::vector<Event> events_;
+};
+
+// ReplayCursor: a recorded state, and the tick that follows it.
+class ReplayCursor {
+ public:
+  // Before the first state of a chunk. The recording outlives the cursor. The error is a damaged recording.
+  static Result<ReplayCursor> At(const Recording& recording, std::size_t chunk);
+
+  const ReplayedWorld& world() const { return world_; }
+  // Nothing: the recording ends with the state.
+  const std::optional<RecordedTick>& next() const { return next_; }
+  // Goes to the state of next(). The error is damage, or another state than recorded, with its tick. REQUIRES: next().
+  Status Advance();
+
+ private:
+  ReplayCursor(ReplayedWorld world, TickReader reader) : world_(std::move(world)), reader_(std::move(reader)) {}
+  Status ReadNext();
+
+  ReplayedWorld world_;
+  TickReader reader_;
+  std::optional<RecordedTick> next_;
 };
 
 }  // namespace troupe

@@ -26,6 +26,17 @@ void AnnounceSession(const LiveRun& run) {
   run.endpoint.SendSession(session);
 }
 
+FrameMessage SuccessorOf(const FrameMessage& frame) {
+  FrameMessage next;
+  next.run = frame.run;
+  next.incarnation = frame.incarnation;
+  next.edition = frame.edition;
+  next.world_edition = frame.world_edition;
+  next.fresh_edition = frame.fresh_edition;
+  next.remembered = frame.remembered;
+  return next;
+}
+
 AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason) {
   return {run.options.run, agent, admitted, std::move(reason), run.options.incarnation};
 }

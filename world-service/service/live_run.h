@@ -64,9 +64,10 @@ struct LiveRun {
   bool interrupted = false;                   // by Stop
   std::vector<std::string> lost_robots = {};  // without an agent at the end
 
-  // Written by TickEngine, and by WorldEditor when an edit is applied.
+  // Written by WorldEditor when an edit is applied.
   std::shared_ptr<const Scene> scene;
-  FrameMessage frame = {};  // the newest; before the run begins, the first
+  // Written by TickEngine.
+  FrameMessage frame = {};  // the newest that the agents were sent; before the run begins, the first
 
   // Written by TickEngine (steps) and WorldEditor (edits).
   RobotMemories memories = {};
@@ -100,6 +101,9 @@ struct LiveRun {
 
 // Sends the session: the process of the service and its world.
 void AnnounceSession(const LiveRun& run);
+
+// The frame that follows another one, without its state and what belongs to that.
+FrameMessage SuccessorOf(const FrameMessage& frame);
 
 AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason = {});
 

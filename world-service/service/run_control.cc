@@ -198,19 +198,15 @@ Status RunControl::CheckRewind(const ControlRequest& request) const {
                  std::to_string(run_.frame.state.tick) + ", the tick of the run");
 }
 
-std::optional<ControlRequest> RunControl::TakeRewind() {
-  if (rewind_ != Rewinding::kWanted || !edit_) return std::nullopt;
-  rewind_ = Rewinding::kBegun;
-  return edit_->request;
-}
-
-void RunControl::FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now) {
-  if (std::exchange(rewind_, Rewinding::kNo) != Rewinding::kBegun || IsOver(run_) || !edit_) return;
-  if (rewound.ok()) {
-    editor_.Rewind(request, rewound.value(), now);
+void RunControl::AdvanceRewind(double now) {
+  if (!rewind_.is_running()) return;
+  const std::optional<Result<RewoundRun>> outcome = rewind_.Advance(IsOver(run_));
+  if (!outcome || !edit_ || IsOver(run_)) return;  // the request was refused when the run ended
+  if (outcome->ok()) {
+    editor_.Rewind(edit_->request, outcome->value(), now);
   } else {
     const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
-    Reply(*edit, rewound.error());
+    Reply(*edit, outcome->error());
   }
   Advance(now);
 }
@@ -218,7 +214,7 @@ void RunControl::FinishRewind(const ControlRequest& request, const Result<Rewoun
 void RunControl::StartEdit(OpenRequest edit, double now) {
   if (edit.request.command == ControlCommand::kRewind) {
     if (const Status problem = CheckRewind(edit.request); !problem.ok()) return Reply(edit, problem.error());
-    rewind_ = Rewinding::kWanted;
+    rewind_.Start(edit.request, run_.frame);
     edit_ = std::move(edit);
     return;
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "world-service/service/live_run.h"
+#include "world-service/service/rewind.h"
 #include "world-service/service/tick_engine.h"
 #include "world-service/service/world_control.h"
 #include "world-service/service/world_editor.h"
@@ -32,10 +33,9 @@ class RunControl {
   void Reply(const ControlRequest& request, const ControlReplyTo& reply,
              const Result<std::vector<EntityReport>>& outcome) const;
 
-  // The request of a rewind that begins now, once. The caller reads the recording and calls FinishRewind: until then
-  // the run waits.
-  std::optional<ControlRequest> TakeRewind();
-  void FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now);
+  // While it runs, its owner is to call Rewind::Work and then AdvanceRewind, again and again.
+  Rewind& rewind() { return rewind_; }
+  void AdvanceRewind(double now);
 
   // Replies to the requests whose pause is quiescent, and starts the next; refuses all once the run is over. Call it
   // when proposals have arrived, members were lost or the phase has changed.
@@ -52,7 +52,7 @@ class RunControl {
   };
 
   bool quiescent() const {
-    return engine_.pause_answered() && editor_.robots_without_agent().empty() && rewind_ == Rewinding::kNo;
+    return engine_.pause_answered() && editor_.robots_without_agent().empty() && !rewind_.is_running();
   }
   // Also of a run that is continued, before its agents are back.
   bool has_begun() const { return run_.started_at || run_.continues(); }
@@ -82,11 +82,9 @@ class RunControl {
   WorldEditor& editor_;
   std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
-  // Of edit_, when it is a rewind.
-  enum class Rewinding : std::uint8_t { kNo, kWanted, kBegun };
-  Rewinding rewind_ = Rewinding::kNo;
-  Tick step_begun_ = 0;              // the tick at which the step among them began
-  std::optional<OpenRequest> edit_;  // applied; for a reply in the next quiescent pause
+  Tick step_begun_ = 0;                      // the tick at which the step among them began
+  std::optional<OpenRequest> edit_;          // applied; for a reply in the next quiescent pause
+  Rewind rewind_;                            // of edit_
 };
 
 }  // namespace troupe

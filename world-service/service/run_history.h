@@ -1,4 +1,4 @@
-// RunHistory: the states of a run so far, for agents whose robots need the memory of them.
+// RunHistory: the states of a run so far, for agents whose robots need the memory of them, and for a rewind.
 #pragma once
 
 #include <memory>
@@ -26,17 +26,29 @@ struct RewoundRun {
   std::optional<MemoryPlace> previous;    // the state before it; nothing: it is the first since the fresh start
 };
 
+// The states with which a run is set back to an earlier tick: that with which the robots of that time were made anew,
+// as the result of the request, which is an edit, then those of the steps and edits up to the tick.
+class RewindStates {
+ public:
+  virtual ~RewindStates() = default;
+  // Makes some of them from the recording, and writes nothing. False: all are made.
+  virtual Result<bool> MakeSome() = 0;
+  // Appends all of them to the recording, behind the newest state. After an error the recording has no state any more,
+  // and its recorder ends the run. REQUIRES: all are made.
+  virtual Result<RewoundRun> Write() = 0;
+};
+
+// May be slow. Called on one thread at a time.
 class RunHistory {
  public:
   virtual ~RunHistory() = default;
   // Some of the states, in order and without a gap, and without the newest of the run: another one follows each. Their
-  // frames have no run. At least one, or an error. May be slow. Called on one thread at a time.
+  // frames have no run. At least one, or an error.
   virtual Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) = 0;
-  // Goes back to the last state of a tick, and appends the way there to the recording, behind the newest state: the
-  // state with which the robots of that time were made anew, as the result of the request, which is an edit, then the
-  // steps and edits up to the tick. `newest`: the newest state of the run, which waits. The error is a tick that the
-  // recording does not have. May be slow; as Read.
-  virtual Result<RewoundRun> Rewind(const ControlRequest& request, const FrameMessage& newest) = 0;
+  // For the last state of the request's tick. `newest`: the newest state of the run, which waits. The error is a tick
+  // that the recording does not have.
+  virtual Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request,
+                                                            const FrameMessage& newest) = 0;
 };
 
 }  // namespace troupe

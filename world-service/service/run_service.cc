@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/base/host_name.h"
+#include "common/base/or_failure.h"
 #include "world-service/service/event_text.h"
 #include "world-service/service/requested_file.h"
 #include "world-service/service/tick_coordinator.h"
@@ -68,6 +69,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     while (coordinator_.phase() != Phase::kOver) {
       const double now = Now();
       Act([&] {
+        coordinator_.AdvanceRewind(now);
         if (stop) coordinator_.Stop(now);
         coordinator_.Poll(now);
       });
@@ -81,8 +83,13 @@ class Driver final : public WorldControl, private ServiceHandler {
       Report(status_due, lock);
       ReadFiles(lock);
       SendHistories(lock);
-      Rewind(lock);
-
+      if (coordinator_.rewind().is_running()) {
+        // Slow, so without the lock: no message may wait for it.
+        lock.unlock();
+        coordinator_.rewind().Work(*service_.history);
+        lock.lock();
+        continue;
+      }
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
@@ -107,6 +114,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     endpoint_->Flush(kFlushTime);
     const std::lock_guard lock(mutex_);
     if (!coordinator_.error().ok()) return coordinator_.error().error();
+    if (!report_failure_.ok()) return report_failure_.error();
     return coordinator_.MakeSummary();
   }
 
@@ -116,20 +124,26 @@ class Driver final : public WorldControl, private ServiceHandler {
     ControlReplyTo reply;
   };
 
-  // Makes a call to the coordinator, and then executes the requests made from inside its replies. Without memory for
-  // it the run ends in order. REQUIRES: mutex_ is locked.
+  // Makes a call to the coordinator, and then executes the requests made from inside its replies. An exception, as for
+  // lack of memory, ends the run in order. REQUIRES: mutex_ is locked.
   template <typename Call>
   void Act(const Call& call) {
     acting_ = std::this_thread::get_id();
-    try {
+    const Status outcome = OrFailure([&] {
       call();
       while (!asked_meanwhile_.empty()) {
         AskedRequest next = std::move(asked_meanwhile_.front());
         asked_meanwhile_.pop_front();
         Accept(std::move(next));
       }
-    } catch (const std::bad_alloc& no_memory) {
-      coordinator_.Fail(FailureOf(no_memory), Now());
+      return Status();
+    });
+    if (!outcome.ok()) {
+      // A second exception changes nothing: the run is ending.
+      (void)OrFailure([&] {
+        coordinator_.Fail(outcome.error(), Now());
+        return Status();
+      });
     }
     acting_ = std::thread::id();
   }
@@ -179,44 +193,15 @@ class Driver final : public WorldControl, private ServiceHandler {
       const RunId run = coordinator_.frame().run;
       const Incarnation incarnation = coordinator_.frame().incarnation;
       lock.unlock();
-      Result<std::vector<HistoryEntry>> entries = ReadHistory(demand.request, run);
-      Status failure;
-      if (entries.ok()) {
+      const Status failure = OrFailure([&]() -> Status {
+        Result<std::vector<HistoryEntry>> entries = service_.history->Read(demand.request);
+        if (!entries.ok()) return entries.error();
+        for (HistoryEntry& entry : entries.value()) entry.frame.run = run;
         endpoint_->SendHistory({run, std::move(demand.agents), demand.after, std::move(entries).value(), incarnation});
-      } else {
-        failure = entries.error();
-      }
+        return {};
+      });
       lock.lock();
       if (!failure.ok()) Act([&] { coordinator_.Fail(failure.error(), Now()); });
-    }
-  }
-
-  void Rewind(std::unique_lock<std::mutex>& lock) {
-    const std::optional<ControlRequest> request = coordinator_.TakeRewind();
-    if (!request) return;
-    const FrameMessage newest = coordinator_.frame();
-    lock.unlock();
-    const Result<RewoundRun> rewound = ReadRewound(*request, newest);
-    lock.lock();
-    Act([&] { coordinator_.FinishRewind(*request, rewound, Now()); });
-  }
-
-  Result<RewoundRun> ReadRewound(const ControlRequest& request, const FrameMessage& newest) {
-    try {
-      return service_.history->Rewind(request, newest);
-    } catch (const std::bad_alloc& no_memory) {
-      return FailureOf(no_memory);
-    }
-  }
-
-  Result<std::vector<HistoryEntry>> ReadHistory(const HistoryRequest& request, RunId run) {
-    try {
-      Result<std::vector<HistoryEntry>> entries = service_.history->Read(request);
-      if (!entries.ok()) return entries;
-      for (HistoryEntry& entry : entries.value()) entry.frame.run = run;
-      return entries;
-    } catch (const std::bad_alloc& no_memory) {
-      return FailureOf(no_memory);
     }
   }
 
@@ -263,7 +248,8 @@ class Driver final : public WorldControl, private ServiceHandler {
     {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
-      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || AgentsHaveJoined();
+      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || coordinator_.rewind().is_running() ||
+             AgentsHaveJoined();
     }
     if (wake) wake_.notify_one();
   }
@@ -275,9 +261,22 @@ class Driver final : public WorldControl, private ServiceHandler {
   void ReportJoins(std::unique_lock<std::mutex>& lock) {
     reported_agents_ = coordinator_.present_agents();
     const StatusMessage status = coordinator_.MakeStatus(Now());
+    ReportUnlocked(lock, [&] {
+      for (RunObserver* observer : observers_) observer->OnStatus(status);
+    });
+  }
+
+  template <typename Reports>
+  void ReportUnlocked(std::unique_lock<std::mutex>& lock, const Reports& reports) {
     lock.unlock();
-    for (RunObserver* observer : observers_) observer->OnStatus(status);
+    const Status outcome = OrFailure([&] {
+      reports();
+      return Status();
+    });
     lock.lock();
+    if (outcome.ok()) return;
+    if (report_failure_.ok()) report_failure_ = outcome;
+    Act([&] { coordinator_.Fail(outcome.error(), Now()); });
   }
 
   // Reports progress to the observers, without the lock, so that ticks do not wait for them.
@@ -292,18 +291,18 @@ class Driver final : public WorldControl, private ServiceHandler {
     if (with_status) status = coordinator_.MakeStatus(Now());
     if (startup) started_ = true;
 
-    lock.unlock();
-    std::vector<std::string> texts;
-    for (const Event& event : events) texts.push_back(EventText(scene->world(), event));
-    if (status) endpoint_->SendStatus(*status);
-    for (RunObserver* observer : observers_) {
-      for (const std::string& notice : notices) observer->OnNotice(notice);
-      if (startup) observer->OnStarted(*startup);
-      if (!new_robots.empty()) observer->OnNewRobots(new_robots, edition);
-      for (std::size_t i = 0; i < events.size(); ++i) observer->OnEvent(events[i], texts[i]);
-      if (status) observer->OnStatus(*status);
-    }
-    lock.lock();
+    ReportUnlocked(lock, [&] {
+      std::vector<std::string> texts;
+      for (const Event& event : events) texts.push_back(EventText(scene->world(), event));
+      if (status) endpoint_->SendStatus(*status);
+      for (RunObserver* observer : observers_) {
+        for (const std::string& notice : notices) observer->OnNotice(notice);
+        if (startup) observer->OnStarted(*startup);
+        if (!new_robots.empty()) observer->OnNewRobots(new_robots, edition);
+        for (std::size_t i = 0; i < events.size(); ++i) observer->OnEvent(events[i], texts[i]);
+        if (status) observer->OnStatus(*status);
+      }
+    });
   }
 
   ServiceOptions service_;
@@ -311,6 +310,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   const RunObservers observers_;
   TickTrace* const trace_;  // null: none
   bool started_ = false;    // reported to the observers
+  Status report_failure_;   // the first exception of an observer in a report
   std::mutex mutex_;        // guards the members below
   std::condition_variable wake_;
   std::size_t reported_agents_ = 0;  // present at the newest report
@@ -362,16 +362,19 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   };
   RunObservers begun;
   for (RunObserver* observer : observers) {
-    failure = observer->OnBegin({coordinator.run, options.settings, scene, driver});
+    failure = OrFailure([&] { return observer->OnBegin({coordinator.run, options.settings, scene, driver}); });
     if (!failure.ok()) break;
     begun.push_back(observer);
   }
   const bool all_begun = failure.ok();
   if (all_begun) {
-    driver.Start();
-    driver.Run(stop);
+    note(OrFailure([&] {
+      driver.Start();
+      driver.Run(stop);
+      return Status();
+    }));
   }
-  for (RunObserver* observer : begun) note(observer->OnEnd());
+  for (RunObserver* observer : begun) note(OrFailure([&] { return observer->OnEnd(); }));
   if (!all_begun) return failure.error();
   Result<RunSummary> summary = driver.Finish();
   if (trace) note(trace->Close());

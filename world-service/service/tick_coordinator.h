@@ -47,10 +47,8 @@ class TickCoordinator {
   // Executes a tool's request; see RunControl.
   void Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world = nullptr);
   // See RunControl.
-  std::optional<ControlRequest> TakeRewind() { return control_.TakeRewind(); }
-  void FinishRewind(const ControlRequest& request, const Result<RewoundRun>& rewound, double now) {
-    control_.FinishRewind(request, rewound, now);
-  }
+  Rewind& rewind() { return control_.rewind(); }
+  void AdvanceRewind(double now) { control_.AdvanceRewind(now); }
   void Reply(const ControlRequest& request, const ControlReplyTo& reply,
              const Result<std::vector<EntityReport>>& outcome) const {
     control_.Reply(request, reply, outcome);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/or_failure.h"
 #include "common/model/state_hash.h"
 #include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
@@ -27,6 +28,17 @@ std::optional<double> SpeedOf(const RunSettings& settings) {
 // Spreads the numbers, so that those of two services are not the same.
 std::uint32_t LastGoalBefore(const ResumedRun& resumed) {
   return static_cast<std::uint32_t>((resumed.next_number + 1) * 0x9E3779B1U + resumed.incarnation);
+}
+
+// Calls all observers; the outcome is the first that is not a success.
+template <typename Call>
+Status CallObservers(const RunObservers& observers, const Call& call) {
+  Status first;
+  for (RunObserver* observer : observers) {
+    const Status outcome = OrFailure([&] { return call(*observer); });
+    if (first.ok()) first = outcome;
+  }
+  return first;
 }
 
 }  // namespace
@@ -219,9 +231,10 @@ void TickEngine::Begin(double now) {
   run_.started_at = now;
   if (run_.continues()) return Continue(now);
   pacer_.Start(now);
-  run_.frame.events = run_.events.CompleteFrame(0, {});
-  run_.frame.paused = ticks_to_pause_ == 0U;
-  Publish({.now = now});
+  FrameMessage first = run_.frame;
+  first.events = run_.events.CompleteFrame(0, {});
+  first.paused = ticks_to_pause_ == 0U;
+  Publish(std::move(first), {}, now);
 }
 
 void TickEngine::Continue(double now) {
@@ -241,11 +254,11 @@ void TickEngine::ReportBegin(double now) {
   CommittedTick begin{.frame = run_.frame, .proposals = {}};
   begin.is_recorded = true;
   const RunProgress progress = Progress();
-  for (RunObserver* observer : run_.observers) {
-    Status outcome = observer->OnCommit(begin, progress);
-    if (outcome.ok()) outcome = observer->OnTick(begin);
-    if (!outcome.ok()) return Fail(outcome.error(), now);
-  }
+  const Status outcome = CallObservers(run_.observers, [&](RunObserver& observer) {
+    Status committed = observer.OnCommit(begin, progress);
+    return committed.ok() ? observer.OnTick(begin) : committed;
+  });
+  if (!outcome.ok()) Fail(outcome.error(), now);
 }
 
 bool TickEngine::IsLast(Tick tick) const {
@@ -268,9 +281,9 @@ RunProgress TickEngine::Progress() const {
 
 void TickEngine::ReportProgress(double now) {
   const RunProgress progress = Progress();
-  for (RunObserver* observer : run_.observers) {
-    if (const Status failure = observer->OnProgress(progress); !failure.ok()) return Fail(failure.error(), now);
-  }
+  const Status outcome =
+      CallObservers(run_.observers, [&](RunObserver& observer) { return observer.OnProgress(progress); });
+  if (!outcome.ok()) Fail(outcome.error(), now);
 }
 
 // The barrier for the next tick.
@@ -288,23 +301,22 @@ void TickEngine::Commit(double now) {
     }
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
-  FrameMessage& frame = run_.frame;
   EnterPhase(TickPhase::kStep, run_.next_tick());
-  const std::vector<RobotCommand> commands = std::exchange(frame.commands, {});
   commands_.Elapse();
   ++steps_;
-  const std::span<const Proposal> proposals = proposals_.ForStep(frame.state);
-  StepResult next = stepper_->Step(frame.state, proposals);
-  frame.state = std::move(next.state);
-  frame.state_hash = StateHash(frame.state);
-  run_.memories.OnStep(frame);
-  run_.restoring = frame.remembered = false;
-  frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(next.events));
+  const std::span<const Proposal> proposals = proposals_.ForStep(run_.frame.state);
+  StepResult result = stepper_->Step(run_.frame.state, proposals);
+  FrameMessage next = SuccessorOf(run_.frame);
+  next.state = std::move(result.state);
+  next.state_hash = StateHash(next.state);
+  run_.memories.OnStep(next);
+  run_.restoring = next.remembered = false;
+  next.events = run_.events.CompleteFrame(next.state.tick, std::move(result.events));
   if (ticks_to_pause_) --*ticks_to_pause_;
-  frame.paused = ticks_to_pause_ == 0U;
-  if (!frame.paused) frame.commands = commands_.ForNextTick(run_.world());
-  pacer_.Committed(frame.state.tick, now);
-  Publish({.now = now, .proposals = proposals, .commands = commands});
+  next.paused = ticks_to_pause_ == 0U;
+  if (!next.paused) next.commands = commands_.ForNextTick(run_.world());
+  pacer_.Committed(next.state.tick, now);
+  Publish(std::move(next), {.proposals = proposals}, now);
 }
 
 // The phases of the trace, and their means.
@@ -333,67 +345,69 @@ void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
   pacer_.SetInterval(run_.world().interval_seconds());
 }
 
-void TickEngine::PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now,
-                             bool is_recorded) {
+void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded) {
   proposals_.ChangeWorld(run_.world());
   if (run_.members.present_members() == 0) halted_since_ = now;
-  FrameMessage& frame = run_.frame;
-  const WorldState before = std::exchange(frame.state, std::move(state));
-  frame.state_hash = StateHash(frame.state);
-  frame.events = run_.events.CompleteFrame(frame.state.tick, std::move(events));
-  frame.paused = true;
-  frame.commands.clear();
-  if (is_recorded || frame.fresh_edition == frame.edition) commands_.Clear();
+  next.state_hash = StateHash(next.state);
+  next.events = run_.events.CompleteFrame(next.state.tick, std::move(next.events));
+  next.paused = true;
+  if (is_recorded || next.fresh_edition == next.edition) commands_.Clear();
   ticks_to_pause_ = 0;
-  Publish({.now = now, .edit = &edit, .before = &before, .is_recorded = is_recorded});
+  Publish(std::move(next), {.edit = &edit, .is_recorded = is_recorded}, now);
 }
 
-void TickEngine::Publish(const Origin& origin) {
-  FrameMessage& frame = run_.frame;
-  const double now = origin.now;
-  frame.awaited.clear();
-  frame.last = IsLast(frame.state.tick);
-  if (frame.last) frame.paused = false;
-  const CommittedTick tick{frame, origin.proposals, origin.edit, origin.before, origin.commands, origin.is_recorded};
-  Status failure;
-  const auto note = [&failure](const Status& outcome) {
-    if (failure.ok()) failure = outcome;
+void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
+  const Tick tick = next.state.tick;
+  next.last = IsLast(tick);
+  if (next.last) next.paused = false;
+  const auto committed = [&](const FrameMessage& frame, const FrameMessage& before) -> CommittedTick {
+    if (origin.edit != nullptr) {
+      return {.frame = frame,
+              .proposals = {},
+              .edit = origin.edit,
+              .before = &before.state,
+              .is_recorded = origin.is_recorded};
+    }
+    return {.frame = frame, .proposals = origin.proposals, .commands = before.commands};
   };
-  EnterPhase(TickPhase::kRecord, frame.state.tick);
+  EnterPhase(TickPhase::kRecord, tick);
   const RunProgress progress = Progress();
-  for (RunObserver* observer : run_.observers) note(observer->OnCommit(tick, progress));
-  if (!failure.ok()) return Fail(failure.error(), now);
-  EnterPhase(TickPhase::kPublish, frame.state.tick);
-  run_.endpoint.SendFrame(frame);  // before the observers' other work, so that the agents work meanwhile
-  EnterPhase(TickPhase::kRecord, frame.state.tick);
+  Status outcome = CallObservers(
+      run_.observers, [&](RunObserver& observer) { return observer.OnCommit(committed(next, run_.frame), progress); });
+  if (!outcome.ok()) return Fail(outcome.error(), now);
+  EnterPhase(TickPhase::kPublish, tick);
+  const bool changes_world = next.world_edition != run_.frame.world_edition;
+  const FrameMessage before = std::exchange(run_.frame, std::move(next));
+  if (changes_world) AnnounceSession(run_);
+  run_.endpoint.SendFrame(run_.frame);  // before the observers' other work, so that the agents work meanwhile
+  EnterPhase(TickPhase::kRecord, tick);
   Opened(now);
-  for (RunObserver* observer : run_.observers) note(observer->OnTick(tick));
-  if (!failure.ok()) return Fail(failure.error(), now);
-  if (frame.last) return End(now);
+  outcome = CallObservers(run_.observers,
+                          [&](RunObserver& observer) { return observer.OnTick(committed(run_.frame, before)); });
+  if (!outcome.ok()) return Fail(outcome.error(), now);
+  if (run_.frame.last) return End(now);
   EnterPhase(TickPhase::kWait, run_.next_tick());
 }
 
 void TickEngine::Stop(double now) {
   if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
   run_.interrupted = true;
-  run_.frame.last = true;
-  run_.endpoint.SendFrame(run_.frame);
   End(now);
 }
 
 void TickEngine::Fail(Error error, double now) {
   if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
   run_.error = std::move(error);
-  run_.frame.last = true;
-  run_.endpoint.SendFrame(run_.frame);
   End(now);
 }
 
 void TickEngine::End(double now) {
-  for (RobotId robot : run_.members.AbsentRobots()) run_.lost_robots.push_back(run_.world().robot(robot).name);
+  // First, so that the run ends also if the rest throws.
   run_.phase = run_.members.present_members() == 0 ? RunPhase::kOver : RunPhase::kEnding;
   end_at_ = now + kLongestEnd;
   resend_timer_.Start(now, kFirstResendOfLast);
+  if (!std::exchange(run_.frame.last, true)) run_.endpoint.SendFrame(run_.frame);
+  for (RobotId robot : run_.members.AbsentRobots()) run_.lost_robots.push_back(run_.world().robot(robot).name);
 }
 
 void TickEngine::Poll(double now) {

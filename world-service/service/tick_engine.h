@@ -71,9 +71,9 @@ class TickEngine {
 
   // The scene of the run is another one; `removed` members have no robots in it.
   void ChangeWorld(std::span<const AgentId> removed);
-  // Publishes the state after an edit, in a pause.
-  void PublishEdit(WorldState state, std::vector<Event> events, const AppliedEdit& edit, double now,
-                   bool is_recorded = false);
+  // Publishes the state after an edit, in a pause: `next` is the successor of the run's frame, with its state, editions
+  // and events.
+  void PublishEdit(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded = false);
 
   // An agent is about to join: the run waits for it.
   void AwaitAgent(double now) { halted_since_ = now; }
@@ -109,14 +109,14 @@ class TickEngine {
   void EnterPhase(TickPhase phase, Tick tick);
   // The inputs that led to a frame: of a step, or an edit.
   struct Origin {
-    double now = 0.0;
     std::span<const Proposal> proposals = {};
-    std::span<const RobotCommand> commands = {};  // that the agents had for the proposals
     const AppliedEdit* edit = nullptr;
-    const WorldState* before = nullptr;
     bool is_recorded = false;
   };
-  void Publish(const Origin& origin);
+  // Makes `next` the frame of the run. Until all observers have accepted it, the agents see nothing of it, nor of its
+  // world: after a failure the run ends with the frame before.
+  void Publish(FrameMessage next, const Origin& origin, double now);
+  // Resends the frame as the last one.
   void End(double now);
   void ResendFrame();
   // The time of the next resend, unless the frame is answered before.

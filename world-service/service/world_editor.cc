@@ -142,50 +142,60 @@ void WorldEditor::RevokeSpawn(const std::string& name, double now) {
 }
 
 void WorldEditor::Commit(EditedWorld edited, const AppliedEdit& edit, double now) {
-  ++run_.frame.edition;
+  FrameMessage next = SuccessorOf(run_.frame);
+  ++next.edition;
   if (edited.fresh) {
-    run_.frame.fresh_edition = run_.frame.edition;
-    run_.memories.OnFreshStart(run_.frame.edition);
-    run_.restoring = run_.frame.remembered = false;
+    next.fresh_edition = next.edition;
+    run_.memories.OnFreshStart(next.edition);
+    run_.restoring = next.remembered = false;
   }
-  run_.memories.OnEdit(run_.frame, run_.frame.state.tick);
-  if (edited.scene != run_.scene) ChangeWorld(std::move(edited.scene), edited.fresh, run_.frame.edition);
+  run_.memories.OnEdit(next, run_.frame.state.tick);
+  if (edited.scene != run_.scene) {
+    next.world_edition = next.edition;
+    ChangeWorld(std::move(edited.scene), edited.fresh, next);
+  }
+  next.state = std::move(edited.state);
+  next.events = std::move(edited.events);
+  Publish(std::move(next), edit, now);
+}
+
+void WorldEditor::Publish(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded) {
   newcomers_since_ = now;
-  engine_.PublishEdit(std::move(edited.state), std::move(edited.events), edit, now);
+  engine_.PublishEdit(std::move(next), edit, now, is_recorded);
+  previous_scene_.reset();
 }
 
 void WorldEditor::Rewind(const ControlRequest& request, const RewoundRun& rewound, double now) {
   run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
   original_ = rewound.original;
-  FrameMessage& frame = run_.frame;
-  frame.edition = rewound.frame.edition;
-  frame.fresh_edition = rewound.frame.fresh_edition;
-  run_.memories.OnFreshStart(frame.fresh_edition);
+  FrameMessage next = SuccessorOf(run_.frame);
+  next.edition = rewound.frame.edition;
+  next.world_edition = rewound.frame.world_edition;
+  next.fresh_edition = rewound.frame.fresh_edition;
+  next.state = rewound.frame.state;
+  run_.memories.OnFreshStart(next.fresh_edition);
   run_.memories.OnRewind(rewound.previous);
-  run_.restoring = frame.remembered = rewound.previous.has_value();
-  ChangeWorld(rewound.scene, true, rewound.frame.world_edition);
-  newcomers_since_ = now;
-  engine_.PublishEdit(rewound.frame.state, {}, AppliedEdit{request}, now, true);
+  run_.restoring = next.remembered = rewound.previous.has_value();
+  ChangeWorld(rewound.scene, true, next);
+  Publish(std::move(next), AppliedEdit{request}, now, true);
 }
 
-void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition world_edition) {
-  const std::shared_ptr<const Scene> before = std::exchange(run_.scene, std::move(scene));
-  const WorldDescription& world = run_.world();
-  run_.frame.world_edition = world_edition;
+void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, const FrameMessage& next) {
   if (fresh) {
     // Ids of events mean other things from now on.
-    for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(before->world(), event));
+    for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(run_.world(), event));
     run_.events.DiscardPending();
   }
-  Membership::WorldChange change = run_.members.ChangeWorld(world, world_edition, fresh);
+  previous_scene_ = std::exchange(run_.scene, std::move(scene));
+  const WorldDescription& world = run_.world();
+  Membership::WorldChange change = run_.members.ChangeWorld(world, next.world_edition, fresh);
   engine_.ChangeWorld(change.gone);
   std::vector<std::string> newcomers;
   for (const RobotId robot : change.newcomers) newcomers.push_back(world.robot(robot).name);
-  if (!fresh) run_.memories.OnNewRobots(newcomers, run_.frame.edition);
+  if (!fresh) run_.memories.OnNewRobots(newcomers, next.edition);
   new_robots_.insert(new_robots_.end(), newcomers.begin(), newcomers.end());
   run_.newcomers = std::move(change.newcomers);
-  for (RunObserver* observer : run_.observers) observer->OnWorldChange(run_.scene, run_.frame.edition);
-  AnnounceSession(run_);
+  for (RunObserver* observer : run_.observers) observer->OnWorldChange(run_.scene, next.edition);
 }
 
 void WorldEditor::OnJoined(const std::vector<RobotId>& robots) {

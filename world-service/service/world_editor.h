@@ -50,12 +50,16 @@ class WorldEditor {
   // `spawned`, a world with one robot, which has the first free ROS domain from `first` on.
   Result<WorldDescription> WithRosDomain(std::uint32_t first, const WorldDescription& spawned) const;
   void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
-  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition world_edition);
+  void Publish(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded = false);
+  // `next`: the frame that is to be published, with its editions.
+  void ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, const FrameMessage& next);
 
   LiveRun& run_;
   TickEngine& engine_;
   std::shared_ptr<const Scene> original_;  // of the world as loaded
-  double newcomers_since_ = 0.0;           // wall time of the newest edit, s
+  // While an edit is applied, that of the world before, to which other parts refer if one of them throws.
+  std::shared_ptr<const Scene> previous_scene_;
+  double newcomers_since_ = 0.0;  // wall time of the newest edit, s
   std::vector<std::string> new_robots_;
   struct DeletedEntity {
     std::string name;

@@ -1,7 +1,10 @@
 #include "worldfile/edit/stage_edit.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
+
+#include "worldfile/edit/text_change.h"
 
 namespace troupe {
 namespace {
@@ -42,6 +45,14 @@ std::string Inserted(const std::string& text, const StageBody& body, const State
   return ApplyChanges(text, {{{at, at}, between}});
 }
 
+std::vector<const Statement*> BlocksOf(const Statement& holder) {
+  std::vector<const Statement*> blocks;
+  for (const Statement& statement : holder.statements) {
+    if (statement.kind == StatementKind::kEntry && statement.name == "block") blocks.push_back(&statement);
+  }
+  return blocks;
+}
+
 }  // namespace
 
 std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name,
@@ -60,7 +71,7 @@ std::string WithProperty(const std::string& text, const StageBody& body, const s
   if (tuple != nullptr && text[property->value.begin] == '[' && tuple->size() == property->elements.size()) {
     std::vector<TextChange> changes;
     for (std::size_t i = 0; i < tuple->size(); ++i) {
-      const TextSpan& element = property->elements[i];
+      const TextSpan& element = property->elements[i].span;
       if (!IsSame(element.Of(text), (*tuple)[i])) changes.push_back({element, ScalarText((*tuple)[i])});
     }
     return ApplyChanges(text, std::move(changes));
@@ -97,11 +108,11 @@ std::string WithEntry(const std::string& text, const StageBody& body, const Writ
   return Inserted(text, body, last, ToStage(model, indent, end_of_line));
 }
 
-std::string WithDefine(const std::string& text, const StageSyntax& syntax, const std::string& name,
+std::string WithDefine(const std::string& text, const StageTree& tree, const std::string& name,
                        const WrittenModel& model) {
   const std::string end_of_line = EndOfLineIn(text);
   const std::string written = ToDefine(model, name, end_of_line) + end_of_line;
-  for (const Statement& statement : syntax.statements) {
+  for (const Statement& statement : tree.statements) {
     if (statement.kind != StatementKind::kEntry || statement.name == "window") continue;
     // Before the comments that belong to the entry.
     std::size_t at = LineStart(text, statement.span.begin);
@@ -115,6 +126,74 @@ std::string WithDefine(const std::string& text, const StageSyntax& syntax, const
   }
   const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
   return text + (ended ? "" : end_of_line) + (text.empty() ? "" : end_of_line) + written;
+}
+
+Result<const Statement*> StageBodyEdit::Find() {
+  if (!tree_) {
+    Result<StageTree> parsed = ParseStage(text_, path_);
+    if (!parsed.ok()) return parsed.error();
+    tree_ = std::move(parsed).value();
+  }
+  const auto chain = FindStatement(*tree_, line_, column_);
+  if (chain.empty()) return Error{{path_, line_, column_}, "found no entry or define here, expected one"};
+  return chain.back();
+}
+
+// To parse a text again is most of the work: an edit that changes nothing does not need it.
+void StageBodyEdit::Replace(std::string text) {
+  if (text == text_) return;
+  text_ = std::move(text);
+  tree_.reset();
+}
+
+Status StageBodyEdit::Set(const std::string& property, const WrittenValue& value) {
+  const Result<const Statement*> statement = Find();
+  if (!statement.ok()) return statement.error();
+  Replace(WithProperty(text_, BodyOf(*statement.value()), property, value));
+  return {};
+}
+
+Status StageBodyEdit::Remove(const std::string& property) {
+  const Result<const Statement*> statement = Find();
+  if (!statement.ok()) return statement.error();
+  Replace(WithoutProperty(text_, BodyOf(*statement.value()), property));
+  return {};
+}
+
+Status StageBodyEdit::SetBlocks(const std::vector<WrittenModel>& blocks) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (Status failure = SetBlock(i, blocks[i]); !failure.ok()) return failure;
+  }
+  for (;;) {
+    const Result<const Statement*> holder = Find();
+    if (!holder.ok()) return holder.error();
+    const std::vector<const Statement*> old = BlocksOf(*holder.value());
+    if (old.size() <= blocks.size()) return {};
+    Replace(WithoutStatement(text_, *old.back()));
+  }
+}
+
+Status StageBodyEdit::SetBlock(std::size_t index, const WrittenModel& block) {
+  const Result<const Statement*> holder = Find();
+  if (!holder.ok()) return holder.error();
+  const std::vector<const Statement*> old = BlocksOf(*holder.value());
+  if (index >= old.size()) {
+    Replace(WithEntry(text_, BodyOf(*holder.value()), block));
+    return {};
+  }
+  // Corners that are too many go first.
+  StageBodyEdit edit(text_, path_, old[index]->line, old[index]->column);
+  for (const Statement& statement : old[index]->statements) {
+    const bool is_wanted = std::any_of(block.properties.begin(), block.properties.end(),
+                                       [&](const auto& property) { return property.first == statement.name; });
+    if (is_wanted || !statement.name.starts_with("point[")) continue;
+    if (Status failure = edit.Remove(std::string(statement.name)); !failure.ok()) return failure;
+  }
+  for (const auto& [name, value] : block.properties) {
+    if (Status failure = edit.Set(name, value); !failure.ok()) return failure;
+  }
+  Replace(edit.text());
+  return {};
 }
 
 }  // namespace troupe

@@ -1,12 +1,17 @@
 // Edits of a Stage file's text. Each returns the changed text; all bytes that the edit does not concern stay.
 //
-// stage_body_edit.h applies several to one body. REQUIRES, of all: `text` is the one that the syntax was read from.
+// REQUIRES, of all functions: `text` is that of the tree.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "worldfile/edit/stage_syntax.h"
+#include "troupe/result.h"
 #include "worldfile/edit/written_model.h"
+#include "worldfile/stage/stage_tree.h"
 
 namespace troupe {
 
@@ -22,7 +27,36 @@ std::string WithoutStatement(const std::string& text, const Statement& statement
 // With the entry behind all that is in the body.
 std::string WithEntry(const std::string& text, const StageBody& body, const WrittenModel& model);
 // With a define before the first entry of the file, which may use it, or at the end.
-std::string WithDefine(const std::string& text, const StageSyntax& syntax, const std::string& name,
+std::string WithDefine(const std::string& text, const StageTree& tree, const std::string& name,
                        const WrittenModel& model);
+
+// Several edits of one entry or define, one after another. All are in its body, so that its name keeps its line and
+// column.
+class StageBodyEdit {
+ public:
+  // `path` names the text in messages; `line` and `column` are those of the statement's name.
+  StageBodyEdit(std::string text, std::string path, int line, int column)
+      : text_(std::move(text)), path_(std::move(path)), line_(line), column_(column) {}
+
+  // The edits above. The error tells that the text has no such statement.
+  Status Set(const std::string& property, const WrittenValue& value);
+  Status Remove(const std::string& property);
+  // These blocks in place of those of the body: as many as there are change one by one.
+  Status SetBlocks(const std::vector<WrittenModel>& blocks);
+
+  const std::string& text() const { return text_; }
+
+ private:
+  // The statement in the text as it is now.
+  Result<const Statement*> Find();
+  void Replace(std::string text);
+  Status SetBlock(std::size_t index, const WrittenModel& block);
+
+  std::string text_;
+  std::string path_;
+  int line_;
+  int column_;
+  std::optional<StageTree> tree_;  // of the text; nothing: not parsed yet
+};
 
 }  // namespace troupe

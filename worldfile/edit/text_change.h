@@ -6,17 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "worldfile/text/text_span.h"
+
 namespace troupe {
-
-// A part of a text, in bytes: [begin, end).
-struct TextSpan {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-
-  std::size_t size() const { return end - begin; }
-  bool Contains(std::size_t offset) const { return begin <= offset && offset < end; }
-  std::string_view Of(std::string_view text) const { return text.substr(begin, size()); }
-};
 
 struct TextChange {
   TextSpan span;

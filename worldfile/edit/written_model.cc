@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "worldfile/edit/stage_syntax.h"
 #include "worldfile/edit/text_change.h"
+#include "worldfile/stage/stage_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -69,9 +69,9 @@ WrittenValue Tuple(const std::vector<double>& numbers, int decimals) {
 
 Result<WrittenValue> ReadValueText(const std::string& text) {
   const std::string line = "value " + text;
-  const Result<StageSyntax> syntax = ReadStageSyntax(line, "");
-  const bool is_one = syntax.ok() && syntax.value().statements.size() == 1 &&
-                      syntax.value().statements[0].kind == StatementKind::kProperty &&
+  const Result<StageTree> tree = ParseStage(line, "");
+  const bool is_one = tree.ok() && tree.value().statements.size() == 1 &&
+                      tree.value().statements[0].kind == StatementKind::kProperty &&
                       text.find_first_of("#\r\n") == std::string::npos;
   if (!is_one) {
     return Error{{}, "found " + Quoted(text) + ", expected a number, a text in double quotes, or several in [ ]"};
@@ -81,10 +81,10 @@ Result<WrittenValue> ReadValueText(const std::string& text) {
     if (word.front() == '"') return word.substr(1, word.size() - 2);
     return WrittenNumber{std::move(word)};
   };
-  const Statement& statement = syntax.value().statements[0];
+  const Statement& statement = tree.value().statements[0];
   if (line[statement.value.begin] != '[') return WrittenValue{scalar(statement.value)};
   std::vector<WrittenScalar> tuple;
-  for (const TextSpan& element : statement.elements) tuple.push_back(scalar(element));
+  for (const StageElement& element : statement.elements) tuple.push_back(scalar(element.span));
   return WrittenValue{std::move(tuple)};
 }
 

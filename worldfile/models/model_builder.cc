@@ -6,7 +6,7 @@
 #include "worldfile/models/properties/power_reader.h"
 #include "worldfile/models/properties/unused_properties.h"
 #include "worldfile/models/types/model_types.h"
-#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

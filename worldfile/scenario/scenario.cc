@@ -1,15 +1,14 @@
 #include "worldfile/scenario/scenario.h"
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "worldfile/map/map_yaml.h"
-#include "worldfile/scenario/json_document.h"
 #include "worldfile/scenario/place_spawns.h"
 #include "worldfile/scenario/scenario_file.h"
 #include "worldfile/scenario/scenario_tree.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/file_lookup.h"
+#include "worldfile/text/json_tree.h"
 #include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 
@@ -61,10 +60,10 @@ Status CheckControllers(const ScenarioFile& file, const LoadOverrides& overrides
 // Reads a scenario, with the checks that do not need its world.
 Result<ScenarioFile> ReadText(const std::string& text, const std::string& path, const LoadOverrides& overrides,
                               const ScenarioTools& tools) {
-  const Result<JsonDocument> document = JsonDocument::Parse(text, path);
-  if (!document.ok()) return document.error();
-  if (Status error = tools.schema.Check(document.value()); !error.ok()) return error.error();
-  Result<ScenarioFile> file = ReadScenarioFile(document.value(), DirectoryOf(path), tools.max_spawned);
+  const Result<JsonTree> tree = JsonTree::Parse(text, path);
+  if (!tree.ok()) return tree.error();
+  if (Status error = tools.schema.Check(tree.value()); !error.ok()) return error.error();
+  Result<ScenarioFile> file = ReadScenarioFile(tree.value(), DirectoryOf(path), tools.max_spawned);
   if (!file.ok()) return file;
   if (Status error = CheckControllers(file.value(), overrides); !error.ok()) return error.error();
   return file;

@@ -8,68 +8,71 @@
 namespace troupe {
 namespace {
 
-using nlohmann::json;
-
 // Properties that an entry may not set, and why.
 using Refused = std::map<std::string, std::string>;
 
 // Reads the parts of one scenario. The first error is kept; after it values are of no use.
 class Reader {
  public:
-  Reader(const JsonDocument& document, const std::string& directory, std::uint32_t max_spawned)
-      : document_(document), directory_(directory), max_spawned_(max_spawned) {}
+  Reader(const JsonTree& tree, const std::string& directory, std::uint32_t max_spawned)
+      : tree_(tree), directory_(directory), max_spawned_(max_spawned) {}
 
   Result<ScenarioFile> Read();
 
  private:
-  void Fail(const json& value, std::string message) {
-    if (!error_) error_ = document_.ErrorAt(value, std::move(message));
+  void Fail(const JsonNode& value, std::string message) {
+    if (!error_) error_ = tree_.ErrorAt(value, std::move(message));
   }
-  PlacedText Text(const json& value) const { return {value.get<std::string>(), document_.Where(value)}; }
+  PlacedText Text(const JsonNode& value) const { return {value.text, tree_.Where(value)}; }
 
-  RunSettings ReadSettings(const json& root);
-  std::optional<ControllerEntry> ReadController(const json& object) const;
-  std::vector<Property> ReadProperties(const json& object, const Refused& refused);
-  std::optional<RosDomainEntry> ReadRosDomain(const json& object) const;
-  std::vector<NamedPlace> ReadPlaces(const json& root);
-  PoseEntry ReadPose(const json& numbers) const;
-  ModelEntry ReadModel(const json& object);
-  std::vector<ModelEntry> ReadModels(const json& object, const char* key);
-  Polygon ReadRegion(const json& region);
-  Polygon ReadRectangle(const json& numbers);
-  SpawnEntry ReadSpawn(const json& object);
-  std::vector<SpawnEntry> ReadSpawns(const json& root);
-  OverrideEntry ReadOverride(const json& object);
-  HostSettings ReadHost(const json& entry);
-  HostsOfScenario ReadHosts(const json& root);
+  RunSettings ReadSettings(const JsonNode& root);
+  std::optional<ControllerEntry> ReadController(const JsonNode& object) const;
+  std::vector<Property> ReadProperties(const JsonNode& object, const Refused& refused);
+  std::optional<RosDomainEntry> ReadRosDomain(const JsonNode& object) const;
+  std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
+  PoseEntry ReadPose(const JsonNode& numbers) const;
+  ModelEntry ReadModel(const JsonNode& object);
+  std::vector<ModelEntry> ReadModels(const JsonNode& object, const char* key);
+  Polygon ReadRegion(const JsonNode& region);
+  Polygon ReadRectangle(const JsonNode& numbers);
+  SpawnEntry ReadSpawn(const JsonNode& object);
+  std::vector<SpawnEntry> ReadSpawns(const JsonNode& root);
+  OverrideEntry ReadOverride(const JsonNode& object);
+  HostSettings ReadHost(const JsonNode& entry);
+  HostsOfScenario ReadHosts(const JsonNode& root);
 
   std::string FromScenarioFolder(const std::string& path) const {
     const std::filesystem::path relative(path);
     return relative.is_absolute() ? path : (std::filesystem::path(directory_) / relative).lexically_normal().string();
   }
 
-  const JsonDocument& document_;
+  const JsonTree& tree_;
   const std::string& directory_;
   std::uint32_t max_spawned_;
   std::optional<Error> error_;
 };
 
-Value::Number NumberOf(const json& value) {
-  if (value.is_boolean()) return value.get<bool>() ? Value::Number{1.0, "1"} : Value::Number{0.0, "0"};
-  return {value.get<double>(), value.dump()};
+std::string TextIn(const JsonNode& object, std::string_view key, const std::string& otherwise = "") {
+  const JsonNode* const found = object.Find(key);
+  return found != nullptr ? found->text : otherwise;
 }
 
-std::optional<ControllerEntry> Reader::ReadController(const json& object) const {
-  const auto found = object.find("controller");
-  if (found == object.end()) return std::nullopt;
+Value::Number NumberOf(const JsonNode& value) {
+  if (value.is_boolean()) return value.is_true() ? Value::Number{1.0, "1"} : Value::Number{0.0, "0"};
+  return {value.number, value.text};
+}
+
+std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) const {
+  const JsonNode* const found = object.Find("controller");
+  if (found == nullptr) return std::nullopt;
   ControllerEntry entry;
-  entry.where = document_.Where(*found);
+  entry.where = tree_.Where(*found);
   if (found->is_string()) {
-    entry.controller.name = found->get<std::string>();
+    entry.controller.name = found->text;
   } else {
-    entry.controller.name = found->at("name").get<std::string>();
-    if (const auto parameters = found->find("parameters"); parameters != found->end()) {
-      entry.controller.parameters = parameters->dump();
+    entry.controller.name = found->Member("name").text;
+    if (const JsonNode* const parameters = found->Find("parameters")) {
+      entry.controller.parameters = ToJson(*parameters).dump();
     }
   }
   const std::string& name = entry.controller.name;
@@ -77,26 +80,26 @@ std::optional<ControllerEntry> Reader::ReadController(const json& object) const 
   return entry;
 }
 
-std::vector<Property> Reader::ReadProperties(const json& object, const Refused& refused) {
+std::vector<Property> Reader::ReadProperties(const JsonNode& object, const Refused& refused) {
   std::vector<Property> properties;
-  const auto found = object.find("properties");
-  if (found == object.end()) return properties;
-  for (const auto& [key, value] : found->items()) {
+  const JsonNode* const found = object.Find("properties");
+  if (found == nullptr) return properties;
+  for (const JsonNode& value : found->items) {
+    const std::string& key = value.key;
     if (refused.contains(key)) Fail(value, "found the property '" + key + "', which " + refused.at(key));
-    Property property{key, Value{std::string(), document_.Where(value)}, document_.WhereKey(value)};
+    Property property{key, Value{std::string(), tree_.Where(value)}, tree_.WhereKey(value)};
     if (value.is_array()) {
       std::vector<Value::Scalar> tuple;
-      for (const json& item : value) {
+      for (const JsonNode& item : value.items) {
         if (item.is_string()) {
-          tuple.emplace_back(item.get<std::string>());
+          tuple.emplace_back(item.text);
         } else {
           tuple.emplace_back(NumberOf(item));
         }
       }
       property.value.content = std::move(tuple);
     } else if (value.is_string()) {
-      const std::string text = value.get<std::string>();
-      property.value.content = key == "bitmap" ? FromScenarioFolder(text) : text;
+      property.value.content = key == "bitmap" ? FromScenarioFolder(value.text) : value.text;
     } else {
       property.value.content = NumberOf(value);
     }
@@ -105,49 +108,51 @@ std::vector<Property> Reader::ReadProperties(const json& object, const Refused& 
   return properties;
 }
 
-std::optional<RosDomainEntry> Reader::ReadRosDomain(const json& object) const {
-  const auto found = object.find("ros_domain");
-  if (found == object.end()) return std::nullopt;
+std::optional<RosDomainEntry> Reader::ReadRosDomain(const JsonNode& object) const {
+  const JsonNode* const found = object.Find("ros_domain");
+  if (found == nullptr) return std::nullopt;
   const bool each = found->is_object();
-  return RosDomainEntry{(each ? found->at("each") : *found).get<std::uint32_t>(), each, document_.Where(*found)};
+  return RosDomainEntry{(each ? found->Member("each") : *found).ToInteger<std::uint32_t>(), each, tree_.Where(*found)};
 }
 
-std::vector<NamedPlace> Reader::ReadPlaces(const json& root) {
+std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
   std::vector<NamedPlace> places;
-  const auto found = root.find("places");
-  if (found == root.end()) return places;
-  for (const json& entry : *found) {
+  const JsonNode* const found = root.Find("places");
+  if (found == nullptr) return places;
+  for (const JsonNode& entry : found->items) {
     NamedPlace place;
-    place.name = entry["name"].get<std::string>();
-    place.description = entry.value("description", std::string());
-    place.tags = entry.value("tags", std::vector<std::string>());
-    place.X_WN = ReadPose(entry["pose"]).pose;
+    place.name = entry.Member("name").text;
+    place.description = TextIn(entry, "description");
+    if (const JsonNode* const tags = entry.Find("tags")) {
+      for (const JsonNode& tag : tags->items) place.tags.push_back(tag.text);
+    }
+    place.X_WN = ReadPose(entry.Member("pose")).pose;
     const auto same = [&](const NamedPlace& other) { return other.name == place.name; };
     if (std::any_of(places.begin(), places.end(), same)) {
-      Fail(entry["name"], "found the place '" + place.name + "' again, expected another name");
+      Fail(entry.Member("name"), "found the place '" + place.name + "' again, expected another name");
     }
     places.push_back(std::move(place));
   }
   return places;
 }
 
-PoseEntry Reader::ReadPose(const json& numbers) const {
+PoseEntry Reader::ReadPose(const JsonNode& numbers) const {
   PoseEntry entry;
-  entry.has_z = numbers.size() == 4;
-  entry.where = document_.Where(numbers);
-  entry.pose.x = numbers[0].get<double>();
-  entry.pose.y = numbers[1].get<double>();
-  if (entry.has_z) entry.pose.z = numbers[2].get<double>();
-  entry.pose.heading = WrapAngle(DegreesToRadians(numbers.back().get<double>()));
+  entry.has_z = numbers.items.size() == 4;
+  entry.where = tree_.Where(numbers);
+  entry.pose.x = numbers.items[0].number;
+  entry.pose.y = numbers.items[1].number;
+  if (entry.has_z) entry.pose.z = numbers.items[2].number;
+  entry.pose.heading = WrapAngle(DegreesToRadians(numbers.items.back().number));
   return entry;
 }
 
-ModelEntry Reader::ReadModel(const json& object) {
+ModelEntry Reader::ReadModel(const JsonNode& object) {
   ModelEntry model;
-  model.where = document_.Where(object);
-  if (object.contains("name")) model.name = Text(object["name"]);
-  if (object.contains("model")) model.model = Text(object["model"]);
-  if (object.contains("pose")) model.pose = ReadPose(object["pose"]);
+  model.where = tree_.Where(object);
+  if (const JsonNode* const found = object.Find("name")) model.name = Text(*found);
+  if (const JsonNode* const found = object.Find("model")) model.model = Text(*found);
+  if (const JsonNode* const found = object.Find("pose")) model.pose = ReadPose(*found);
   model.controller = ReadController(object);
   model.ros_domain = ReadRosDomain(object);
   const Refused refused{{"name", "is expected as a key of the model itself"},
@@ -157,29 +162,29 @@ ModelEntry Reader::ReadModel(const json& object) {
   return model;
 }
 
-std::vector<ModelEntry> Reader::ReadModels(const json& object, const char* key) {
+std::vector<ModelEntry> Reader::ReadModels(const JsonNode& object, const char* key) {
   std::vector<ModelEntry> models;
-  const auto found = object.find(key);
-  if (found == object.end()) return models;
-  for (const json& entry : *found) models.push_back(ReadModel(entry));
+  const JsonNode* const found = object.Find(key);
+  if (found == nullptr) return models;
+  for (const JsonNode& entry : found->items) models.push_back(ReadModel(entry));
   return models;
 }
 
-Polygon Reader::ReadRectangle(const json& numbers) {
-  if (numbers.size() != 4) {
-    Fail(numbers, "found " + std::to_string(numbers.size()) + " numbers, expected [xmin, ymin, xmax, ymax]");
+Polygon Reader::ReadRectangle(const JsonNode& numbers) {
+  if (numbers.items.size() != 4) {
+    Fail(numbers, "found " + std::to_string(numbers.items.size()) + " numbers, expected [xmin, ymin, xmax, ymax]");
     return {};
   }
-  const double x0 = numbers[0].get<double>(), y0 = numbers[1].get<double>();
-  const double x1 = numbers[2].get<double>(), y1 = numbers[3].get<double>();
-  if (!(x0 < x1)) Fail(numbers[2], "found an xmax that is not above xmin, expected one that is");
-  if (!(y0 < y1)) Fail(numbers[3], "found a ymax that is not above ymin, expected one that is");
+  const double x0 = numbers.items[0].number, y0 = numbers.items[1].number;
+  const double x1 = numbers.items[2].number, y1 = numbers.items[3].number;
+  if (!(x0 < x1)) Fail(numbers.items[2], "found an xmax that is not above xmin, expected one that is");
+  if (!(y0 < y1)) Fail(numbers.items[3], "found a ymax that is not above ymin, expected one that is");
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
-Polygon Reader::ReadRegion(const json& region) {
-  const bool rectangle = region[0].is_number();
-  for (const json& item : region) {
+Polygon Reader::ReadRegion(const JsonNode& region) {
+  const bool rectangle = region.items[0].is_number();
+  for (const JsonNode& item : region.items) {
     if (item.is_number() == rectangle) continue;
     Fail(item,
          "found " + Describe(item) + ", expected " + (rectangle ? "a number" : "a corner [x, y]") + " as before it");
@@ -187,26 +192,26 @@ Polygon Reader::ReadRegion(const json& region) {
   }
   if (rectangle) return ReadRectangle(region);
   Polygon corners;
-  for (const json& corner : region) corners.emplace_back(corner[0].get<double>(), corner[1].get<double>());
+  for (const JsonNode& corner : region.items) corners.emplace_back(corner.items[0].number, corner.items[1].number);
   Result<Polygon> outline = Normalized(std::move(corners));
   if (outline.ok()) return std::move(outline).value();
   Fail(region, "found a region that is no simple polygon: " + outline.error().message);
   return {};
 }
 
-SpawnEntry Reader::ReadSpawn(const json& object) {
+SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   SpawnEntry spawn;
-  spawn.where = document_.Where(object);
-  spawn.model = Text(object["model"]);
-  spawn.count = object["count"].get<std::uint32_t>();
-  spawn.region = ReadRegion(object["region"]);
-  if (object.contains("spacing")) spawn.spacing = object["spacing"].get<double>();
-  if (object.contains("seed")) spawn.seed = object["seed"].get<std::uint64_t>();
-  if (object.contains("name_prefix")) spawn.name_prefix = Text(object["name_prefix"]);
-  if (const auto heading = object.find("heading"); heading != object.end()) {
+  spawn.where = tree_.Where(object);
+  spawn.model = Text(object.Member("model"));
+  spawn.count = object.Member("count").ToInteger<std::uint32_t>();
+  spawn.region = ReadRegion(object.Member("region"));
+  if (const JsonNode* const found = object.Find("spacing")) spawn.spacing = found->number;
+  if (const JsonNode* const found = object.Find("seed")) spawn.seed = found->ToInteger<std::uint64_t>();
+  if (const JsonNode* const found = object.Find("name_prefix")) spawn.name_prefix = Text(*found);
+  if (const JsonNode* const heading = object.Find("heading")) {
     if (heading->is_number()) {
-      spawn.heading = WrapAngle(DegreesToRadians(heading->get<double>()));
-    } else if (*heading != "random") {
+      spawn.heading = WrapAngle(DegreesToRadians(heading->number));
+    } else if (heading->text != "random") {
       Fail(*heading, "found " + Describe(*heading) + ", expected a heading in degrees, or 'random'");
     }
   }
@@ -215,93 +220,95 @@ SpawnEntry Reader::ReadSpawn(const json& object) {
   return spawn;
 }
 
-std::vector<SpawnEntry> Reader::ReadSpawns(const json& root) {
+std::vector<SpawnEntry> Reader::ReadSpawns(const JsonNode& root) {
   std::vector<SpawnEntry> spawns;
-  const auto found = root.find("spawn");
-  if (found == root.end()) return spawns;
+  const JsonNode* const found = root.Find("spawn");
+  if (found == nullptr) return spawns;
   std::uint32_t total = 0;
-  for (const json& spawn : *found) {
+  for (const JsonNode& spawn : found->items) {
     spawns.push_back(ReadSpawn(spawn));
     total += spawns.back().count;
     if (total <= max_spawned_) continue;
-    Fail(spawn["count"], "found " + std::to_string(total) + " models to spawn in all, expected at most " +
-                             std::to_string(max_spawned_));
+    Fail(spawn.Member("count"), "found " + std::to_string(total) + " models to spawn in all, expected at most " +
+                                    std::to_string(max_spawned_));
     break;
   }
   return spawns;
 }
 
-OverrideEntry Reader::ReadOverride(const json& object) {
+OverrideEntry Reader::ReadOverride(const JsonNode& object) {
   OverrideEntry entry;
-  const json& match = object["match"];
-  entry.where = document_.Where(match);
-  if (match.contains("name")) entry.name = match["name"].get<std::string>();
-  if (match.contains("type")) entry.type = match["type"].get<std::string>();
+  const JsonNode& match = object.Member("match");
+  entry.where = tree_.Where(match);
+  if (const JsonNode* const found = match.Find("name")) entry.name = found->text;
+  if (const JsonNode* const found = match.Find("type")) entry.type = found->text;
   entry.properties = ReadProperties(object, {{"name", "no rule can change"}});
   return entry;
 }
 
-RunSettings Reader::ReadSettings(const json& root) {
+RunSettings Reader::ReadSettings(const JsonNode& root) {
   RunSettings settings;
-  if (root.contains("ticks")) settings.ticks = root["ticks"].get<std::uint64_t>();
-  if (root.contains("mode")) settings.mode = ParseMode(root["mode"].get<std::string>()).value_or(settings.mode);
-  if (const auto speed = root.find("speed"); speed != root.end()) {
+  if (const JsonNode* const found = root.Find("ticks")) settings.ticks = found->ToInteger<std::uint64_t>();
+  if (const JsonNode* const found = root.Find("mode")) settings.mode = ParseMode(found->text).value_or(settings.mode);
+  if (const JsonNode* const speed = root.Find("speed")) {
     if (speed->is_number()) {
-      settings.speed = speed->get<double>();
-    } else if (*speed != "max") {
+      settings.speed = speed->number;
+    } else if (speed->text != "max") {
       Fail(*speed, "found " + Describe(*speed) + ", expected a multiple of real time above 0, or 'max'");
     }
   }
-  if (const auto loss = root.find("on_agent_loss"); loss != root.end()) {
-    settings.on_agent_loss = ParseOnAgentLoss(loss->get<std::string>()).value_or(settings.on_agent_loss);
+  if (const JsonNode* const loss = root.Find("on_agent_loss")) {
+    settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
   }
-  if (root.contains("robots_per_process")) {
-    settings.robots_per_process = root["robots_per_process"].get<std::uint32_t>();
+  if (const JsonNode* const found = root.Find("robots_per_process")) {
+    settings.robots_per_process = found->ToInteger<std::uint32_t>();
   }
-  if (root.contains("restart_agents")) settings.restart_agents = root["restart_agents"].get<std::uint32_t>();
-  if (root.contains("agent_deadline")) settings.agent_deadline_seconds = root["agent_deadline"].get<double>();
-  if (root.contains("ros")) settings.ros = root["ros"].get<bool>();
-  if (root.contains("ros_no_hit")) settings.ros_infinite_ranges = root["ros_no_hit"] == "inf";
+  if (const JsonNode* const found = root.Find("restart_agents"))
+    settings.restart_agents = found->ToInteger<std::uint32_t>();
+  if (const JsonNode* const found = root.Find("agent_deadline")) settings.agent_deadline_seconds = found->number;
+  if (const JsonNode* const found = root.Find("ros")) settings.ros = found->is_true();
+  if (const JsonNode* const found = root.Find("ros_no_hit")) settings.ros_infinite_ranges = found->text == "inf";
   return settings;
 }
 
-HostSettings Reader::ReadHost(const json& entry) {
+HostSettings Reader::ReadHost(const JsonNode& entry) {
   HostSettings host;
-  host.where = document_.Where(entry);
+  host.where = tree_.Where(entry);
   if (entry.is_string()) {
-    host.name = host.address = entry.get<std::string>();
+    host.name = host.address = entry.text;
     return host;
   }
-  const auto text = [&](const char* key) { return entry.value(key, std::string()); };
-  host.address = text("address");
-  host.name = entry.value("name", host.address);
-  host.start = text("start");
-  host.programs = text("programs");
-  host.network_interface = text("interface");
-  host.service = entry.value("service", false);
+  host.address = TextIn(entry, "address");
+  host.name = TextIn(entry, "name", host.address);
+  host.start = TextIn(entry, "start");
+  host.programs = TextIn(entry, "programs");
+  host.network_interface = TextIn(entry, "interface");
+  const JsonNode* const service = entry.Find("service");
+  host.service = service != nullptr && service->is_true();
   if (!host.start.empty() && host.start.find("{command") == std::string::npos) {
-    Fail(entry["start"], "found no '{command}' in this text, expected one, or '{command_text}'");
+    Fail(entry.Member("start"), "found no '{command}' in this text, expected one, or '{command_text}'");
   }
-  const auto robots = entry.find("robots");
-  if (robots == entry.end()) return host;
+  const JsonNode* const robots = entry.Find("robots");
+  if (robots == nullptr) return host;
   if (robots->is_array()) {
-    for (const json& name : *robots) host.robot_names.push_back(name.get<std::string>());
+    for (const JsonNode& name : robots->items) host.robot_names.push_back(name.text);
   }
-  if (!robots->is_array() || robots->empty()) host.robot_count = robots->is_array() ? 0 : robots->get<std::uint32_t>();
+  if (!robots->is_array() || robots->items.empty())
+    host.robot_count = robots->is_array() ? 0 : robots->ToInteger<std::uint32_t>();
   return host;
 }
 
-HostsOfScenario Reader::ReadHosts(const json& root) {
+HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
   HostsOfScenario result;
-  result.network = root.value("network", std::string());
-  const auto hosts = root.find("hosts");
-  if (hosts == root.end()) return result;
-  for (const json& entry : *hosts) {
+  result.network = TextIn(root, "network");
+  const JsonNode* const hosts = root.Find("hosts");
+  if (hosts == nullptr) return result;
+  for (const JsonNode& entry : hosts->items) {
     HostSettings host = ReadHost(entry);
     for (const HostSettings& other : result.hosts) {
       if (other.name == host.name) Fail(entry, "found a second host '" + host.name + "', expected another name");
       if (other.service && host.service) {
-        Fail(entry["service"], "found a second host with the world service, expected it on one host");
+        Fail(entry.Member("service"), "found a second host with the world service, expected it on one host");
       }
     }
     result.hosts.push_back(std::move(host));
@@ -310,14 +317,14 @@ HostsOfScenario Reader::ReadHosts(const json& root) {
 }
 
 Result<ScenarioFile> Reader::Read() {
-  const json& root = document_.root();
+  const JsonNode& root = tree_.root();
   ScenarioFile file;
-  if (root.contains("world")) file.world = Text(root["world"]);
-  if (const auto includes = root.find("include"); includes != root.end()) {
-    for (const json& include : *includes) file.includes.push_back(Text(include));
+  if (const JsonNode* const found = root.Find("world")) file.world = Text(*found);
+  if (const JsonNode* const includes = root.Find("include")) {
+    for (const JsonNode& include : includes->items) file.includes.push_back(Text(include));
   }
-  if (root.contains("name")) file.name = root["name"].get<std::string>();
-  if (root.contains("seed")) file.seed = root["seed"].get<std::uint64_t>();
+  if (const JsonNode* const found = root.Find("name")) file.name = found->text;
+  if (const JsonNode* const found = root.Find("seed")) file.seed = found->ToInteger<std::uint64_t>();
   file.settings = ReadSettings(root);
   file.hosts = ReadHosts(root);
   file.controller = ReadController(root);
@@ -325,8 +332,8 @@ Result<ScenarioFile> Reader::Read() {
   file.models = ReadModels(root, "models");
   file.robots = ReadModels(root, "robots");
   file.spawns = ReadSpawns(root);
-  if (const auto overrides = root.find("override"); overrides != root.end()) {
-    for (const json& entry : *overrides) file.overrides.push_back(ReadOverride(entry));
+  if (const JsonNode* const overrides = root.Find("override")) {
+    for (const JsonNode& entry : overrides->items) file.overrides.push_back(ReadOverride(entry));
   }
   file.places = ReadPlaces(root);
   if (error_) return *error_;
@@ -335,9 +342,8 @@ Result<ScenarioFile> Reader::Read() {
 
 }  // namespace
 
-Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
-                                      std::uint32_t max_spawned) {
-  return Reader(document, directory, max_spawned).Read();
+Result<ScenarioFile> ReadScenarioFile(const JsonTree& tree, const std::string& directory, std::uint32_t max_spawned) {
+  return Reader(tree, directory, max_spawned).Read();
 }
 
 }  // namespace troupe

@@ -11,8 +11,8 @@
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "worldfile/models/loaded_world.h"
-#include "worldfile/scenario/json_document.h"
 #include "worldfile/stage/world_tree.h"
+#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 
@@ -92,9 +92,9 @@ struct ScenarioFile {
 // Of all rules together: a typing error must not fill the memory.
 inline constexpr std::uint32_t kMaxSpawned = 20'000;
 
-// REQUIRES: the document is valid by the schema. `directory` is where relative paths of bitmaps and controller
+// REQUIRES: the tree is valid by the schema. `directory` is where relative paths of bitmaps and controller
 // libraries start.
-Result<ScenarioFile> ReadScenarioFile(const JsonDocument& document, const std::string& directory,
+Result<ScenarioFile> ReadScenarioFile(const JsonTree& tree, const std::string& directory,
                                       std::uint32_t max_spawned = kMaxSpawned);
 
 }  // namespace troupe

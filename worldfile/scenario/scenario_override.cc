@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

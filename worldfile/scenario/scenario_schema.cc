@@ -1,5 +1,6 @@
 #include "worldfile/scenario/scenario_schema.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -22,13 +23,14 @@ std::string Step(const std::string& part) {
   return part.substr(1, part.size() - 2);
 }
 
-const json& ValueAt(const json& root, const Context& context) {
-  const json* value = &root;
-  for (std::size_t i = 1; i < context.size(); ++i) {
-    const std::string step = Step(context[i]);
-    value = value->is_array() ? &value->at(std::stoul(step)) : &value->at(step);
-  }
-  return *value;
+const JsonNode& Inner(const JsonNode& node, const std::string& step) {
+  return node.is_array() ? node.items.at(std::stoul(step)) : node.Member(step);
+}
+
+const JsonNode& NodeAt(const JsonNode& root, const Context& context) {
+  const JsonNode* node = &root;
+  for (std::size_t i = 1; i < context.size(); ++i) node = &Inner(*node, Step(context[i]));
+  return *node;
 }
 
 const json& FollowReference(const json& root, const json& schema) {
@@ -38,20 +40,19 @@ const json& FollowReference(const json& root, const json& schema) {
 }
 
 // The part of the schema for the value at `context`.
-const json& SchemaAt(const json& root, const Context& context, const json& document) {
+const json& SchemaAt(const json& root, const Context& context, const JsonNode& document) {
   const json* schema = &root;
-  const json* value = &document;
+  const JsonNode* node = &document;
   for (std::size_t i = 1; i < context.size(); ++i) {
     const std::string step = Step(context[i]);
-    if (value->is_array()) {
-      value = &value->at(std::stoul(step));
+    if (node->is_array()) {
       schema = &schema->at("items");
     } else {
-      value = &value->at(step);
       const auto properties = schema->find("properties");
       const bool named = properties != schema->end() && properties->contains(step);
       schema = named ? &properties->at(step) : &schema->at("additionalProperties");
     }
+    node = &Inner(*node, step);
     schema = &FollowReference(root, *schema);
   }
   return *schema;
@@ -69,46 +70,39 @@ Error UnknownKey(const SourceLocation& where, const std::string& key, const std:
   return {where, "found the key " + Quoted(key) + ", expected one of " + list + DidYouMean(key, known)};
 }
 
-struct Member {
-  std::string key;
-  const json* value;
-};
-
-// The first member of `object`, in the order of the text, that the schema does not know.
-std::optional<Member> FindUnknownMember(const JsonDocument& document, const json& schema, const json& object) {
+// The first member of `object` that the schema does not know; null: it knows all.
+const JsonNode* FindUnknownMember(const json& schema, const JsonNode& object) {
   const auto additional = schema.find("additionalProperties");
-  if (additional == schema.end() || !additional->is_boolean()) return std::nullopt;
-  std::optional<Member> first;
-  for (const auto& [key, value] : object.items()) {
-    if (schema.at("properties").contains(key)) continue;
-    if (!first || document.Offset(value) < document.Offset(*first->value)) first = Member{key, &value};
-  }
-  return first;
+  if (additional == schema.end() || !additional->is_boolean()) return nullptr;
+  const json& known = schema.at("properties");
+  const auto first = std::find_if(object.items.begin(), object.items.end(),
+                                  [&](const JsonNode& member) { return !known.contains(member.key); });
+  return first != object.items.end() ? &*first : nullptr;
 }
 
-std::optional<std::string> FindMissingKey(const json& schema, const json& object) {
+std::optional<std::string> FindMissingKey(const json& schema, const JsonNode& object) {
   const auto required = schema.find("required");
   if (required == schema.end()) return std::nullopt;
   for (const json& key : *required) {
-    if (!object.contains(key.get<std::string>())) return key.get<std::string>();
+    const auto& name = key.get_ref<const std::string&>();
+    if (object.Find(name) == nullptr) return name;
   }
   return std::nullopt;
 }
 
-// The error of `value`, which breaks `schema`.
-Error Explain(const JsonDocument& document, const json& root_schema, const json& schema, const json& value) {
-  if (value.is_object()) {
-    if (const std::optional<Member> unknown = FindUnknownMember(document, schema, value)) {
-      return UnknownKey(document.WhereKey(*unknown->value), unknown->key, KeysOf(schema.at("properties")));
+// The error of `node`, which breaks `schema`.
+Error Explain(const JsonTree& tree, const json& root_schema, const json& schema, const JsonNode& node) {
+  if (node.is_object()) {
+    if (const JsonNode* const unknown = FindUnknownMember(schema, node)) {
+      return UnknownKey(tree.WhereKey(*unknown), unknown->key, KeysOf(schema.at("properties")));
     }
-    if (const std::optional<std::string> missing = FindMissingKey(schema, value)) {
+    if (const std::optional<std::string> missing = FindMissingKey(schema, node)) {
       const json& expected = FollowReference(root_schema, schema.at("properties").at(*missing));
-      return {document.Where(value),
-              "found no '" + *missing + "' in this object, expected " + expected.at("description").get<std::string>()};
+      return tree.ErrorAt(node, "found no '" + *missing + "' in this object, expected " +
+                                    expected.at("description").get<std::string>());
     }
   }
-  return document.ErrorAt(value,
-                          "found " + Describe(value) + ", expected " + schema.at("description").get<std::string>());
+  return tree.ErrorAt(node, "found " + Describe(node) + ", expected " + schema.at("description").get<std::string>());
 }
 
 }  // namespace
@@ -130,9 +124,10 @@ ScenarioSchema::~ScenarioSchema() = default;
 ScenarioSchema::ScenarioSchema(ScenarioSchema&&) noexcept = default;
 ScenarioSchema& ScenarioSchema::operator=(ScenarioSchema&&) noexcept = default;
 
-Status ScenarioSchema::Check(const JsonDocument& document) const {
+Status ScenarioSchema::Check(const JsonTree& tree) const {
   valijson::Validator validator;
-  const valijson::adapters::NlohmannJsonAdapter root(document.root());
+  const json values = ToJson(tree.root());
+  const valijson::adapters::NlohmannJsonAdapter root(values);
   if (validator.validate(compiled_->schema, root, nullptr)) return Status();
   valijson::ValidationResults results;
   validator.validate(compiled_->schema, root, &results);
@@ -140,7 +135,7 @@ Status ScenarioSchema::Check(const JsonDocument& document) const {
   const Context* first = nullptr;
   std::size_t first_offset = 0;
   for (const auto& fault : results) {
-    const std::size_t offset = document.Offset(ValueAt(document.root(), fault.context));
+    const std::size_t offset = NodeAt(tree.root(), fault.context).span.begin;
     const bool inside = first != nullptr && fault.context.size() > first->size() &&
                         std::equal(first->begin(), first->end(), fault.context.begin());
     const bool around = first != nullptr && fault.context.size() < first->size() &&
@@ -151,8 +146,7 @@ Status ScenarioSchema::Check(const JsonDocument& document) const {
     }
   }
   TROUPE_CHECK(first != nullptr);
-  return Explain(document, compiled_->text, SchemaAt(compiled_->text, *first, document.root()),
-                 ValueAt(document.root(), *first));
+  return Explain(tree, compiled_->text, SchemaAt(compiled_->text, *first, tree.root()), NodeAt(tree.root(), *first));
 }
 
 }  // namespace troupe

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "troupe/result.h"
-#include "worldfile/scenario/json_document.h"
+#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 
@@ -16,7 +16,7 @@ class ScenarioSchema {
   ScenarioSchema& operator=(ScenarioSchema&&) noexcept;
 
   // The first breach of the schema in the order of the text: its place, the value found, and the values expected.
-  Status Check(const JsonDocument& document) const;
+  Status Check(const JsonTree& tree) const;
 
  private:
   struct Compiled;

@@ -420,9 +420,85 @@ TEST_F(AgentProtocolTest, AReplicaForASessionThatWasReplacedIsOfNoUse) {
   SendSession(0, World(), kRun + 1);
   task->Perform(options_, {});
   protocol_.FinishTask(*task);
-  EXPECT_NE(task->replica, nullptr);
+  EXPECT_NE(task->robots.replica, nullptr);
   PerformTask();
   EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
+}
+
+TEST_F(AgentProtocolTest, TheLastFrameDuringAChangeEndsTheAgent) {
+  JoinAndRun();
+  SendSession(1, Without({"r1"}));
+  SendFrame(0, 1);
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  FrameMessage last = Frame(0, 1);
+  last.last = true;
+  protocol_.OnFrame(last, now_);
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task);
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_TRUE(protocol_.failure().ok());
+  EXPECT_THAT(endpoint_.sent, SizeIs(1));
+  EXPECT_NE(task->robots.replica, nullptr);
+}
+
+TEST_F(AgentProtocolTest, AServiceThatEndsWhileTheReplicaIsMadeIsReplacedByTheNext) {
+  SendSession();
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  protocol_.OnServiceGone(now_);
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task);
+  EXPECT_EQ(PollAfter(1.0), std::nullopt);
+  EXPECT_FALSE(protocol_.over());
+  SendSession(0, World(), kRun + 1);
+  PerformTask();
+  EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
+}
+
+TEST_F(AgentProtocolTest, FramesAreAnsweredInTheirOrderAndAgainOnlyIfTheAnswerIsMissing) {
+  JoinAndRun();
+  SendFrame(3);
+  SendFrame(2);
+  ASSERT_THAT(endpoint_.sent, SizeIs(2));
+  FrameMessage resent = Frame(3);
+  resent.awaited = {99};
+  protocol_.OnFrame(resent, now_);
+  EXPECT_THAT(endpoint_.sent, SizeIs(2));
+  resent.awaited = {99, kAgent};
+  protocol_.OnFrame(resent, now_);
+  ASSERT_THAT(endpoint_.sent, SizeIs(3));
+  EXPECT_EQ(endpoint_.sent[2], endpoint_.sent[1]);
+}
+
+TEST_F(HistoryTest, TheEndOfTheServiceEndsAMemberWhoseRobotsProcessAHistory) {
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  ASSERT_TRUE(PollAfter(0.0).has_value());
+  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 0, true}, {Entry(1)}));
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  protocol_.OnServiceGone(now_);
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task);
+  ASSERT_TRUE(protocol_.over());
+  EXPECT_EQ(protocol_.failure().error().message, "the world service is gone");
+}
+
+TEST_F(HistoryTest, ANewerWorldReplacesThatOfAnAgentThatWasNeverAdmitted) {
+  Prepare();
+  protocol_.OnHistory(HistoryOf({}, {Entry(0)}));
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  SendSession(1, Without({"r1"}));
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task);
+  PerformTask();  // the replica of the newer world
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->world_edition, 1u);
+  EXPECT_THAT(join->robots, ElementsAre("r0"));
+  EXPECT_EQ(join->memory, std::nullopt);
 }
 
 // Another service continues the run.
@@ -474,6 +550,26 @@ TEST_F(IncarnationTest, AnEarlierServiceHasNoEffectAnyMore) {
   protocol_.OnFrame(last, now_);
   EXPECT_EQ(endpoint_.sent.size(), sent);
   EXPECT_FALSE(protocol_.over());
+}
+
+TEST_F(IncarnationTest, ALaterServiceIsJoinedAfterTheChangeThatHasBegun) {
+  JoinAndRun();
+  SendSession(1, Without({"r1"}));
+  SendFrame(0, 1);
+  std::optional<ReplicaTask> task = protocol_.BeginTask();
+  ASSERT_TRUE(task.has_value());
+  protocol_.OnFrame(FrameOf(1, 0), now_);
+  EXPECT_EQ(PollAfter(1.0), std::nullopt);
+  task->Perform(options_, {});
+  protocol_.FinishTask(*task);
+  EXPECT_THAT(protocol_.DrainNotices(), ElementsAre("another world service continues the run"));
+  const std::optional<JoinMessage> join = PollAfter(0.0);
+  ASSERT_TRUE(join.has_value());
+  EXPECT_EQ(join->incarnation, 1u);
+  EXPECT_EQ(join->world_edition, 1u);
+  AnswerAs(1);
+  EXPECT_THAT(protocol_.DrainNotices(), ElementsAre("joined the run again"));
+  EXPECT_THAT(endpoint_.sent, SizeIs(2)) << "the frame that was kept";
 }
 
 TEST_F(IncarnationTest, ALaterServiceEndsTheWaitForALostOne) {

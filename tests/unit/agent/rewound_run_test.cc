@@ -3,13 +3,18 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
 #include "tests/support/yard.h"
+#include "world-service/replay/branched_run.h"
 #include "world-service/replay/run_replay.h"
 #include "worldfile/load_world.h"
 
@@ -202,6 +207,151 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
     EXPECT_EQ(summary.value().rejected, 0u);
   }
   ExpectEqualReplay(files.recording());
+}
+
+std::size_t RewindsIn(const std::string& path) {
+  const Recording recording = Recording::Open(path).value();
+  std::size_t rewinds = 0;
+  EXPECT_TRUE(recording
+                  .VisitEdits(recording.chunks(),
+                              [&](std::uint64_t, const RecordedEdit& edit) {
+                                rewinds += edit.request.command == ControlCommand::kRewind;
+                                return Status();
+                              })
+                  .ok());
+  return rewinds;
+}
+
+// The history of a run, whose first rewind makes states as the test says: `call` counts them from 0.
+class HistoryWithFaults final : public RunHistory {
+ public:
+  using Make = std::function<Result<bool>(std::uint64_t call, RewindStates& states)>;
+  HistoryWithFaults(RunHistory* history, Make make) : history_(history), make_(std::move(make)) {}
+  Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override { return history_->Read(request); }
+  Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request,
+                                                    const FrameMessage& newest) override {
+    Result<std::unique_ptr<RewindStates>> states = history_->StartRewind(request, newest);
+    if (!make_ || !states.ok()) return states;
+    return std::unique_ptr<RewindStates>(
+        std::make_unique<States>(std::move(states).value(), std::exchange(make_, nullptr)));
+  }
+
+ private:
+  class States final : public RewindStates {
+   public:
+    States(std::unique_ptr<RewindStates> states, Make make) : states_(std::move(states)), make_(std::move(make)) {}
+    Result<bool> MakeSome() override { return make_(calls_++, *states_); }
+    Result<RewoundRun> Write() override { return states_->Write(); }
+
+   private:
+    const std::unique_ptr<RewindStates> states_;
+    const Make make_;
+    std::uint64_t calls_ = 0;
+  };
+
+  RunHistory* const history_;
+  Make make_;
+};
+
+TEST(RewoundRunTest, ARewindThatFailsLeavesTheRunAndItsRecordingAsTheyAre) {
+  const Files files;
+  std::optional<HistoryWithFaults> history;
+  {
+    const auto fail = [](std::uint64_t call, RewindStates& states) -> Result<bool> {
+      return call == 50 ? Failure("a state cannot be read") : states.MakeSome();
+    };
+    ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10),
+                                       .wrap_history = [&](RunHistory* real, std::atomic<bool>&) {
+                                         return &history.emplace(real, fail);
+                                       }});
+    run.Step(100);
+    const std::vector<std::uint64_t> hashes = run.Hashes();
+    const ControlReply failed = run.Ask(ControlCommand::kRewind, 95);
+    EXPECT_FALSE(failed.done);
+    EXPECT_EQ(failed.problem, "a state cannot be read");
+    run.Step(20);
+    Rewind(run, 95);
+    ExpectSame(run, hashes, 100);
+    ASSERT_TRUE(run.Finish().ok());
+  }
+  EXPECT_EQ(RewindsIn(files.recording()), 1u);
+  ExpectEqualReplay(files.recording());
+}
+
+TEST(RewoundRunTest, AStopEndsARewind) {
+  const Files files;
+  std::optional<HistoryWithFaults> history;
+  {
+    const auto wrap = [&](RunHistory* real, std::atomic<bool>& stop) {
+      return &history.emplace(real, [&stop](std::uint64_t, RewindStates&) -> Result<bool> {
+        stop = true;
+        return true;  // there is always another state to be made
+      });
+    };
+    ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10), .wrap_history = wrap});
+    run.Step(120);
+    const ControlReply reply = run.Ask(ControlCommand::kRewind, 50);
+    EXPECT_FALSE(reply.done);
+    EXPECT_EQ(reply.problem, "the run is over");
+    EXPECT_EQ(reply.tick, 120u);
+    const Result<RunSummary> summary = run.Finish();
+    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
+    EXPECT_TRUE(summary.value().interrupted);
+  }
+  EXPECT_EQ(RewindsIn(files.recording()), 0u);
+  ExpectEqualReplay(files.recording());
+}
+
+TEST(RewoundRunTest, AJournalBesideTheRecordingHasTheRewindToo) {
+  const Files files;
+  const std::string journal = files.recording() + ".journal.mcap";
+  OutputFiles outputs = Record(files.recording(), 10);
+  outputs.journal = JournalFiles::Of(journal);
+  {
+    ControlledRun run(CountingYard(), {.outputs = outputs});
+    run.Step(80);
+    Rewind(run, 30);
+    run.Step(10);
+    ASSERT_TRUE(run.Finish().ok());
+  }
+  for (const std::string& path : {files.recording(), journal}) {
+    SCOPED_TRACE(path);
+    EXPECT_EQ(RewindsIn(path), 1u);
+    ExpectEqualReplay(path);
+  }
+}
+
+class NoControl final : public WorldControl {
+  void Request(const ControlRequest&, ControlReplyTo) override {}
+};
+
+// The ticks of the branch are not read as states of the rewind.
+TEST(RewoundRunTest, ABranchFromWithinARewindHasNoMoreOfItsStates) {
+  const Files files;
+  {
+    ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10)});
+    run.Step(60);
+    Rewind(run, 50);
+    ASSERT_TRUE(run.Finish().ok());
+  }
+  BranchOptions options;
+  options.from = 20;
+  const Result<BranchedRun> branch = BranchRun(files.recording(), options);
+  ASSERT_TRUE(branch.ok()) << branch.error().ToString();
+  ASSERT_EQ(branch.value().begin->last_number, 81u) << "0 to 60, and 0 to 20 again";
+  const std::string path = files.recording() + ".branch.mcap";
+  const auto recorder = RunRecorder::Create(path, {.world_file = {}, .begin = branch.value().begin}).value();
+  NoControl control;
+  ASSERT_TRUE(recorder->OnBegin({1, {}, branch.value().scene, control}).ok());
+  ASSERT_TRUE(recorder->OnEnd().ok());
+  const Recording recording = Recording::Open(path).value();
+  std::vector<std::uint64_t> copies;
+  const Status visited = recording.VisitEdits(recording.chunks(), [&](std::uint64_t, const RecordedEdit& edit) {
+    copies.push_back(edit.copies);
+    return Status();
+  });
+  ASSERT_TRUE(visited.ok());
+  EXPECT_THAT(copies, testing::ElementsAre(20u));
 }
 
 TEST(RewoundRunTest, ARunWithoutRecordingSaysSo) {

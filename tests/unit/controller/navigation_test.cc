@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "robot-agent/navigation/evidence_grid.h"
-#include "robot-agent/navigation/plan_path.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 
@@ -13,7 +14,9 @@
 #include "transport/dds/binding/domain_participant.h"
 #include "transport/dds/binding/exception.h"
 #include "transport/dds/convert/topic_types.h"
+#include "transport/dds/transport/dds_agent_endpoint.h"
 #include "transport/dds/transport/qos_profiles.h"
+#include "transport/protocol/agent_name.h"
 #include "transport/protocol/topics.h"
 
 namespace troupe {
@@ -513,6 +516,43 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   ASSERT_TRUE(Eventually([&] {
     writer.write(frame);
     return !agent.Heard(agent.frames).empty();
+  }));
+}
+
+TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure) {
+  options_.data_sharing = false;
+  const auto service_transport = MakeServiceTransport();
+  Service service;
+  const auto service_end = service_transport->MakeServiceEndpoint();
+  service_end->Start(service);
+  service_end->SendSession(Session(5));
+
+  std::atomic<int> failures = 0;
+  const dds::DdsConnection connection(
+      dds::ToolConfig(options_.domain, "lo", "127.0.0.1:" + std::to_string(port_)), options_.session,
+      [&](const std::string&) { ++failures; }, {}, AgentName({"r1"}));
+  // As long as the participant has this topic with other QoS, there can be no writer of proposals.
+  auto other = std::make_unique<dds::Entity>(
+      dds_create_topic(connection.participant.handle(), dds::TopicTraits<troupe_wire_Proposal>::descriptor(),
+                       topics::kProposal, dds::qos_profiles::Description().get(), nullptr));
+  Agent agent;
+  dds::DdsAgentEndpoint agent_end(connection, std::nullopt, true);
+  agent_end.Start(agent);
+  ASSERT_TRUE(Eventually([&] { return failures > 0; }));
+  other.reset();
+  FrameMessage frame;
+  frame.run = 5;
+  EXPECT_TRUE(Eventually([&] {
+    service_end->SendFrame(frame);
+    return !agent.Heard(agent.frames).empty();
+  }));
+  ProposalMessage proposal;
+  proposal.run = 5;
+  proposal.agent = 1;
+  EXPECT_TRUE(Eventually([&] {
+    agent_end.SendJoin(Join(5, 1));
+    agent_end.SendProposal(proposal);
+    return !service.Heard(service.proposals).empty();
   }));
 }
 

@@ -1,7 +1,6 @@
-#include "robot-agent/drive/odometry.h"
-
 #include <gtest/gtest.h>
 
+#include "robot-agent/drive/drive.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {

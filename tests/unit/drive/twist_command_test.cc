@@ -1,8 +1,7 @@
-#include "robot-agent/drive/twist_command.h"
-
 #include <gtest/gtest.h>
 
 #include "common/model/drive_limits.h"
+#include "robot-agent/drive/drive.h"
 
 namespace troupe {
 namespace {

@@ -1,7 +1,6 @@
-#include "robot-agent/gripper/joint_motor.h"
-
 #include <gtest/gtest.h>
 
+#include "robot-agent/gripper/gripper_machine.h"
 #include "tests/unit/gripper/hand.h"
 
 namespace troupe::test {

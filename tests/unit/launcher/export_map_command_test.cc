@@ -1,5 +1,3 @@
-#include "launcher/commands/export_map_command.h"
-
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +5,7 @@
 #include <fstream>
 
 #include "common/spatial/occupancy_grid.h"
+#include "launcher/commands/commands.h"
 #include "tests/process/output_folder.h"
 #include "worldfile/load_world.h"
 

@@ -1,8 +1,8 @@
-#include "launcher/commands/pose_text.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
+
+#include "launcher/commands/arguments.h"
 
 namespace troupe {
 namespace {

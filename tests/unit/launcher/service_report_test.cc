@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "common/base/json_fields.h"
+
 namespace troupe {
 namespace {
 
@@ -37,6 +41,28 @@ TEST(ServiceReport, StatusNamesTheAwaitedRobots) {
   EXPECT_EQ(status.target_ticks, 10u);
   EXPECT_EQ(status.waiting_for, (std::vector<std::string>{"r1"}));
   EXPECT_EQ(status.waiting_seconds, 0.3);
+  EXPECT_EQ(status.speed, std::nullopt);
+}
+
+TEST(ServiceReport, AStatusHasAllItsFields) {
+  StatusMessage status;
+  status.run = 0xfedcba9876543211u;
+  status.tick = 7;
+  status.target_ticks = 10;
+  status.sim_seconds = 0.7;
+  status.wall_seconds = 0.5;
+  status.real_time_factor = 1.4;
+  status.robots = 3;
+  status.agents = 2;
+  status.waiting_for = {"r1", "r2"};
+  status.waiting_seconds = 0.3;
+  status.edition = 4;
+  status.incarnation = 5;
+  status.speed = 2.0;
+  status.phases = {0.1, 0.2, 0.3, 0.4};
+  nlohmann::json report = FieldsToJson<nlohmann::json>(status);
+  report["type"] = "status";
+  EXPECT_EQ(Parse<StatusMessage>(report.dump()), status);
 }
 
 TEST(ServiceReport, EndContainsTheSummaryWithAllBitsOfTheHash) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "launcher/commands/goal_text.h"
+#include "launcher/commands/arguments.h"
 
 namespace troupe {
 namespace {

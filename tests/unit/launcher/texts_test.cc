@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "launcher/commands/check_command.h"
-#include "launcher/commands/session_table.h"
 #include "launcher/commands/session_top.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/summary.h"
@@ -15,6 +14,7 @@
 namespace troupe {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -85,6 +85,52 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   EXPECT_THAT(top.Text(20), Not(HasSubstr("no agent")));
   top.OnServiceGone();
   EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
+}
+
+SessionMessage SessionOf(const std::vector<const char*>& robots, Edition edition) {
+  SmallWorld world;
+  for (const char* name : robots) {
+    world.AddRobot(name, {static_cast<double>(world.world().robots.size()) * 2.0, 0.0, 0.0, 0.0});
+  }
+  SessionMessage session;
+  session.run = 1;
+  session.world = world.world();
+  session.world_edition = edition;
+  return session;
+}
+
+FrameMessage FrameOf(const SessionMessage& session) {
+  FrameMessage frame;
+  frame.run = session.run;
+  frame.edition = frame.world_edition = session.world_edition;
+  frame.state = PlacedState(session.world);
+  return frame;
+}
+
+TEST(SessionTop, ARobotThatHasLostItsAgentIsTheSameRobotAfterALoad) {
+  const SessionMessage first = SessionOf({"a", "b"}, 0);
+  const SessionMessage second = SessionOf({"b", "c"}, 1);  // b has another id
+  SessionTop top;
+  top.OnSession(first);
+  FrameMessage frame = FrameOf(first);
+  frame.events = {{0, EventType::kLeft, RobotId(1), {}, {}, {}}};
+  top.OnFrame(frame);
+  EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
+  // Until a frame of the second world arrives, the state is that of the first one.
+  top.OnSession(second);
+  EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
+  EXPECT_THAT(top.Text(20), ContainsRegex("\na +idle"));
+  top.OnFrame(FrameOf(second));
+  StatusMessage status;
+  status.run = 1;
+  top.OnStatus(status);
+  EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
+  EXPECT_THAT(top.Text(20), ContainsRegex("\nc +idle"));
+  EXPECT_THAT(top.Text(20), HasSubstr(" 1 robots have lost theirs"));
+  const SessionMessage third = SessionOf({"c"}, 2);
+  top.OnSession(third);
+  top.OnFrame(FrameOf(third));
+  EXPECT_THAT(top.Text(20), HasSubstr(" 0 robots have lost theirs"));
 }
 
 RunOutcome SomeOutcome() {

@@ -5,8 +5,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <latch>
 #include <thread>
 
+#include "recording/journal_tail.h"
 #include "recording/tick_reader.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
@@ -124,6 +127,43 @@ TEST_F(RunRecorderTest, AFullDiskEndsTheRun) {
   const Result<Recording> recording = Open();
   ASSERT_TRUE(recording.ok()) << "the part that is written is readable";
   EXPECT_TRUE(recording.value().damage());
+}
+
+class NoControl final : public WorldControl {
+  void Request(const ControlRequest&, ControlReplyTo) override {}
+};
+
+// A pause reports progress on the thread that delivers it, while the thread of the run writes a rewind.
+TEST_F(RunRecorderTest, ProgressThatIsReportedWithinARewindTearsNoRecordOfTheJournal) {
+  constexpr std::uint64_t kStates = 2000;  // less than a file of the tail
+  std::string pattern = testing::TempDir() + "troupe-recorder-XXXXXX";
+  const std::filesystem::path folder = mkdtemp(pattern.data());
+  recording_options_.journal = JournalFiles::Of((folder / "run.mcap").string());
+  const JournalFiles& files = *recording_options_.journal;
+  {
+    const std::unique_ptr<RunRecorder> recorder = RunRecorder::Create(files.recording, recording_options_).value();
+    NoControl control;
+    ASSERT_TRUE(recorder->OnBegin({7, options_.settings, scene_, control}).ok());
+    std::latch both(2);
+    std::jthread pauses([&] {
+      both.arrive_and_wait();
+      for (std::uint64_t i = 0; i < kStates; ++i) EXPECT_TRUE(recorder->OnProgress({}).ok());
+    });
+    both.arrive_and_wait();
+    std::uint64_t made = 0;
+    const Status written = recorder->Append([&](RecordedTick& tick) -> Result<bool> {
+      if (made == kStates) return false;
+      tick.tick = made++;
+      return true;
+    });
+    EXPECT_TRUE(written.ok());
+    pauses.join();
+    const JournalTailContent tail = ReadJournalTail(files, 7, 0);
+    EXPECT_EQ(tail.ticks.size(), kStates);
+    EXPECT_EQ(tail.next_serial, 2 * kStates);
+    EXPECT_TRUE(recorder->OnEnd().ok());
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(RunRecorderTest, ADiskThatIsFullFromTheStartEndsTheRunBeforeItBegins) {

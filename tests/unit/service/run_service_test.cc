@@ -7,6 +7,8 @@
 #include <atomic>
 #include <functional>
 #include <future>
+#include <optional>
+#include <stdexcept>
 
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
@@ -143,6 +145,69 @@ TEST_F(RunServiceTest, EndsInOrderWithoutMemoryForAMessage) {
   EXPECT_EQ(summary.error().message, "there is not enough memory");
   EXPECT_EQ(summary.error().code, ErrorCode::kFailure);
 }
+
+// An observer that throws in one of its calls, at tick 5 if that is one of a tick.
+struct Fault {
+  std::string call;
+  Tick last_sent = 0;  // tick of the last frame that the agents see
+};
+
+class FaultyObserverTest : public RunServiceTest, public testing::WithParamInterface<Fault> {
+ protected:
+  static constexpr Tick kTick = 5;
+
+  Status OnBegin(const RunStart&) override { return ThrowIn("OnBegin"); }
+  Status OnCommit(const CommittedTick& tick, const RunProgress&) override {
+    return tick.frame.state.tick == kTick ? ThrowIn("OnCommit") : Status();
+  }
+  Status OnTick(const CommittedTick& tick) override {
+    return tick.frame.state.tick == kTick ? ThrowIn("OnTick") : Status();
+  }
+  bool IsReady() override {
+    if (last_status_.tick == 0) (void)ThrowIn("IsReady");
+    return true;
+  }
+  void OnStarted(double) override { (void)ThrowIn("OnStarted"); }
+  void OnStatus(const StatusMessage& status) override {
+    if (status.tick == 20) (void)ThrowIn("OnStatus");  // the last one
+  }
+  void OnEvent(const Event&, const std::string&) override { (void)ThrowIn("OnEvent"); }
+  Status OnEnd() override {
+    ended_ = true;
+    return ThrowIn("OnEnd");
+  }
+  Status ThrowIn(const std::string& call) {
+    if (call != GetParam().call) return {};
+    throw std::runtime_error("the observer has a fault");
+  }
+
+  bool ended_ = false;
+};
+
+TEST_P(FaultyObserverTest, EndsTheRunInOrderAndPublishesNothingHalfCommitted) {
+  SteadyAgent first(*transport_, 0);
+  SteadyAgent second(*transport_, 1);
+  std::optional<FrameMessage> last;
+  first.on_frame = [&](const FrameMessage& frame) { last = frame; };
+  const Result<RunSummary> summary = Run();
+  ASSERT_FALSE(summary.ok());
+  EXPECT_EQ(summary.error().message, "the observer has a fault");
+  EXPECT_EQ(summary.error().code, ErrorCode::kFailure);
+  EXPECT_EQ(ended_, GetParam().call != "OnBegin");
+  if (GetParam().call == "OnBegin") return;
+  first.gone.get_future().wait();
+  ASSERT_TRUE(last);
+  EXPECT_TRUE(last->last);
+  if (GetParam().last_sent > 0) {
+    EXPECT_EQ(last->state.tick, GetParam().last_sent);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Calls, FaultyObserverTest,
+                         testing::Values(Fault{"OnBegin"}, Fault{"OnCommit", 4}, Fault{"OnTick", 5}, Fault{"IsReady"},
+                                         Fault{"OnStarted"}, Fault{"OnStatus", 20}, Fault{"OnEvent"},
+                                         Fault{"OnEnd", 20}),
+                         [](const testing::TestParamInfo<Fault>& fault) { return fault.param.call; });
 
 }  // namespace
 }  // namespace troupe

@@ -112,9 +112,11 @@ TEST_F(TickEngineTest, AnEditIsPublishedPausedAndIsAnsweredLikeATick) {
   engine_->SetTicksToPause(0);
   WorldState state = run_->frame.state;
   state.robots[0].X_WR.x = 5.0;
-  ++run_->frame.edition;
+  FrameMessage next = SuccessorOf(run_->frame);
+  ++next.edition;
+  next.state = state;
   const ControlRequest request;
-  engine_->PublishEdit(state, {}, {request}, now_);
+  engine_->PublishEdit(next, {request}, now_);
   EXPECT_EQ(endpoint_.frames.back().state, state);
   EXPECT_TRUE(endpoint_.frames.back().paused);
   AnswerBoth();

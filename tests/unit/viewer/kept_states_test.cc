@@ -1,12 +1,12 @@
-#include "viewer/gateway/kept_states.h"
-
 #include <gtest/gtest.h>
+
+#include "viewer/gateway/past_states.h"
 
 namespace troupe {
 namespace {
 
-PastState StateAt(Tick tick) {
-  PastState past;
+ViewedState StateAt(Tick tick) {
+  ViewedState past;
   past.state.robots.resize(100);
   past.state.tick = tick;
   past.state_hash = 1000 + tick;
@@ -17,7 +17,7 @@ TEST(KeptStatesTest, HasTheStatesInTheirOrder) {
   KeptStates history(std::size_t{1} << 20);
   EXPECT_FALSE(history.range());
   EXPECT_FALSE(history.At(0).ok());
-  for (Tick tick = 5; tick < 10; ++tick) EXPECT_EQ(history.Add(StateAt(tick)), tick - 5);
+  for (Tick tick = 5; tick < 10; ++tick) EXPECT_EQ(history.Add(StateAt(tick))->position, tick - 5);
   EXPECT_EQ(history.range(), (PastStates::Range{0, 4}));
   EXPECT_EQ(history.At(2).value()->state_hash, 1007u);
   EXPECT_EQ(history.At(77).value()->position, 4u) << "the nearest one";
@@ -36,7 +36,7 @@ TEST(KeptStatesTest, ItsMemoryIsBounded) {
   EXPECT_EQ(history.PositionOf(989), std::nullopt);
   history.Clear();
   EXPECT_FALSE(history.range());
-  EXPECT_EQ(history.Add(StateAt(0)), 1000u) << "positions are never used twice";
+  EXPECT_EQ(history.Add(StateAt(0))->position, 1000u) << "positions are never used twice";
 }
 
 }  // namespace

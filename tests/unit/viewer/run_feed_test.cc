@@ -39,7 +39,7 @@ TEST(RunFeedTest, HasNothingBeforeTheFirstFrame) {
   feed.OnSession(Session());
   feed.Read(content);
   EXPECT_EQ(content.version, 0u);
-  EXPECT_EQ(content.world, nullptr);
+  EXPECT_EQ(content.state, nullptr);
 }
 
 TEST(RunFeedTest, HasTheNewestStateWithItsWorld) {
@@ -50,9 +50,9 @@ TEST(RunFeedTest, HasTheNewestStateWithItsWorld) {
   feed.OnFrame(Frame(session, 3));
   feed.OnFrame(Frame(session, 2));  // late
   feed.Read(content);
-  ASSERT_NE(content.world, nullptr);
-  EXPECT_EQ(content.state.tick, 3u);
-  EXPECT_EQ(content.world->scene->world(), session.world);
+  ASSERT_NE(content.state, nullptr);
+  EXPECT_EQ(content.state->state.tick, 3u);
+  EXPECT_EQ(content.state->world->description(), session.world);
 }
 
 TEST(RunFeedTest, AFrameOfAnotherEditionWaitsForItsWorld) {
@@ -64,14 +64,14 @@ TEST(RunFeedTest, AFrameOfAnotherEditionWaitsForItsWorld) {
   feed.OnFrame(Frame(first, 3));
   feed.OnFrame(Frame(second, 0));  // its world is not known yet
   feed.Read(content);
-  EXPECT_EQ(content.state.tick, 3u);
+  EXPECT_EQ(content.state->state.tick, 3u);
   feed.OnSession(second);
   feed.Read(content);
-  EXPECT_EQ(content.world->number, 1u);  // the state is still the one of the first world
+  EXPECT_EQ(content.state->world->number, 1u);  // the state is still the one of the first world
   feed.OnFrame(Frame(second, 0));
   feed.Read(content);
-  EXPECT_EQ(content.world->number, 2u);
-  EXPECT_EQ(content.state.tick, 0u);
+  EXPECT_EQ(content.state->world->number, 2u);
+  EXPECT_EQ(content.state->state.tick, 0u);
 }
 
 TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
@@ -89,6 +89,22 @@ TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
   EXPECT_EQ(content.events.front().number, 101u);
 }
 
+TEST(RunFeedTest, EventsHaveTheNamesOfTheWorldInWhichTheyHappened) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage first = Session();
+  SessionMessage second = Session(1, 5);
+  second.world.robots[0].name = "other";
+  feed.OnSession(first);
+  feed.OnFrame(Frame(first, 1, 1));
+  feed.OnSession(second);
+  feed.OnFrame(Frame(second, 0, 1));
+  feed.Read(content);
+  ASSERT_EQ(content.events.size(), 2u);
+  EXPECT_EQ(content.events[0].names.robot, "r0");
+  EXPECT_EQ(content.events[1].names.robot, "other");
+}
+
 TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   RunFeed feed;
   FeedContent content;
@@ -99,7 +115,7 @@ TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   feed.OnFrame(last);
   feed.OnServiceGone();
   feed.Read(content);
-  EXPECT_NE(content.world, nullptr);
+  EXPECT_NE(content.state, nullptr);
   EXPECT_TRUE(content.last);
   EXPECT_TRUE(feed.ConsumeServiceGone());
   EXPECT_FALSE(feed.ConsumeServiceGone());
@@ -109,7 +125,7 @@ TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   feed.OnFrame(Frame(next, 1));
   feed.OnServiceGone();
   feed.Read(content);
-  EXPECT_EQ(content.world, nullptr);
+  EXPECT_EQ(content.state, nullptr);
 }
 
 }  // namespace

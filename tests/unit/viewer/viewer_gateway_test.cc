@@ -269,6 +269,36 @@ TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
   EXPECT_THAT(ParsedUpdate(ReadBinary(*late)).rows, testing::ElementsAre(0, 1));
 }
 
+TEST_F(ViewerGatewayTest, TheStatusOfTheRunFollowsItsWorld) {
+  Start();
+  auto client = Connect();
+  ObserverHandler& run = link_.AwaitObserver();
+  const SessionMessage world = LaserWorld();
+  run.OnSession(world);
+  run.OnFrame(FrameAt(world, 1));
+  StatusMessage status;
+  status.run = world.run;
+  status.target_ticks = 600;
+  status.speed = 2.0;
+  status.phases.step = 0.25;
+  status.waiting_for.assign(70, "r0");
+  run.OnStatus(status);
+  EXPECT_EQ(ReadBinary(*client)[0], 1);
+  nlohmann::json text = ReadText(*client);
+  while (text["type"] != "status") text = ReadText(*client);
+  EXPECT_EQ(text["target_ticks"], 600);
+  EXPECT_EQ(text["speed"], 2.0);
+  EXPECT_EQ(text["phases"]["step"], 0.25);
+  EXPECT_EQ(text["waiting_for"].size(), 50u);
+  EXPECT_EQ(text["waiting_count"], 70);
+  // A viewer that comes later has it, too.
+  auto late = Connect();
+  EXPECT_EQ(ReadBinary(*late)[0], 1);
+  text = ReadText(*late);
+  while (text["type"] != "status") text = ReadText(*late);
+  EXPECT_EQ(text["target_ticks"], 600);
+}
+
 TEST_F(ViewerGatewayTest, ManyTicksAreFewUpdates) {
   Start();
   auto client = Connect();
@@ -418,10 +448,10 @@ class ScriptedRecording : public Recorded {
  public:
   std::optional<Range> range() const override { return Range{0, 9}; }
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
-  Result<std::shared_ptr<const PastState>> At(std::uint64_t position) override {
+  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
     if (position == 8) return Failure("the chunk is damaged");
     const FrameMessage frame = FrameAt(session, position);
-    return std::make_shared<const PastState>(PastState{position, world, frame.state, frame.state_hash, 0});
+    return std::make_shared<const ViewedState>(ViewedState{position, world, frame.state, frame.state_hash, 0});
   }
   std::vector<NumberedEvent> Events() const override { return {}; }
 

@@ -28,39 +28,38 @@ constexpr PageFile kFiles[] = {{"/", "text/html", "the page", false}, {"/viewer.
 class EchoHandler : public WebHandler {
  public:
   void OnPage() override { ++pages; }
-  void OnOpened(Viewer viewer, std::string_view) override {
+  void OnOpened(WebLoop&, ViewerId viewer, std::string_view) override {
     ++open;
     const std::lock_guard lock(mutex);
     if (message) next[viewer].push_back({message, false});
   }
-  void OnClosed(Viewer) override {
+  void OnClosed(WebLoop&, ViewerId) override {
     --open;
     ++closed;
     changed.notify_all();
   }
-  bool OnBinary(Viewer, std::string_view bytes) override { return !bytes.empty(); }
-  bool OnText(Viewer viewer, std::string_view text) override {
-    if (text == "refuse") return false;
-    next[viewer].push_back({std::make_shared<const std::string>(text), true});
-    server->RequestMessage(viewer);
+  bool OnMessage(WebLoop& loop, ViewerId viewer, std::string_view message_of_viewer, bool is_text) override {
+    if (!is_text) return !message_of_viewer.empty();
+    if (message_of_viewer == "refuse") return false;
+    next[viewer].push_back({std::make_shared<const std::string>(message_of_viewer), true});
+    loop.RequestMessage(viewer);
     return true;
   }
-  std::optional<WebMessage> NextMessage(Viewer viewer) override {
+  std::optional<WebMessage> NextMessage(ViewerId viewer) override {
     ++asked;
     if (next[viewer].empty()) return std::nullopt;
     WebMessage first = next[viewer].front();
     next[viewer].erase(next[viewer].begin());
     return first;
   }
-  void OnPeriod() override {}
-  void OnWake() override { ++woken; }
+  void OnPeriod(WebLoop&) override {}
+  void OnWake(WebLoop&) override { ++woken; }
 
   void AwaitClosed(int count) {
     std::unique_lock lock(mutex);
     EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return closed >= count; }));
   }
 
-  WebServer* server = nullptr;
   std::shared_ptr<const std::string> message;
   std::atomic<int> pages = 0;
   std::atomic<int> open = 0;
@@ -69,7 +68,7 @@ class EchoHandler : public WebHandler {
   std::atomic<int> woken = 0;
   std::mutex mutex;
   std::condition_variable changed;
-  std::map<Viewer, std::vector<WebMessage>> next;  // of the server's thread
+  std::map<ViewerId, std::vector<WebMessage>> next;  // of the server's thread
 };
 
 class WebServerTest : public testing::Test {
@@ -79,11 +78,10 @@ class WebServerTest : public testing::Test {
     options.access.token = token;
     options.files = kFiles;
     options.longest_text = 1000;
-    Result<std::unique_ptr<WebServer>> started = WebServer::Create(options, handler_);
+    Result<std::unique_ptr<WebServer>> started = WebServer::Create(options);
     ASSERT_TRUE(started.ok()) << started.error().message;
     server_ = std::move(started).value();
-    handler_.server = server_.get();
-    server_->Serve();
+    server_->Serve(handler_);
   }
   // The server works as on its first day.
   void ExpectHealthy() {
@@ -356,12 +354,11 @@ TEST_F(WebServerTest, APortInUseIsAnErrorOrReplacedByAnother) {
   WebServer::Options options;
   options.port = server_->port();
   options.any_port = false;
-  EchoHandler other;
-  const auto refused = WebServer::Create(options, other);
+  const auto refused = WebServer::Create(options);
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(refused.error().message, HasSubstr("the port is in use"));
   options.any_port = true;
-  const auto moved = WebServer::Create(options, other);
+  const auto moved = WebServer::Create(options);
   ASSERT_TRUE(moved.ok());
   EXPECT_NE(moved.value()->port(), server_->port());
   EXPECT_NE(moved.value()->port(), 0);

@@ -1,9 +1,9 @@
 // Edits of JSON text change the bytes that they concern, and no others.
+#include "worldfile/edit/json_edit.h"
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-
-#include "worldfile/edit/json_syntax.h"
 
 namespace troupe {
 namespace {
@@ -21,10 +21,10 @@ const char* const kScenario = R"({
 }
 )";
 
-JsonItem ReadJson(const std::string& text) {
-  Result<JsonItem> item = ReadJsonSyntax(text, "demo.json");
-  EXPECT_TRUE(item.ok()) << (item.ok() ? "" : item.error().ToString());
-  return item.ok() ? std::move(item).value() : JsonItem{};
+JsonNode ReadJson(const std::string& text) {
+  const Result<JsonTree> tree = JsonTree::Parse(text, "demo.json");
+  EXPECT_TRUE(tree.ok()) << (tree.ok() ? "" : tree.error().ToString());
+  return tree.ok() ? tree.value().root() : JsonNode{};
 }
 
 std::string WithText(std::string text, const std::string& from, const std::string& to) {
@@ -33,26 +33,16 @@ std::string WithText(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-TEST(JsonEditTest, SyntaxHasTheContentOfTheText) {
-  const JsonItem root = ReadJson(kScenario);
-  EXPECT_EQ(root.items.size(), 4U);
-  EXPECT_EQ(root.Find("robots")->items[1].Find("name")->span.Of(kScenario), "\"b\\u00e9la\"");
-  const auto chain = FindJsonAt(root, OffsetOf(kScenario, 4, 22));
-  ASSERT_GE(chain.size(), 4U);
-  EXPECT_EQ(chain[1]->key, "robots");
-  EXPECT_EQ(chain[2]->Find("controller")->span.Of(kScenario), "\"wander\"");
-}
-
 TEST(JsonEditTest, OneElementOfAnArrayChangesAlone) {
-  const JsonItem root = ReadJson(kScenario);
+  const JsonNode root = ReadJson(kScenario);
   EXPECT_EQ(WithMember(kScenario, root.Find("robots")->items[0], "pose", "[-8, 0, 90]"),
             WithText(kScenario, "[-8, 0.0, 0]", "[-8, 0.0, 90]"));
   EXPECT_EQ(WithMember(kScenario, root.Find("robots")->items[0], "pose", "[-8, 0, 0]"), kScenario);
 }
 
 TEST(JsonEditTest, MembersAndElementsAreAddedInTheFormOfTheOthers) {
-  const JsonItem root = ReadJson(kScenario);
-  const JsonItem& robots = *root.Find("robots");
+  const JsonNode root = ReadJson(kScenario);
+  const JsonNode& robots = *root.Find("robots");
   EXPECT_EQ(WithMember(kScenario, robots.items[0], "x", "1"),
             WithText(kScenario, "\"controller\": \"wander\"}", "\"controller\": \"wander\", \"x\": 1}"));
   EXPECT_EQ(WithMember(kScenario, robots.items[1], "x", "1"), WithText(kScenario, "180]\n", "180],\n      \"x\": 1\n"));
@@ -63,9 +53,9 @@ TEST(JsonEditTest, MembersAndElementsAreAddedInTheFormOfTheOthers) {
 }
 
 TEST(JsonEditTest, RemovalKeepsTheTextValid) {
-  const JsonItem root = ReadJson(kScenario);
+  const JsonNode root = ReadJson(kScenario);
   for (const auto& [holder, index] :
-       std::vector<std::pair<const JsonItem*, std::size_t>>{{&root, 0},
+       std::vector<std::pair<const JsonNode*, std::size_t>>{{&root, 0},
                                                             {&root, 1},
                                                             {&root, 3},
                                                             {root.Find("robots"), 0},
@@ -78,10 +68,10 @@ TEST(JsonEditTest, RemovalKeepsTheTextValid) {
   EXPECT_EQ(WithoutItem("[ 5 ]", ReadJson("[ 5 ]"), 0), "[]");
 }
 
-TEST(JsonEditTest, BrokenTextHasItsPlace) {
-  const Result<JsonItem> item = ReadJsonSyntax("{\n  \"a\": ,\n}", "bad.json");
-  ASSERT_FALSE(item.ok());
-  EXPECT_EQ(item.error().where.line, 2);
+TEST(JsonEditTest, MembersAreRemovedByName) {
+  const JsonNode root = ReadJson(kScenario);
+  EXPECT_EQ(WithoutMember(kScenario, root, "none"), WithText(kScenario, "[], \"none\": {}", "[]"));
+  EXPECT_EQ(WithoutMember(kScenario, root, "nothing"), kScenario);
 }
 
 }  // namespace

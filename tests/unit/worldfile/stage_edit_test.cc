@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "tests/support/stage_worlds.h"
-#include "worldfile/edit/stage_body_edit.h"
-#include "worldfile/stage/stage_parser.h"
+#include "worldfile/edit/stage_edit.h"
+#include "worldfile/stage/stage_world.h"
 
 namespace troupe {
 namespace {
@@ -34,13 +34,13 @@ model
 )
 )";
 
-StageSyntax Read(const std::string& text) {
-  Result<StageSyntax> syntax = ReadStageSyntax(text, "yard.world");
+StageTree Read(const std::string& text) {
+  Result<StageTree> syntax = ParseStage(text, "yard.world");
   EXPECT_TRUE(syntax.ok()) << (syntax.ok() ? "" : syntax.error().ToString());
-  return syntax.ok() ? std::move(syntax).value() : StageSyntax{};
+  return syntax.ok() ? std::move(syntax).value() : StageTree{};
 }
 
-const Statement& Entry(const StageSyntax& syntax, std::size_t index) {
+const Statement& Entry(const StageTree& syntax, std::size_t index) {
   for (const Statement& statement : syntax.statements) {
     if (statement.kind == StatementKind::kEntry && index-- == 0) return statement;
   }
@@ -61,25 +61,25 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 }
 
 TEST(StageEditTest, OneTokenOfATupleChangesAlone) {
-  const StageSyntax syntax = Read(kYard);
+  const StageTree syntax = Read(kYard);
   const std::string moved = WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2.5 0.0 30]"));
   EXPECT_EQ(moved, Replaced(kYard, "[ 1.0 2.000 0 30 ]", "[ 1.0 2.5 0 30 ]"));
 }
 
 TEST(StageEditTest, AValueThatIsTheSameChangesNothing) {
-  const StageSyntax syntax = Read(kYard);
+  const StageTree syntax = Read(kYard);
   EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2 0 30.0]")), kYard);
   EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "name", Value("\"left\"")), kYard);
 }
 
 TEST(StageEditTest, ANewPropertyFollowsTheOthersOfItsLine) {
-  const StageSyntax syntax = Read(kYard);
+  const StageTree syntax = Read(kYard);
   EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 1)), "name", Value("\"right\"")),
             Replaced(kYard, "color \"blue\" )", "color \"blue\" name \"right\" )"));
 }
 
 TEST(StageEditTest, ANewPropertyOfSeveralLinesHasALineOfItsOwnBehindTheComment) {
-  const StageSyntax syntax = Read(kYard);
+  const StageTree syntax = Read(kYard);
   EXPECT_EQ(WithProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "gripper_return", Value("1")),
             Replaced(kYard, "  color \"brown\"\n", "  color \"brown\"\n  gripper_return 1\n"));
   const std::string commented = "model\n(\n  size [1 1 1] # big\n)\n";
@@ -105,7 +105,7 @@ TEST(StageEditTest, TheLastOfTwoPropertiesCounts) {
 }
 
 TEST(StageEditTest, RemovalLeavesTheCommentsOfTheLine) {
-  const StageSyntax syntax = Read(kYard);
+  const StageTree syntax = Read(kYard);
   EXPECT_EQ(WithoutProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "color"),
             Replaced(kYard, "  color \"brown\"\n", ""));
   EXPECT_EQ(WithoutStatement(kYard, Entry(syntax, 0)),
@@ -163,7 +163,7 @@ TEST(StageEditTest, BlocksChangeOneByOne) {
 }
 
 TEST(StageEditTest, BrokenTextHasItsPlace) {
-  const Result<StageSyntax> syntax = ReadStageSyntax("model(\n  pose [0 0\n)", "bad.world");
+  const Result<StageTree> syntax = ParseStage("model(\n  pose [0 0\n)", "bad.world");
   ASSERT_FALSE(syntax.ok());
   EXPECT_EQ(syntax.error().where.line, 2);
 }
@@ -186,18 +186,19 @@ TEST(StageEditTest, StageWorldsChangeByOneToken) {
     std::ostringstream content;
     content << std::ifstream(file.path(), std::ios::binary).rdbuf();
     const std::string text = content.str();
-    const Result<StageSyntax> syntax = ReadStageSyntax(text, file.path().string());
+    const Result<StageTree> syntax = ParseStage(text, file.path().string());
     if (!syntax.ok()) continue;  // of a version of the language that is not read
     for (const Statement& statement : syntax.value().statements) {
       if (statement.kind != StatementKind::kEntry) continue;
       const Statement* const pose = FindProperty(BodyOf(statement), "pose");
       if (pose == nullptr || pose->elements.size() != 4) continue;
       std::string tuple = "[";
-      for (std::size_t i = 0; i < 4; ++i) tuple += " " + (i == 1 ? "123.5" : std::string(pose->elements[i].Of(text)));
+      for (std::size_t i = 0; i < 4; ++i)
+        tuple += " " + (i == 1 ? "123.5" : std::string(pose->elements[i].span.Of(text)));
       const std::string after = WithProperty(text, BodyOf(statement), "pose", Value(tuple + " ]"));
-      const TextSpan& token = pose->elements[1];
+      const TextSpan& token = pose->elements[1].span;
       EXPECT_EQ(after, text.substr(0, token.begin) + "123.5" + text.substr(token.end)) << file.path();
-      EXPECT_TRUE(ReadStageSyntax(after, "after").ok());
+      EXPECT_TRUE(ParseStage(after, "after").ok());
       ++changed_files;
       break;
     }

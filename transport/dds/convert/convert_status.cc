@@ -1,45 +1,55 @@
 #include "transport/dds/convert/convert_status.h"
 
+#include <tuple>
+#include <utility>
+
 namespace troupe::dds {
+namespace {
+
+// Calls visit(leaf, member) for each leaf of StatusMessage and its member of the wire's struct, which has the same
+// order.
+template <typename Wire, typename Visit>
+void ForEachMember(Wire& wire, const Visit& visit) {
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q] = wire;
+  const auto members = std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q);
+  constexpr auto& leaves = kLeaves<StatusMessage>;
+  static_assert(std::tuple_size_v<decltype(members)> == std::tuple_size_v<std::remove_cvref_t<decltype(leaves)>>);
+  [&]<std::size_t... number>(std::index_sequence<number...>) {
+    (visit(std::get<number>(leaves), std::get<number>(members)), ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<decltype(members)>>());
+}
+
+}  // namespace
 
 troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
   troupe_wire_Status wire{};
-  wire.run = message.run;
-  wire.tick = message.tick;
-  wire.target = message.target_ticks;
-  wire.sim_time = message.sim_seconds;
-  wire.wall_time = message.wall_seconds;
-  wire.real_time_factor = message.real_time_factor;
-  wire.robots = message.robots;
-  wire.agents = message.agents;
-  arena.FillStrings(wire.waiting_for, message.waiting_for);
-  wire.waiting_time = message.waiting_seconds;
-  wire.edition = message.edition;
-  wire.incarnation = message.incarnation;
-  wire.speed = message.speed.value_or(0.0);
-  wire.phase_wait_time = message.phases.wait;
-  wire.phase_step_time = message.phases.step;
-  wire.phase_record_time = message.phases.record;
-  wire.phase_publish_time = message.phases.publish;
+  ForEachMember(wire, [&]<typename Leaf, typename Member>(const Leaf& leaf, Member& member) {
+    const auto& part = leaf.Of(message);
+    if constexpr (std::is_same_v<typename Leaf::Part, std::vector<std::string>>) {
+      arena.FillStrings(member, part);
+    } else if constexpr (std::is_same_v<typename Leaf::Part, std::optional<double>>) {
+      member = part.value_or(0.0);
+    } else {
+      static_assert(std::is_same_v<Member, typename Leaf::Part>);
+      member = part;
+    }
+  });
   return wire;
 }
 
 Result<StatusMessage> FromWire(const troupe_wire_Status& wire) {
   StatusMessage message;
-  message.run = wire.run;
-  message.tick = wire.tick;
-  message.target_ticks = wire.target;
-  message.sim_seconds = wire.sim_time;
-  message.wall_seconds = wire.wall_time;
-  message.real_time_factor = wire.real_time_factor;
-  message.robots = wire.robots;
-  message.agents = wire.agents;
-  message.waiting_for = Strings(wire.waiting_for);
-  message.waiting_seconds = wire.waiting_time;
-  message.edition = wire.edition;
-  message.incarnation = wire.incarnation;
-  if (wire.speed > 0.0) message.speed = wire.speed;
-  message.phases = {wire.phase_wait_time, wire.phase_step_time, wire.phase_record_time, wire.phase_publish_time};
+  ForEachMember(wire, [&]<typename Leaf>(const Leaf& leaf, const auto& member) {
+    auto& part = leaf.Of(message);
+    if constexpr (std::is_same_v<typename Leaf::Part, std::vector<std::string>>) {
+      part = Strings(member);
+    } else if constexpr (std::is_same_v<typename Leaf::Part, std::optional<double>>) {
+      if (member > 0.0) part = member;
+    } else {
+      part = member;
+    }
+  });
   return message;
 }
 

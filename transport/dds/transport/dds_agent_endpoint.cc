@@ -1,5 +1,7 @@
 #include "transport/dds/transport/dds_agent_endpoint.h"
 
+#include <chrono>
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -7,9 +9,66 @@
 
 namespace troupe::dds {
 
-DdsAgentEndpoint::Network::Network(const DdsConnection& connection)
+namespace {
+
+constexpr auto kMakePeriod = std::chrono::milliseconds(500);  // between two attempts to make the network's endpoints
+
+}  // namespace
+
+DdsAgentEndpoint::Network::Endpoints::Endpoints(const DdsConnection& connection)
     : proposals(connection, topics::kProposal, qos_profiles::Proposal()),
       frames(connection, topics::kFrame, qos_profiles::ReceivedFrame()) {}
+
+DdsAgentEndpoint::Network::Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames)
+    : connection_(connection), on_frames_(std::move(on_frames)) {}
+
+void DdsAgentEndpoint::Network::Make() {
+  auto made = std::make_unique<Endpoints>(connection_);
+  const std::lock_guard lock(mutex_);
+  endpoints_ = std::move(made);
+}
+
+void DdsAgentEndpoint::Network::Listen() {
+  Frames* frames = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    frames = &endpoints_->frames;
+  }
+  frames->Listen([this, frames] { on_frames_(*frames); });
+  on_frames_(*frames);
+}
+
+void DdsAgentEndpoint::Network::Open() {
+  const std::lock_guard lock(mutex_);
+  if (endpoints_ || maker_.joinable() || closed_) return;
+  maker_ = std::thread([this] {
+    for (;;) {
+      try {
+        Make();
+        return Listen();
+      } catch (const std::exception& failure) {
+        connection_.Report(failure.what());
+      }
+      std::unique_lock wait(mutex_);
+      if (closing_.wait_for(wait, kMakePeriod, [this] { return closed_; })) return;
+    }
+  });
+}
+
+void DdsAgentEndpoint::Network::Send(const ProposalMessage& proposal) {
+  const std::lock_guard lock(mutex_);
+  if (endpoints_) endpoints_->proposals.Send(proposal);
+}
+
+void DdsAgentEndpoint::Network::Close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  closing_.notify_all();
+  if (maker_.joinable()) maker_.join();
+  if (endpoints_) endpoints_->frames.Close();
+}
 
 DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::optional<GuidPrefix>& service,
                                    bool data_sharing)
@@ -19,15 +78,16 @@ DdsAgentEndpoint::DdsAgentEndpoint(const DdsConnection& connection, const std::o
       sessions_(connection, topics::kSession, qos_profiles::FromMany(qos_profiles::Description())),
       admissions_(connection, topics::kAdmission, qos_profiles::Admission()),
       histories_(connection, topics::kHistory, qos_profiles::PastStates()),
-      network_(data_sharing ? nullptr : std::make_unique<Network>(connection)),
-      services_(connection.proves(), service) {}
+      network_(connection, [this](Network::Frames& frames) { Deliver([&] { DrainFrames(frames); }); }),
+      services_(connection.proves(), service) {
+  if (!data_sharing) network_.Make();
+}
 
 DdsAgentEndpoint::~DdsAgentEndpoint() {
   sessions_.Close();
   admissions_.Close();
   histories_.Close();
-  if (network_maker_.joinable()) network_maker_.join();
-  if (network_) network_->frames.Close();
+  network_.Close();
   {
     const std::lock_guard lock(segments_mutex_);
     for (const auto& [writer, segment] : segments_) {
@@ -35,8 +95,6 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
     }
   }
   for (Reader& reader : readers_) reader.thread.join();
-  if (network_maker_.joinable()) network_maker_.join();  // which a reader may have started
-  if (network_) network_->frames.Close();
   // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
   troupe_wire_Join last{};
   last.run = joined_run_;
@@ -58,7 +116,7 @@ void DdsAgentEndpoint::Start(AgentHandler& handler) {
   sessions_.Listen(drain_sessions);
   admissions_.Listen(drain_admissions);
   histories_.Listen([this] { Deliver([this] { DrainHistories(); }); });
-  if (network_) ListenToNetwork();
+  if (!data_sharing_) network_.Listen();
   drain_sessions();
   drain_admissions();
   Deliver([this] { DrainHistories(); });
@@ -71,31 +129,6 @@ void DdsAgentEndpoint::Deliver(const std::function<void()>& drain) {
     const std::lock_guard lock(mutex_);
     handler_->OnOutOfMemory();
   }
-}
-
-void DdsAgentEndpoint::UseNetwork() {
-  const std::lock_guard lock(network_mutex_);
-  if (network_ || network_maker_.joinable()) return;
-  network_maker_ = std::thread([this] { MakeNetwork(); });
-}
-
-void DdsAgentEndpoint::MakeNetwork() {
-  try {
-    auto network = std::make_unique<Network>(connection_);
-    {
-      const std::lock_guard lock(network_mutex_);
-      network_ = std::move(network);
-    }
-    ListenToNetwork();
-  } catch (const Exception& failure) {
-    connection_.Report(failure.what());
-  }
-}
-
-void DdsAgentEndpoint::ListenToNetwork() {
-  const auto drain_frames = [this] { Deliver([this] { DrainFrames(); }); };
-  network_->frames.Listen(drain_frames);
-  drain_frames();
 }
 
 void DdsAgentEndpoint::ChooseWays() {
@@ -111,7 +144,7 @@ void DdsAgentEndpoint::ChooseWays() {
       std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
       readers_.push_back({way->second, std::move(reader)});
     } else {
-      UseNetwork();
+      network_.Open();
     }
   }
 }
@@ -152,7 +185,7 @@ void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& serv
     });
   }
   if (is_shared) return;
-  UseNetwork();
+  network_.Open();
   const std::lock_guard lock(segments_mutex_);
   for (auto& [writer, shared] : segments_) {
     if (shared == segment) shared.reset();
@@ -228,9 +261,8 @@ void DdsAgentEndpoint::DrainAdmissions() {
   });
 }
 
-void DdsAgentEndpoint::DrainFrames() {
+void DdsAgentEndpoint::DrainFrames(Network::Frames& frames) {
   const std::lock_guard lock(mutex_);
-  Inbox<troupe_wire_Frame, FrameMessage>& frames = network_->frames;
   frames.Drain([&](const troupe_wire_Frame& frame,
                    const Sender& sender) { return services_.Admits(frames, frame.run, frame.incarnation, sender); },
                [this](const FrameMessage& frame, const Sender&) { handler_->OnFrame(frame); });
@@ -265,9 +297,8 @@ void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
     }
   }
   if (!needs_network) return;
-  UseNetwork();
-  const std::lock_guard lock(network_mutex_);
-  if (network_) network_->proposals.Send(proposal);
+  network_.Open();
+  network_.Send(proposal);
 }
 
 }  // namespace troupe::dds

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
@@ -34,10 +35,41 @@ class DdsAgentEndpoint : public AgentEndpoint {
 
  private:
   // The reader of frames and the writer of proposals on the network.
-  struct Network {
-    explicit Network(const DdsConnection& connection);
-    Outbox<troupe_wire_Proposal> proposals;
-    Inbox<troupe_wire_Frame, FrameMessage> frames;
+  //
+  // Threads: any, but for Close.
+  class Network {
+   public:
+    using Frames = Inbox<troupe_wire_Frame, FrameMessage>;
+
+    // `on_frames`: called when there may be frames, on the thread that received them.
+    Network(const DdsConnection& connection, std::function<void(Frames&)> on_frames);
+    ~Network() { Close(); }
+    // Makes the endpoints. Throws Exception.
+    void Make();
+    // Calls on_frames from now on. REQUIRES: Make has succeeded.
+    void Listen();
+    // Makes them and listens, on a thread of its own: a listener must not make any. Repeats that after a failure, until
+    // it succeeds or the network is closed.
+    void Open();
+    // Sends nothing while there are no endpoints.
+    void Send(const ProposalMessage& proposal);
+    // No call of on_frames runs any more when it returns.
+    void Close();
+
+   private:
+    struct Endpoints {
+      explicit Endpoints(const DdsConnection& connection);
+      Outbox<troupe_wire_Proposal> proposals;
+      Frames frames;
+    };
+
+    const DdsConnection& connection_;
+    const std::function<void(Frames&)> on_frames_;
+    std::mutex mutex_;                      // guards the members below
+    std::unique_ptr<Endpoints> endpoints_;  // once made, until the end
+    std::thread maker_;
+    bool closed_ = false;
+    std::condition_variable closing_;
   };
   using Segment = std::shared_ptr<AgentSegment>;
   struct Reader {
@@ -49,7 +81,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void Deliver(const std::function<void()>& drain);
   void DrainSessions();
   void DrainAdmissions();
-  void DrainFrames();
+  void DrainFrames(Network::Frames& frames);
   void DrainHistories();
   void EndRuns(const Sender& service, bool in_order);
 
@@ -63,10 +95,6 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void ReadFrames(const Segment& segment, const GuidPrefix& service);
   // False: frames travel over the network from now on. REQUIRES: mutex_ is locked.
   bool DrainSegment(AgentSegment& segment, const GuidPrefix& service);
-  // Makes the network's endpoints, on another thread: a listener must not make any.
-  void UseNetwork();
-  void MakeNetwork();
-  void ListenToNetwork();
 
   const DdsConnection& connection_;
   const bool data_sharing_;
@@ -74,10 +102,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   Inbox<troupe_wire_Session, SessionMessage> sessions_;
   Inbox<troupe_wire_Admissions, std::vector<AdmissionMessage>> admissions_;
   Inbox<troupe_wire_History, HistoryMessage> histories_;
-
-  std::mutex network_mutex_;  // guards the members up to the next empty line
-  std::unique_ptr<Network> network_;
-  std::thread network_maker_;
+  Network network_;
 
   // The run that the agent last asked to join; 0: none yet.
   std::atomic<RunId> joined_run_{0};

@@ -1,5 +1,5 @@
 // Connection: the WebSocket to the gateway. It connects again by itself, for instance when the gateway was restarted.
-import {decode, type Message} from './protocol';
+import {decode, type Message, type RunStatus} from './protocol';
 
 export interface SessionInfo {
   session: string;
@@ -39,6 +39,7 @@ export interface ConnectionHandler {
   onOpen(): void;
   onClosed(): void;
   onSession(info: SessionInfo): void;
+  onStatus(status: RunStatus): void;
   onMessage(message: Message): void;
 }
 
@@ -114,6 +115,7 @@ export class Connection {
     }
     const text = JSON.parse(data);
     if (text.type === 'session') this.handler.onSession(text as SessionInfo);
+    if (text.type === 'status') this.handler.onStatus(text as RunStatus);
     if (text.type === 'reply') {
       this.open.get(text.id)?.(text as Reply);
       this.open.delete(text.id);

@@ -108,7 +108,7 @@ export class Driving {
 
   // For so many ticks a command is valid.
   private ticks(run: Run): number {
-    const factor = run.status && run.status.realTimeFactor > 0 ? run.status.realTimeFactor : 1;
+    const factor = run.status && run.status.real_time_factor > 0 ? run.status.real_time_factor : 1;
     return Math.max(2, Math.min(100_000, Math.ceil((VALID * factor) / run.world.interval)));
   }
 

@@ -1,26 +1,24 @@
 // The list of events, the newest first.
 import {byId, fixed, make} from './dom';
-import {EventType, type RunEvent, type World} from './protocol';
+import {EventType, type RunEvent} from './protocol';
 import type {Run} from './run';
 
 const MOST_SHOWN = 100;
 
-export function eventText(world: World, event: RunEvent): string {
-  const model = (index: number, none: string): string => (index >= 0 ? world.models[index]?.name ?? '?' : none);
-  const robot = event.robot >= 0 ? world.robots[event.robot]?.name ?? '?' : '';
-  switch (event.type) {
-    case EventType.StallBegan: return `${robot} stalls at ${model(event.other, 'the ground')}`;
+export function eventText({type, robot, other, object, detail}: RunEvent): string {
+  switch (type) {
+    case EventType.StallBegan: return `${robot} stalls at ${other || 'the ground'}`;
     case EventType.StallEnded: return `${robot} moves again`;
     case EventType.Joined: return `${robot} has an agent`;
     case EventType.Left: return `${robot} has lost its agent`;
-    case EventType.ProposalRejected: return `${robot}: proposal rejected: ${event.detail}`;
-    case EventType.Blocked: return `${robot}: ${event.detail} blocked by ${model(event.other, 'the ground')}`;
-    case EventType.Gripped: return `${robot}: ${event.detail} holds ${model(event.object, 'an object')}`;
-    case EventType.Released: return `${robot}: ${event.detail} has released ${model(event.object, 'an object')}`;
-    case EventType.Landed: return `${model(event.object, 'an object')} rests on ${model(event.other, 'the ground')}`;
-    case EventType.Unstable: return `${model(event.object, 'an object')} rests unstably on ${model(event.other, 'the ground')}`;
+    case EventType.ProposalRejected: return `${robot}: proposal rejected: ${detail}`;
+    case EventType.Blocked: return `${robot}: ${detail} blocked by ${other || 'the ground'}`;
+    case EventType.Gripped: return `${robot}: ${detail} holds ${object || 'an object'}`;
+    case EventType.Released: return `${robot}: ${detail} has released ${object || 'an object'}`;
+    case EventType.Landed: return `${object || 'an object'} rests on ${other || 'the ground'}`;
+    case EventType.Unstable: return `${object || 'an object'} rests unstably on ${other || 'the ground'}`;
     case EventType.OutOfEnergy: return `${robot} is out of energy`;
-    case EventType.Said: return `${robot} says: ${event.detail}`;
+    case EventType.Said: return `${robot} says: ${detail}`;
   }
 }
 
@@ -55,7 +53,7 @@ export class EventList {
     const row = make('button', WARNINGS.includes(event.type) ? 'event warning' : 'event');
     row.append(
       make('span', 'event-time', `${fixed(event.tick * run.world.interval, 1)} s`),
-      make('span', 'event-text', eventText(run.world, event)));
+      make('span', 'event-text', eventText(event)));
     row.onclick = () => this.onEvent(event);
     return row;
   }

@@ -30,6 +30,10 @@ class Viewer {
       this.showConnection();
     },
     onSession: info => this.onSession(info),
+    onStatus: status => {
+      if (this.run) this.run.status = status;
+      this.refresh();
+    },
     onMessage: message => this.onMessage(message),
   });
   private run: Run | null = null;
@@ -176,7 +180,8 @@ class Viewer {
   }
 
   private showEvent(event: RunEvent): void {
-    if (event.robot >= 0) this.selectAndCenter({kind: 'robot', index: event.robot});
+    const entity = this.run && event.robot ? findEntity(this.run.world, event.robot) : null;
+    if (entity) this.selectAndCenter(entity);
     if (this.timeBar.timeline.inPast) this.timeBar.timeline.seek(event.position);
   }
 

@@ -1,7 +1,7 @@
-// The messages of the gateway: viewer/gateway/world_message.cc, viewer_gateway.cc and robot_readings.cc write them. Numbers are
+// The messages of the gateway: viewer/gateway/world_message.cc, page_viewer.cc and robot_readings.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise.
 
-export const PROTOCOL = 3;
+export const PROTOCOL = 4;
 
 export interface Pose {
   x: number;
@@ -93,6 +93,7 @@ export interface Light {
 
 export interface World {
   number: number;
+  run: string;  // of which it is a world
   name: string;
   host: string;
   interval: number;  // s
@@ -141,22 +142,20 @@ export interface RunEvent {
   position: number;  // of its state on the timeline
   tick: number;
   type: EventType;
-  robot: number;
-  other: number;  // models; -1: none
-  object: number;
+  robot: string;  // by their names in the world of the event; empty: none
+  other: string;  // models
+  object: string;
   detail: string;
 }
 
+// The fields of StatusMessage (transport/protocol/messages.h), as JSON.
 export interface RunStatus {
-  targetTicks: number;  // 0: no end
-  wallSeconds: number;
-  realTimeFactor: number;
-  robots: number;
-  agents: number;
-  waitingSeconds: number;
-  waitingCount: number;
-  waitingFor: string[];  // the first ones
-  speed: number;  // that the run is paced to, multiple of real time; 0: none
+  target_ticks: number;  // 0: no end
+  real_time_factor: number;
+  waiting_seconds: number;
+  waiting_count: number;
+  waiting_for: string[];  // the first ones
+  speed?: number;  // that the run is paced to, multiple of real time; none: it is not paced
   phases: {wait: number; step: number; record: number; publish: number};  // s, of a tick of the service; 0: no tick was made
 }
 
@@ -293,7 +292,6 @@ export interface Update {
   stores: Array<[number, StoreRow]>;
   lights: Array<[number, boolean]>;  // switched on
   events: RunEvent[];
-  status: RunStatus | null;
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -381,6 +379,7 @@ function readWorld(r: Reader): World {
   if (protocol !== PROTOCOL) throw new Error('the viewer was updated: load the page again');
   return {
     number: r.u32(),
+    run: String(r.u64()),
     name: r.text(),
     host: r.text(),
     interval: r.f64(),
@@ -470,14 +469,6 @@ function readRobotReadings(r: Reader): RobotReadings {
   return {robot, tick, readings};
 }
 
-function readStatus(r: Reader): RunStatus {
-  return {
-    targetTicks: Number(r.u64()), wallSeconds: r.f64(), realTimeFactor: r.f64(), robots: r.u32(), agents: r.u32(),
-    waitingSeconds: r.f64(), waitingCount: r.u32(), waitingFor: r.list(() => r.text()),
-    speed: r.f64(), phases: {wait: r.f64(), step: r.f64(), record: r.f64(), publish: r.f64()},
-  };
-}
-
 function readUpdate(r: Reader): Update {
   const world = r.u32();
   const flags = r.u8();
@@ -501,9 +492,9 @@ function readUpdate(r: Reader): Update {
     stores: r.list((): [number, StoreRow] => [r.u32(), {joules: r.f64(), chargeWatts: r.f64()}]),
     lights: r.list((): [number, boolean] => [r.u32(), r.flag()]),
     events: r.list((): RunEvent => ({
-      position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.i32(), other: r.i32(), object: r.i32(), detail: r.text(),
+      position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.text(), other: r.text(), object: r.text(),
+      detail: r.text(),
     })),
-    status: (flags & 4) !== 0 ? readStatus(r) : null,
     readings: (flags & 8) !== 0 ? r.list(() => readRobotReadings(r)) : null,
   };
 }

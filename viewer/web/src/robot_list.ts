@@ -8,7 +8,7 @@ export type RobotState = 'lost' | 'stalled' | 'holding' | 'moving' | 'idle';
 
 export function robotState(run: Run, robot: number, holding: boolean): RobotState {
   const row = run.robots[robot];
-  if (run.lostAgents.has(robot)) return 'lost';
+  if (run.lostAgents.has(run.world.robots[robot].name)) return 'lost';
   if (!row) return 'idle';
   if (row.stalled) return 'stalled';
   if (holding) return 'holding';

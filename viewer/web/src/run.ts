@@ -26,10 +26,12 @@ export class Run {
   paused = false;
   over = false;
   hasState = false;
-  lostAgents = new Set<number>();  // robots
+  lostAgents = new Set<string>();  // of robots, by name
 
   constructor(public readonly world: World, before: Run | null) {
-    if (before) this.events = before.events;
+    if (before?.world.run !== world.run) return;
+    this.events = before.events;
+    this.lostAgents = before.lostAgents;
   }
 
   get seconds(): number {
@@ -49,7 +51,6 @@ export class Run {
       this.events.push(event);
     }
     if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
-    if (update.status) this.status = update.status;
     if (update.readings) this.readings = new Map(update.readings.map(readings => [readings.robot, this.withKept(readings)]));
     this.tick = update.tick;
     this.hash = update.hash;

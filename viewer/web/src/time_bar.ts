@@ -64,20 +64,20 @@ export class TimeBar {
     if (!run?.hasState) return;
     this.timeline.show(run);
     const status = run.status;
-    if (status && !past && document.activeElement !== this.speed) this.showSpeed(status.speed);
+    if (status && !past && document.activeElement !== this.speed) this.showSpeed(status.speed ?? 0);
     setText(byId('time'), clock(run.seconds));
-    setText(byId('tick'), status && status.targetTicks > 0 ? `tick ${run.tick} of ${status.targetTicks}` : `tick ${run.tick}`);
+    setText(byId('tick'), status && status.target_ticks > 0 ? `tick ${run.tick} of ${status.target_ticks}` : `tick ${run.tick}`);
     setText(byId('factor'), past ? (run.past ? 'the past' : 'going back') : run.over ? 'the run is over' : run.paused ? 'paused'
-      : status ? `${fixed(status.realTimeFactor, status.realTimeFactor < 10 ? 1 : 0)} × real time` : '');
+      : status ? `${fixed(status.real_time_factor, status.real_time_factor < 10 ? 1 : 0)} × real time` : '');
     const phases = Object.entries(status?.phases ?? {});
     const live = status !== null && !past && !run.over && !run.paused && phases.some(([, seconds]) => seconds > 0);
     setText(byId('phases'), live ? phases.map(([name, s]) => `${name} ${milliseconds(s)}`).join(' · ') + ' ms' : '');
     const waiting = byId('waiting');
-    const names = status?.waitingFor ?? [];
+    const names = status?.waiting_for ?? [];
     waiting.hidden = names.length === 0 || run.over || past;
     if (names.length > 0 && status) {
-      const more = status.waitingCount - Math.min(4, names.length);
-      setText(waiting, `waiting for ${names.slice(0, 4).join(', ')}${more > 0 ? ` and ${more} more` : ''} (${fixed(status.waitingSeconds, 1)} s)`);
+      const more = status.waiting_count - Math.min(4, names.length);
+      setText(waiting, `waiting for ${names.slice(0, 4).join(', ')}${more > 0 ? ` and ${more} more` : ''} (${fixed(status.waiting_seconds, 1)} s)`);
     }
   }
 

@@ -32,8 +32,7 @@ Result<Recorders> MakeRecorders(const WorldDescription& world, const OutputFiles
   const auto add = [&recorders](const std::string& path, const RecordingOptions& with) -> Status {
     Result<std::unique_ptr<RunRecorder>> recorder = RunRecorder::Create(path, with);
     if (!recorder.ok()) return recorder.error();
-    recorders.recording = recorder.value().get();
-    recorders.recording_path = path;
+    recorders.recordings.push_back(recorder.value().get());
     recorders.observers.push_back(std::move(recorder).value());
     return {};
   };
@@ -44,7 +43,7 @@ Result<Recorders> MakeRecorders(const WorldDescription& world, const OutputFiles
   if (IsRecordingPath(files.record)) {
     if (Status failure = add(files.record, options); !failure.ok()) return failure.error();
   }
-  if (needs_memory && recorders.recording == nullptr) {
+  if (needs_memory && recorders.recordings.empty()) {
     Result<TemporaryFile> file = TemporaryFile::Create();
     if (!file.ok()) return file.error();
     recorders.temporary = std::move(file).value();

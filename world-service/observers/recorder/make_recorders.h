@@ -22,8 +22,7 @@ RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string&
 struct Recorders {
   std::optional<TemporaryFile> temporary = {};
   std::vector<std::unique_ptr<RunObserver>> observers = {};
-  RunRecorder* recording = nullptr;  // one of them, from whose file the states of the run can be read; null: none
-  std::string recording_path = {};
+  std::vector<RunRecorder*> recordings = {};  // of them, those that write recordings
 };
 
 // Creates the files. The world outlives the observers; `world_file` is the file that it was loaded from.

@@ -1,30 +1,27 @@
-// RunRecorder: an observer that writes a recording of the run (docs/recording.md). A thread of its own writes, behind a
-// bounded queue; a run that is faster than the disk waits, and loses no tick.
+// RunRecorder: an observer that writes a recording of the run (docs/recording.md). A run that is faster than the disk
+// waits, and loses no tick.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "recording/journal.h"
 #include "recording/journal_tail.h"
 #include "recording/mcap/byte_sink.h"
 #include "recording/recording.h"
-#include "recording/recording_writer.h"
 #include "troupe/result.h"
-#include "world-service/observers/recorder/tick_queue.h"
+#include "world-service/observers/recorder/recording_thread.h"
 #include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
 
-// The begin of a recording: that of another one.
+// The first part of a recording: that of another one.
 struct RecordedBegin {
   std::shared_ptr<const Recording> source;
   std::uint64_t last_number = 0;            // of its states
@@ -34,7 +31,7 @@ struct RecordedBegin {
 struct RecordingOptions {
   std::string world_file;  // as the recording names it
   Tick keyframe_interval = kDefaultKeyframeInterval;
-  std::size_t queue_bytes = std::size_t{16} << 20;
+  std::size_t queue_bytes = RecordingThread::kQueueBytes;
   // The recording is a journal (recording/journal.h): each tick is in its tail before the agents see it.
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
@@ -46,11 +43,12 @@ class RunRecorder final : public RunObserver {
  public:
   // Creates the file. The error names it.
   static Result<std::unique_ptr<RunRecorder>> Create(const std::string& path, const RecordingOptions& options);
-  RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options);
+  RunRecorder(std::unique_ptr<mcap::ByteSink> sink, const RecordingOptions& options, std::string path = {});
   // Continues the journal of the options. The ticks of its tail are written to the recording.
   static Result<std::unique_ptr<RunRecorder>> Continue(Journal journal, const ResumedRun& resumed,
                                                        const RecordingOptions& options);
-  ~RunRecorder() override;
+
+  const std::string& path() const { return path_; }  // of the file
 
   Status OnBegin(const RunStart& start) override;
   // The error is the first one of the file (a full disk).
@@ -58,52 +56,45 @@ class RunRecorder final : public RunObserver {
   Status OnProgress(const RunProgress& progress) override;
   Status OnTick(const CommittedTick& tick) override;
   bool IsReady() override;
-  // Appends a state that is not one of the run's own, as if it had followed the newest; its number is computed here.
-  // May wait for the disk. No call of OnTick may run meanwhile.
-  Status Append(RecordedTick tick);
+  // Appends the states that `next` makes, until it returns false, as if they had followed the newest; their numbers are
+  // computed here. All of them, or after an error no other state: the recording then ends, and the run that is
+  // recorded, too. May wait for the disk. REQUIRES: the run commits no tick meanwhile.
+  using TickSource = std::function<Result<bool>(RecordedTick&)>;
+  Status Append(const TickSource& next);
   // Writes from now on; OnBegin does it, too. REQUIRES: the recorder continues a journal.
-  void StartWriting();
-  // Waits until all ticks so far can be read from the file. Any thread may call, from OnBegin or StartWriting until
-  // OnEnd.
-  Status Flush();
+  void StartWriting() { thread_->Start(); }
+  // Waits until all ticks so far can be read from the file. REQUIRES: OnBegin or StartWriting was called.
+  Status Flush() { return thread_->Flush(); }
   // Writes all ticks, and closes the file.
   Status OnEnd() override;
 
  private:
-  // Writes the begin of the options.
-  Status WriteBegin(const RecordedBegin& begin);
-  void Push(RecordedTick tick);
-  void Write();
-  // The tail need not have the ticks that the recording has.
-  Status ReleaseTail();
-  // Of the thread that writes.
-  bool MustFlush(std::uint64_t written) const;
-  void NoteFlushed(std::uint64_t written);
-  void Fail(Error error);
-  // The error, unless the run continues without the journal: that is said once.
-  Status Reported(const Status& failure);
-  Status status() const;
+  // What the run has committed. Ticks, progress and copies are reported on several threads: all of it is guarded by
+  // mutex_.
+  struct Committed {
+    std::unique_ptr<JournalTail> tail = {};  // null: no journal
+    std::uint64_t next_number = 0;
+    RunProgress progress = {};  // the newest
+    FrameMessage newest = {};   // without its state and events
+    bool is_dropped = false;    // the journal: it is of no use any more
+  };
+
+  void MakeThread(RecordingWriter writer);
+  // Writes the first part of the options.
+  Status WriteBegin(const RecordedBegin& begin, RecordingWriter& writer);
+  // All of these: REQUIRES: mutex_ is locked.
   RecordedTick Convert(const CommittedTick& tick);
-  bool IsKeyframe(Tick tick) const { return tick % options_.keyframe_interval == 0; }
+  Status Write(RecordedTick tick);
+  Status WriteProgress(const RunProgress& progress);
+  // The outcome, unless the run continues without the journal: that is said once.
+  Status Reported(const Status& outcome);
 
   const RecordingOptions options_;
+  const std::string path_;
   std::unique_ptr<mcap::ByteSink> sink_;  // until OnBegin
-  std::unique_ptr<JournalTail> tail_;     // null: no journal
-  std::uint64_t released_ = 0;
-  std::optional<RecordingWriter> writer_;
-  std::uint64_t next_number_ = 0;
-  RunProgress progress_;  // the newest, with a tail
-  FrameMessage last_;     // the newest frame, without its state and events
-  TickQueue queue_;
-  bool dropped_ = false;  // the journal: it is of no use any more
-  std::atomic<bool> failed_ = false;
-  std::atomic<std::uint64_t> pushed_ = 0;  // ticks
-  std::uint64_t flushed_ = 0;              // ticks that can be read; guarded by mutex_
-  std::uint64_t flush_asked_ = 0;          // ticks that a caller of Flush waits for; guarded by mutex_
-  std::condition_variable flush_changed_;  // with mutex_
-  mutable std::mutex mutex_;
-  Status status_;
-  std::thread thread_;  // last, because it uses all other members
+  std::mutex mutex_;
+  Committed committed_;
+  std::optional<RecordingThread> thread_;  // from OnBegin or Continue on; last, because it uses the tail
 };
 
 }  // namespace troupe

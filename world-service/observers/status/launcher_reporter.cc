@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_fields.h"
 #include "common/base/json_text.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/service/owner_permissions.h"
@@ -45,16 +46,9 @@ class LauncherReporter final : public Reporter {
     Send({{"type", "robots"}, {"robots", robots}, {"edition", edition}});
   }
   void OnStatus(const StatusMessage& status) override {
-    Send({{"type", "status"},
-          {"tick", status.tick},
-          {"target_ticks", status.target_ticks},
-          {"sim_seconds", status.sim_seconds},
-          {"wall_seconds", status.wall_seconds},
-          {"real_time_factor", status.real_time_factor},
-          {"robots", status.robots},
-          {"agents", status.agents},
-          {"waiting_for", status.waiting_for},
-          {"waiting_seconds", status.waiting_seconds}});
+    Json report = FieldsToJson<Json>(status);
+    report["type"] = "status";
+    Send(report);
   }
   void OnEvent(const Event& event, const std::string& text) override {
     Send({{"type", "event"}, {"tick", event.tick}, {"event", ToString(event.type)}, {"text", text}});

@@ -7,7 +7,7 @@
 #include "common/geometry/limits.h"
 #include "worldfile/models/types/break_beams.h"
 #include "worldfile/models/types/model_type.h"
-#include "worldfile/stage/node_names.h"
+#include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

@@ -1,0 +1,70 @@
+// PageViewer: a viewer that speaks the protocol of the page: session, status and replies as JSON, each world once, then
+// updates, each the difference from the one before that this viewer has received.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viewer/gateway/robot_readings.h"
+#include "viewer/gateway/viewer.h"
+
+namespace troupe {
+
+// What the pages share to measure readings, and the time that it may take.
+struct PageReadings {
+  using Clock = std::chrono::steady_clock;
+
+  RobotReadings live;
+  RobotReadings past;
+  bool measures_all = true;  // in this period: those of all robots are measured less often if that takes long
+  Clock::time_point next_all;
+
+  void BeginPeriod() { measures_all = Clock::now() >= next_all; }
+};
+
+class PageViewer final : public Viewer {
+ public:
+  // Replies that wait for a viewer; a viewer with more of them does not read, and is not answered any more.
+  static constexpr std::size_t kMostReplies = 64;
+
+  // `longest`: bytes of a request. All of them outlive the viewer.
+  PageViewer(const ShownRun& run, const PastStates& past, PageReadings& readings, std::size_t longest)
+      : Viewer(run), history_(past), readings_(readings), longest_(longest) {}
+
+  Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) override;
+  void Answer(std::string reply) override;
+  bool NeedsMessage() const override;
+  std::optional<WebMessage> Next() override;
+  void ReturnToLive() override;
+
+ private:
+  using Clock = PageReadings::Clock;
+
+  bool NeedsStatus() const;
+  bool NeedsUpdate() const;
+  std::string MakeUpdate();
+  void WriteRows(ByteWriter& writer) const;
+  void WriteEvents(ByteWriter& writer);
+  void WriteReadings(ByteWriter& writer);
+  std::vector<RobotId> SelectedRobots() const;
+
+  const PastStates& history_;
+  PageReadings& readings_;
+  const std::size_t longest_;
+  SelectRequest selected_;
+  bool selection_is_new_ = false;               // since the last update
+  bool readings_missing_ = false;               // the last update left out some of the selection
+  Clock::time_point next_pictures_;             // camera images are not sent earlier
+  std::shared_ptr<const std::string> session_;  // the messages that it has, as in ShownRun
+  std::shared_ptr<const std::string> status_;
+  std::uint32_t world_ = 0;   // number of the world that it has; 0: none
+  std::uint64_t update_ = 0;  // of that world that it has received last; 0: none
+  std::uint64_t event_ = 0;   // number of the last event
+};
+
+}  // namespace troupe

@@ -1,0 +1,87 @@
+// JsonTree: the values of a JSON text, each with the bytes that it has there. Scenarios are read from it, messages name
+// its places, and edits (worldfile/edit/json_edit.h) change the bytes of single values.
+#pragma once
+
+#include <charconv>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "troupe/result.h"
+#include "worldfile/text/text_span.h"
+
+namespace troupe {
+
+struct JsonNode {
+  enum class Kind : std::uint8_t { kNull, kFalse, kTrue, kNumber, kString, kArray, kObject };
+
+  Kind kind = Kind::kNull;
+  double number = 0.0;          // of a number
+  TextSpan span;                // of the value
+  TextSpan member;              // of an object's member: from its key to the end of the value; else as `span`
+  std::string key;              // of an object's member
+  std::string text;             // the characters of a string; a number as it is written
+  std::vector<JsonNode> items;  // of an array or an object, in the order of the text
+
+  bool is_boolean() const { return kind == Kind::kFalse || kind == Kind::kTrue; }
+  bool is_number() const { return kind == Kind::kNumber; }
+  bool is_string() const { return kind == Kind::kString; }
+  bool is_array() const { return kind == Kind::kArray; }
+  bool is_object() const { return kind == Kind::kObject; }
+  bool is_true() const { return kind == Kind::kTrue; }
+
+  // The member of that name; null: there is none.
+  const JsonNode* Find(std::string_view name) const;
+  // REQUIRES: there is one.
+  const JsonNode& Member(std::string_view name) const;
+
+  // REQUIRES: a number within the range of Integer. A fraction is dropped.
+  template <std::integral Integer>
+  Integer ToInteger() const {
+    Integer integer = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), integer);
+    return read.ec == std::errc() && read.ptr == text.data() + text.size() ? integer : static_cast<Integer>(number);
+  }
+};
+
+class JsonTree {
+ public:
+  // Larger texts are refused unread; the other two limits bound memory and stack.
+  static constexpr std::size_t kMaxBytes = 16u << 20;
+  static constexpr std::size_t kMaxValues = 250'000;
+  static constexpr int kMaxDepth = 64;
+
+  // Strict JSON in UTF-8; a key that an object has twice is an error. `file` names the text in messages.
+  static Result<JsonTree> Parse(std::string_view text, const std::string& file);
+
+  const JsonNode& root() const { return root_; }
+
+  // Where the value of a node starts, and its key; without a key the value.
+  SourceLocation Where(const JsonNode& node) const { return lines_.Where(file_, node.span.begin); }
+  SourceLocation WhereKey(const JsonNode& node) const { return lines_.Where(file_, node.member.begin); }
+  Error ErrorAt(const JsonNode& node, std::string message) const { return {Where(node), std::move(message)}; }
+
+  std::size_t OffsetOf(const SourceLocation& where) const { return lines_.OffsetOf(where.line, where.column); }
+  // The nodes from the root to the innermost that has the byte at `offset`, as key or value; empty: none has.
+  std::vector<const JsonNode*> PathTo(std::size_t offset) const;
+
+ private:
+  JsonTree(std::string_view text, std::string file) : file_(std::move(file)), lines_(text) {}
+
+  std::string file_;
+  TextLines lines_;
+  JsonNode root_;
+};
+
+// The value without its places.
+nlohmann::json ToJson(const JsonNode& node);
+
+// "the string 'abc'", "the number 3", "an array of 2", "an object", "null": for messages.
+std::string Describe(const JsonNode& node);
+
+}  // namespace troupe
