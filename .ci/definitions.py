@@ -1,7 +1,7 @@
 """Fails if a type, function or inline variable of namespace scope is defined in two files.
 
     definitions.py FILE ...           by their names in sources and headers, which ctags reads
-    definitions.py --symbols a.a ...  by the symbols of static libraries, which know what a type is that has several names
+    definitions.py --symbols a.a ...  by the symbols of static libraries, in which a type has only one name
 
 The compiler finds two definitions in one source, and the linker two functions of objects that one program needs, but of
 the rest the linker picks one without a word. Names of unnamed namespaces and static functions are of one source.

@@ -3,11 +3,11 @@
     lint_batches.py [--all] [--record] BUILD_FOLDER [FILES]      exit status 1 if there is a finding
 
 The file .ci/linted has a hash of each batch that had no finding: of its sources, all headers of the project that they
-include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record the
-hashes are written. It works without history, and a change of a header reaches all batches that include it.
+include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record
+the hashes are written. It works without history, and a change of a header reaches all batches that include it.
 
-Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one file.
-The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
+Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one
+file. The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
 printed with the place in the original source.
 """
 
@@ -36,6 +36,7 @@ class Batch:
             included = [match.group(1) for match in map(INCLUDE.match, unity) if match]
         self.sources = [os.path.relpath(file, ROOT) for file in included or [entry["file"]]]
         self.path = path
+        self.compilation = entry["command"]  # without the path, whose number other batches may change
         self.command = {"directory": entry["directory"], "file": path,
                         "command": entry["command"].replace(f"-c {entry['file']}", f"-c {path}")}
         self.origins = []  # of each line of the file: (source, line number)
@@ -47,17 +48,18 @@ class Batch:
                         self.origins.append((source, number))
 
     def hash(self, read, checks):
-        """Of all that decides on the findings but the system's headers. `read(path)`: the text of a file, None without."""
-        folders = [ROOT, *re.findall(rf"-(?:I|isystem) *({re.escape(ROOT)}\S*)", self.command["command"])]
+        """Of all that decides on the findings but the system's headers. `read(path)`: a file's text, None without."""
+        folders = [ROOT, *re.findall(rf"-(?:I|isystem) *({re.escape(ROOT)}\S*)", self.compilation)]
         found, open_files = {}, list(map(os.path.abspath, self.sources))
         while open_files:
             file = open_files.pop()
             if file not in found:
                 found[file] = read(file)
                 for name in INCLUDED.findall(found[file]):
-                    paths = (os.path.normpath(os.path.join(folder, name)) for folder in (os.path.dirname(file), *folders))
+                    paths = [os.path.normpath(os.path.join(at, name)) for at in (os.path.dirname(file), *folders)]
                     open_files += [path for path in paths if read(path) is not None][:1]
-        text = "\0".join([checks, self.command["command"], *(part for file in sorted(found) for part in (file, found[file]))])
+        contents = (part for file in sorted(found) for part in (file, found[file]))
+        text = "\0".join([checks, self.compilation, *self.sources, *contents])
         guard = re.sub(r"\W", "_", ROOT.upper())  # in headers that idlc has made
         return hashlib.sha256(text.replace(ROOT, "").replace(guard, "").encode()).hexdigest()[:32]
 

@@ -28,7 +28,8 @@ def is_missing(*paths):
 EXPECTED = (
     (r"network namespaces|cannot make networks|needs? root", cannot("--net", "sh", "-c", MAKE_HOSTS)),
     (r"cannot mount a file system", cannot("--mount", "mount", "-t", "tmpfs", "none", "/mnt")),
-    (r"no Stage worlds|TROUPE_STAGE_WORLDS", is_missing("../shared/stage-worlds", os.environ.get("TROUPE_STAGE_WORLDS", "-"))),
+    (r"no Stage worlds|TROUPE_STAGE_WORLDS",
+     is_missing(os.environ.get("TROUPE_STAGE_WORLDS") or "../shared/stage-worlds")),
     (r"needs libfastrtps-dev", is_missing("/usr/bin/fastddsgen")),
     (r"chromium is not installed", is_missing("/usr/bin/chromium", "/usr/bin/chromium-browser")),
     (r"no node and npm", lambda: not (shutil.which("node") and shutil.which("npm"))),
@@ -46,7 +47,8 @@ def run(build, options):
     """ctest's exit status, its closing lines, and the tests whose command was skipped. Prints the lines before them."""
     closing, skipped = [], set()
     command = ["ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", *options]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace") as ctest:
+    output = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
+    with subprocess.Popen(command, **output) as ctest:
         for line in ctest.stdout:
             if closing or re.match(r"\d+% tests passed, ", line):
                 closing.append(line)
@@ -60,7 +62,8 @@ def run(build, options):
 def skips(build, skipped):
     """What was skipped, with the reason, according to the log of the last run."""
     log = (pathlib.Path(build) / "Testing/Temporary/LastTest.log").read_text(errors="replace")
-    for test, output in re.findall(r"^\d+/\d+ Testing: (\S+)$.*?^Output:\n-+\n(.*?)^<end of output>$", log, re.M | re.S):
+    entry = r"^\d+/\d+ Testing: (\S+)$.*?^Output:\n-+\n(.*?)^<end of output>$"
+    for test, output in re.findall(entry, log, re.M | re.S):
         if test in skipped:
             yield test, (output.split("\n")[-2:] or [""])[0] if output.strip() else "no reason"
         for name, reason in re.findall(r"^SKIPPED (\S+): (.*)$", output, re.M):
@@ -79,7 +82,9 @@ def main():
         else:
             print(f"error: unexpected skip of {test}: {reason or 'without a reason'} (see .ci/run_tests.py)")
             status = status or 1
-    print(f"{sum(expected.values())} tests skipped" + "".join(f"\n  {count}: {reason}" for reason, count in sorted(expected.items())))
+    print(f"{sum(expected.values())} tests skipped")
+    for reason, count in sorted(expected.items()):
+        print(f"  {count}: {reason}")
     print("\n" + "".join(closing), end="", flush=True)
     sys.exit(status)
 

@@ -3,8 +3,9 @@ set(TROUPE_TEST_OPTIONS "" CACHE STRING "Options for the compiler, for the sourc
 set(TROUPE_TEST_LABEL "" CACHE STRING "Only tests with this label are built and run, for instance: threads")
 set(TROUPE_TEST_NAMES "" CACHE STRING "Only tests whose names match this regular expression are built and run")
 
-# The environment of programs with sanitizers. Leaks in libraries that the file names are not reported. Cyclone DDS is not
-# built with the thread sanitizer, so its atomics are not seen: its reads and writes are not checked, while its locks count.
+# The environment of programs with sanitizers. Leaks in libraries that the file names are not reported. Cyclone DDS is
+# not built with the thread sanitizer, so its atomics are not seen: its reads and writes are not checked, while its locks
+# count.
 set(TROUPE_SANITIZER_ENVIRONMENT
   LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/sanitizers/leak.supp:print_suppressions=0
   TSAN_OPTIONS=ignore_noninstrumented_modules=1)
@@ -41,9 +42,10 @@ endfunction()
 #             [DEFINITIONS d ...] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
-# PROCESSORS: how many of the places for tests, two for each core, it takes. Labels: slow (not in scripts/test), process (drives the programs), determinism, threads (runs under
-# the thread sanitizer too), addresses (under the address sanitizer; all that are neither slow nor process have it).
-# In a unity build the sources of a folder are compiled together, up to 12 at a time.
+# PROCESSORS: how many of the places for tests, two for each core, it takes. Labels: slow (not in scripts/test), process
+# (drives the programs), determinism, threads (runs under the thread sanitizer too), addresses (under the address
+# sanitizer; all that are neither slow nor process have it). In a unity build the sources of a folder are compiled
+# together, up to 12 at a time.
 function(troupe_test name)
   cmake_parse_arguments(arg "" "GROUP;TIMEOUT" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
   if(NOT "slow" IN_LIST arg_LABELS AND NOT "process" IN_LIST arg_LABELS)
