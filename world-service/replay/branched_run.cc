@@ -10,7 +10,7 @@
 #include "world-service/replay/replayed_world.h"
 #include "world-service/replay/restore_run.h"
 #include "world-service/replay/run_replay.h"
-#include "world-service/service/world_changes.h"
+#include "world-service/service/apply_edit.h"
 
 namespace troupe {
 namespace {

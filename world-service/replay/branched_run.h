@@ -11,7 +11,7 @@
 #include "common/spatial/scene.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
-#include "world-service/service/resumed_run.h"
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 

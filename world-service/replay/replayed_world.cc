@@ -11,7 +11,6 @@
 #include "world-service/core/validate_proposal.h"
 #include "world-service/replay/check_start_state.h"
 #include "world-service/service/apply_edit.h"
-#include "world-service/service/world_changes.h"
 
 namespace troupe {
 

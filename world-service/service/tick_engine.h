@@ -15,10 +15,9 @@
 #include "transport/protocol/tick_barrier.h"
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
-#include "world-service/service/pacer.h"
 #include "world-service/service/proposal_collector.h"
-#include "world-service/service/resend_timer.h"
 #include "world-service/service/robot_commands.h"
+#include "world-service/service/tick_timing.h"
 
 namespace troupe {
 

@@ -1,10 +1,9 @@
 // Agents whose robots do not remember the run: they are sent its history before they are admitted.
-#include "world-service/service/robot_memories.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 namespace {

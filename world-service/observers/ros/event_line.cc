@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/json_text.h"
-#include "world-service/service/event_json.h"
+#include "world-service/service/event_text.h"
 
 namespace troupe {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
-#include "world-service/service/world_control.h"
+#include "world-service/service/run_observer.h"
 
 namespace troupe {
 
