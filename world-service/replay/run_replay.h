@@ -24,7 +24,7 @@ struct ReplayOptions {
   bool compare_events = false;
   OutputFiles outputs;  // hash log and poses
   std::string scans;    // file; empty: none
-  // Called with each state from the begin of the run, and the tick that follows it; returns a difference. Its error
+  // Called with each state from the start of the run, and the tick that follows it; returns a difference. Its error
   // ends the replay. May be null.
   std::function<Result<std::optional<std::string>>(const ReplayedWorld& world, const RecordedTick& next)> check;
   // Called now and then with the tick and the share of the ticks, 0 to 1. May be null.

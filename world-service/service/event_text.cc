@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
+
 namespace troupe {
 namespace {
 
@@ -64,6 +66,13 @@ nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
   if (event.object) json["object"] = world.model(*event.object).name;
   if (event.other) json["other"] = world.model(*event.other).name;
   return json;
+}
+
+std::string EventLine(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = EventJson(world, event);
+  json["tick"] = event.tick;
+  json["detail"] = event.detail;
+  return JsonText(json);
 }
 
 }  // namespace troupe

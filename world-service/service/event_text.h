@@ -16,4 +16,8 @@ std::string EventText(const WorldDescription& world, const Event& event);
 // far as it has them. Without its tick and detail. REQUIRES: the event's ids are of this world.
 nlohmann::json EventJson(const WorldDescription& world, const Event& event);
 
+// A JSON object as text: {"detail": "", "event": "stall_began", "other": "wall", "robot": "r0", "tick": 7}.
+// REQUIRES: the event's ids are of this world.
+std::string EventLine(const WorldDescription& world, const Event& event);
+
 }  // namespace troupe

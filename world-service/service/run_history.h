@@ -104,7 +104,7 @@ struct ResumedRun {
   std::shared_ptr<const Scene> scene;     // of the newest state
   std::optional<FrameMessage> frame;      // with the newest state; nothing: the run had not begun
   std::optional<MemoryPlace> previous;    // the state before; nothing: there is none
-  std::uint64_t next_number = 0;          // of the state after it, counted from the begin of the run
+  std::uint64_t next_number = 0;          // of the state after it, counted from the start of the run
   RunProgress progress;
   std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
   std::string world_file;                       // that was loaded during the run; empty: none

@@ -30,7 +30,7 @@ class WorldControl {
   virtual void Request(const ControlRequest& request, ControlReplyTo reply) = 0;
 };
 
-// The begin of a run.
+// The start of a run.
 struct RunStart {
   RunId run = 0;
   const RunSettings& settings;

@@ -100,7 +100,7 @@ class TickEngine {
   void Commit(double now);
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
-  // The observers are told of the first state of a branch.
+  // Reports the first state of a branch to the observers.
   void ReportBegin(double now);
   RunProgress Progress() const;
   // The barrier for the next tick.

@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 class LauncherReporter final : public Reporter {
  public:
-  // A service that was killed may have left the begin of a line on the descriptor: an empty line ends it.
+  // A service that was killed may have left the start of a line on the descriptor: an empty line ends it.
   explicit LauncherReporter(int descriptor) : descriptor_(descriptor) { Write("\n"); }
 
   void Ready(const WorldDescription& world, const RunSettings& settings, const ServiceContact& contact) override {
