@@ -15,8 +15,7 @@
 #include "transport/protocol/tick_barrier.h"
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
-#include "world-service/service/proposal_collector.h"
-#include "world-service/service/robot_commands.h"
+#include "world-service/service/tick_inputs.h"
 #include "world-service/service/tick_timing.h"
 
 namespace troupe {
