@@ -93,7 +93,7 @@ void TickCoordinator::DemandHistory(const JoinMessage& join, const HistoryReques
   if (std::find(agents.begin(), agents.end(), join.agent) == agents.end()) agents.push_back(join.agent);
 }
 
-std::vector<TickCoordinator::HistoryDemand> TickCoordinator::TakeHistoryDemands(double now) {
+std::vector<TickCoordinator::HistoryDemand> TickCoordinator::DrainHistoryDemands(double now) {
   const auto is_due = [now](const HistoryDemand& demand) { return now >= demand.since + kHistoryDelay; };
   std::vector<HistoryDemand> due;
   std::copy_if(demands_.begin(), demands_.end(), std::back_inserter(due), is_due);

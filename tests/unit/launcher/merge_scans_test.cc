@@ -1,5 +1,3 @@
-#include "launcher/supervise/merge_scans.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "launcher/supervise/output_files.h"
 
 namespace troupe {
 namespace {

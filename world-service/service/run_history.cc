@@ -1,4 +1,4 @@
-#include "world-service/service/robot_memories.h"
+#include "world-service/service/run_history.h"
 
 #include <algorithm>
 

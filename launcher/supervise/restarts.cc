@@ -1,4 +1,4 @@
-#include "launcher/supervise/agent_restarts.h"
+#include "launcher/supervise/restarts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,6 +26,9 @@ double DelayBefore(std::uint32_t restart) {
   return std::min(kLongestDelay, std::ldexp(kFirstDelay, doublings));
 }
 
+constexpr std::uint32_t kMostWithoutProgress = 8;
+constexpr double kSecondDelay = 0.1;  // s, before the second restart at one tick
+
 }  // namespace
 
 std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double now) {
@@ -46,7 +49,7 @@ double AgentRestarts::FreeTime(double from) const {
   return from;
 }
 
-std::vector<AgentRestarts::Agent> AgentRestarts::TakeDue(double now) {
+std::vector<AgentRestarts::Agent> AgentRestarts::DrainDue(double now) {
   std::vector<Agent> agents;
   for (const auto& [agent, due] : due_) {
     if (due <= now) agents.push_back(agent);
@@ -64,6 +67,15 @@ std::optional<double> AgentRestarts::NextDue() const {
 std::uint32_t AgentRestarts::CountOf(Agent agent) const {
   const auto count = counts_.find(agent);
   return count == counts_.end() ? 0 : count->second;
+}
+
+std::optional<double> ServiceRestarts::OnDeath(Tick tick, double now) {
+  without_progress_ = tick_ == tick ? without_progress_ + 1 : 0;
+  tick_ = tick;
+  if (without_progress_ >= kMostWithoutProgress) return std::nullopt;
+  const double delay = without_progress_ == 0 ? 0.0 : std::ldexp(kSecondDelay, static_cast<int>(without_progress_) - 1);
+  due_ = now + delay;
+  return due_;
 }
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-#include "world-service/observers/ros/entity_pose.h"
+#include "world-service/observers/ros/request_values.h"
 
 #include <cmath>
 
