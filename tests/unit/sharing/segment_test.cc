@@ -4,9 +4,11 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <set>
@@ -197,6 +199,93 @@ TEST(SegmentTest, OnlyAgentsWithASlotSend) {
   service->Bind(kSecond);  // the same slot
   EXPECT_EQ(agent->Send(Proposal(kFirst, 2)), AgentSegment::Sent::kNotJoined);
   EXPECT_TRUE(service->Collect().empty());
+}
+
+// It is stopped anywhere, mostly in the middle of a message.
+TEST(SegmentTest, AStoppedAgentDoesNotWriteIntoTheSlotOfAnother) {
+  for (int round = 0; round < 20; ++round) {
+    const auto service = MakeService();
+    service->Bind(kFirst);
+    Process stopped([&] {
+      const auto own = OpenFor(*service);
+      ProposalMessage message = Proposal(kFirst, 1, 500);
+      for (::troupe::Proposal& proposal : message.proposals) proposal.twist = {2.0, 0.0, 0.0};
+      for (;; ++message.tick) own->Send(message);
+    });
+    const auto answers = SharedMemory::Open(service->address().process, service->address().answers, kAnswersBytes,
+                                            SharedMemory::Peers::kMayWrite);
+    const auto slot = answers.value().Map(SlotOffset(0), kSlotBytes);
+    while (slot.value().At<SlotHeader>(0).message.sequence < 3) std::this_thread::yield();
+    kill(stopped.pid(), SIGSTOP);
+    ASSERT_EQ(waitpid(stopped.pid(), nullptr, WUNTRACED), stopped.pid());
+    service->Unbind(kFirst);
+    service->Bind(kSecond);
+    const auto agent = OpenFor(*service);
+    ASSERT_EQ(agent->Send(Proposal(kSecond, 1, 500)), AgentSegment::Sent::kYes);
+    kill(stopped.pid(), SIGCONT);
+    for (Tick tick = 2; tick < 6; ++tick) {
+      const auto collected = service->Collect();
+      ASSERT_EQ(collected.size(), 1u);
+      ASSERT_TRUE(collected.front().malformed.ok());
+      ASSERT_EQ(collected.front().proposal, Proposal(kSecond, tick - 1, 500));
+      ASSERT_EQ(agent->Send(Proposal(kSecond, tick, 500)), AgentSegment::Sent::kYes);
+    }
+  }
+}
+
+TEST(SegmentTest, ASlotIsUsedAgainWhenItsAgentHasLeftItOrHasEnded) {
+  const auto service = MakeService();
+  const auto slot_of = [&](AgentId id) {
+    const auto frames = SharedMemory::Open(service->address().process, service->address().frames, kFramesBytes,
+                                           SharedMemory::Peers::kMayRead);
+    const auto memory = frames.value().Map(0, kFramesHeaderBytes);
+    const auto& agents = memory.value().At<const FramesHeader>(0).agents;
+    return std::find(agents.begin(), agents.end(), id) - agents.begin();
+  };
+  auto first = OpenFor(*service);
+  service->Bind(kFirst);
+  ASSERT_EQ(first->Send(Proposal(kFirst, 1)), AgentSegment::Sent::kYes);
+  service->Unbind(kFirst);
+  service->Bind(kSecond);
+  EXPECT_EQ(slot_of(kSecond), 1) << "the first agent does not know yet";
+  EXPECT_EQ(first->Send(Proposal(kFirst, 2)), AgentSegment::Sent::kNotJoined);
+  service->Bind(kFirst);
+  EXPECT_EQ(slot_of(kFirst), 0);
+  ASSERT_EQ(first->Send(Proposal(kFirst, 3)), AgentSegment::Sent::kYes);
+  service->Unbind(kFirst);
+  first.reset();  // as the end of its process
+  service->Bind(kSecond + 1);
+  EXPECT_EQ(slot_of(kSecond + 1), 0);
+}
+
+TEST(SegmentTest, WithoutASlotThatIsLeftAnAgentUsesTheNetwork) {
+  const auto service = MakeService();
+  const auto answers = SharedMemory::Open(service->address().process, service->address().answers, kAnswersBytes,
+                                          SharedMemory::Peers::kMayWrite);
+  ASSERT_TRUE(answers.value().Claim(SlotOffset(0), kSlots * kSlotBytes).value());
+  service->Bind(kFirst);
+  const auto agent = OpenFor(*service);
+  EXPECT_EQ(agent->Send(Proposal(kFirst, 1)), AgentSegment::Sent::kImpossible);
+}
+
+TEST(SegmentTest, MemoryIsReservedThroughSignals) {
+  constexpr std::size_t kBytes = std::size_t{16} << 20;
+  const auto made = SharedMemory::Create("troupe-test", kBytes, SharedMemory::Peers::kMayWrite);
+  ASSERT_TRUE(made.ok());
+  struct sigaction on_alarm {};
+  struct sigaction before {};
+  on_alarm.sa_handler = [](int) {};
+  ASSERT_EQ(sigaction(SIGALRM, &on_alarm, &before), 0);
+  // One of them arrives in the middle, on a machine of any speed.
+  for (int microseconds = 50; microseconds < 20'000; microseconds *= 2) {
+    const itimerval once{{}, {0, microseconds}};
+    setitimer(ITIMER_REAL, &once, nullptr);
+    EXPECT_TRUE(made.value().memory.Reserve(0, kBytes).ok()) << microseconds;
+    EXPECT_EQ(fallocate(made.value().memory.descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, kBytes), 0);
+  }
+  const itimerval none{};
+  setitimer(ITIMER_REAL, &none, nullptr);
+  sigaction(SIGALRM, &before, nullptr);
 }
 
 TEST(SegmentTest, MessagesOfEverySizeTravelOrAreRefused) {
