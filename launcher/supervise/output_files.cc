@@ -48,6 +48,8 @@ class Part {
   explicit Part(LineFile file) : file_(std::move(file)) { Next(); }
 
   bool done() const { return done_; }
+  // Once it is done.
+  const Status& status() const { return file_.status(); }
   const When& when() const { return when_; }
   const std::string& line() const { return line_; }
 
@@ -208,7 +210,10 @@ Status MergeScans(const std::vector<std::string>& parts, const std::string& outp
   Status failure;
   std::uint64_t edition = 0;
   for (;;) {
-    std::erase_if(open, [](const auto& part) { return part->done(); });
+    std::erase_if(open, [&failure](const auto& part) {
+      if (part->done() && failure.ok()) failure = part->status();
+      return part->done();
+    });
     if (open.empty() || !failure.ok()) break;
     const When when = (*std::min_element(open.begin(), open.end(), [](const auto& a, const auto& b) {
                         return a->when() < b->when();
@@ -222,7 +227,8 @@ Status MergeScans(const std::vector<std::string>& parts, const std::string& outp
       if (failure.ok() && part->when() == when) failure = WriteTick(*part, when, file.value());
     }
   }
-  return file.value().Close();
+  const Status closed = file.value().Close();
+  return failure.ok() ? closed : failure;
 }
 
 Status CheckOutputs(const RunOptions& options) {

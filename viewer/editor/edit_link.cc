@@ -1,5 +1,7 @@
 #include "viewer/editor/edit_link.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -245,11 +247,14 @@ Status EditLink::Apply(const ControlRequest& request, ControlReply& reply) {
       changed_.notify_all();
       return {};
     case ControlCommand::kStep:
+      if (request.ticks > kMostStepsAtOnce) {
+        return Error{{}, fmt::format("found {} steps, expected at most {} at once", request.ticks, kMostStepsAtOnce)};
+      }
       if (!test_) {
         if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
       }
       playing_ = false;
-      for (std::uint64_t i = 0; i < std::min(request.ticks, kMostStepsAtOnce); ++i) StepTest();
+      for (std::uint64_t i = 0; i < request.ticks; ++i) StepTest();
       return {};
     case ControlCommand::kReset:
       return test_ ? Restart() : Status();

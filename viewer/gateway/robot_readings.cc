@@ -6,6 +6,8 @@
 #include <string_view>
 #include <variant>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 namespace {
 
@@ -136,7 +138,7 @@ struct ContentWriter {
       writer.WriteByte(reception.to_all);
       writer.WriteCount(reception.bytes.size());
       writer.WriteText(
-          {reinterpret_cast<const char*>(reception.bytes.data()), std::min(reception.bytes.size(), kMostMessageBytes)});
+          CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMostMessageBytes));
       writer.Write(reception.rssi);
       writer.Write(reception.tick);
       writer.WriteByte(reception.place.has_value());

@@ -110,6 +110,19 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
   }
 }
 
+TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
+  Edited edited;
+  ControlRequest step;
+  step.command = ControlCommand::kStep;
+  step.ticks = 1001;
+  const ControlReply refused = edited.Ask(step);
+  EXPECT_FALSE(refused.done);
+  EXPECT_EQ(refused.problem, "found 1001 steps, expected at most 1000 at once");
+  EXPECT_EQ(refused.tick, 0u);
+  step.ticks = 1000;
+  EXPECT_TRUE(edited.Ask(step).done);
+}
+
 TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   Edited edited;
   ControlRequest play;

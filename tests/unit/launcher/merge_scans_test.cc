@@ -74,6 +74,13 @@ TEST_F(MergeScansTest, TreatsAMissingPartAsEmpty) {
   EXPECT_EQ(Read(Path("out")), Line(0, "a"));
 }
 
+TEST_F(MergeScansTest, ReportsAPartThatCannotBeRead) {
+  std::string a = Write("a", Line(0, "a"));
+  Status failure = MergeScans({a, "/"}, Path("out"), LineFile::Space::kKeep);
+  ASSERT_FALSE(failure.ok());
+  EXPECT_EQ(failure.error().ToString(), "/: error: cannot read: Is a directory");
+}
+
 TEST_F(MergeScansTest, ReportsAFullDisk) {
   std::string a = Write("a", Line(0, "a"));
   Status failure = MergeScans({a}, "/dev/full", LineFile::Space::kKeep);

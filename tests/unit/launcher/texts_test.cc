@@ -190,6 +190,12 @@ TEST(SessionTable, HasALineForEachSession) {
   EXPECT_EQ(SessionTable({}).find('\n'), SessionTable({}).size() - 1);
 }
 
+TEST(SessionTable, IsPlainTextWhateverTheNetworkSends) {
+  const SessionInfo hostile{"a\nb", 1, "\x1b[2J", 7, "\xff", 3, std::nullopt};
+  EXPECT_THAT(SessionTable({hostile}), HasSubstr("a b      ?      "));
+  EXPECT_THAT(SessionTable({hostile}), HasSubstr(" [2J:7  "));
+}
+
 TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   LoadedWorld loaded;
   loaded.world.name = "w";
