@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "world-service/service/notice_list.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {
