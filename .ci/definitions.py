@@ -1,8 +1,7 @@
 """Fails if a type, function or inline variable of namespace scope is defined in two files.
 
     definitions.py FILE ...           by their names in sources and headers, which ctags reads
-    definitions.py --symbols BUILD    by the symbols of the static libraries of a build folder, which know what a type
-                                      is that has several names
+    definitions.py --symbols a.a ...  by the symbols of static libraries, which know what a type is that has several names
 
 The compiler finds two definitions in one source, and the linker two functions of objects that one program needs, but of
 the rest the linker picks one without a word. Names of unnamed namespaces and static functions are of one source.
@@ -10,7 +9,6 @@ the rest the linker picks one without a word. Names of unnamed namespaces and st
 
 import collections
 import json
-import pathlib
 import re
 import subprocess
 import sys
@@ -66,11 +64,9 @@ def definitions(files):
         yield f"{scope}::{name}", f"{tag['path']}:{tag['line']}", tag["path"]
 
 
-def symbols(build):
-    """(function or variable, archive) of each strong definition in the static libraries of a build folder."""
-    for archive in map(str, pathlib.Path(build).rglob("*.a")):
-        if "controller_support" in archive:
-            continue  # a second compilation of sources that other libraries have
+def symbols(archives):
+    """(function or variable, archive) of each strong definition in static libraries."""
+    for archive in archives:
         output = subprocess.run(["nm", "--defined-only", "--extern-only", "--demangle", archive], capture_output=True,
                                 text=True, check=True).stdout
         for kind, name in re.findall(r"^[0-9a-f]+ ([TDBR]) (.*)$", output, re.M):
@@ -78,7 +74,7 @@ def symbols(build):
 
 
 def main():
-    found = list(symbols(sys.argv[2]) if sys.argv[1] == "--symbols" else definitions(sys.argv[1:]))
+    found = list(symbols(sys.argv[2:]) if sys.argv[1] == "--symbols" else definitions(sys.argv[1:]))
     places = collections.defaultdict(dict)  # by name: {file: place}
     for name, place, file in found:
         places[name][file] = place
