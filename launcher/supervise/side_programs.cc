@@ -18,8 +18,8 @@ namespace troupe {
 namespace {
 
 // s. A program that dies again and again is started ever more rarely, but each time: ROS nodes wait for it.
-constexpr double kFirstDelay = 0.1;
-constexpr double kLongestDelay = 30.0;
+constexpr double kFirstRestart = 0.1;
+constexpr double kLongestRestart = 30.0;
 constexpr double kHealthyTime = 60.0;  // after this its delays begin anew
 
 constexpr const char* kServiceBridge = "ros-service-bridge";
@@ -50,7 +50,7 @@ std::optional<std::string> SupervisedProcess::Poll(double now) {
   if (due_ && now >= *due_) {
     due_.reset();
     if (const Status status = StartProcess(); !status.ok()) {
-      due_ = now + kLongestDelay;
+      due_ = now + kLongestRestart;
       return status.error().message;
     }
   }
@@ -63,7 +63,7 @@ std::optional<std::string> SupervisedProcess::Poll(double now) {
                   process_->pid(), process_->end()->ToString());
   if (process_->end()->exit_code == kExitBadInput) return text + "; " + settings_.consequence;
   if (now - *started_ > kHealthyTime) delay_ = 0.0;
-  delay_ = std::clamp(2.0 * delay_, kFirstDelay, kLongestDelay);
+  delay_ = std::clamp(2.0 * delay_, kFirstRestart, kLongestRestart);
   due_ = now + delay_;
   return text + "; it is started again";
 }
