@@ -23,7 +23,7 @@ EventNames NamesIn(const WorldDescription& world, const Event& event) {
 }
 
 std::size_t SizeOf(const PastState& past) {
-  return sizeof past - sizeof past.state + MemoryOf(past.state);
+  return sizeof past + MemoryOf(*past.state);
 }
 
 }  // namespace troupe

@@ -25,7 +25,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
 struct PastState {
   std::uint64_t position = 0;  // past_states.h
   std::shared_ptr<const ViewedWorld> world;
-  WorldState state;
+  std::shared_ptr<const WorldState> state;
   std::uint64_t state_hash = 0;
   Edition edition = 0;
 };

@@ -20,29 +20,31 @@ void RunFeed::OnSession(const SessionMessage& session) {
   announced_ = MakeViewedWorld(session, ++worlds_);
 }
 
-void RunFeed::OnFrame(const FrameMessage& frame) {
+void RunFeed::OnFrame(const SharedFrame& shared) {
+  const FrameMessage& frame = *shared;
   if (!announced_ || frame.run != announced_->run || frame.world_edition != announced_->edition) return;
+  if (!announced_->scene->CheckState(frame.state).ok()) return;
   const std::lock_guard lock(mutex_);
+  const std::pair at(frame.edition, frame.state.tick);
   if (!content_.world || content_.world->run != frame.run) {
     content_.events.clear();
     content_.status.reset();
     newest_events_.reset();
     history_.Clear();
     remembered_.reset();
-  } else if (std::pair(frame.edition, frame.state.tick) < std::pair(content_.edition, content_.state.tick)) {
+  } else if (at < std::pair(content_.edition, content_.state->tick)) {
     return;
   }
   ++content_.version;
   content_.world = announced_;
-  content_.state = frame.state;
+  content_.state = {shared, &frame.state};
   content_.state_hash = frame.state_hash;
   content_.edition = frame.edition;
   content_.paused = frame.paused;
   content_.last = frame.last;
-  const std::pair at(frame.edition, frame.state.tick);
   if (!remembered_ || at > *remembered_) {  // a frame may be delivered twice
     remembered_ = at;
-    content_.position = history_.Add({0, announced_, frame.state, frame.state_hash, frame.edition});
+    content_.position = history_.Add({0, announced_, content_.state, frame.state_hash, frame.edition});
   }
   AddEvents(frame);
 }

@@ -21,7 +21,7 @@ namespace troupe {
 struct FeedContent {
   std::uint64_t version = 0;                 // of everything below; 0: nothing yet
   std::shared_ptr<const ViewedWorld> world;  // null: no run was found yet, or it has ended
-  WorldState state;                          // of that world
+  std::shared_ptr<const WorldState> state;   // of that world
   std::uint64_t state_hash = 0;
   std::uint64_t position = 0;  // in the history
   Edition edition = 0;
@@ -46,7 +46,7 @@ class RunFeed : public ObserverHandler {
   void Clear();
 
   void OnSession(const SessionMessage& session) override;
-  void OnFrame(const FrameMessage& frame) override;
+  void OnFrame(const SharedFrame& frame) override;
   void OnStatus(const StatusMessage& status) override;
   void OnServiceGone() override;
 

@@ -40,6 +40,8 @@ constexpr std::uint8_t kPastFlag = 16;
 
 constexpr std::size_t kMostAwaited = 50;  // names in an update
 
+static_assert(kMemberCount<Event> == 6, "a new field of an event belongs into the next function, and into protocol.ts");
+
 void Write(ByteWriter& writer, const NumberedEvent& numbered) {
   const Event& event = numbered.event;
   writer.Write(numbered.position);
@@ -209,10 +211,10 @@ ShownState RunGateway::ShownTo(const ViewerState& viewer) const {
   if (viewer.in_past) {
     if (!viewer.past) return {};
     const ViewedWorld& world = *viewer.past->world;
-    return {&world, &viewer.past->state, viewer.past->position + 1, time(viewer.past->position, world)};
+    return {&world, viewer.past->state.get(), viewer.past->position + 1, time(viewer.past->position, world)};
   }
   if (world_ == 0) return {};
-  return {content_.world.get(), &content_.state, update_, time(content_.state.tick, *content_.world)};
+  return {content_.world.get(), content_.state.get(), update_, time(content_.state->tick, *content_.world)};
 }
 
 bool RunGateway::OnFoxglove(Viewer viewer, const Result<foxglove::ClientMessage>& message) {
@@ -331,7 +333,7 @@ void RunGateway::OnPeriod() {
     const std::uint32_t world = has_world ? content_.world->number : 0;
     if (world != 0) {
       rows_.Assign(content_.state, update_, world != world_);
-      readings_.SetState(content_.world->scene, content_.state);
+      readings_.SetState(content_.world->scene, *content_.state);
     }
     world_ = world;
   }
@@ -421,7 +423,7 @@ std::shared_ptr<const std::string> RunGateway::MakePastUpdate(ViewerState& viewe
   writer.Write(static_cast<std::uint8_t>(PageMessage::kUpdate));
   writer.Write(past.world->number);
   writer.Write(static_cast<std::uint8_t>(kPausedFlag | kReadingsFlag | kPastFlag));
-  writer.Write(past.state.tick);
+  writer.Write(past.state->tick);
   writer.Write(past.state_hash);
   writer.Write(past.edition);
   WriteTimeline(writer, past.position);
@@ -429,7 +431,7 @@ std::shared_ptr<const std::string> RunGateway::MakePastUpdate(ViewerState& viewe
   rows.Assign(past.state, 1, true);
   rows.Write(writer, 0);
   WriteEvents(writer, viewer);
-  past_readings_.SetState(past.world->scene, past.state);
+  past_readings_.SetState(past.world->scene, *past.state);
   WriteReadings(writer, viewer, past.world->scene->world(), past_readings_);
   viewer.past_new = viewer.selection_new = false;
   return std::make_shared<const std::string>(writer.TakeBytes());
@@ -442,7 +444,7 @@ std::shared_ptr<const std::string> RunGateway::MakeUpdate(ViewerState& viewer) {
   const bool has_readings = !viewer.selected.all || measure_all_;
   writer.Write(static_cast<std::uint8_t>((content_.paused ? kPausedFlag : 0) | (content_.last ? kLastFlag : 0) |
                                          (content_.status ? kStatusFlag : 0) | (has_readings ? kReadingsFlag : 0)));
-  writer.Write(content_.state.tick);
+  writer.Write(content_.state->tick);
   writer.Write(content_.state_hash);
   writer.Write(content_.edition);
   WriteTimeline(writer, content_.position);

@@ -18,7 +18,7 @@ class Watcher : public ObserverHandler {
     session_ = session;
     ++worlds_;
   }
-  void OnFrame(const FrameMessage& frame) override {
+  void OnFrame(const SharedFrame& frame) override {
     {
       const std::lock_guard lock(mutex_);
       frame_ = frame;
