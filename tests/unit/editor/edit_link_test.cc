@@ -21,7 +21,7 @@ class Watcher : public ObserverHandler {
   void OnFrame(const SharedFrame& frame) override {
     {
       const std::lock_guard lock(mutex_);
-      frame_ = frame;
+      frame_ = *frame;
     }
     changed_.notify_all();
   }

@@ -240,6 +240,7 @@ ProposalMessage ProposalWithEveryField() {
   message.tick = 3;
   message.proposals = {{.robot = RobotId(4), .twist = {1.0, 2.0, 3.0}, .joint_velocities = {0.5, 0.25}},
                        {.robot = RobotId(5),
+                        .twist = {},
                         .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
                         .lights = {{0, true}, {3, false}},
                         .cameras = {{4, 0.5, -0.5}},
