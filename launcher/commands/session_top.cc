@@ -82,10 +82,10 @@ void SessionTop::OnSession(const SessionMessage& session) {
   session_ = std::make_shared<const SessionMessage>(session);
 }
 
-void SessionTop::OnFrame(const FrameMessage& frame) {
+void SessionTop::OnFrame(const SharedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  if (!session_ || frame.run != session_->run || frame.world_edition != session_->world_edition) return;
-  for (const Event& event : frame.events) {
+  if (!session_ || frame->run != session_->run || frame->world_edition != session_->world_edition) return;
+  for (const Event& event : frame->events) {
     if (!event.robot || event.robot->index() >= session_->world.robots.size()) continue;
     const std::string& name = session_->world.robot(*event.robot).name;
     if (event.type == EventType::kLeft) lost_.insert(name);

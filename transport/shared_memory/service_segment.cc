@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "common/base/random_id.h"
-#include "transport/shared_memory/frame_words.h"
-#include "transport/shared_memory/proposal_words.h"
+#include "transport/shared_memory/message_words.h"
 
 namespace troupe {
 namespace {

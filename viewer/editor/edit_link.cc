@@ -101,7 +101,7 @@ void EditLink::Forget(ObserverHandler& handler) {
 void EditLink::PostAll() {
   if (handler_ == nullptr) return;
   handler_->OnSession(session_);
-  handler_->OnFrame(frame_);
+  handler_->OnFrame(std::make_shared<const FrameMessage>(frame_));
 }
 
 void EditLink::PostWorld(const WorldDescription& world, const WorldState& state) {
@@ -119,7 +119,7 @@ void EditLink::PostState(const WorldState& state, const std::vector<Event>& even
   frame_.state_hash = StateHash(state);
   frame_.paused = !playing_;
   frame_.events = events;
-  if (handler_ != nullptr) handler_->OnFrame(frame_);
+  if (handler_ != nullptr) handler_->OnFrame(std::make_shared<const FrameMessage>(frame_));
 }
 
 void EditLink::ShowEdited() {

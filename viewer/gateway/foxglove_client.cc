@@ -30,7 +30,7 @@ std::string TextOf(const NumberedEvent& numbered) {
 
 // A client of a recording has the time of its timeline, which never goes back.
 foxglove::Time FoxgloveClient::ShownTime() const {
-  const std::uint64_t count = in_past_ ? shown()->position : shown()->state.tick;
+  const std::uint64_t count = in_past_ ? shown()->position : shown()->state->tick;
   return static_cast<foxglove::Time>(count) * static_cast<foxglove::Time>(shown()->world->description().interval_ns);
 }
 
@@ -200,13 +200,13 @@ void FoxgloveClient::SendState() {
                                                            : foxglove::MapText(scene, time));
         break;
       case foxglove::ChannelKind::kTransforms:
-        send(foxglove::TransformsText(scene, shown()->state, time));
+        send(foxglove::TransformsText(scene, *shown()->state, time));
         break;
       case foxglove::ChannelKind::kEvents:
         SendEvents(subscription);
         break;
       case foxglove::ChannelKind::kScan:
-        if (!std::exchange(bodies_known, true)) bodies_->Assign(shown()->state);
+        if (!std::exchange(bodies_known, true)) bodies_->Assign(*shown()->state);
         SendScan(subscription, channel);
         break;
     }
@@ -216,7 +216,7 @@ void FoxgloveClient::SendState() {
 void FoxgloveClient::SendScan(std::uint32_t subscription, const foxglove::Channel& channel) {
   const Scene& scene = *shown()->world->scene;
   SensorSuite& suite = suites_.try_emplace(channel.robot, scene, channel.robot).first->second;
-  const RangerReading* const reading = suite.Measure(channel.sensor, {scene, *bodies_}, shown()->state.tick).ranger();
+  const RangerReading* const reading = suite.Measure(channel.sensor, {scene, *bodies_}, shown()->state->tick).ranger();
   if (reading == nullptr || channel.scan >= reading->scans.size()) return;
   const std::string text = foxglove::ScanText(reading->scans[channel.scan], channel.frame, ShownTime());
   Send(foxglove::DataMessage(subscription, ShownTime(), text), false);

@@ -18,10 +18,10 @@ class Watcher : public ObserverHandler {
     session_ = session;
     ++worlds_;
   }
-  void OnFrame(const FrameMessage& frame) override {
+  void OnFrame(const SharedFrame& frame) override {
     {
       const std::lock_guard lock(mutex_);
-      frame_ = frame;
+      frame_ = *frame;
     }
     changed_.notify_all();
   }

@@ -17,7 +17,6 @@
 
 #include "tests/support/memory_maps.h"
 #include "transport/shared_memory/agent_segment.h"
-#include "transport/shared_memory/proposal_words.h"
 #include "transport/shared_memory/service_segment.h"
 
 namespace troupe {

@@ -86,7 +86,7 @@ SessionMessage LaserWorld(Edition edition = 0) {
   return session;
 }
 
-FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
+SharedFrame FrameAt(const SessionMessage& session, Tick tick) {
   FrameMessage frame;
   frame.run = session.run;
   frame.edition = frame.world_edition = session.world_edition;
@@ -94,7 +94,7 @@ FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
   frame.state.tick = tick;
   frame.state.robots[0].X_WR.x = 0.001 * static_cast<double>(tick);
   frame.state_hash = 1000 + tick;
-  return frame;
+  return std::make_shared<const FrameMessage>(std::move(frame));
 }
 
 // Robot r0 with a camera.
@@ -122,15 +122,12 @@ struct ParsedUpdate {
     position = reader.Read<std::uint64_t>();
     first = reader.Read<std::uint64_t>();
     last = reader.Read<std::uint64_t>();
-    const std::uint32_t robots = reader.ReadCount();
-    for (std::uint32_t i = 0; i < robots; ++i) {
-      rows.push_back(reader.ReadCount());
-      poses.push_back(reader.ReadPose());
-      for (int k = 0; k < 3; ++k) reader.ReadFloat();
-      reader.ReadByte();
-    }
-    // Joints, grippers, objects, stores, lights, events.
-    for (int kind = 0; kind < 6; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
+    rows = reader.ReadRows(robots);
+    // Joints, grippers, objects, stores, lights.
+    for (int kind = 0; kind < 5; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
+    std::vector<CameraState> cameras;
+    reader.ReadRows(cameras);
+    EXPECT_EQ(reader.ReadCount(), 0u);  // events
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
     const std::uint32_t measured = reader.ReadCount();
@@ -174,7 +171,7 @@ struct ParsedUpdate {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
   std::vector<std::uint32_t> rows;
-  std::vector<Pose> poses;
+  std::vector<RobotState> robots;
   std::vector<std::uint32_t> readings;  // robots
   Tick reading_tick = 0;
   std::vector<std::vector<double>> scans;
@@ -262,7 +259,7 @@ TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
   const ParsedUpdate difference(ReadBinary(*client));
   EXPECT_EQ(difference.tick, 2u);
   EXPECT_THAT(difference.rows, testing::ElementsAre(0));
-  EXPECT_EQ(difference.poses[0].x, 0.002);
+  EXPECT_EQ(difference.robots[0].X_WR.x, 0.002);
 
   auto late = Connect();
   EXPECT_EQ(ReadBinary(*late)[0], 1);
@@ -334,7 +331,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
 
   const Scene scene(world.world);
   BodyIndex bodies(scene);
-  bodies.Assign(FrameAt(world, 7).state);
+  bodies.Assign(FrameAt(world, 7)->state);
   for (std::size_t robot = 0; robot < 2; ++robot) {
     SensorSuite suite(scene, RobotId(robot));
     const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
@@ -345,7 +342,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
 std::string PictureAt(const SessionMessage& world, Tick tick) {
   const Scene scene(world.world);
   BodyIndex bodies(scene);
-  const WorldState state = FrameAt(world, tick).state;
+  const WorldState state = FrameAt(world, tick)->state;
   bodies.Assign(state);
   SensorSuite suite(scene, RobotId(0));
   const auto& colors = suite.Measure(1, {scene, bodies, &state}, tick).As<CameraReading>()->colors;
@@ -429,7 +426,7 @@ TEST_F(ViewerGatewayTest, AViewerGoesBackToAPastStateAndReturns) {
   EXPECT_EQ(past.hash, 1005u);
   EXPECT_EQ(past.position, 4u);
   EXPECT_THAT(past.rows, testing::ElementsAre(0, 1));
-  EXPECT_EQ(past.poses[0].x, 0.005);
+  EXPECT_EQ(past.robots[0].X_WR.x, 0.005);
   EXPECT_EQ(past.reading_tick, 5u);
   run.OnFrame(FrameAt(world, 21));
   AwaitUpdate(*other, [](const ParsedUpdate& update) { return update.tick == 21; });
@@ -450,8 +447,9 @@ class ScriptedRecording : public Recorded {
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
   Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
     if (position == 8) return Failure("the chunk is damaged");
-    const FrameMessage frame = FrameAt(session, position);
-    return std::make_shared<const ViewedState>(ViewedState{position, world, frame.state, frame.state_hash, 0});
+    const SharedFrame frame = FrameAt(session, position);
+    return std::make_shared<const ViewedState>(
+        ViewedState{position, world, {frame, &frame->state}, frame->state_hash, 0});
   }
   std::vector<NumberedEvent> Events() const override { return {}; }
 
@@ -527,7 +525,7 @@ TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
     AwaitUpdate(*watching, [&](const ParsedUpdate& update) { return update.tick == tick; });
   }
   const ParsedUpdate newest = AwaitUpdate(*sleeping, [&](const ParsedUpdate& update) { return update.tick == kTicks; });
-  EXPECT_EQ(newest.poses[0].x, 0.001 * static_cast<double>(kTicks));
+  EXPECT_EQ(newest.robots[0].X_WR.x, 0.001 * static_cast<double>(kTicks));
 }
 
 TEST_F(ViewerGatewayTest, ThePageThatIsLoadedStartsTheObservationForItsViewer) {
