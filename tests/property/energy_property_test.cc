@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kWorlds = 40;
 constexpr int kTicks = 150;
-constexpr double kReach = 1e-3;  // m: nearer bodies touch
-constexpr double kHair = 1e-9;   // m: distances nearer to kReach decide nothing
+constexpr double kReach = 1e-3;    // m: nearer bodies touch
+constexpr double kTooNear = 1e-9;  // m: distances nearer to kReach decide nothing
 
 using Corners = std::array<Vec2, 4>;
 
@@ -130,7 +130,7 @@ class PoweredYard {
       for (std::size_t giver = 0; giver < things_.size(); ++giver) {
         if (giver == taker || to_give[giver] == 0.0 || to_take == 0.0) continue;
         const double distance = Distance(CornersOf(state, things_[taker]), CornersOf(state, things_[giver]));
-        if (std::abs(distance - kReach) < kHair) return false;
+        if (std::abs(distance - kReach) < kTooNear) return false;
         if (distance > kReach) continue;
         const double stock = PowerOf(things_[giver]).endless ? std::numeric_limits<double>::infinity() : ledger_[giver];
         const double amount =

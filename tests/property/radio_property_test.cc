@@ -14,8 +14,8 @@
 namespace troupe::test {
 namespace {
 
-constexpr double kHair = 1e-7;     // m: closer than this, rounding decides
-constexpr double kWallGap = 0.05;  // m, as documented
+constexpr double kRounding = 1e-7;  // m: closer than this, rounding decides
+constexpr double kWallGap = 0.05;   // m, as documented
 
 struct Obstacles {
   std::size_t walls = 0;
@@ -56,15 +56,15 @@ std::optional<Obstacles> ObstaclesBetween(const SensedScene& sensed, RobotId a, 
     long double end = -1.0L;
     for (const BruteForcePrisms::Stretch& wall : walls) {
       const long double gap = end < 0.0L ? 1.0L : wall.enter - end;
-      if (std::abs(gap - kWallGap) < kHair) return std::nullopt;
+      if (std::abs(gap - kWallGap) < kRounding) return std::nullopt;
       if (gap > kWallGap) ++obstacles.walls;
       end = std::max(end, wall.leave);
     }
     return obstacles;
   };
   const std::optional<Obstacles> straight = count(ray);
-  for (const double aside : {-kHair, kHair}) {
-    for (const double up : {-kHair, kHair}) {
+  for (const double aside : {-kRounding, kRounding}) {
+    for (const double up : {-kRounding, kRounding}) {
       SpaceRay other = ray;
       other.origin += aside * Vec2(-ray.direction.y(), ray.direction.x());
       other.z += up;
