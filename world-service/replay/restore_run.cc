@@ -51,7 +51,7 @@ class Restoration {
   };
 
   Status Apply() {
-    // The edits on the way of a rewind are parts of it.
+    // The edits within a rewind are parts of it.
     if (!world_->in_rewind()) {
       edit_.reset();
       if (tick_.edit && !observers_.empty()) {

@@ -37,7 +37,7 @@ class RewindStates {
   virtual ~RewindStates() = default;
   // Makes some of them from the recording, and writes nothing. False: all are made.
   virtual Result<bool> MakeSome() = 0;
-  // Appends all of them to the recording, behind the newest state. After an error the recording has no state any more,
+  // Appends all of them to the recording, behind the newest state. After an error the recording gets no further state,
   // and its recorder ends the run. REQUIRES: all are made.
   virtual Result<RewoundRun> Write() = 0;
 };
