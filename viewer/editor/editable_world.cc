@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -88,6 +89,28 @@ void AddEntities(const WorldNode& parent, const std::string& parent_name, const 
     }
     AddEntities(node, name, &node, PoseInWorld(names.world, found->second), names, shelf, edited);
   }
+}
+
+constexpr std::size_t kMostPictureBlocks = 200;
+constexpr std::size_t kMostPictureCorners = 200;
+
+// Tenths of a millimetre: fewer bytes.
+double Rounded(double value) {
+  return std::round(value * 1e4) / 1e4;
+}
+
+void AddToPicture(nlohmann::json& blocks, const Polygon& outline, const ZRange& z, const Pose& X_WM,
+                  const Color& color) {
+  if (blocks.size() >= kMostPictureBlocks || outline.size() > kMostPictureCorners) return;
+  const Transform2 to_world(X_WM);
+  nlohmann::json corners = nlohmann::json::array();
+  for (const Vec2& corner : outline) {
+    const Vec2 p = to_world * corner;
+    corners.push_back({Rounded(p.x()), Rounded(p.y())});
+  }
+  blocks.push_back({{"outline", std::move(corners)},
+                    {"z", {Rounded(X_WM.z + z.min), Rounded(X_WM.z + z.max)}},
+                    {"color", {Rounded(color.r), Rounded(color.g), Rounded(color.b)}}});
 }
 
 }  // namespace
@@ -193,6 +216,28 @@ Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, 
   LoadOverrides overrides;
   overrides.allowed = files.allowed;
   return BuildWorld(alone, overrides, {.images = files.images});
+}
+
+nlohmann::json PictureOf(const WorldDescription& world) {
+  std::vector<ModelId> all;
+  for (std::size_t i = 0; i < world.models.size(); ++i) all.emplace_back(i);
+  return PictureOf(world, all);
+}
+
+nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models) {
+  nlohmann::json blocks = nlohmann::json::array();
+  for (const ModelId id : models) {
+    const ModelDescription& model = world.model(id);
+    if (model.removed) continue;
+    const Pose X_WM = PoseInWorld(world, id);
+    const Shape& shape = world.shape(model.shape);
+    for (const Block& block : shape.blocks) AddToPicture(blocks, block.outline, block.z, X_WM, model.color);
+    for (const Rectangle& r : shape.rectangles) {
+      const Polygon outline{{r.min_x, r.min_y}, {r.max_x, r.min_y}, {r.max_x, r.max_y}, {r.min_x, r.max_y}};
+      AddToPicture(blocks, outline, shape.rectangles_z, X_WM, model.color);
+    }
+  }
+  return blocks;
 }
 
 }  // namespace troupe

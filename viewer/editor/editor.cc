@@ -11,9 +11,7 @@
 #include <sstream>
 #include <utility>
 
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/request_values.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
@@ -125,9 +123,9 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   if (entity.where.file != path()) return elsewhere("in another file,");
   Place place;
   if (kind_ == EditedKind::kScenario) {
-    Result<JsonTree> json = JsonTree::Parse(text(), path());
-    if (!json.ok()) return json.error();
-    place.json = std::make_unique<JsonTree>(std::move(json).value());
+    Result<Place> scenario = PlaceOfScenario();
+    if (!scenario.ok()) return scenario.error();
+    place.json = std::move(scenario.value().json);
     const auto chain = place.json->PathTo(place.json->OffsetOf(entity.where));
     for (std::size_t i = 1; i < chain.size(); ++i) {
       if (chain[i]->key == "spawn") return elsewhere("made by a spawn rule,");
@@ -146,6 +144,15 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   if (chain.empty()) return elsewhere("not found,");
   if (chain.front()->kind == StatementKind::kDefine && !entity.on_shelf) return elsewhere("a part of a model");
   place.statement = chain.back();
+  return place;
+}
+
+Result<Editor::Place> Editor::PlaceOfScenario() const {
+  Result<JsonTree> json = JsonTree::Parse(text(), path());
+  if (!json.ok()) return json.error();
+  Place place;
+  place.json = std::make_unique<JsonTree>(std::move(json).value());
+  place.entry = &place.json->root();
   return place;
 }
 

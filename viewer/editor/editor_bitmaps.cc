@@ -15,10 +15,7 @@
 #include <utility>
 
 #include "viewer/editor/editor.h"
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/pixel_stroke.h"
-#include "viewer/editor/request_values.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
@@ -28,8 +25,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kBitmapDecimals = 6;        // of lengths: the error of a pixel is multiplied by their number
-constexpr double kSmallestPixel = 0.001;  // m
+constexpr int kBitmapDecimals = 6;  // of lengths: the error of a pixel is multiplied by their number
 constexpr const char* kPlanColor = "gray30";
 
 bool IsPngName(const std::string& path) {
@@ -155,7 +151,7 @@ Result<std::string> Editor::DrawableImage(const EditedEntity& entity) const {
 
 // {"bitmaps": [{"name", "file", "refusal": why it cannot be drawn into, or empty, "width", "height": pixels, "pixel":
 // [x, y] in m, "corner": [x, y, z, heading] of the image's upper left corner in the world, m and rad}]}
-Result<Json> Editor::BitmapReport() {
+Result<Json> Editor::Execute(const edit::Bitmaps&) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json bitmaps = Json::array();
   const FileUnits units = UnitsOf(world_->tree);
@@ -186,20 +182,14 @@ Result<Json> Editor::BitmapReport() {
   return Json{{"bitmaps", std::move(bitmaps)}};
 }
 
-// {"file": name.png, "size": [x, y, z] in m, "pixel": m, "pose": of its middle}: a model whose image is all free, and
-// is written when the file is saved.
-Result<Json> Editor::CreateBitmap(const Json& request) {
+// A model whose image is all free, and is written when the file is saved.
+Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ != EditedKind::kWorld) return Error{{}, "a new bitmap belongs to a world file (.world)"};
-  const std::string file = TextIn(request, "file");
+  const auto& [file, size, pixel, pose] = operation;
   if (Status wrong = CheckImageName(file); !wrong.ok()) return wrong.error();
-  const auto size = NumbersIn(request, "size", 3);
-  const std::optional<double> pixel = NumberIn(request, "pixel");
-  const std::optional<Pose> pose = PoseIn(request, "pose");
-  if (!size || !pixel || !pose || !(*pixel >= kSmallestPixel) || !((*size)[2] > 0.0))
-    return Error{{}, "found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m"};
-  const double columns = std::ceil((*size)[0] / *pixel - 1e-6);
-  const double rows = std::ceil((*size)[1] / *pixel - 1e-6);
+  const double columns = std::ceil(size[0] / pixel - 1e-6);
+  const double rows = std::ceil(size[1] / pixel - 1e-6);
   if (!(columns >= 1.0 && rows >= 1.0 && columns * rows <= static_cast<double>(kMaxGreyPixels))) {
     return Error{
         {}, fmt::format("found an image of {:.0f} x {:.0f} pixels, expected 1 to {}", columns, rows, kMaxGreyPixels)};
@@ -216,9 +206,9 @@ Result<Json> Editor::CreateBitmap(const Json& request) {
   const std::string name = FreeName(std::filesystem::path(file).stem().string());
   WrittenModel model{"model", {}, {}};
   model.Set("name", Text(name));
-  model.Set("pose", ChangedPose({}, *pose, units));
+  model.Set("pose", ChangedPose({}, pose, units));
   const double metre = 1.0 / units.metres;
-  model.Set("size", Tuple({columns * *pixel * metre, rows * *pixel * metre, (*size)[2] * metre}, kBitmapDecimals));
+  model.Set("size", Tuple({columns * pixel * metre, rows * pixel * metre, size[2] * metre}, kBitmapDecimals));
   model.Set("color", Text(kPlanColor));
   model.Set("bitmap", Text(file));
   Result<std::string> added = WithAdded(model);
@@ -269,26 +259,23 @@ Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const Gr
   return changed;
 }
 
-// {"name": of a model, and a stroke: pixel_stroke.h}
-Result<Json> Editor::DrawBitmap(const Json& request) {
-  const Result<const EditedEntity*> entity = FindEntity(TextIn(request, "name"));
+Result<Json> Editor::Execute(const edit::DrawBitmap& operation) {
+  const Result<const EditedEntity*> entity = FindEntity(operation.name);
   if (!entity.ok()) return entity.error();
-  const Result<PixelStroke> stroke = StrokeIn(request);
-  if (!stroke.ok()) return stroke.error();
   const Result<std::string> image = DrawableImage(*entity.value());
   if (!image.ok()) return image.error();
   if (Status failure = file_.pictures().Open(image.value()); !failure.ok()) return failure.error();
   const PicturePointer before = file_.Picture(image.value());
   if (before == nullptr) return Error{{image.value()}, "found no image, expected one"};
   auto after = std::make_shared<GreyPicture>(*before);
-  Draw(stroke.value(), *after);
+  Draw(operation.stroke, *after);
   if (*after == *before) return Json{{"changed", false}};
   Result<std::string> changed = WithPixelsInPlace(image.value(), *before, *after);
   if (!changed.ok()) return changed.error();
   PictureVersions versions = file_.versions();
   versions[image.value()] = std::move(after);
   const std::string file = std::filesystem::path(image.value()).filename().string();
-  const char* const what = stroke.value().value == 0 ? "the walls in " : "the erasure in ";
+  const char* const what = operation.stroke.value == 0 ? "the walls in " : "the erasure in ";
   if (Status failure = Commit(std::move(changed).value(), versions, what + file); !failure.ok()) return failure.error();
   return Json{{"changed", true}};
 }

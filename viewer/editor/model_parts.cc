@@ -4,8 +4,7 @@
 #include <map>
 #include <span>
 
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/model_picture.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
 

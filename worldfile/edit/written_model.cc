@@ -93,6 +93,18 @@ std::string ToStage(const WrittenValue& value) {
   return Joined(std::get<1>(value.content), " ", [](const WrittenScalar& each) { return ToStage(each); });
 }
 
+std::string ToStage(const Value& value) {
+  const auto scalar = [](const Value::Scalar& each) -> WrittenScalar {
+    if (const auto* number = std::get_if<Value::Number>(&each)) return WrittenNumber{number->text};
+    return std::get<std::string>(each);
+  };
+  if (const auto* number = std::get_if<Value::Number>(&value.content)) return number->text;
+  if (const auto* text = std::get_if<std::string>(&value.content)) return ToStage(WrittenScalar(*text));
+  std::vector<WrittenScalar> tuple;
+  for (const Value::Scalar& each : std::get<std::vector<Value::Scalar>>(value.content)) tuple.push_back(scalar(each));
+  return ToStage(WrittenValue{std::move(tuple)});
+}
+
 std::string ToJson(const WrittenValue& value) {
   if (const auto* scalar = std::get_if<WrittenScalar>(&value.content)) return ToJson(*scalar);
   return Joined(std::get<1>(value.content), ", ", [](const WrittenScalar& each) { return ToJson(each); });

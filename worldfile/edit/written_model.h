@@ -8,6 +8,7 @@
 
 #include "troupe/result.h"
 #include "troupe/vec2.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 
@@ -28,6 +29,7 @@ WrittenValue Tuple(const std::vector<double>& numbers, int decimals = 4);
 Result<WrittenValue> ReadValueText(const std::string& text);
 
 std::string ToStage(const WrittenValue& value);
+std::string ToStage(const Value& value);  // that was read
 std::string ToJson(const WrittenValue& value);
 
 struct WrittenModel {
