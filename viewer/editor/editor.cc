@@ -15,8 +15,8 @@
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -17,8 +17,8 @@
 #include "viewer/editor/editor.h"
 #include "viewer/editor/file_values.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -8,7 +8,7 @@
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/property_table.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/scenario/scenario_schema_text.h"
+#include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
