@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -27,15 +26,14 @@ bool IsBody(const std::string& type) {
 }
 
 Property NumbersProperty(const std::string& name, const std::vector<double>& numbers, const SourceLocation& where) {
-  std::vector<Value::Scalar> tuple;
+  Value::Tuple tuple;
   for (const double number : numbers) tuple.emplace_back(Value::Number{number, PlainNumber(number)});
   return {name, Value{std::move(tuple), where}, where};
 }
 
 // The width of a model as declared, in the file's units; x: along the shelf.
 double WidthOf(const WorldNode& node, double fallback) {
-  const Property* const size = node.Find("size");
-  const auto* const tuple = size != nullptr ? std::get_if<std::vector<Value::Scalar>>(&size->value.content) : nullptr;
+  const auto* const tuple = node.FindContent<Value::Tuple>("size");
   double width = 0.0;
   for (std::size_t i = 0; tuple != nullptr && i < std::min<std::size_t>(tuple->size(), 2); ++i) {
     if (const auto* number = std::get_if<Value::Number>(&(*tuple)[i])) width = std::max(width, number->value);
@@ -50,7 +48,7 @@ void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode
     if (define.where.file == path) defines.emplace_back(define.where, name);
   }
   std::sort(defines.begin(), defines.end(), [](const auto& a, const auto& b) { return a.first.line < b.first.line; });
-  const double metre = 1.0 / UnitsOf(tree).metres;
+  const double metre = 1.0 / UnitsOf(tree.world).metres;
   std::vector<WorldNode> added;
   double x = 0.0;
   for (const auto& [where, name] : defines) {
@@ -128,19 +126,6 @@ const EditedEntity* EditableWorld::Find(const std::string& name) const {
   const auto found =
       std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
   return found != entities.end() ? &*found : nullptr;
-}
-
-FileUnits UnitsOf(const WorldTree& tree) {
-  const auto text = [&](const char* name) -> std::string {
-    const Property* const property = tree.world.Find(name);
-    const std::string* value = property != nullptr ? std::get_if<std::string>(&property->value.content) : nullptr;
-    return value != nullptr ? *value : "";
-  };
-  const std::string length = text("unit_length");
-  return {length == "cm"   ? 0.01
-          : length == "mm" ? 0.001
-                           : 1.0,
-          text("unit_angle") == "radians" ? 1.0 : std::numbers::pi / 180.0};
 }
 
 Pose PoseInWorld(const WorldDescription& world, ModelId id) {

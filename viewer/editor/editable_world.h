@@ -68,13 +68,6 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
 WorldTree WithoutModels(const WorldTree& tree);
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const NamedFiles& files);
 
-// The factors from the units of the tree's files to metres and radians.
-struct FileUnits {
-  double metres = 1.0;
-  double radians = 1.0;
-};
-FileUnits UnitsOf(const WorldTree& tree);
-
 // The pose of a model in the world, at load.
 Pose PoseInWorld(const WorldDescription& world, ModelId model);
 

@@ -164,8 +164,8 @@ std::string Editor::FreeName(const std::string& prefix) const {
 }
 
 // In the frame and the units of the file, each number in its old form where it has not changed.
-WrittenValue Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
-  const FileUnits units = UnitsOf(world_->tree);
+Value Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
+  const FileUnits units = UnitsOf(world_->tree.world);
   const Pose before = PoseInWorld(world_->loaded.world, entity.model);
   const Pose X_PM = Inverse(Pose{entity.X_WP.x, entity.X_WP.y, 0.0, entity.X_WP.heading}) * pose;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
@@ -227,7 +227,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
     return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)),
                   label);
   }
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   const double factor = 1.0 / units.metres;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
   old.resize(4, Value::Number{0.0, "0"});
@@ -274,7 +274,7 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
     return Error{{}, "found " + Quoted(model) + ", expected a model of the file or of its includes"};
   }
   const bool is_scenario = kind_ == EditedKind::kScenario;
-  const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree);
+  const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree.world);
   const double heading =
       !is_scenario && units.radians == 1.0 ? pose.heading : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
   WrittenModel written{model, {}, {}};

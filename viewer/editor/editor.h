@@ -110,12 +110,12 @@ class Editor {
   // The scenario as a whole.
   Result<Place> PlaceOfScenario() const;
   std::string FreeName(const std::string& prefix) const;
-  WrittenValue PoseValue(const EditedEntity& entity, const Pose& pose) const;
+  Value PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);
   // The text with an entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and
   // form.
   Result<std::string> WithAdded(const WrittenModel& model) const;
-  Status SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
+  Status SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                  const std::string& label);
 
   static Result<Json> Done(const Status& status);

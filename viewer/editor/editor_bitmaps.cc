@@ -58,26 +58,18 @@ PixelSize PixelSizeOf(const ModelDescription& model, const PixelBox& box) {
   return {model.size_x / (box.x1 - box.x0), model.size_y / (box.y1 - box.y0)};
 }
 
-// The property `origin` in m and rad; frame D in M.
-Pose OriginIn(const WorldNode& node, const FileUnits& units) {
-  const std::vector<Value::Number> numbers = NumbersOf(node, "origin");
-  if (numbers.size() != 4) return {};
-  return {numbers[0].value * units.metres, numbers[1].value * units.metres, numbers[2].value * units.metres,
-          numbers[3].value * units.radians};
-}
-
 // A model whose size follows the occupied pixels.
 struct ResizedModel {
   int line = 0;
   int column = 0;
-  WrittenValue size;
-  WrittenValue origin;
+  Value size;
+  Value origin;
 };
 
 ResizedModel Resized(const EditedEntity& entity, const ModelDescription& model, const FileUnits& units,
                      const PixelBox& before, const PixelBox& after) {
   const PixelSize pixel = PixelSizeOf(model, before);
-  const Pose X_MD = OriginIn(*entity.node, units);
+  const Pose X_MD = OriginOf(*entity.node, units);
   // The middle moves in frame D, whose y points up.
   const double x = 0.5 * pixel.x * (after.x0 + after.x1 - before.x0 - before.x1);
   const double y = -0.5 * pixel.y * (after.y0 + after.y1 - before.y0 - before.y1);
@@ -98,10 +90,9 @@ void VisitNodes(const WorldNode& node, const std::function<void(const WorldNode&
 }  // namespace
 
 std::optional<std::string> Editor::ImageOf(const WorldNode& node) const {
-  const Property* const bitmap = node.Find("bitmap");
-  const auto* const name = bitmap != nullptr ? std::get_if<std::string>(&bitmap->value.content) : nullptr;
+  const auto* const name = node.FindContent<std::string>("bitmap");
   if (name == nullptr) return std::nullopt;
-  return allowed_.Resolve(FindFile(*name, world_->tree.directory, bitmap->value.where.file));
+  return allowed_.Resolve(FindFile(*name, world_->tree.directory, node.Find("bitmap")->value.where.file));
 }
 
 std::set<std::string> Editor::NamedImages() const {
@@ -154,7 +145,7 @@ Result<std::string> Editor::DrawableImage(const EditedEntity& entity) const {
 Result<Json> Editor::Execute(const edit::Bitmaps&) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json bitmaps = Json::array();
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   for (const EditedEntity& entity : world_->entities) {
     if (entity.node->Find("bitmap") == nullptr) continue;
     Json row = {{"name", entity.name}, {"file", ""}, {"refusal", ""}};
@@ -170,7 +161,7 @@ Result<Json> Editor::Execute(const edit::Bitmaps&) {
     const PixelBox box = SizedBox(*picture);
     const ModelDescription& model = world_->loaded.world.model(entity.model);
     const PixelSize pixel = PixelSizeOf(model, box);
-    const Pose X_WD = PoseInWorld(world_->loaded.world, entity.model) * OriginIn(*entity.node, units);
+    const Pose X_WD = PoseInWorld(world_->loaded.world, entity.model) * OriginOf(*entity.node, units);
     const Pose corner = X_WD * Pose{-0.5 * (box.x0 + box.x1) * pixel.x, 0.5 * (box.y0 + box.y1) * pixel.y, 0.0, 0.0};
     row["file"] = std::filesystem::path(image.value()).filename().string();
     row["width"] = picture->width();
@@ -202,7 +193,7 @@ Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   PictureVersions versions = file_.versions();
   versions[*image] = std::make_shared<const GreyPicture>(static_cast<int>(columns), static_cast<int>(rows));
 
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   const std::string name = FreeName(std::filesystem::path(file).stem().string());
   WrittenModel model{"model", {}, {}};
   model.Set("name", Text(name));
@@ -223,7 +214,7 @@ Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const Gr
   const PixelBox old_box = SizedBox(before);
   const PixelBox new_box = SizedBox(after);
   if (old_box == new_box) return text();
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   std::vector<ResizedModel> resized;
   std::optional<Error> refusal;
   VisitNodes(world_->tree.world, [&](const WorldNode& node) {

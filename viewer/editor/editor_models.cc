@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 Result<Json> Editor::Execute(const edit::AddModel& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   const bool is_scenario = kind_ == EditedKind::kScenario;
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   const std::vector<DrawnBlock> blocks = BlocksInFrame(operation.blocks, Pose{}, units.metres);
   const Pose& pose = operation.pose;
   const std::string name = FreeName(operation.prefix);
@@ -52,7 +52,7 @@ Result<Json> Editor::Execute(const edit::SetModel& operation) {
   }
   const std::string& name = operation.name;
   const std::string& base = operation.base;
-  const std::vector<DrawnBlock> drawn = BlocksInFrame(operation.blocks, Pose{}, UnitsOf(world_->tree).metres);
+  const std::vector<DrawnBlock> drawn = BlocksInFrame(operation.blocks, Pose{}, UnitsOf(world_->tree.world).metres);
   const Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
   const auto known = world_->tree.defines.find(name);

@@ -37,7 +37,7 @@ std::vector<double> InUnits(std::vector<double> lengths, double metres) {
   return lengths;
 }
 
-WrittenValue AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
+Value AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
   const double length = std::hypot(axis[0], axis[1], axis[2]);
   const Vec2 xy = Transform2(Pose{0.0, 0.0, 0.0, heading}).InverseRotate({axis[0] / length, axis[1] / length});
   return ChangedTuple(old, {xy.x(), xy.y(), axis[2] / length});
@@ -53,8 +53,7 @@ std::string FreePartName(const std::vector<std::string>& used, const std::string
 
 // A number that the file gives or implies, of a property of one number.
 double NumberOf(const WorldNode& node, const std::string& name, double otherwise) {
-  const Property* const property = node.Find(name);
-  const auto* const number = property != nullptr ? std::get_if<Value::Number>(&property->value.content) : nullptr;
+  const auto* const number = node.FindContent<Value::Number>(name);
   return number != nullptr ? number->value : otherwise;
 }
 
@@ -214,7 +213,7 @@ Result<Json> Editor::Execute(const edit::ShapePart& operation) {
   const Pose before = PoseInWorld(edited.built.world, *edited.part->model);
   const Pose X_DN = shape.pose.value_or(before);
   StageBodyEdit edit(text(), path(), edited.statement->line, edited.statement->column);
-  const auto set = [&](const char* name, const WrittenValue& value) { return edit.Set(name, value); };
+  const auto set = [&](const char* name, const Value& value) { return edit.Set(name, value); };
   if (shape.pose) {
     const PartPath above(edited.path.begin(), edited.path.end() - 1);
     const PartPlace place = PlaceBelow(edited.built, edited.parts, above);
@@ -224,23 +223,22 @@ Result<Json> Editor::Execute(const edit::ShapePart& operation) {
     if (Status failure = set("pose", ChangedPose(old, X_PN, units)); !failure.ok()) return failure.error();
   }
   if (shape.size) {
-    const WrittenValue size = ChangedTuple(NumbersOf(node, "size"), InUnits(*shape.size, units.metres));
+    const Value size = ChangedTuple(NumbersOf(node, "size"), InUnits(*shape.size, units.metres));
     if (Status failure = set("size", size); !failure.ok()) return failure.error();
   }
   if (shape.paddle) {
     const std::vector<double> whole = shape.size.value_or(std::vector{model.size_x, model.size_y, model.size_z});
     std::vector<double> shares;
     for (std::size_t i = 0; i < 3; ++i) shares.push_back((*shape.paddle)[i] / whole[i]);
-    const WrittenValue value = ChangedTuple(NumbersOf(node, "paddle_size"), shares);
+    const Value value = ChangedTuple(NumbersOf(node, "paddle_size"), shares);
     if (Status failure = set("paddle_size", value); !failure.ok()) return failure.error();
   }
   if (shape.axis) {
-    const WrittenValue axis = AxisValue(NumbersOf(node, "axis"), *shape.axis, X_DN.heading);
+    const Value axis = AxisValue(NumbersOf(node, "axis"), *shape.axis, X_DN.heading);
     if (Status failure = set("axis", axis); !failure.ok()) return failure.error();
   }
   if (shape.limits) {
-    const Property* const type = node.Find("type");
-    const auto* const word = type != nullptr ? std::get_if<std::string>(&type->value.content) : nullptr;
+    const auto* const word = node.FindContent<std::string>("type");
     const bool turns = word != nullptr && *word == "rotational";
     const double unit = turns ? units.radians : units.metres;
     const int decimals = turns ? AngleDecimals(units) : kLengthDecimals;

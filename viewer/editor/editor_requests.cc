@@ -127,10 +127,11 @@ Result<Json> Editor::Execute(const edit::Document&) const {
     }
   }
   if (kind_ == EditedKind::kScenario) {
-    const Json scenario = Json::parse(text(), nullptr, false);
-    if (scenario.is_object() && scenario.contains("spawn")) regions = scenario["spawn"];
-    for (const auto& [key, member] : scenario.items()) {
-      if (member.is_primitive()) members[key] = member;
+    const Result<JsonTree> tree = JsonTree::Parse(text(), path());
+    const JsonNode root = tree.ok() ? tree.value().root() : JsonNode();
+    if (const JsonNode* const spawn = root.Find("spawn")) regions = ToJson(*spawn);
+    for (const JsonNode& member : root.items) {
+      if (root.is_object() && !member.is_array() && !member.is_object()) members[member.key] = ToJson(member);
     }
   }
   document["members"] = std::move(members);
@@ -188,7 +189,7 @@ Result<Json> Editor::Execute(const edit::Entity& operation) const {
   return report;
 }
 
-Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
+Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                        const std::string& label) {
   if (place.statement != nullptr) {
     const StageBody body = BodyOf(*place.statement);
@@ -220,8 +221,7 @@ Status Editor::ChangeProperty(const edit::SetProperty& operation) {
   const Result<const EditedEntity*> entity = FindEntity(name);
   if (!entity.ok()) return entity.error();
   if (property == "name") {
-    const auto* const scalar = value ? std::get_if<WrittenScalar>(&value->content) : nullptr;
-    const auto* const text = scalar != nullptr ? std::get_if<std::string>(scalar) : nullptr;
+    const auto* const text = value ? std::get_if<std::string>(&value->content) : nullptr;
     if (text == nullptr) return Error{{}, "found no text, expected a name in double quotes"};
     return Rename(name, *text);
   }

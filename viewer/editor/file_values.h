@@ -24,12 +24,15 @@ double WrappedDegrees(double degrees);
 // The numbers of a property of the node, as in the file; 0 for a text. Empty: it has no such tuple.
 std::vector<Value::Number> NumbersOf(const WorldNode& node, const std::string& name);
 
+// The property `origin` in m and rad: the pose of the body in the model's frame.
+Pose OriginOf(const WorldNode& node, const FileUnits& units);
+
 // A tuple of numbers that replaces `old`, which may have fewer.
-WrittenValue ChangedTuple(const std::vector<Value::Number>& old, const std::vector<double>& numbers,
-                          int decimals = kLengthDecimals);
+Value ChangedTuple(const std::vector<Value::Number>& old, const std::vector<double>& numbers,
+                   int decimals = kLengthDecimals);
 
 // A pose that replaces `old`. `pose`: in m and rad, in the frame of the property.
-WrittenValue ChangedPose(std::vector<Value::Number> old, const Pose& pose, const FileUnits& units);
+Value ChangedPose(std::vector<Value::Number> old, const Pose& pose, const FileUnits& units);
 
 // An angle in rad in the file's unit, without wrapping, and its decimals there.
 double AngleInFile(double angle, const FileUnits& units);
@@ -52,8 +55,8 @@ BlockBounds BoundsOf(const std::vector<DrawnBlock>& blocks);
 // Blocks are fitted to the model's size and centred on its origin: with the size of their own box, and the origin at
 // the middle of it, they are where they were drawn.
 struct FittedBody {
-  WrittenValue size;
-  WrittenValue origin;
+  Value size;
+  Value origin;
   bool is_centred = false;  // the origin is [0 0 0 0]
   std::vector<WrittenModel> blocks;
 };

@@ -175,7 +175,7 @@ class Decoder {
         Fail("found the property " + Quoted(name) + ", expected a text");
         break;
       }
-      Result<WrittenValue> value = ReadValueText(text.get<std::string>());
+      Result<Value> value = ReadValueText(text.get<std::string>());
       if (!value.ok()) {
         Fail(Quoted(name) + ": " + value.error().message);
         break;

@@ -27,11 +27,11 @@ struct DrawnBlock {
 // A property to be set: {"property": its name, "value": text of a world file}.
 struct PropertyChange {
   std::string property;
-  std::optional<WrittenValue> value;  // nothing: it is removed
+  std::optional<Value> value;  // nothing: it is removed
 };
 
 // {"color": "\"red\"", ...}: values as text of a world file.
-using WrittenProperties = std::vector<std::pair<std::string, WrittenValue>>;
+using WrittenProperties = std::vector<std::pair<std::string, Value>>;
 
 // The entries of a model's body but for blocks, by their indices, from the model's body inwards.
 using PartPath = std::vector<std::size_t>;
