@@ -108,28 +108,22 @@ Result<std::optional<PageRequest>> FoxgloveClient::Receive(std::string_view mess
 
 // A service is a request of the page.
 std::optional<PageRequest> FoxgloveClient::RequestOf(const foxglove::ServiceCall& call) {
-  nlohmann::json object = nlohmann::json::parse(call.json, nullptr, false);
-  if (!object.is_object()) object = nlohmann::json::object();
-  object["type"] = "control";
-  object["id"] = call.call;
-  object["command"] = call.command;
   calls_[call.call] = {call.service, call.call};
-  Result<PageRequest> request = ParsePageRequest(JsonText(object));
-  if (request.ok()) return std::move(request).value();
-  Answer(PageReplyText(call.call, request.error()));
+  Result<PageControl> control = ParseControl(call.call, call.command, call.json);
+  if (control.ok()) return PageRequest(std::move(control).value());
+  Answer(ReplyToControl(call.call, control.error()));
   return std::nullopt;
 }
 
-void FoxgloveClient::Answer(std::string reply) {
-  const nlohmann::json json = nlohmann::json::parse(reply, nullptr, false);
-  const auto known = calls_.find(json.value("id", std::uint64_t{0}));
+void FoxgloveClient::Answer(PageReply reply) {
+  const auto known = calls_.find(reply.id);
   if (known == calls_.end()) return;
   const Call call = known->second;
   calls_.erase(known);
-  if (json.value("done", false)) {
-    Send(foxglove::ServiceResponse(call.service, call.call, reply), false);
+  if (reply.done) {
+    Send(foxglove::ServiceResponse(call.service, call.call, reply.text), false);
   } else {
-    Send(foxglove::ServiceFailureText(call.service, call.call, json.value("problem", "")), true);
+    Send(foxglove::ServiceFailureText(call.service, call.call, reply.problem), true);
   }
 }
 

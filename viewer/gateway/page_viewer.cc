@@ -50,9 +50,9 @@ Result<std::optional<PageRequest>> PageViewer::Receive(std::string_view message,
   return std::optional<PageRequest>(std::move(request).value());
 }
 
-void PageViewer::Answer(std::string reply) {
+void PageViewer::Answer(PageReply reply) {
   if (waiting_.size() >= kMostReplies) return;
-  waiting_.push_back({std::make_shared<const std::string>(std::move(reply)), true});
+  waiting_.push_back({std::make_shared<const std::string>(std::move(reply.text)), true});
 }
 
 void PageViewer::ReturnToLive() {

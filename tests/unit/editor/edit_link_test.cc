@@ -70,7 +70,10 @@ struct Edited {
   ~Edited() { observation.reset(); }
 
   ControlReply Ask(ControlRequest request) { return link->Ask(request).value(); }
-  Result<std::string> Edit(const nlohmann::json& request) { return link->Edit(request.dump()); }
+  Result<nlohmann::json> Edit(const nlohmann::json& request) {
+    const Result<EditOperation> operation = DecodeEditOperation(request);
+    return operation.ok() ? link->Edit(operation.value()) : operation.error();
+  }
 };
 
 TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
@@ -144,12 +147,9 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   }));
 }
 
-TEST(EditLinkTest, GarbageIsRefused) {
+TEST(EditLinkTest, ATestOfAnUnknownModelIsRefused) {
   Edited edited;
-  for (const char* text :
-       {"", "[]", "{}", "{\"op\": 5}", "{\"op\": \"test\", \"model\": \"no\"}", "{\"op\": \"set_text\"}"}) {
-    EXPECT_FALSE(edited.link->Edit(text).ok()) << text;
-  }
+  EXPECT_FALSE(edited.Edit({{"op", "test"}, {"model", "no"}}).ok());
   EXPECT_FALSE(edited.link->is_modified());
 }
 

@@ -39,6 +39,9 @@ class ScriptedLink : public RunLink {
     reply.problem = reply.done ? "" : "in a wall";
     return reply;
   }
+  Result<nlohmann::json> Edit(const EditOperation& operation) override {
+    return nlohmann::json{{"is_text", std::holds_alternative<edit::Text>(operation)}};
+  }
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
@@ -183,8 +186,9 @@ struct ParsedUpdate {
 
 class ViewerGatewayTest : public testing::Test {
  protected:
-  void Start(bool view_only = false, const std::string& token = "") {
+  void Start(bool view_only = false, const std::string& token = "", bool editor = false) {
     ViewerGatewayOptions options;
+    options.editor = editor;
     options.session = "s";
     options.port = 0;
     options.view_only = view_only;
@@ -510,6 +514,26 @@ TEST_F(ViewerGatewayTest, ATextThatIsNoRequestEndsTheConnection) {
   } while (message && message->opcode != 8);
   ASSERT_TRUE(message.has_value());
   EXPECT_EQ(message->close_status(), 1008);
+}
+
+TEST_F(ViewerGatewayTest, AMalformedEditIsAnsweredAndKeepsTheConnection) {
+  Start(false, "", true);
+  auto client = Connect();
+  const auto await_reply = [&]() -> nlohmann::json {
+    for (;;) {
+      nlohmann::json text = ReadText(*client);
+      if (text.is_null() || text["type"] == "reply") return text;
+    }
+  };
+  client->SendText(R"({"type": "edit", "id": 5, "op": "set_pose", "name": "a"})");
+  const nlohmann::json refused = await_reply();
+  EXPECT_EQ(refused["id"], 5);
+  EXPECT_EQ(refused["done"], false);
+  EXPECT_EQ(refused["problem"], "found no pose, expected four finite numbers");
+  client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
+  const nlohmann::json done = await_reply();
+  EXPECT_EQ(done["id"], 6);
+  EXPECT_EQ(done["is_text"], true);
 }
 
 TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
