@@ -119,10 +119,10 @@ class Observer : public ObserverHandler {
  public:
   explicit Observer(ObserverCounts& counts) : counts_(counts) {}
   void OnSession(const SessionMessage&) override {}
-  void OnFrame(const FrameMessage& frame) override {
+  void OnFrame(const SharedFrame& frame) override {
     if (!joined_) ++counts_.joined;
     joined_ = true;
-    if (frame.state.tick > 0) ++counts_.frames;
+    if (frame->state.tick > 0) ++counts_.frames;
   }
   void OnStatus(const StatusMessage&) override {}
   void OnServiceGone() override { over_ = true; }

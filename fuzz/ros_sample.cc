@@ -13,8 +13,7 @@
 #include "transport/dds/binding/wire.h"
 #include "transport/wire/cdr.h"
 #include "world-service/observers/ros/entity_filter.h"
-#include "world-service/observers/ros/entity_pose.h"
-#include "world-service/observers/ros/resource_path.h"
+#include "world-service/observers/ros/request_values.h"
 
 namespace troupe::fuzz {
 namespace {

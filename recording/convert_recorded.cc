@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "recording/wire_types.h"
+#include "transport/dds/convert/columns.h"
 #include "transport/dds/convert/convert.h"
 #include "transport/dds/convert/convert_world.h"
 #include "transport/wire/cdr.h"
@@ -12,21 +13,11 @@
 namespace troupe {
 namespace {
 
-constexpr auto kLastEvent = static_cast<std::uint8_t>(kLastEventType);
-
 Error Broken(std::string problem) {
   return {{}, std::move(problem)};
 }
 
-template <typename Id>
-std::int32_t IdToWire(const std::optional<Id>& id) {
-  return id ? static_cast<std::int32_t>(id->index()) : -1;
-}
-
-template <typename Id>
-std::optional<Id> IdFromWire(std::int32_t id) {
-  return id < 0 ? std::nullopt : std::optional(Id(static_cast<std::size_t>(id)));
-}
+constexpr auto kEventLeaves = dds::WithoutFirst(kLeaves<Event>);  // the tick is that of the recorded tick
 
 Result<RunSettings> SettingsFromWire(const troupe_wire_RecordedRun& wire) {
   if (wire.mode >= kModeWords.size() || wire.on_agent_loss >= kOnAgentLossWords.size()) {
@@ -139,8 +130,9 @@ std::vector<std::byte> TickToBytes(const RecordedTick& tick) {
   wire.state_hash = tick.state_hash;
   troupe_wire_RecordedEvent* out = arena.Fill(wire.events, tick.events.size());
   for (const Event& event : tick.events) {
-    *out++ = {static_cast<std::uint8_t>(event.type), IdToWire(event.robot), IdToWire(event.other),
-              IdToWire(event.object), arena.Copy(event.detail)};
+    dds::ForEachColumn(kEventLeaves, dds::MembersOf(*out++), [&]<typename Cell>(const auto& leaf, Cell& cell) {
+      cell = dds::ToCell<Cell>(leaf.Of(event), arena);
+    });
   }
   troupe_wire_RobotCommand* const commands = arena.Fill(wire.commands, tick.commands.size());
   for (std::size_t i = 0; i < tick.commands.size(); ++i) commands[i] = dds::ToWire(tick.commands[i], arena);
@@ -157,10 +149,12 @@ Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick) {
   tick.state_hash = wire.state_hash;
   tick.events.clear();
   for (const troupe_wire_RecordedEvent& event : dds::Elements(wire.events)) {
-    if (event.type > kLastEvent) return Broken("recorded tick with an event of an unknown type");
-    tick.events.push_back({wire.tick, static_cast<EventType>(event.type), IdFromWire<RobotId>(event.robot),
-                           IdFromWire<ModelId>(event.other), dds::Text(event.detail),
-                           IdFromWire<ModelId>(event.object)});
+    tick.events.push_back({.tick = wire.tick});
+    bool is_known = true;
+    dds::ForEachColumn(kEventLeaves, dds::MembersOf(event), [&](const auto& leaf, const auto& cell) {
+      is_known &= dds::FromCell(cell, leaf.Of(tick.events.back()));
+    });
+    if (!is_known) return Broken("recorded tick with an event of an unknown type or id");
   }
   tick.commands.clear();
   for (const troupe_wire_RobotCommand& element : dds::Elements(wire.commands)) {

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "recording/convert_recorded.h"
 #include "recording/tick_reader.h"
 
@@ -53,9 +54,9 @@ Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source
   if (!opened.ok()) return opened.error();
   mcap::Reader& file = opened.value();
   if (file.profile() != kRecordingProfile) {
-    return Error{{file.name()},
-                 fmt::format("found an MCAP file of profile {:?}, expected a recording of Troupe",
-                             file.profile().substr(0, 40))};
+    return Error{
+        {file.name()},
+        fmt::format("found an MCAP file of profile {:?}, expected a recording of Troupe", CutUtf8(file.profile(), 40))};
   }
   if (file.chunks().size() < (ticks == Ticks::kAtLeastOne ? 2 : 1)) {
     return Error{

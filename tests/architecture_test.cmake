@@ -81,17 +81,17 @@ set(may_include_world-service/replay
   common/base common/geometry common/model transport/protocol recording common/run common/sensing common/spatial
   worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
-  common/base common/model transport/protocol common/run worldfile world-service/service)
+  common/base common/model transport/protocol common/run world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection world-service/service)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/messages common/run common/spatial
-  worldfile worldfile/models world-service/observers/recorder world-service/replay world-service/service)
+  worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
+  world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/connection common/run transport/security common/spatial
-  world-service/program
-  world-service/observers/ros world-service/observers/status world-service/replay world-service/service)
+  world-service/program world-service/observers/status world-service/service)
 
 set(may_include_robot-agent/navigation common/base common/geometry common/model include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
@@ -138,7 +138,8 @@ set(may_include_library
 set(may_include_viewer/foxglove
   common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
-  common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial viewer/foxglove)
+  common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial viewer/foxglove
+  worldfile/edit worldfile/text)
 
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
@@ -154,7 +155,7 @@ set(may_include_launcher/supervise
   transport/security common/spatial
   common/trace
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
-  robot-agent/ros world-service/observers/recorder world-service/observers/ros world-service/replay world-service/service)
+  robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands

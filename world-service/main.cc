@@ -15,9 +15,7 @@
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/security/run_keys_folder.h"
 #include "transport/security/session_keys.h"
-#include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/observers/status/reporter.h"
-#include "world-service/program/agent_groups.h"
 #include "world-service/program/command_line.h"
 #include "world-service/program/prepared_run.h"
 #include "world-service/program/session_lock.h"
@@ -40,9 +38,10 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
 
 // For agents with participants of their own that are too many to discover each other on the loopback interface; null
 // where it is not needed. Without it the run is the same, but its start takes longer.
-std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const LoadedWorld& loaded) {
-  const std::size_t processes = ros::ProcessesOf(loaded.world.robots.size(), loaded.settings.robots_per_process);
-  if (!loaded.settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
+std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const PreparedRun& run) {
+  const RunSettings& settings = run.options.settings;
+  const std::size_t processes = ros::ProcessesOf(run.world().robots.size(), settings.robots_per_process);
+  if (!settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
   if (ros::UsesHostParticipants(options, processes)) return {};
   try {
     return std::make_unique<ros::DiscoveryRelay>(options.domain, ros::IndicesSearched(options.distribution));
@@ -50,6 +49,23 @@ std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, c
     fmt::print(stderr, "warning: ROS: {}\n", exception.what());
     return {};
   }
+}
+
+// The number of groups into which the service divides its agents (transport/dds/transport/agent_group.h): more than one
+// if a launcher has started it, because only a launcher assigns agents to groups, on the loopback interface with data
+// sharing and without DDS Security: elsewhere a frame is written once for each group. A service that continues a run has
+// at least as many as the one before it, whose ports are given.
+std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& run, bool secured) {
+  // docs/performance.md has the trials. A group costs the service a participant with its threads.
+  constexpr std::size_t kAgentsOfGroup = 64;
+  constexpr std::size_t kMostGroups = 32;
+  const NetworkSettings& network = line.network;
+  const bool is_shared = network.data_sharing && network.network_interface == kLoopbackInterface &&
+                         network.network_profile.empty() && !secured;
+  if (!is_shared || !line.report_fd) return 1;
+  const std::size_t agents = run.world().robots.size() / std::max(1U, run.options.settings.robots_per_process);
+  const std::size_t wanted = (agents + kAgentsOfGroup - 1) / kAgentsOfGroup;
+  return std::clamp(wanted, std::max(std::size_t{1}, line.ports.size()), std::max(kMostGroups, line.ports.size()));
 }
 
 int Run(const ServiceCommandLine& line, Reporter& reporter) {
@@ -64,11 +80,6 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   PreparedRun& run = prepared.value();
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
-    run.options.check_world = [&line](const WorldDescription& world) {
-      return ros::CheckDomains(world, line.ros, line.network.domain);
-    };
-    const Status domains = options.check_world(run.loaded.world);
-    if (!domains.ok()) return fail(domains.error());
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
     if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
@@ -88,25 +99,20 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   static_cast<NetworkSettings&>(dds) = line.network;
   dds.keys = std::move(keys).value();
   dds.discovery_ports = line.ports;
-  dds.agent_groups = CountAgentGroups(line, run.loaded, !dds.keys.enclave.empty());
+  dds.agent_groups = CountAgentGroups(line, run, !dds.keys.enclave.empty());
   dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
   auto [transport, participants] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run.loaded);
-  reporter.Ready(run.loaded, {participants, relay ? relay->port() : std::uint16_t{0}});
-  RunObservers observers;
-  std::unique_ptr<RunObserver> ros;
-  if (options.settings.ros) {
-    ros = MakeRosWorldGateway(line.ros, run.scene);
-    observers.push_back(ros.get());
-  }
-  if (const Status failure = MakeRecordersOf(run, line); !failure.ok()) return fail(failure.error());
-  for (const auto& recorder : run.recorders.observers) observers.push_back(recorder.get());
-  observers.push_back(&reporter);
-  const Result<RunSummary> summary = RunService(run.scene, options, std::move(endpoint), observers, stop.requested());
+  const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run);
+  reporter.Ready(run.world(), options.settings, {participants, relay ? relay->port() : std::uint16_t{0}});
+  Result<RunObservers> observers = MakeObservers(run, line);
+  if (!observers.ok()) return fail(observers.error());
+  observers.value().push_back(&reporter);
+  const Result<RunSummary> summary =
+      RunService(run.scene, options, std::move(endpoint), observers.value(), stop.requested());
   if (!summary.ok()) return fail(summary.error());
   reporter.Ended(summary.value());
   return summary.value().interrupted ? kExitInterrupted : kExitDone;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 
 FloodLimiter::FloodLimiter(Tell tell) : tell_(std::move(tell)), second_began_(std::chrono::steady_clock::now()) {}
@@ -24,7 +26,7 @@ void FloodLimiter::Add(const std::string& line) {
     return;
   }
   ++told_;
-  tell_(line);
+  tell_(PlainLine(line));
 }
 
 void FloodLimiter::TellSum() {

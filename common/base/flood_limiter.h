@@ -14,7 +14,7 @@ class FloodLimiter {
  public:
   static constexpr int kLinesInASecond = 5;
 
-  // Receives the lines, on any thread, one at a time.
+  // Receives the lines, as plain lines, on any thread, one at a time.
   using Tell = std::function<void(const std::string& line)>;
 
   explicit FloodLimiter(Tell tell);  // empty: nothing is reported

@@ -18,12 +18,14 @@ constexpr std::int64_t kBlock = 4096;                   // bytes: space is free 
 Result<LineFile> LineFile::Open(const std::string& path, Space space) {
   const int descriptor = open(path.c_str(), (space == Space::kFree ? O_RDWR : O_RDONLY) | O_CLOEXEC);
   if (descriptor < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
-  return LineFile(descriptor, space);
+  return LineFile(path, descriptor, space);
 }
 
 LineFile::LineFile(LineFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
       space_(other.space_),
+      status_(std::move(other.status_)),
       text_(std::move(other.text_)),
       begin_(other.begin_),
       read_(other.read_),
@@ -42,6 +44,7 @@ bool LineFile::ReadMore() {
   do {
     size = read(descriptor_, text_.data() + before, kPiece);
   } while (size < 0 && errno == EINTR);
+  if (size < 0) status_ = Error{{path_}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
   text_.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
   if (size <= 0) return false;
   read_ += size;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "troupe/result.h"
 
@@ -20,17 +21,22 @@ class LineFile {
   LineFile& operator=(LineFile&&) = delete;
   ~LineFile();
 
-  // The next line, without its end. False at the end of the file; a last line without an end, as a killed process
-  // leaves it, is omitted.
+  // The next line, without its end. False at the end of the file, and where it cannot be read; a last line without an
+  // end, as a killed process leaves it, is omitted.
   bool Next(std::string& line);
+  // After the last line: an error if the file has more, which cannot be read.
+  const Status& status() const { return status_; }
 
  private:
-  LineFile(int descriptor, Space space) : descriptor_(descriptor), space_(space) {}
+  LineFile(std::string path, int descriptor, Space space)
+      : path_(std::move(path)), descriptor_(descriptor), space_(space) {}
   // Reads a piece behind the text that is not yet consumed. False at the end.
   bool ReadMore();
 
+  std::string path_;
   int descriptor_;
   Space space_;
+  Status status_;
   std::string text_;  // read, from `begin_` on not yet consumed
   std::size_t begin_ = 0;
   std::int64_t read_ = 0;   // bytes of the file

@@ -4,10 +4,10 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
+#include <system_error>
 #include <utility>
-
-#include "troupe/check.h"
 
 namespace troupe {
 
@@ -15,9 +15,9 @@ StopSignals::StopSignals(std::function<void()> on_request) : on_request_(std::mo
   sigset_t watched;
   sigemptyset(&watched);
   for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&watched, signal);
-  pthread_sigmask(SIG_BLOCK, &watched, &before_);
   signals_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
-  TROUPE_CHECK(signals_ >= 0);
+  if (signals_ < 0) throw std::system_error(errno, std::generic_category(), "watching signals");
+  pthread_sigmask(SIG_BLOCK, &watched, &before_);
   watch_ = std::thread([this] { Watch(); });
 }
 

@@ -14,7 +14,8 @@ namespace troupe {
 
 class StopSignals {
  public:
-  // `on_request` is called when a signal has arrived, on a thread of this object.
+  // `on_request` is called when a signal has arrived, on a thread of this object. Throws std::system_error without
+  // resources.
   explicit StopSignals(std::function<void()> on_request = {});
   ~StopSignals();
   StopSignals(const StopSignals&) = delete;

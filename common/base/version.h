@@ -8,6 +8,6 @@
 namespace troupe {
 
 // Programs work together only when this is equal: it changes whenever a message or its meaning does.
-inline constexpr std::uint32_t kProtocolVersion = 15;
+inline constexpr std::uint32_t kProtocolVersion = 16;
 
 }  // namespace troupe

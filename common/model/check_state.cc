@@ -1,6 +1,7 @@
 #include "common/model/check_state.h"
 
 #include <cmath>
+#include <string>
 
 #include "troupe/radio_limits.h"
 
@@ -11,16 +12,62 @@ Error StateError(std::string message) {
   return {.where = {}, .message = std::move(message)};
 }
 
-Status CheckCount(const char* kind, std::size_t found, std::size_t expected) {
-  if (found == expected) return Status();
-  return StateError("found a state of " + std::to_string(found) + " " + kind + ", expected " +
-                    std::to_string(expected));
+// The rows that a state of the world has; nothing: any number.
+template <typename Row>
+std::optional<std::size_t> CountRows(const WorldDescription& world, const DeviceCounts& devices) {
+  if constexpr (std::is_same_v<Row, RobotState>) return world.robots.size();
+  if constexpr (std::is_same_v<Row, JointState>) return world.joints.size();
+  if constexpr (std::is_same_v<Row, GripperState>) return world.grippers.size();
+  if constexpr (std::is_same_v<Row, ObjectState>) return world.objects.size();
+  if constexpr (std::is_same_v<Row, StoreState>) return devices.stores;
+  if constexpr (std::is_same_v<Row, ImuState>) return devices.imus;
+  if constexpr (std::is_same_v<Row, LightState>) return devices.lights;
+  if constexpr (std::is_same_v<Row, CameraState>) return devices.cameras;
+  return std::nullopt;
 }
 
-template <typename Id>
-bool IsBelow(const std::optional<Id>& id, std::size_t count) {
-  return !id || id->index() < count;
+bool IsKnown(const WorldDescription& world, ModelId model) {
+  return model.index() < world.models.size();
 }
+bool IsKnown(const WorldDescription& world, RobotId robot) {
+  return robot.index() < world.robots.size();
+}
+bool IsKnown(const WorldDescription& world, GripperId gripper) {
+  return gripper.index() < world.grippers.size();
+}
+bool IsKnown(const WorldDescription& world, ObjectId object) {
+  return object.index() < world.objects.size();
+}
+
+// Of one state: whether all of its numbers are finite, and all of its ids are those of the world.
+class ValueCheck {
+ public:
+  explicit ValueCheck(const WorldDescription& world) : world_(world) {}
+
+  void operator()(double number) { finite_ = finite_ && std::isfinite(number); }
+  template <typename Tag>
+  void operator()(Id<Tag> id) {
+    known_ = known_ && IsKnown(world_, id);
+  }
+  template <typename Tag>
+  void operator()(const std::optional<Id<Tag>>& id) {
+    known_ = known_ && (!id || IsKnown(world_, *id));
+  }
+  template <typename Number>
+  requires(std::is_integral_v<Number> || std::is_enum_v<Number>) void operator()(Number) {}  // any
+  void operator()(const std::vector<std::uint8_t>&) {}                                       // any
+
+  Status status() const {
+    if (!finite_) return StateError("found a number that is not finite in a state");
+    if (!known_) return StateError("found an id in a state that the world does not have");
+    return {};
+  }
+
+ private:
+  const WorldDescription& world_;
+  bool finite_ = true;
+  bool known_ = true;
+};
 
 }  // namespace
 
@@ -36,53 +83,33 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
 }
 
 Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state) {
-  for (const Status& problem : {CheckCount("robots", state.robots.size(), world.robots.size()),
-                                CheckCount("joints", state.joints.size(), world.joints.size()),
-                                CheckCount("grippers", state.grippers.size(), world.grippers.size()),
-                                CheckCount("objects", state.objects.size(), world.objects.size()),
-                                CheckCount("stores of energy", state.stores.size(), devices.stores),
-                                CheckCount("inertial measurement units", state.imus.size(), devices.imus),
-                                CheckCount("lights", state.lights.size(), devices.lights),
-                                CheckCount("cameras", state.cameras.size(), devices.cameras)}) {
-    if (!problem.ok()) return problem;
-  }
-  bool finite = true;
-  bool known = true;
-  for (const RobotState& robot : state.robots) finite = finite && IsFinite(robot.X_WR) && IsFinite(robot.twist);
-  for (const JointState& joint : state.joints) {
-    finite = finite && std::isfinite(joint.position) && std::isfinite(joint.velocity);
-  }
-  for (const GripperState& gripper : state.grippers) {
-    known = known && IsBelow(gripper.left_contact, world.models.size()) &&
-            IsBelow(gripper.right_contact, world.models.size()) && IsBelow(gripper.clamped, world.objects.size());
-  }
+  Status problem;
+  ValueCheck check(world);
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    const std::vector<Row>& rows = table.Of(state);
+    const std::size_t expected = CountRows<Row>(world, devices).value_or(rows.size());
+    if (problem.ok() && rows.size() != expected) {
+      problem = StateError("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
+                           ", expected " + std::to_string(expected));
+    }
+    for (const Row& row : rows) ForEachLeaf<Row>([&](const auto& leaf) { check(leaf.Of(row)); });
+  });
+  if (problem.ok()) problem = check.status();
+  if (!problem.ok()) return problem;
   for (const ObjectState& object : state.objects) {
-    finite = finite && IsFinite(object.X_WO) && std::isfinite(object.fall_speed);
-    known = known && IsBelow(object.holder, world.grippers.size()) && IsBelow(object.support, world.models.size());
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
       return StateError("found an object that is held without a holder, or has a holder without being held");
     }
   }
-  for (const StoreState& store : state.stores) {
-    finite = finite && std::isfinite(store.joules) && std::isfinite(store.charge_watts);
-  }
-  for (const ImuState& imu : state.imus) {
-    finite = finite && std::isfinite(imu.vx) && std::isfinite(imu.vy) && std::isfinite(imu.vz);
-  }
-  for (const CameraState& camera : state.cameras) {
-    finite = finite && std::isfinite(camera.pan) && std::isfinite(camera.tilt);
-  }
   for (const RadioTransmission& transmission : state.transmissions) {
-    known = known && transmission.from.index() < world.robots.size() &&
-            IsBelow(transmission.message.to, world.robots.size()) &&
-            FindRadio(world.robot(transmission.from), transmission.message.radio) != nullptr;
+    if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
+      return StateError("found a radio message of a sensor that is no radio");
+    }
     if (transmission.due < state.tick || transmission.sent > state.tick) {
       return StateError("found a radio message that is not on its way");
     }
   }
-  if (!finite) return StateError("found a number that is not finite in a state");
-  if (!known) return StateError("found an id in a state that the world does not have");
-  return Status();
+  return {};
 }
 
 }  // namespace troupe

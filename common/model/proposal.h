@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/radio_message.h"
@@ -15,6 +16,12 @@ struct LightOrder {
   std::size_t light = 0;  // number among the robot's lights, in the order of models
   bool on = false;
   bool operator==(const LightOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"light", &LightOrder::light},
+        Field{"on", &LightOrder::on},
+    };
+  }
 };
 
 // Turns a camera of the robot at once, as CameraState.
@@ -23,6 +30,13 @@ struct CameraOrder {
   double pan = 0.0;        // rad
   double tilt = 0.0;
   bool operator==(const CameraOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"sensor", &CameraOrder::sensor},
+        Field{"pan", &CameraOrder::pan},
+        Field{"tilt", &CameraOrder::tilt},
+    };
+  }
 };
 
 // Bytes of a text that a robot says in one tick.
@@ -39,6 +53,17 @@ struct Proposal {
   std::vector<CameraOrder> cameras = {};    // likewise
   std::string say = {};                     // an event for people, of at most kMostSaidBytes; empty: none
   bool operator==(const Proposal&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &Proposal::robot},
+        Field{"twist", &Proposal::twist},
+        Field{"joint_velocities", &Proposal::joint_velocities},
+        Field{"messages", &Proposal::messages},
+        Field{"lights", &Proposal::lights},
+        Field{"cameras", &Proposal::cameras},
+        Field{"say", &Proposal::say},
+    };
+  }
 };
 
 }  // namespace troupe

@@ -21,14 +21,11 @@ WorldState PlacedState(const WorldDescription& world) {
 }
 
 std::size_t MemoryOf(const WorldState& state) {
-  std::size_t size = sizeof state + state.robots.size() * sizeof(RobotState) +
-                     state.joints.size() * sizeof(JointState) + state.grippers.size() * sizeof(GripperState) +
-                     state.objects.size() * sizeof(ObjectState) + state.stores.size() * sizeof(StoreState) +
-                     state.imus.size() * sizeof(ImuState) + state.lights.size() * sizeof(LightState) +
-                     state.cameras.size() * sizeof(CameraState);
-  for (const RadioTransmission& transmission : state.transmissions) {
-    size += sizeof transmission + transmission.message.bytes.size();
-  }
+  std::size_t size = sizeof state;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    size += table.Of(state).size() * sizeof(Row);
+  });
+  for (const RadioTransmission& transmission : state.transmissions) size += transmission.message.bytes.size();
   return size;
 }
 

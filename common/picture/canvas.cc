@@ -7,12 +7,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 namespace {
 
 // Cairo keeps coordinates as fixed-point numbers with 24 bits before the point, so a zoomed picture of a large world
 // must be cut before Cairo draws it. The margin keeps cut edges and their strokes out of sight.
 constexpr double kClipMargin = 64.0;  // px
+
+constexpr std::size_t kLongestText = 500;  // bytes
 
 cairo_status_t Append(void* closure, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
@@ -29,46 +33,7 @@ void RemoveSurfaceIds(std::string& svg) {
   }
 }
 
-// Length of the valid UTF-8 sequence at `at`, 0 if there is none.
-std::size_t SequenceLength(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(at);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xC2 && first < 0xE0 ? 2
-                             : (first & 0xF0) == 0xE0        ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  if (length == 0 || at + length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(at + i) & 0xC0) != 0x80) return 0;
-  }
-  if (length > 1) {
-    const unsigned char second = byte(at + 1);
-    const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-    const bool surrogate = first == 0xED && second > 0x9F;
-    const bool beyond = first == 0xF4 && second > 0x8F;
-    if (overlong || surrogate || beyond) return 0;
-  }
-  return length;
-}
-
 }  // namespace
-
-std::string PrintableUtf8(const std::string& text) {
-  std::string result;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = SequenceLength(text, at);
-    const auto first = static_cast<unsigned char>(text[at]);
-    if (length == 0 || first < 0x20 || first == 0x7F) {
-      result += '?';
-      ++at;
-    } else {
-      result.append(text, at, length);
-      at += length;
-    }
-  }
-  return result;
-}
 
 Polygon ClipPolygon(const Polygon& polygon, const Rectangle& box) {
   Polygon result = polygon;
@@ -227,7 +192,7 @@ void Canvas::SetFont(const TextStyle& style) {
 double Canvas::TextWidth(const std::string& text, const TextStyle& style) {
   SetFont(style);
   cairo_text_extents_t extents;
-  cairo_text_extents(cairo_, PrintableUtf8(text).c_str(), &extents);
+  cairo_text_extents(cairo_, PlainLine(text).c_str(), &extents);
   return extents.x_advance;
 }
 
@@ -235,7 +200,7 @@ void Canvas::Text(const std::string& text, const Vec2& at, TextAnchor anchor, co
   const double width = TextWidth(text, style);
   const double shift = anchor == TextAnchor::kLeft ? 0.0 : anchor == TextAnchor::kMiddle ? 0.5 : 1.0;
   const Vec2 start(at.x() - shift * width, at.y());
-  const std::string printable = PrintableUtf8(text);
+  const std::string printable = PlainLine(text);
   SetColor(style.color);
   cairo_move_to(cairo_, start.x(), start.y());
   cairo_show_text(cairo_, printable.c_str());
@@ -243,14 +208,10 @@ void Canvas::Text(const std::string& text, const Vec2& at, TextAnchor anchor, co
 }
 
 std::string Canvas::Shortened(const std::string& text, double width, const TextStyle& style) {
-  std::string result = PrintableUtf8(text.substr(0, 500));
-  if (TextWidth(result, style) <= width && text.size() <= 500) return result;
+  std::string result = PlainLine(text, kLongestText);
+  if (TextWidth(result, style) <= width && text.size() <= kLongestText) return result;
   while (!result.empty() && TextWidth(result + "...", style) > width) {
-    do {
-      result.pop_back();
-    } while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xC0) == 0x80);
-    // The rest may end in the first byte of a letter whose other bytes were dropped.
-    if (!result.empty() && static_cast<unsigned char>(result.back()) >= 0xC0) result.pop_back();
+    result.resize(CutUtf8(result, result.size() - 1).size());
   }
   return result.empty() ? result : result + "...";
 }

@@ -51,7 +51,7 @@ class Canvas {
   void FillCircle(const Vec2& center, double radius, const Color& color);
   void StrokeCircle(const Vec2& center, double radius, double line_width, const Color& color);
 
-  // Text on one line; `at` is on its base line. Bytes that are not UTF-8 are drawn as "?".
+  // Text on one line; `at` is on its base line. Drawn as a plain line (common/base/utf8.h).
   void Text(const std::string& text, const Vec2& at, TextAnchor anchor, const TextStyle& style);
   double TextWidth(const std::string& text, const TextStyle& style);
   // `text`, cut to `width` pixels with "..." if it is longer.
@@ -73,9 +73,6 @@ class Canvas {
   cairo_surface_t* surface_;
   cairo_t* cairo_;
 };
-
-// `text` with every byte that does not belong to valid UTF-8, and every control character, replaced by "?".
-std::string PrintableUtf8(const std::string& text);
 
 // The part of a polygon inside a box; a concave polygon may become several pieces joined along the box's edge.
 Polygon ClipPolygon(const Polygon& polygon, const Rectangle& box);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "common/model/check_state.h"
+#include "common/model/check_state.h"
 #include "common/model/model_poses.h"
 
 namespace troupe {
@@ -57,6 +59,12 @@ void Scene::FindBodies() {
   for (std::size_t i = 0; i < world_.grippers.size(); ++i) {
     grippers_of_[world_.grippers[i].robot.index()].push_back(GripperId(i));
   }
+}
+
+Status Scene::CheckState(const WorldState& state) const {
+  const DeviceCounts devices{
+      .stores = stores_.size(), .imus = imus_.size(), .lights = lights_.size(), .cameras = cameras_.size()};
+  return troupe::CheckState(world_, devices, state);
 }
 
 std::size_t Scene::first_light_of(RobotId robot) const {

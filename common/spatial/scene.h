@@ -11,7 +11,9 @@
 #include "common/spatial/ray_shape.h"
 #include "common/spatial/static_index.h"
 #include "troupe/ids.h"
+#include "troupe/result.h"
 #include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 
@@ -47,6 +49,8 @@ class Scene {
   explicit Scene(WorldDescription world);
 
   const WorldDescription& world() const { return world_; }
+  // As troupe::CheckState, without counting the rows again: that took a fifth of an agent's time.
+  Status CheckState(const WorldState& state) const;
   const StaticIndex& static_index() const { return static_index_; }
   // Uses equal memory for the map, if there is any.
   void ShareMap(const FindEqualMemory& find) { static_index_.ShareRayMap(find); }

@@ -68,6 +68,7 @@ Status ForEachLine(const std::vector<std::string>& parts, LineFile::Space space,
       line.pop_back();
       visit(part, line);
     }
+    if (!file.value().status().ok()) return file.value().status();
   }
   return Status();
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 
 namespace troupe {
@@ -22,7 +23,9 @@ enum class EventType : std::uint8_t {
   kOutOfEnergy = 10,  // the robot's store is empty: it stops
   kSaid = 11,         // the robot's controller says `detail`
 };
-inline constexpr EventType kLastEventType = EventType::kSaid;
+constexpr EventType LastOf(EventType) {
+  return EventType::kSaid;
+}
 
 struct Event {
   Tick tick = 0;
@@ -32,6 +35,12 @@ struct Event {
   std::string detail = {};
   std::optional<ModelId> object = {};  // the root of an object's tree
   bool operator==(const Event&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"tick", &Event::tick},   Field{"type", &Event::type},     Field{"robot", &Event::robot},
+        Field{"other", &Event::other}, Field{"object", &Event::object}, Field{"detail", &Event::detail},
+    };
+  }
 };
 
 // "stall_began", ...

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "troupe/deterministic_math.h"
+#include "troupe/fields.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -20,6 +21,14 @@ struct Pose {
 
   Vec2 translation() const { return {x, y}; }
   bool operator==(const Pose&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"x", &Pose::x},
+        Field{"y", &Pose::y},
+        Field{"z", &Pose::z},
+        Field{"heading", &Pose::heading},
+    };
+  }
 };
 
 Pose operator*(const Pose& X_AB, const Pose& X_BC);
@@ -58,6 +67,13 @@ struct Twist {
 
   bool IsZero() const { return vx == 0.0 && vy == 0.0 && wz == 0.0; }
   bool operator==(const Twist&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"vx", &Twist::vx},
+        Field{"vy", &Twist::vy},
+        Field{"wz", &Twist::wz},
+    };
+  }
 };
 
 inline bool IsFinite(const Twist& twist) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 
 namespace troupe {
@@ -20,6 +21,13 @@ struct RadioMessage {
   std::optional<RobotId> to = {};  // the only robot that may receive it; nothing: all in range
   std::vector<std::uint8_t> bytes = {};
   bool operator==(const RadioMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"radio", &RadioMessage::radio},
+        Field{"to", &RadioMessage::to},
+        Field{"bytes", &RadioMessage::bytes},
+    };
+  }
 };
 
 // A message on its way.
@@ -30,6 +38,13 @@ struct RadioTransmission {
   std::size_t number = 0;  // among the robot's messages of that tick
   RadioMessage message = {};
   bool operator==(const RadioTransmission&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"from", &RadioTransmission::from},       Field{"sent", &RadioTransmission::sent},
+        Field{"due", &RadioTransmission::due},         Field{"number", &RadioTransmission::number},
+        Field{"message", &RadioTransmission::message},
+    };
+  }
 };
 
 }  // namespace troupe

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
@@ -23,6 +24,13 @@ struct GripperOrder {
   std::optional<double> opening = {};  // percent, 0 (closed) to 100 (open)
   std::optional<double> lift = {};     // percent of the way from its minimum to its maximum
   bool operator==(const GripperOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"gripper", &GripperOrder::gripper},
+        Field{"opening", &GripperOrder::opening},
+        Field{"lift", &GripperOrder::lift},
+    };
+  }
 };
 
 // Points for a controller that accepts goals (troupe/controller.h).
@@ -31,6 +39,13 @@ struct Goal {
   std::vector<Vec2> waypoints;         // in W, to be reached one after another; not empty
   std::optional<double> heading = {};  // at the last one, rad
   bool operator==(const Goal&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"number", &Goal::number},
+        Field{"waypoints", &Goal::waypoints},
+        Field{"heading", &Goal::heading},
+    };
+  }
 };
 
 inline constexpr std::size_t kMostWaypoints = 1000;
@@ -41,6 +56,14 @@ struct RobotCommand {
   std::vector<GripperOrder> grippers = {};
   std::optional<Goal> goal = {};
   bool operator==(const RobotCommand&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &RobotCommand::robot},
+        Field{"twist", &RobotCommand::twist},
+        Field{"grippers", &RobotCommand::grippers},
+        Field{"goal", &RobotCommand::goal},
+    };
+  }
 };
 
 // Success if the robot is in the world and can execute the command. The error names the robot.

@@ -1,9 +1,12 @@
 // WorldState: everything about a world that changes, at one tick. Copyable and hashable; a step, a replica and an agent
 // that joins late need (description, state) and nothing else.
+//
+// Each type lists its fields (fields.h); docs/contributing.md has the places of a new one.
 #pragma once
 
 #include <vector>
 
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/radio_message.h"
@@ -16,6 +19,13 @@ struct RobotState {
   Twist twist;           // executed during the tick that ended here, in R; zero after a stall
   bool stalled = false;  // the last commanded motion was cut short by a contact
   bool operator==(const RobotState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &RobotState::X_WR},
+        Field{"twist", &RobotState::twist},
+        Field{"stalled", &RobotState::stalled},
+    };
+  }
 };
 
 struct JointState {
@@ -23,6 +33,13 @@ struct JointState {
   double velocity = 0.0;  // m/s or rad/s, executed during the tick that ended here; zero after a contact
   bool blocked = false;   // the last commanded motion was cut short by a contact
   bool operator==(const JointState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"position", &JointState::position},
+        Field{"velocity", &JointState::velocity},
+        Field{"blocked", &JointState::blocked},
+    };
+  }
 };
 
 struct GripperState {
@@ -32,6 +49,13 @@ struct GripperState {
   // gripper holds it, and this one will when that one opens.
   std::optional<ObjectId> clamped = {};
   bool operator==(const GripperState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"left_contact", &GripperState::left_contact},
+        Field{"right_contact", &GripperState::right_contact},
+        Field{"clamped", &GripperState::clamped},
+    };
+  }
 };
 
 enum class ObjectMode : std::uint8_t {
@@ -40,6 +64,9 @@ enum class ObjectMode : std::uint8_t {
   kFalling = 2,
   kHeld = 3,
 };
+constexpr ObjectMode LastOf(ObjectMode) {
+  return ObjectMode::kHeld;
+}
 
 struct ObjectState {
   Pose X_WO = {};  // of the object's root model
@@ -50,6 +77,15 @@ struct ObjectState {
   // centre is above no support.
   std::optional<ModelId> support = {};
   bool operator==(const ObjectState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &ObjectState::X_WO},
+        Field{"mode", &ObjectState::mode},
+        Field{"fall_speed", &ObjectState::fall_speed},
+        Field{"holder", &ObjectState::holder},
+        Field{"support", &ObjectState::support},
+    };
+  }
 };
 
 // A store of energy.
@@ -57,6 +93,12 @@ struct StoreState {
   double joules = 0.0;        // J; of an endless one as at load
   double charge_watts = 0.0;  // W that it has received during the tick that ended here, on average
   bool operator==(const StoreState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"joules", &StoreState::joules},
+        Field{"charge_watts", &StoreState::charge_watts},
+    };
+  }
 };
 
 // The velocity of an inertial measurement unit, in W, during the tick before the last one: with the present one it
@@ -66,12 +108,24 @@ struct ImuState {
   double vy = 0.0;
   double vz = 0.0;
   bool operator==(const ImuState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"vx", &ImuState::vx},
+        Field{"vy", &ImuState::vy},
+        Field{"vz", &ImuState::vz},
+    };
+  }
 };
 
 // A light of a robot.
 struct LightState {
   bool is_switched_on = true;
   bool operator==(const LightState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"switched_on", &LightState::is_switched_on},
+    };
+  }
 };
 
 // The direction of a camera, from that of the world file.
@@ -79,6 +133,12 @@ struct CameraState {
   double pan = 0.0;   // rad, to the left, in (-pi, pi]
   double tilt = 0.0;  // rad, upwards, within CameraParameters::TiltLimits
   bool operator==(const CameraState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pan", &CameraState::pan},
+        Field{"tilt", &CameraState::tilt},
+    };
+  }
 };
 
 struct WorldState {
@@ -94,7 +154,24 @@ struct WorldState {
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
   bool operator==(const WorldState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"tick", &WorldState::tick},       Field{"robots", &WorldState::robots},
+        Field{"joints", &WorldState::joints},   Field{"grippers", &WorldState::grippers},
+        Field{"objects", &WorldState::objects}, Field{"stores", &WorldState::stores},
+        Field{"imus", &WorldState::imus},       Field{"lights", &WorldState::lights},
+        Field{"cameras", &WorldState::cameras}, Field{"transmissions", &WorldState::transmissions},
+    };
+  }
 };
+
+// Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
+template <typename Visit>
+constexpr void ForEachTable(Visit&& visit) {
+  ForEachField<WorldState>([&]<typename Part>(const Field<WorldState, Part>& field) {
+    if constexpr (requires { requires HasFields<typename Part::value_type>; }) visit(field);
+  });
+}
 
 // The description's poses at tick 0. Every object is kPlaced: its support is not known here, so that a run begins with
 // InitialState of world-service/core/initial_state.h instead.

@@ -1,7 +1,7 @@
 #include "launcher/commands/check_controllers.h"
 
 #include "robot-agent/controller/create_controller.h"
-#include "worldfile/check_ctrl.h"
+#include "worldfile/load_world.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {

@@ -77,8 +77,9 @@ void HostServer::KeepKey(const std::string& name, const std::string& content) {
   std::error_code failure;
   std::filesystem::create_directories(path.parent_path(), failure);  // in a folder of mode 0700
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const bool written = file >= 0 && WriteAll(file, content);
-  if (!written || close(file) != 0) Send({{"output", "error: cannot write " + path.string() + ": " + strerror(errno)}});
+  int problem = file >= 0 && WriteAll(file, content) ? 0 : errno;
+  if (file >= 0 && close(file) != 0 && problem == 0) problem = errno;
+  if (problem != 0) Send({{"output", "error: cannot write " + path.string() + ": " + strerror(problem)}});
 }
 
 void HostServer::Execute(const HostMessage& request) {

@@ -116,7 +116,8 @@ Status RecordedStates::Advance() {
 
 void RecordedStates::Keep() {
   if (kept_.contains(*position_)) return;
-  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()), world_->state(),
+  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()),
+                                                               std::make_shared<const WorldState>(world_->state()),
                                                                world_->state_hash(), places_[*position_].edition});
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(*position_, std::move(state));

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/utf8.h"
 #include "transport/protocol/waiting_text.h"
 #include "troupe/deterministic_math.h"
 
@@ -63,7 +64,8 @@ std::string SessionTable(const std::vector<SessionInfo>& sessions) {
       {"SESSION", "WORLD", "SERVICE", "TICK", "SIM SECONDS", "X REAL TIME", "AGENTS/ROBOTS", "WAITING FOR"}};
   for (const SessionInfo& session : sessions) rows.push_back(RowOf(session));
   std::array<std::size_t, std::tuple_size_v<Row>> widths{};
-  for (const Row& row : rows) {
+  for (Row& row : rows) {
+    for (std::string& cell : row) cell = PlainLine(cell);  // any host of the network may write them
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
   std::string text;
@@ -80,10 +82,10 @@ void SessionTop::OnSession(const SessionMessage& session) {
   session_ = std::make_shared<const SessionMessage>(session);
 }
 
-void SessionTop::OnFrame(const FrameMessage& frame) {
+void SessionTop::OnFrame(const SharedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  if (!session_ || frame.run != session_->run || frame.world_edition != session_->world_edition) return;
-  for (const Event& event : frame.events) {
+  if (!session_ || frame->run != session_->run || frame->world_edition != session_->world_edition) return;
+  for (const Event& event : frame->events) {
     if (!event.robot || event.robot->index() >= session_->world.robots.size()) continue;
     const std::string& name = session_->world.robot(*event.robot).name;
     if (event.type == EventType::kLeft) lost_.insert(name);

@@ -28,7 +28,7 @@ class SessionTop final : public ObserverHandler {
   std::string Text(std::size_t rows);
 
   void OnSession(const SessionMessage& session) override;
-  void OnFrame(const FrameMessage& frame) override;
+  void OnFrame(const SharedFrame& frame) override;
   void OnStatus(const StatusMessage& status) override;
   void OnServiceGone() override;
 
@@ -43,7 +43,7 @@ class SessionTop final : public ObserverHandler {
   std::mutex mutex_;                               // guards the others
   std::shared_ptr<const SessionMessage> session_;  // the newest; null: none
   std::shared_ptr<const SessionMessage> shown_;    // with the world of frame_
-  std::optional<FrameMessage> frame_;
+  SharedFrame frame_;                              // the newest; null: none
   std::optional<StatusMessage> status_;
   std::set<std::string> lost_;  // since the first frame that was received: robots by name, which outlives an edit
   Tick counted_tick_ = 0;

@@ -4,9 +4,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <system_error>
 #include <utility>
-
-#include "troupe/check.h"
 
 namespace troupe {
 
@@ -19,8 +18,9 @@ std::vector<std::string> LineReader::Read() {
   while (!at_end_) {
     ssize_t size = read(descriptor_, buffer, sizeof buffer);
     if (size < 0 && errno == EINTR) continue;
-    if (size < 0) break;
-    at_end_ = size == 0;
+    if (size < 0 && errno == EAGAIN) break;
+    at_end_ = size <= 0;  // what cannot be read has no more lines
+    if (at_end_) break;
     partial_.append(buffer, static_cast<std::size_t>(size));
   }
   if (at_end_ && !partial_.empty() && partial_.back() != '\n') partial_ += '\n';
@@ -35,7 +35,7 @@ std::vector<std::string> LineReader::Read() {
 
 LinePipe::Ends::Ends() {
   int ends[2];
-  TROUPE_CHECK(pipe2(ends, O_CLOEXEC) == 0);
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "making a pipe");
   reading = ends[0];
   writing = ends[1];
 }

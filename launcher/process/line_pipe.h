@@ -11,7 +11,8 @@ class LineReader {
   // Makes the descriptor non-blocking. Does not own it.
   explicit LineReader(int descriptor);
 
-  // The lines completed since the last call; at the end of the input also an unfinished one.
+  // The lines completed since the last call; at the end of the input, or if it cannot be read any more, also an
+  // unfinished one.
   std::vector<std::string> Read();
   bool at_end() const { return at_end_; }
 
@@ -24,6 +25,7 @@ class LineReader {
 // A pipe that children write lines into and this process reads.
 class LinePipe {
  public:
+  // Throws std::system_error without resources.
   LinePipe();
   ~LinePipe();
   LinePipe(const LinePipe&) = delete;

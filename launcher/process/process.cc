@@ -17,6 +17,13 @@
 namespace troupe {
 namespace {
 
+constexpr int kUnknownExit = 255;
+
+// Makes `from` the standard stream `to`, which stays open in the program.
+void Connect(int from, int to) {
+  if ((from == to ? fcntl(to, F_SETFD, 0) : dup2(from, to)) < 0) _exit(127);
+}
+
 // Between fork and exec: only calls that are safe there.
 [[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept,
                                 Addresses addresses) {
@@ -27,12 +34,15 @@ namespace {
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   signal(SIGPIPE, SIG_DFL);
-  int input = streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY | O_CLOEXEC);
-  if (input > 0) dup2(input, STDIN_FILENO);
-  if (input == 0) fcntl(input, F_SETFD, 0);
-  dup2(streams.output, STDOUT_FILENO);
-  dup2(streams.error, STDERR_FILENO);
-  if (kept >= 0) fcntl(kept, F_SETFD, 0);
+  Connect(streams.output, STDOUT_FILENO);
+  Connect(streams.error, STDERR_FILENO);
+  if (streams.input >= 0) {
+    Connect(streams.input, STDIN_FILENO);
+  } else {
+    close(STDIN_FILENO);  // so that there is a descriptor for the next line
+    if (open("/dev/null", O_RDONLY) != STDIN_FILENO) _exit(127);
+  }
+  if (kept >= 0 && fcntl(kept, F_SETFD, 0) < 0) _exit(127);
   // Some containers forbid this; the process is then only slower.
   if (addresses == Addresses::kSame) personality(static_cast<unsigned long>(personality(~0u)) | ADDR_NO_RANDOMIZE);
   execv(arguments[0], arguments);
@@ -42,6 +52,7 @@ namespace {
 }  // namespace
 
 std::string ProcessEnd::ToString() const {
+  if (unknown != 0) return std::string("ended in an unknown way (") + strerror(unknown) + ")";
   if (signal != 0) return "was killed by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
   return "ended with exit status " + std::to_string(exit_code);
 }
@@ -97,6 +108,12 @@ bool Process::Wait(int options) {
   } while (found < 0 && errno == EINTR);
   if (found == 0) return false;
   ProcessEnd end;
+  if (found < 0) {
+    end.unknown = errno;
+    end.exit_code = kUnknownExit;
+    end_ = end;
+    return true;
+  }
   end.peak_memory_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
   end.exit_code = end.signal != 0 ? 128 + end.signal : WEXITSTATUS(status);

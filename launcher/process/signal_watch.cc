@@ -3,9 +3,9 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <initializer_list>
-
-#include "troupe/check.h"
+#include <system_error>
 
 namespace troupe {
 
@@ -13,9 +13,11 @@ SignalWatch::SignalWatch() {
   sigset_t watched;
   sigemptyset(&watched);
   for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&watched, signal);
-  pthread_sigmask(SIG_BLOCK, &watched, &before_);
   descriptor_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
-  TROUPE_CHECK(descriptor_ >= 0);
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "watching signals");
+  // A parent may have left it ignored: then the ends of children would be neither told nor kept.
+  signal(SIGCHLD, SIG_DFL);
+  pthread_sigmask(SIG_BLOCK, &watched, &before_);
 }
 
 SignalWatch::~SignalWatch() {

@@ -11,6 +11,7 @@ namespace troupe {
 
 class SignalWatch {
  public:
+  // Throws std::system_error without resources.
   SignalWatch();
   ~SignalWatch();
   SignalWatch(const SignalWatch&) = delete;

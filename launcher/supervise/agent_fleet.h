@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "launcher/hosts/host.h"
-#include "launcher/supervise/agent_output.h"
+#include "launcher/supervise/output_files.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
 #include "launcher/supervise/service_report.h"

@@ -12,16 +12,13 @@
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
-#include "launcher/supervise/agent_restarts.h"
-#include "launcher/supervise/bridge_process.h"
-#include "launcher/supervise/host_participants.h"
-#include "launcher/supervise/merge_scans.h"
+#include "launcher/supervise/output_files.h"
 #include "launcher/supervise/progress.h"
+#include "launcher/supervise/restarts.h"
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/service_process.h"
 #include "launcher/supervise/service_report.h"
-#include "launcher/supervise/service_restarts.h"
-#include "launcher/supervise/viewer_process.h"
+#include "launcher/supervise/side_programs.h"
 
 namespace troupe {
 namespace {
@@ -313,7 +310,7 @@ void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::st
 
 void DistributedRun::RestartAgents() {
   if (kill_at_ || summary_ || !goes_on()) return restarts_.Cancel();
-  for (const std::size_t number : restarts_.TakeDue(Seconds(Clock::now()))) {
+  for (const std::size_t number : restarts_.DrainDue(Seconds(Clock::now()))) {
     if (Status status = agents_.Restart(number); status.ok()) {
       ++restarted_;
     } else {

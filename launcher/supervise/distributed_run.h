@@ -1,8 +1,8 @@
 // `troupe run` over DDS: a world service and its agents, a process each.
 #pragma once
 
-#include "launcher/supervise/run_end.h"
 #include "launcher/supervise/run_options.h"
+#include "launcher/supervise/summary.h"
 
 namespace troupe {
 

@@ -20,24 +20,16 @@
 #include "common/base/or_failure.h"
 #include "common/base/thread_pool.h"
 #include "common/base/wake_event.h"
-#include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
-#include "launcher/supervise/in_process_bridge.h"
-#include "launcher/supervise/merge_scans.h"
-#include "launcher/supervise/output_parts.h"
+#include "launcher/supervise/output_files.h"
 #include "launcher/supervise/progress.h"
-#include "recording/recording.h"
+#include "launcher/supervise/side_programs.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/ros/ros_gateway.h"
-#include "ros/messages/robot_in_ros.h"
 #include "transport/protocol/faulty_transport.h"
 #include "transport/protocol/memory_transport.h"
-#include "world-service/observers/recorder/make_recorders.h"
-#include "world-service/observers/ros/ros_world_gateway.h"
-#include "world-service/replay/branched_run.h"
-#include "world-service/replay/journal_history.h"
-#include "world-service/service/run_service.h"
+#include "world-service/program/prepared_run.h"
 
 namespace troupe {
 namespace {
@@ -172,19 +164,22 @@ std::shared_ptr<ThreadPool> MakeThreadPool(const RunOptions& options) {
   return std::make_shared<ThreadPool>(options.threads.value_or(std::thread::hardware_concurrency()));
 }
 
-ServiceOptions MakeServiceOptions(const RunOptions& options, const LoadedWorld& loaded, const std::string& world_file) {
-  ServiceOptions service;
-  service.settings = loaded.settings;
-  options.run.ApplyTo(service.settings);
+RunSource SourceOf(const RunOptions& options) {
+  RunSource source;
+  source.file = options.file;
+  source.overrides = options.load;
+  source.branch = options.branch;
+  source.run = options.run;
+  source.permissions = options.permissions;
+  source.outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
+  source.ros = options.ros;
+  ServiceOptions& service = source.service;
   service.session = options.network.session;
   service.lease_seconds = options.network.lease_seconds;
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
   service.pool = MakeThreadPool(options);
-  service.world_file = world_file;
-  service.overrides = options.load;
-  RestrictRequests(options.permissions, loaded, service);
-  return service;
+  return source;
 }
 
 AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& service) {
@@ -204,11 +199,9 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
 // The service and the first agent in threads of their own.
 class InProcessRun {
  public:
-  // The observers must outlive this.
-  InProcessRun(std::shared_ptr<const Scene> scene, const std::string& faults, ServiceOptions service,
-               AgentOptions agent, RunObservers observers)
-      : scene_(std::move(scene)),
-        service_options_(std::move(service)),
+  // The run and its observers must outlive this.
+  InProcessRun(const PreparedRun& run, const std::string& faults, AgentOptions agent, RunObservers observers)
+      : run_(run),
         agent_options_(std::move(agent)),
         observers_(std::move(observers)),
         transport_(MakeTransport(faults)),
@@ -226,14 +219,14 @@ class InProcessRun {
     Result<RunSummary> summary = Failure("the run did not end");
     Result<AgentEnd> agent = AgentEnd::kStopped;
     std::thread service_thread([&] {
-      ProgressObserver progress(scene_->world().robots.size(), new_agents_);
+      ProgressObserver progress(run_.world().robots.size(), new_agents_);
       observers_.push_back(&progress);
       summary = OrFailure(
-          [&] { return RunService(scene_, service_options_, transport_->MakeServiceEndpoint(), observers_, stop_); });
+          [&] { return RunService(run_.scene, run_.options, transport_->MakeServiceEndpoint(), observers_, stop_); });
       done.Signal();
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
-    if (!scene_->world().robots.empty()) {
+    if (!run_.world().robots.empty()) {
       agent_thread = std::thread([&] {
         agent = OrFailure([&] {
           return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop.get_token());
@@ -254,8 +247,7 @@ class InProcessRun {
   }
 
  private:
-  const std::shared_ptr<const Scene> scene_;
-  const ServiceOptions service_options_;
+  const PreparedRun& run_;
   const AgentOptions agent_options_;
   RunObservers observers_;
   const std::unique_ptr<Transport> transport_;
@@ -288,50 +280,22 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 }  // namespace
 
 RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
-  std::optional<BranchedRun> branch;
-  if (IsRecordingPath(options.file)) {
-    Result<BranchedRun> made = BranchRun(options.file, {options.branch.from_tick, options.load.seed,
-                                                        options.branch.controllers, options.run, options.paused});
-    if (!made.ok()) return FailedRun(made.error());
-    branch = std::move(made).value();
-  }
-  Result<LoadedWorld> loaded = branch ? std::move(branch->loaded) : LoadWorld(options.file, options.load);
-  if (!loaded.ok()) return FailedRun(loaded.error());
-  for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
-
-  const std::string world_file = branch ? branch->resumed.world_file : options.file;
-  ServiceOptions service = MakeServiceOptions(options, loaded.value(), world_file);
-  if (branch) service.resumed = branch->resumed;
-  AgentOptions agent = MakeAgentOptions(options, service);
+  RunSource source = SourceOf(options);
+  TraceOptions agent_trace;
   OutputParts trace_parts(options.trace.file, "--trace");
-  const auto trace_files = SplitTrace(options.trace, trace_parts, service.trace, agent.trace);
+  const auto trace_files = SplitTrace(options.trace, trace_parts, source.service.trace, agent_trace);
   if (!trace_files.ok()) return FailedRun(trace_files.error());
-
-  const auto scene = branch ? branch->scene : std::make_shared<const Scene>(std::move(loaded.value().world));
+  Result<PreparedRun> prepared = PrepareRun(source);
+  if (!prepared.ok()) return FailedRun(prepared.error());
+  AgentOptions agent = MakeAgentOptions(options, prepared.value().options);
+  agent.trace = agent_trace;
   SignalWatch signals;
-  OutputFiles outputs = {options.hash_log, options.poses, options.record, options.keyframe_interval};
-  if (branch) outputs.begin = branch->begin;
-  const bool needs_memory = branch || service.settings.on_agent_loss == OnAgentLoss::kRebuild;
-  const Result<Recorders> recorders = MakeRecorders(scene->world(), outputs, world_file, needs_memory);
-  if (!recorders.ok()) return FailedRun(recorders.error());
-  const auto history = MakeRunHistory(recorders.value().recordings);
-  service.history = history.get();
-  std::unique_ptr<RunObserver> gateway;
+  Result<RunObservers> observers = MakeObservers(prepared.value(), source);
+  if (!observers.ok()) return FailedRun(observers.error());
   InProcessBridge bridge;
-  RunObservers observers;
-  if (service.settings.ros) {
-    service.check_world = [&ros = options.ros](const WorldDescription& world) {
-      return ros::CheckDomains(world, ros, std::nullopt);
-    };
-    const Status domains = service.check_world(scene->world());
-    if (!domains.ok()) return FailedRun(domains.error());
-    gateway = MakeRosWorldGateway(options.ros, scene);
-    observers.push_back(gateway.get());
-    bridge.Start(options);
-  }
-  for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
+  if (prepared.value().gateway) bridge.Start(options);
 
-  InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
+  InProcessRun run(prepared.value(), options.faults, std::move(agent), std::move(observers).value());
   if (!options.headless) run.AddViewer(make_viewer);
   const Result<RunSummary> summary = run.Run(signals, bridge);
   bridge.Stop(signals);

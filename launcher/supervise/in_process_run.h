@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
-#include "launcher/supervise/run_end.h"
 #include "launcher/supervise/run_options.h"
+#include "launcher/supervise/summary.h"
 #include "transport/protocol/transport.h"
 #include "world-service/service/run_observer.h"
 

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 
+#include "common/base/utf8.h"
 #include "transport/protocol/waiting_text.h"
 #include "troupe/event.h"
 
@@ -41,7 +42,7 @@ Progress::~Progress() {
 void Progress::Update(const StatusMessage& status) {
   if (terminal_) {
     ClearStatusLine();
-    status_line_ = StatusText(status).substr(0, TerminalWidth() - 1);
+    status_line_ = PlainLine(StatusText(status), TerminalWidth() - 1);
     fmt::print(stderr, "{}", status_line_);
     std::fflush(stderr);
   } else if (std::chrono::steady_clock::now() >= next_line_) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "launcher/supervise/output_failure.h"
+#include "launcher/supervise/output_files.h"
 
 namespace troupe {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "launcher/hosts/host.h"
-#include "launcher/supervise/output_parts.h"
+#include "launcher/supervise/output_files.h"
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"

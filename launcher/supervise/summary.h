@@ -1,10 +1,14 @@
-// The summary of a run, as text and as JSON. docs/running.md has the format.
+// The end of a run, and its summary as text and as JSON. docs/running.md has the format.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "command_line/exit_status.h"
+#include "troupe/result.h"
 #include "world-service/service/run_summary.h"
 
 namespace troupe {
@@ -24,5 +28,18 @@ std::string SummaryText(const RunOutcome& outcome);
 
 // A JSON object over several lines, the last one without its end.
 std::string SummaryJson(const RunOutcome& outcome);
+
+// In one process or in many.
+struct RunEnd {
+  int exit_status = kExitDone;
+  std::optional<RunOutcome> outcome;  // of a run that began and did not fail
+  std::optional<Error> error;         // to be printed; a failed run without it: a child process has printed the error
+};
+
+// The exit status follows from the error.
+inline RunEnd FailedRun(Error error) {
+  const int exit_status = ExitStatusOf(error);
+  return {exit_status, std::nullopt, std::move(error)};
+}
 
 }  // namespace troupe

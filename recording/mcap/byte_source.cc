@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 namespace troupe::mcap {
@@ -21,18 +22,15 @@ class FileSource final : public ByteSource {
 
   const std::string& name() const override { return path_; }
   std::uint64_t size() const override { return size_; }
-  Status Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+  void Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
     while (!bytes.empty()) {
       const ssize_t count = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) {
-        const std::string problem = count == 0 ? "the file has become shorter" : std::strerror(errno);
-        return Error{{path_}, "cannot read: " + problem, ErrorCode::kFailure};
-      }
+      if (count < 0) throw std::system_error(errno, std::generic_category(), "cannot read");
+      if (count == 0) throw std::system_error(EIO, std::generic_category(), "cannot read: the file has become shorter");
       bytes = bytes.subspan(static_cast<std::size_t>(count));
       offset += static_cast<std::uint64_t>(count);
     }
-    return {};
   }
 
  private:
@@ -47,9 +45,8 @@ class MemorySource final : public ByteSource {
 
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return bytes_.size(); }
-  Status Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+  void Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
     if (!bytes.empty()) std::memcpy(bytes.data(), bytes_.data() + offset, bytes.size());
-    return {};
   }
 
  private:

@@ -19,9 +19,9 @@ class ByteSource {
   virtual const std::string& name() const = 0;
   // As it was when the source was made.
   virtual std::uint64_t size() const = 0;
-  // Fills `bytes` with those at `offset`. The error is one of the system, or a file that has become shorter.
-  // REQUIRES: the range is within size().
-  virtual Status Read(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
+  // Fills `bytes` with those at `offset`. Throws std::system_error if the system cannot read them: that is no damage of
+  // the file. REQUIRES: the range is within size().
+  virtual void Read(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
 };
 
 Result<std::unique_ptr<const ByteSource>> OpenFileSource(const std::string& path);

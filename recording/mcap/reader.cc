@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "recording/mcap/byte_reader.h"
 #include "recording/mcap/compression.h"
 #include "recording/mcap/crc32.h"
@@ -69,28 +70,41 @@ Error Reader::ErrorAt(std::uint64_t offset, const std::string& problem) const {
   return {{name()}, fmt::format("byte {}: {}", offset, problem), ErrorCode::kFailure};
 }
 
+Error Reader::Unreadable(const std::system_error& failure) const {
+  return {{name()}, failure.what(), ErrorCode::kFailure};
+}
+
 Result<Reader> Reader::Open(std::unique_ptr<const ByteSource> source) {
   Reader reader(std::move(source));
-  if (Status failure = reader.ReadHeader(); !failure.ok()) return failure.error();
-  const Status summary = reader.ReadSummary();
-  if (summary.ok()) return reader;
-  reader.schemas_.clear();
-  reader.channels_.clear();
-  reader.chunks_.clear();
-  reader.statistics_.reset();
-  if (Status failure = reader.Scan(); !failure.ok()) return failure.error();
-  return reader;
+  try {
+    if (Status failure = reader.ReadHeader(); !failure.ok()) return failure.error();
+    if (reader.ReadSummary().ok()) return reader;
+    reader.schemas_.clear();
+    reader.channels_.clear();
+    reader.chunks_.clear();
+    reader.statistics_.reset();
+    reader.Scan();
+    return reader;
+  } catch (const std::system_error& failure) {
+    return reader.Unreadable(failure);
+  }
 }
 
 Result<std::vector<std::byte>> Reader::ReadBytes(std::uint64_t offset, std::uint64_t count) const {
   if (offset > size() || count > size() - offset) return ErrorAt(size(), "the file ends early");
   std::vector<std::byte> bytes(count);
-  if (Status failure = source_->Read(offset, bytes); !failure.ok()) return failure.error();
+  source_->Read(offset, bytes);
   return bytes;
 }
 
 Result<Reader::Record> Reader::ReadRecord(std::uint64_t offset, std::uint64_t end) const {
-  if (offset > end || end - offset < kRecordHeader) return ErrorAt(offset, "the file ends early");
+  const auto ends_early = [&] {
+    if (end < size()) return ErrorAt(offset, "found a record that does not end where it has to");
+    return Error{{name()},
+                 fmt::format("the file is cut off: its {} bytes end within the record at byte {}", size(), offset),
+                 ErrorCode::kFailure};
+  };
+  if (offset > end || end - offset < kRecordHeader) return ends_early();
   const Result<std::vector<std::byte>> bytes = ReadBytes(offset, kRecordHeader);
   if (!bytes.ok()) return bytes.error();
   ByteReader in(bytes.value());
@@ -99,13 +113,13 @@ Result<Reader::Record> Reader::ReadRecord(std::uint64_t offset, std::uint64_t en
   record.offset = offset;
   record.length = in.Read<std::uint64_t>();
   if (!IsKnown(record.opcode)) return ErrorAt(offset, fmt::format("found a record of type {}", record.opcode));
-  if (record.length > end - record.content()) return ErrorAt(offset, "the file ends within this record");
+  if (record.length > end - record.content()) return ends_early();
   return record;
 }
 
 Status Reader::ReadHeader() {
   std::vector<std::byte> magic(std::min<std::uint64_t>(kMagic.size(), size()));
-  if (Status failure = source_->Read(0, magic); !failure.ok()) return failure;
+  source_->Read(0, magic);
   if (magic.empty() || !std::equal(magic.begin(), magic.end(), kMagic.begin())) {
     return Error{{name()},
                  magic.empty() ? "found an empty file, expected an MCAP file"
@@ -212,24 +226,21 @@ Status Reader::ParseChannelOrSchema(std::uint8_t opcode, std::span<const std::by
   return {};
 }
 
-Status Reader::Scan() {
+void Reader::Scan() {
   std::uint64_t offset = data_start_;
   for (;;) {
     const Result<Record> record = ReadRecord(offset, size());
     const Result<bool> more = record.ok() ? ScanRecord(record.value()) : record.error();
     if (!more.ok()) {
-      const bool at_end = !record.ok();
-      damage_ = {offset, at_end ? fmt::format("the file is cut off: its {1} bytes end within the record at byte {0}",
-                                              offset, size())
-                                : more.error().message};
-      return {};
+      damage_ = {offset, more.error().message};
+      return;
     }
     if (!more.value()) {
       data_end_ = offset;
       const Result<std::vector<std::byte>> crc = ReadBytes(record.value().content(), kDataEndLength);
       if (crc.ok()) data_crc_ = ByteReader(crc.value()).Read<std::uint32_t>();
       damage_ = {record.value().end(), fmt::format("byte {}: the summary is missing or damaged", record.value().end())};
-      return {};
+      return;
     }
     offset = record.value().end();
   }
@@ -289,8 +300,10 @@ Result<ChunkInfo> Reader::ReadChunkInfo(const Record& record, std::uint32_t& crc
   return info;
 }
 
-Result<Chunk> Reader::ReadChunk(std::size_t index) const {
+Result<Chunk> Reader::ReadChunk(std::size_t index) const try {
   return ReadChunk(chunks_[index], nullptr);
+} catch (const std::system_error& failure) {
+  return Unreadable(failure);
 }
 
 // `definitions`: the reader that learns the schemas and channels in the chunk; null: they are in the summary.
@@ -313,7 +326,7 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
     if (!bytes.ok()) return ErrorAt(info.offset, "the chunk is damaged: " + bytes.error().message);
   } else if (info.compression != kUncompressed) {
     return ErrorAt(info.offset,
-                   fmt::format("found a chunk compressed with {:?}, expected zstd", info.compression.substr(0, 16)));
+                   fmt::format("found a chunk compressed with {:?}, expected zstd", CutUtf8(info.compression, 16)));
   } else if (bytes.value().size() != info.uncompressed_size) {
     return ErrorAt(info.offset, "found a chunk whose sizes do not match");
   }
@@ -350,23 +363,24 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
   return chunk;
 }
 
-Result<std::uint32_t> Reader::CrcUntil(std::uint64_t end) const {
+std::uint32_t Reader::CrcUntil(std::uint64_t end) const {
   std::vector<std::byte> bytes;
   std::uint32_t crc = 0;
   for (std::uint64_t offset = 0; offset < end; offset += bytes.size()) {
     bytes.resize(std::min(kReadSize, end - offset));
-    if (Status failure = source_->Read(offset, bytes); !failure.ok()) return failure.error();
+    source_->Read(offset, bytes);
     crc = Crc32(bytes, crc);
   }
   return crc;
 }
 
-Status Reader::CheckData() const {
+Status Reader::CheckData() const try {
   if (!data_end_ || data_crc_ == 0) return {};
-  const Result<std::uint32_t> crc = CrcUntil(*data_end_);
-  if (!crc.ok()) return crc.error();
-  if (crc.value() == data_crc_) return {};
-  return ErrorAt(*data_end_, fmt::format("found the CRC {:08x} of the data, expected {:08x}", crc.value(), data_crc_));
+  const std::uint32_t crc = CrcUntil(*data_end_);
+  if (crc == data_crc_) return {};
+  return ErrorAt(*data_end_, fmt::format("found the CRC {:08x} of the data, expected {:08x}", crc, data_crc_));
+} catch (const std::system_error& failure) {
+  return Unreadable(failure);
 }
 
 std::optional<IndexedChunk> Reader::ReadIndices(const ChunkInfo& info, Statistics& statistics) const {
@@ -395,7 +409,7 @@ std::optional<IndexedChunk> Reader::ReadIndices(const ChunkInfo& info, Statistic
   return chunk;
 }
 
-Result<WrittenPart> Reader::ReadWrittenPart() const {
+Result<WrittenPart> Reader::ReadWrittenPart() const try {
   WrittenPart part;
   part.size = data_start_;
   part.schemas = schemas_;
@@ -407,10 +421,10 @@ Result<WrittenPart> Reader::ReadWrittenPart() const {
     part.size = info.offset + info.length + chunk->index_length;
     part.chunks.push_back(std::move(*chunk));
   }
-  const Result<std::uint32_t> crc = CrcUntil(part.size);
-  if (!crc.ok()) return crc.error();
-  part.crc = crc.value();
+  part.crc = CrcUntil(part.size);
   return part;
+} catch (const std::system_error& failure) {
+  return Unreadable(failure);
 }
 
 }  // namespace troupe::mcap

@@ -1,7 +1,8 @@
 // Reader: reads an MCAP file, chunk by chunk in any order. A file without its end, as left by a process that was
 // killed, is read up to its last whole chunk; so is one whose summary is damaged.
 //
-// Any bytes are safe: sizes are checked before memory is allocated for them.
+// Any bytes are safe: sizes are checked before memory is allocated for them. What the system cannot read is no damage:
+// it is an error of every function, with the reason.
 //
 // Limits: messages outside chunks, attachments and metadata are skipped; chunks have to be compressed with zstd, or
 // not.
@@ -12,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "recording/mcap/byte_source.h"
@@ -51,11 +53,13 @@ class Reader {
   // Nothing for a file with a whole summary; its chunks may be damaged all the same.
   const std::optional<Damage>& damage() const { return damage_; }
 
-  // Reads chunk `index` of chunks(). The error is a damaged chunk. REQUIRES: index < chunks().size()
+  // Reads chunk `index` of chunks(). The error is a damaged chunk, or one of the system. REQUIRES: index <
+  // chunks().size()
   Result<Chunk> ReadChunk(std::size_t index) const;
   // The part up to the last chunk of which all indices are whole, too. The error is one of the system.
   Result<WrittenPart> ReadWrittenPart() const;
-  // Compares the bytes before the summary with their CRC. The error is a difference. Success without a CRC.
+  // Compares the bytes before the summary with their CRC. The error is a difference, or one of the system. Success
+  // without a CRC.
   Status CheckData() const;
 
  private:
@@ -70,17 +74,19 @@ class Reader {
   explicit Reader(std::unique_ptr<const ByteSource> source) : source_(std::move(source)) {}
 
   Error ErrorAt(std::uint64_t offset, const std::string& problem) const;
+  Error Unreadable(const std::system_error& failure) const;
+  // All functions below throw std::system_error as ByteSource does; their errors are damage.
   Result<std::vector<std::byte>> ReadBytes(std::uint64_t offset, std::uint64_t count) const;
   // The record at `offset`, which ends before `end`.
   Result<Record> ReadRecord(std::uint64_t offset, std::uint64_t end) const;
   // The indices behind the chunk; nothing if they are not whole. Adds their messages to the statistics.
   std::optional<IndexedChunk> ReadIndices(const ChunkInfo& info, Statistics& statistics) const;
-  Result<std::uint32_t> CrcUntil(std::uint64_t end) const;
+  std::uint32_t CrcUntil(std::uint64_t end) const;
   Status ReadHeader();
   Status ReadSummary();
   Status ParseSummary(std::span<const std::byte> bytes, std::uint64_t offset);
   // Reads the file from the header on, up to its end or the first damage.
-  Status Scan();
+  void Scan();
   // Reads a record of the data section; false at its end.
   Result<bool> ScanRecord(const Record& record);
   Status ParseChannelOrSchema(std::uint8_t opcode, std::span<const std::byte> content, std::uint64_t offset);

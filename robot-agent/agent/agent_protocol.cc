@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/host_name.h"
+#include "common/base/utf8.h"
 #include "common/base/version.h"
 #include "robot-agent/robot/scan_log.h"
 
@@ -20,6 +21,8 @@ constexpr double kLongestJoinPeriod = 3.2;
 constexpr double kLongestDelay = 1.0;
 constexpr double kRepeatPeriod = 0.2;  // in a pause, for new readers of a gateway
 constexpr double kNever = std::numeric_limits<double>::infinity();
+
+constexpr std::size_t kLongestReason = 1000;  // bytes, of a refusal
 
 // With the code of a failure: the caller cannot correct it.
 Error AsFailure(Error error) {
@@ -215,7 +218,8 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
   if (Is<Running>() && !admission.admitted && admission.reason.empty()) return Rejoin();
   if (!Is<Joining>()) return;
   if (!admission.admitted) {
-    if (!admission.reason.empty()) Fail({{}, "the world service refused: " + admission.reason});
+    if (!admission.reason.empty())
+      Fail({{}, "the world service refused: " + PlainLine(admission.reason, kLongestReason)});
     return;
   }
   run_.was_member = true;

@@ -6,8 +6,6 @@
 #include <atomic>
 #include <exception>
 
-#include "common/model/check_state.h"
-
 namespace troupe {
 namespace {
 
@@ -229,12 +227,7 @@ std::vector<std::string> Replica::RobotNames() const {
 }
 
 Status Replica::CheckState(const WorldState& state) const {
-  // To count them in the world for each frame took a fifth of an agent's time.
-  const DeviceCounts devices{.stores = scene_->stores().size(),
-                             .imus = scene_->imus().size(),
-                             .lights = scene_->lights().size(),
-                             .cameras = scene_->cameras().size()};
-  const Status status = troupe::CheckState(scene_->world(), devices, state);
+  const Status status = scene_->CheckState(state);
   return status.ok() ? status : Failure(status.error().message);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 
+#include "common/base/utf8.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
@@ -22,18 +23,6 @@ namespace {
 constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
 
 constexpr std::size_t kLongestReport = 300;  // bytes
-
-// On one line, and cut off between characters of UTF-8.
-std::string SaidText(std::string text) {
-  if (text.size() > kMostSaidBytes) {
-    std::size_t end = kMostSaidBytes;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-    text.resize(end);
-  }
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, ' ');
-  return text;
-}
 
 // REQUIRES: the command is for a camera of the robot, with finite numbers.
 CameraOrder OrderOf(const RobotDescription& robot, const CameraCommand& command) {
@@ -224,7 +213,7 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
     for (const LightCommand& light : source->lights) lights.push_back({light.light, light.on});
     for (const CameraCommand& camera : source->cameras) cameras.push_back(OrderOf(description(), camera));
   }
-  std::string say = SaidText(external.command.say.empty() ? command.say : external.command.say);
+  std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMostSaidBytes);
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
@@ -302,10 +291,7 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
 
 void Robot::StoreReport(const std::string& text) {
   if (text.empty()) return;
-  std::string line = text.substr(0, kLongestReport);
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
-  report_ = fmt::format("robot {}: {}", description().name, line);
+  report_ = fmt::format("robot {}: {}", description().name, PlainLine(text, kLongestReport));
 }
 
 Result<Command> Robot::RunController(const Observation& observation) {

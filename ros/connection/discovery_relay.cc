@@ -21,7 +21,6 @@ namespace {
 
 constexpr const char* kGroup = "239.255.0.1";  // of announcements (RTPS 2.2, section 9.6.1)
 constexpr std::size_t kLargest = 65536;        // bytes of a datagram
-constexpr std::size_t kMostKept = 1000;        // participants; a hostile program can make up any number
 // Longer than the leases and periods of announcements of all tools.
 constexpr auto kForgottenAfter = std::chrono::seconds(120);
 
@@ -140,7 +139,10 @@ void DiscoveryRelay::OnAgent(const Datagram& datagram) {
     agents_.erase(announcement->prefix);
     return;
   }
-  if (agents_.size() >= kMostKept && !agents_.contains(announcement->prefix)) ForgetSilent();
+  if (agents_.size() >= kMost && !agents_.contains(announcement->prefix)) {
+    ForgetSilent();
+    if (agents_.size() >= kMost) return;
+  }
   Agent& agent = agents_[announcement->prefix];
   const bool is_new = agent.port != announcement->discovery_port;
   agent = {announcement->discovery_port, Clock::now()};
@@ -153,7 +155,7 @@ void DiscoveryRelay::OnOther(const Datagram& datagram) {
   if (!announcement || agents_.contains(announcement->prefix)) return;
   if (announcement->discovery_port == 0) {
     others_.erase(announcement->prefix);
-  } else if (others_.size() < kMostKept || others_.contains(announcement->prefix)) {
+  } else if (others_.size() < kMost || others_.contains(announcement->prefix)) {
     others_[announcement->prefix] = {datagram, Clock::now()};
   }
   for (const auto& [prefix, agent] : agents_) Send(datagram, agent.port);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <thread>
@@ -17,6 +18,9 @@ namespace troupe::ros {
 
 class DiscoveryRelay {
  public:
+  // Agents, and likewise other participants, that are known at a time: a hostile program can make up any number.
+  static constexpr std::size_t kMost = 1000;
+
   // `indices`: at the ports of how many participant indices tools without multicast announce themselves. Throws
   // dds::Exception without sockets.
   DiscoveryRelay(std::uint32_t domain, std::uint32_t indices);

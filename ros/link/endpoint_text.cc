@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/utf8.h"
+
 namespace troupe::ros {
 namespace {
 
@@ -10,7 +12,7 @@ using nlohmann::json;
 constexpr std::int32_t kDeepest = 1'000'000;  // samples
 
 Error Malformed(std::string_view text) {
-  return {{}, "found '" + std::string(text.substr(0, 200)) + "', expected a node or an endpoint"};
+  return {{}, "found '" + PlainLine(text, 200) + "', expected a node or an endpoint"};
 }
 
 }  // namespace

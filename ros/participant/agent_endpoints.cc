@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "common/base/version.h"
 #include "ros/connection/find_topic_type.h"
 #include "transport/wire/cdr.h"
@@ -93,7 +94,7 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
     case LinkKind::kHello: {
       const std::string version = TextOf(message.content);
       greeted_ = version == VersionText();
-      if (!greeted_) Refuse(fmt::format("found version '{}', expected '{}'", version.substr(0, 100), VersionText()));
+      if (!greeted_) Refuse(fmt::format("found version '{}', expected '{}'", PlainLine(version, 100), VersionText()));
       return;
     }
     case LinkKind::kAddNode: {

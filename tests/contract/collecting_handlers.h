@@ -79,9 +79,9 @@ class CollectingAgent final : public AgentHandler {
 class CollectingObserver final : public ObserverHandler {
  public:
   void OnSession(const SessionMessage& session) override { sessions.Put(session); }
-  void OnFrame(const FrameMessage& frame) override {
-    frames.Put(frame);
-    if (on_frame) on_frame(frame);
+  void OnFrame(const SharedFrame& frame) override {
+    frames.Put(*frame);
+    if (on_frame) on_frame(*frame);
   }
   void OnStatus(const StatusMessage& status) override { statuses.Put(status); }
   void OnServiceGone() override { service_gone.Put(true); }

@@ -421,7 +421,7 @@ void FaultSimulation::AwaitRestarts() {
 
 void FaultSimulation::RestartAgents() {
   if (!run_goes_on()) return restarts_.Cancel();
-  for (const AgentRestarts::Agent group : restarts_.TakeDue(events_.now())) {
+  for (const AgentRestarts::Agent group : restarts_.DrainDue(events_.now())) {
     // The process needs some time to start.
     events_.After(random_.Uniform(0.02, 0.2), [this, group] { StartAgent(group); });
   }

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "launcher/supervise/agent_restarts.h"
+#include "launcher/supervise/restarts.h"
 #include "tests/faults/fault_plan.h"
 #include "tests/faults/kept_journal.h"
 #include "tests/faults/network.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "world-service/service/resumed_run.h"
+#include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe::faults {

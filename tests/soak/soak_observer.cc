@@ -38,17 +38,17 @@ class Observer final : public ObserverHandler {
   void OnSession(const SessionMessage&) override {}
   void OnStatus(const StatusMessage&) override {}
   void OnServiceGone() override { over_ = true; }
-  void OnFrame(const FrameMessage& frame) override {
+  void OnFrame(const SharedFrame& frame) override {
     const auto now = Clock::now();
     const std::lock_guard lock(mutex_);
-    if (StateHash(frame.state) != frame.state_hash) wrong_ = true;
+    if (StateHash(frame->state) != frame->state_hash) wrong_ = true;
     ++frames_;
     // A pause, an edit and a lost frame are no ticks.
-    if (!was_paused_ && !frame.paused && frame.state.tick == last_tick_ + 1) {
+    if (!was_paused_ && !frame->paused && frame->state.tick == last_tick_ + 1) {
       tick_ms_.push_back(1e3 * std::chrono::duration<double>(now - last_at_).count());
     }
-    was_paused_ = frame.paused;
-    last_tick_ = frame.state.tick;
+    was_paused_ = frame->paused;
+    last_tick_ = frame->state.tick;
     last_at_ = now;
     seen_ = true;
   }

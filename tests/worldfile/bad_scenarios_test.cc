@@ -193,7 +193,7 @@ const BadScenario kAgainstTheSchema[] = {
      ":2:12: error: found no 'pose' in this object, expected [x, y, heading] or [x, y, z, heading], in metres and "
      "degrees"},
     {"RosIsText", Alone("\"ros\": \"yes\""), ":2:8: error: found the string 'yes', expected true or false"},
-    {"TwoFaultsFirstOneTold", Alone("\"ticks\": -1, \"robots\": [{\"pose\": 1}], \"foo\": 1"),
+    {"TwoFaultsTheFirstIsReported", Alone("\"ticks\": -1, \"robots\": [{\"pose\": 1}], \"foo\": 1"),
      ":2:10: error: found the number -1, expected a number of ticks, an integer of at least 0"},
 };
 

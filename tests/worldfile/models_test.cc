@@ -105,7 +105,7 @@ TEST(Models, OriginMovesTheBodyButNotTheChildren) {
   EXPECT_EQ(poses[1], (Pose{5, 0, 1, 0}));
 }
 
-TEST(Models, ChildrenAreStackedUnlessToldOtherwise) {
+TEST(Models, ChildrenAreStackedByDefault) {
   const LoadedWorld loaded = WorldFolder().LoadText(
       "model( size [1 1 2] pose [1 2 3 90] model( pose [1 0 0.5 0] ) )\nmodel( stack_children 0 size [1 1 2] model( ) "
       ")\n");

@@ -180,9 +180,8 @@ class FaultyObserverEndpoint final : public ObserverEndpoint, private ObserverHa
     line_.PassDelayed(
         [this, shared = std::make_shared<const SessionMessage>(session)] { queue_->PostSession(shared); });
   }
-  void OnFrame(const FrameMessage& frame) override {
-    line_.Pass(Kind::kFrame,
-               [this, shared = std::make_shared<const FrameMessage>(frame)] { queue_->PostFrame(shared); });
+  void OnFrame(const SharedFrame& frame) override {
+    line_.Pass(Kind::kFrame, [this, frame] { queue_->PostFrame(frame); });
   }
   void OnStatus(const StatusMessage& status) override {
     line_.Pass(Kind::kStatus,

@@ -106,6 +106,23 @@ struct FrameMessage {
   // joins again, for their history.
   bool remembered = false;
   bool operator==(const FrameMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &FrameMessage::run},
+        Field{"state", &FrameMessage::state},
+        Field{"state_hash", &FrameMessage::state_hash},
+        Field{"last", &FrameMessage::last},
+        Field{"paused", &FrameMessage::paused},
+        Field{"awaited", &FrameMessage::awaited},
+        Field{"edition", &FrameMessage::edition},
+        Field{"world_edition", &FrameMessage::world_edition},
+        Field{"fresh_edition", &FrameMessage::fresh_edition},
+        Field{"incarnation", &FrameMessage::incarnation},
+        Field{"remembered", &FrameMessage::remembered},
+        Field{"events", &FrameMessage::events},
+        Field{"commands", &FrameMessage::commands},
+    };
+  }
 };
 
 // A state of the past.
@@ -145,6 +162,14 @@ struct ProposalMessage {
   Edition edition = 0;               // of the frame that it answers
   Incarnation incarnation = 0;       // of the newest service that the agent knows
   bool operator==(const ProposalMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &ProposalMessage::run},         Field{"agent", &ProposalMessage::agent},
+        Field{"tick", &ProposalMessage::tick},       Field{"proposals", &ProposalMessage::proposals},
+        Field{"reports", &ProposalMessage::reports}, Field{"paused", &ProposalMessage::paused},
+        Field{"edition", &ProposalMessage::edition}, Field{"incarnation", &ProposalMessage::incarnation},
+    };
+  }
 };
 
 enum class ControlCommand : std::uint8_t {

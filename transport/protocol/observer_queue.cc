@@ -29,7 +29,7 @@ void ObserverQueue::PostSession(SessionPointer session) {
   Post(std::move(session), kUnlimited);
 }
 
-void ObserverQueue::PostFrame(FramePointer frame) {
+void ObserverQueue::PostFrame(SharedFrame frame) {
   Post(std::move(frame), kFramesQueued);
 }
 
@@ -59,8 +59,8 @@ void ObserverQueue::Post(Message message, std::size_t limit) {
 void ObserverQueue::Deliver(const Message& message) {
   if (const auto* session = std::get_if<SessionPointer>(&message)) {
     handler_.OnSession(**session);
-  } else if (const auto* frame = std::get_if<FramePointer>(&message)) {
-    handler_.OnFrame(**frame);
+  } else if (const auto* frame = std::get_if<SharedFrame>(&message)) {
+    handler_.OnFrame(*frame);
   } else if (const auto* status = std::get_if<StatusPointer>(&message)) {
     handler_.OnStatus(**status);
   } else {

@@ -34,7 +34,7 @@ class ObserverQueue {
   ObserverQueue& operator=(const ObserverQueue&) = delete;
 
   void PostSession(std::shared_ptr<const SessionMessage> session);
-  void PostFrame(std::shared_ptr<const FrameMessage> frame);
+  void PostFrame(SharedFrame frame);
   void PostStatus(std::shared_ptr<const StatusMessage> status);
   void PostServiceGone();
 
@@ -45,9 +45,8 @@ class ObserverQueue {
  private:
   struct ServiceGone {};
   using SessionPointer = std::shared_ptr<const SessionMessage>;
-  using FramePointer = std::shared_ptr<const FrameMessage>;
   using StatusPointer = std::shared_ptr<const StatusMessage>;
-  using Message = std::variant<SessionPointer, FramePointer, StatusPointer, ServiceGone>;
+  using Message = std::variant<SessionPointer, SharedFrame, StatusPointer, ServiceGone>;
 
   // Appends the message; of its kind at most `limit` wait.
   void Post(Message message, std::size_t limit);

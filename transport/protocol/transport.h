@@ -85,14 +85,18 @@ class AgentEndpoint {
 };
 
 // A tool that follows a run without influence on it: a viewer, a monitor.
+// Shared, so that a handler keeps a state without a copy.
+using SharedFrame = std::shared_ptr<const FrameMessage>;
+
 class ObserverHandler {
  public:
   virtual ~ObserverHandler() = default;
   // The world of a run: before its first frame, and again after each edit that changed it.
   virtual void OnSession(const SessionMessage& session) = 0;
   // A committed tick with its whole state and its events. Frames may be missing or arrive twice. Its world is
-  // that of the session message with the same run and world_edition. `awaited` means nothing here.
-  virtual void OnFrame(const FrameMessage& frame) = 0;
+  // that of the session message with the same run and world_edition; whether the state belongs to it (CheckState) was
+  // not checked. `awaited` means nothing here.
+  virtual void OnFrame(const SharedFrame& frame) = 0;
   virtual void OnStatus(const StatusMessage& status) = 0;
   // The service has ended, or its lease has expired. A later run of the session begins with OnSession.
   virtual void OnServiceGone() = 0;

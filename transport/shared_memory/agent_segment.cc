@@ -7,8 +7,7 @@
 #include <utility>
 
 #include "common/base/random_id.h"
-#include "transport/shared_memory/frame_words.h"
-#include "transport/shared_memory/proposal_words.h"
+#include "transport/shared_memory/message_words.h"
 
 namespace troupe {
 namespace {
@@ -95,6 +94,7 @@ AgentSegment::Outcome AgentSegment::Read(FrameMessage& frame) {
 AgentSegment::Sent AgentSegment::FindSlot(AgentId agent) {
   const auto& agents = frames().agents;
   if (slot_ && agents[*slot_].load(std::memory_order_acquire) == agent) return Sent::kYes;
+  if (slot_) answers_.Release(SlotOffset(*slot_), kSlotBytes);
   slot_.reset();
   bool full = true;
   for (std::size_t i = 0; i < agents.size(); ++i) {
@@ -103,12 +103,23 @@ AgentSegment::Sent AgentSegment::FindSlot(AgentId agent) {
     if (owner != agent || agent == 0) continue;
     auto mapped = answers_.Map(SlotOffset(i), kSlotBytes);
     if (!mapped.ok()) return Sent::kImpossible;
+    if (const Sent occupied = Occupy(i, agent); occupied != Sent::kYes) return occupied;
     slot_ = i;
     slot_memory_ = std::move(mapped).value();
     reserved_ = 0;
     return Sent::kYes;
   }
   return full ? Sent::kImpossible : Sent::kNotJoined;
+}
+
+// The service may have given the slot to another agent just before it was claimed. It does not afterwards.
+AgentSegment::Sent AgentSegment::Occupy(std::size_t slot, AgentId agent) {
+  const Result<bool> claimed = answers_.Claim(SlotOffset(slot), kSlotBytes);
+  if (!claimed.ok()) return Sent::kImpossible;
+  if (!claimed.value()) return Sent::kNotJoined;  // another agent is about to find that it has lost the slot
+  if (frames().agents[slot].load(std::memory_order_acquire) == agent) return Sent::kYes;
+  answers_.Release(SlotOffset(slot), kSlotBytes);
+  return Sent::kNotJoined;
 }
 
 AgentSegment::Sent AgentSegment::Send(const ProposalMessage& proposal) {

@@ -49,6 +49,7 @@ class AgentSegment {
   const FramesHeader& frames() const { return frames_.At<FramesHeader>(0); }
   AnswersHeader& answers() const { return answers_header_.At<AnswersHeader>(0); }
   Sent FindSlot(AgentId agent);
+  Sent Occupy(std::size_t slot, AgentId agent);
   // The proposal is an answer to the newest frame that was read.
   void Arrive();
 
@@ -61,8 +62,8 @@ class AgentSegment {
   std::atomic<bool> waiting_ = false;
   std::atomic<bool> closing_ = false;
 
-  std::mutex mutex_;  // guards the members below
-  std::optional<std::size_t> slot_;
+  std::mutex mutex_;                 // guards the members below
+  std::optional<std::size_t> slot_;  // is claimed
   MappedMemory slot_memory_;
   std::size_t reserved_ = 0;               // bytes of the slot that have real memory
   std::optional<std::uint32_t> answered_;  // the newest frame that was answered

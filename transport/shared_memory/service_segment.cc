@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "common/base/random_id.h"
-#include "transport/shared_memory/frame_words.h"
-#include "transport/shared_memory/proposal_words.h"
+#include "transport/shared_memory/message_words.h"
 
 namespace troupe {
 namespace {
@@ -34,6 +33,7 @@ Result<std::unique_ptr<ServiceSegment>> ServiceSegment::Create() {
   if (!answers.ok()) return answers.error();
   if (Status status = frames.value().memory.Reserve(0, kFramesHeaderBytes); !status.ok()) return status.error();
   if (Status status = answers.value().memory.Reserve(0, kPage); !status.ok()) return status.error();
+  if (Result<bool> claimed = answers.value().memory.IsClaimed(0, kPage); !claimed.ok()) return claimed.error();
   address.process = getpid();
   address.frames = frames.value().memory.descriptor();
   address.answers = answers.value().memory.descriptor();
@@ -53,14 +53,22 @@ void ServiceSegment::Bind(AgentId agent) {
   const std::lock_guard lock(mutex_);
   if (agent == 0 || slot_of_.contains(agent)) return;
   std::size_t index = 0;
-  while (index < slots_.size() && slots_[index].agent != 0) ++index;
+  while (index < kSlots && !IsFree(index)) ++index;
   if (index == kSlots) return;
-  if (index == slots_.size()) slots_.emplace_back();
+  if (index >= slots_.size()) slots_.resize(index + 1);
   // A message of the slot's last agent is not one of this agent; the seqlock continues.
   slots_[index].agent = agent;
   slots_[index].round = 0;
   slot_of_[agent] = index;
   frames().agents[index] = agent;
+}
+
+bool ServiceSegment::IsFree(std::size_t slot) {
+  if (slot < slots_.size() && slots_[slot].agent != 0) return false;
+  const Result<bool> claimed = answers_.memory.IsClaimed(SlotOffset(slot), kSlotBytes);
+  const bool is_free = claimed.ok() && !claimed.value();
+  frames().agents[slot] = is_free ? 0 : kClaimed;
+  return is_free;
 }
 
 void ServiceSegment::Unbind(AgentId agent) {

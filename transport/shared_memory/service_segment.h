@@ -2,9 +2,12 @@
 // frames, with one wake for all agents, and collects their proposals: each agent writes into a slot of its own, and the
 // last one wakes the service.
 //
-// Whatever agents write is validated, and an agent can only send proposals in its own name. The count of missing
-// answers decides only when the service wakes up: if it is wrong, because an agent has died or wrote garbage, the
-// service looks after a time.
+// Whatever agents write is validated, and an agent can only send proposals in its own name. An agent claims its slot,
+// and a slot that is claimed is given to no other agent: one that was stopped in the middle of a message, and lost
+// since, would otherwise continue the message among the words of the other.
+//
+// The count of missing answers decides only when the service wakes up: if it is wrong, because an agent has died or
+// wrote garbage, the service looks after a time.
 //
 // Threads: Wait and Collect are for one thread; all other functions for any.
 #pragma once
@@ -42,7 +45,8 @@ class ServiceSegment {
 
   const SharingAddress& address() const { return address_; }
 
-  // Gives an agent a slot. Without a free one it uses the network. An agent that has one keeps it.
+  // Gives an agent a slot that no other one can write to. Without one it uses the network. An agent that has one keeps
+  // it.
   void Bind(AgentId agent);
   void Unbind(AgentId agent);
 
@@ -73,6 +77,8 @@ class ServiceSegment {
 
   FramesHeader& frames() const { return frames_.mapped.At<FramesHeader>(0); }
   AnswersHeader& answers() const { return answers_.mapped.At<AnswersHeader>(0); }
+  // Whether no agent has the slot or can still write to it. REQUIRES: the mutex is held.
+  bool IsFree(std::size_t slot);
   std::uint32_t CountExpected(const FrameMessage& frame) const;
   bool Read(Slot& slot, std::size_t index, SharedAnswer& answer) const;
   double LongestWait() const;

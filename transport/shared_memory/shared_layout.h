@@ -13,7 +13,8 @@
 
 namespace troupe {
 
-inline constexpr std::uint64_t kSharedLayout = 0x54726f7570650005;  // changes with this file or the words of a message
+// Changes with the fields of messages; the number in it with this file and the words of values (words.h).
+inline constexpr std::uint64_t kSharedLayout = LayoutOf<ProposalMessage>(LayoutOf<FrameMessage>(0x54726f7570650006));
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network
@@ -31,9 +32,11 @@ struct FramesHeader {
   Word map_bytes;
   // Counts the frames that were published; the newest is in buffer `published` modulo kBuffers. Agents wait for it.
   alignas(64) FutexWord published;
-  // By slot: its agent; 0: none.
+  // By slot: its agent; 0: none; kClaimed: none, and none can have it.
   alignas(64) std::array<Word, kSlots> agents;
 };
+
+inline constexpr AgentId kClaimed = ~AgentId{0};  // no agent has this id
 
 inline constexpr std::size_t kFramesHeaderBytes = (sizeof(FramesHeader) + kPage - 1) / kPage * kPage;
 inline constexpr std::size_t kFramesBytes = kFramesHeaderBytes + kBuffers * kBufferBytes;
@@ -51,6 +54,7 @@ struct AnswersHeader {
   alignas(64) FutexWord wakes;
 };
 
+// An agent claims its slot (SharedMemory::Claim) before it writes, and until it has left the slot.
 struct SlotHeader {
   Word sent_at;  // of the message, in ns of CLOCK_MONOTONIC
   SeqlockHeader message;

@@ -18,6 +18,16 @@ Error SystemError(const std::string& doing) {
   return Failure(doing + ": " + std::strerror(errno));
 }
 
+// A lock of the open file, not of the process: each AgentSegment has its own, also where a process has several.
+struct flock LockOf(int type, std::size_t offset, std::size_t size) {
+  struct flock lock {};
+  lock.l_type = static_cast<short>(type);
+  lock.l_whence = SEEK_SET;
+  lock.l_start = static_cast<off_t>(offset);
+  lock.l_len = static_cast<off_t>(size);
+  return lock;
+}
+
 constexpr int kSizeSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
 
 }  // namespace
@@ -88,8 +98,29 @@ Result<MappedMemory> SharedMemory::Map(std::size_t offset, std::size_t size) con
 }
 
 Status SharedMemory::Reserve(std::size_t offset, std::size_t size) const {
-  if (fallocate(descriptor_, 0, static_cast<off_t>(offset), static_cast<off_t>(size)) == 0) return {};
-  return SystemError("reserving shared memory");
+  // It may take milliseconds, in which a signal arrives.
+  while (fallocate(descriptor_, 0, static_cast<off_t>(offset), static_cast<off_t>(size)) != 0) {
+    if (errno != EINTR) return SystemError("reserving shared memory");
+  }
+  return {};
+}
+
+Result<bool> SharedMemory::Claim(std::size_t offset, std::size_t size) const {
+  struct flock lock = LockOf(F_WRLCK, offset, size);
+  if (fcntl(descriptor_, F_OFD_SETLK, &lock) == 0) return true;
+  if (errno == EAGAIN || errno == EACCES) return false;
+  return SystemError("claiming shared memory");
+}
+
+void SharedMemory::Release(std::size_t offset, std::size_t size) const {
+  struct flock lock = LockOf(F_UNLCK, offset, size);
+  fcntl(descriptor_, F_OFD_SETLK, &lock);
+}
+
+Result<bool> SharedMemory::IsClaimed(std::size_t offset, std::size_t size) const {
+  struct flock lock = LockOf(F_WRLCK, offset, size);
+  if (fcntl(descriptor_, F_OFD_GETLK, &lock) != 0) return SystemError("testing claims of shared memory");
+  return lock.l_type != F_UNLCK;
 }
 
 }  // namespace troupe

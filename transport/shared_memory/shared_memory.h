@@ -60,6 +60,14 @@ class SharedMemory {
   // Obtains real memory for this part: without it a write to the mapping would end the process.
   Status Reserve(std::size_t offset, std::size_t size) const;
 
+  // Claims this part among all that have opened the memory. False: another one has claimed some of it. A claim lasts
+  // until Release, or until the process ends, however it ends. REQUIRES: Peers::kMayWrite. The error of these: a system
+  // without such claims.
+  Result<bool> Claim(std::size_t offset, std::size_t size) const;
+  void Release(std::size_t offset, std::size_t size) const;
+  // Whether another one has claimed some of this part.
+  Result<bool> IsClaimed(std::size_t offset, std::size_t size) const;
+
  private:
   SharedMemory(int descriptor, bool writable) : descriptor_(descriptor), writable_(writable) {}
 

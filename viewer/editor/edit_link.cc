@@ -1,16 +1,18 @@
 #include "viewer/editor/edit_link.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 #include <utility>
 
 #include "common/base/host_name.h"
 #include "common/base/random_id.h"
 #include "common/model/state_hash.h"
 #include "robot-agent/drive/drive.h"
-#include "viewer/editor/request_values.h"
 #include "viewer/editor/test_world.h"
 #include "world-service/core/initial_state.h"
 
@@ -22,7 +24,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostRectangles = 64;       // of a model that is shown as an object
 constexpr double kProbeSpeed = 0.4;               // m/s
-constexpr double kDefaultProbeHeight = 0.3;       // m
 constexpr std::uint64_t kMostStepsAtOnce = 1000;  // of a request
 
 // With the static models as objects; not those of maps, which the scene draws in another way.
@@ -99,7 +100,7 @@ void EditLink::Forget(ObserverHandler& handler) {
 void EditLink::PostAll() {
   if (handler_ == nullptr) return;
   handler_->OnSession(session_);
-  handler_->OnFrame(frame_);
+  handler_->OnFrame(std::make_shared<const FrameMessage>(frame_));
 }
 
 void EditLink::PostWorld(const WorldDescription& world, const WorldState& state) {
@@ -117,7 +118,7 @@ void EditLink::PostState(const WorldState& state, const std::vector<Event>& even
   frame_.state_hash = StateHash(state);
   frame_.paused = !playing_;
   frame_.events = events;
-  if (handler_ != nullptr) handler_->OnFrame(frame_);
+  if (handler_ != nullptr) handler_->OnFrame(std::make_shared<const FrameMessage>(frame_));
 }
 
 void EditLink::ShowEdited() {
@@ -245,11 +246,14 @@ Status EditLink::Apply(const ControlRequest& request, ControlReply& reply) {
       changed_.notify_all();
       return {};
     case ControlCommand::kStep:
+      if (request.ticks > kMostStepsAtOnce) {
+        return Error{{}, fmt::format("found {} steps, expected at most {} at once", request.ticks, kMostStepsAtOnce)};
+      }
       if (!test_) {
         if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
       }
       playing_ = false;
-      for (std::uint64_t i = 0; i < std::min(request.ticks, kMostStepsAtOnce); ++i) StepTest();
+      for (std::uint64_t i = 0; i < request.ticks; ++i) StepTest();
       return {};
     case ControlCommand::kReset:
       return test_ ? Restart() : Status();
@@ -297,38 +301,42 @@ Result<ControlReply> EditLink::Ask(const ControlRequest& request) {
   return reply;
 }
 
-Result<std::string> EditLink::Edit(std::string_view text) {
-  const Json request = Json::parse(text, nullptr, false);
-  if (!request.is_object()) return Error{{}, "found no request"};
+Result<Json> EditLink::Execute(const edit::Test& operation) {
+  const Status started = StartTest(operation.model, operation.probe_height);
+  if (started.ok()) return Json::object();
+  if (!test_) test_world_.reset();
+  return started.error();
+}
+
+Result<Json> EditLink::Execute(const edit::EndTest&) {
+  EndTest();
+  return Json::object();
+}
+
+// An edit ends the test.
+template <typename Operation>
+Result<Json> EditLink::Execute(const Operation& operation) {
+  constexpr bool kChangesNothing =
+      std::is_base_of_v<edit::Question, Operation> || std::is_same_v<edit::Save, Operation>;
+  if (!kChangesNothing) EndTest();
+  Result<Json> reply = editor_->Execute(operation);
+  if (!test_ && editor_->version() != shown_version_) ShowEdited();
+  return reply;
+}
+
+Result<Json> EditLink::Edit(const EditOperation& operation) {
   const std::lock_guard lock(mutex_);
-  const std::string op = TextIn(request, "op");
-  Result<Json> reply = Json::object();
-  if (op == "test") {
-    const double height = NumberIn(request, "probe_height").value_or(kDefaultProbeHeight);
-    if (Status failure = StartTest(TextIn(request, "model"), height); !failure.ok()) {
-      if (!test_) test_world_.reset();
-      reply = failure.error();
-    }
-  } else if (op == "end_test") {
-    EndTest();
-  } else {
-    if (test_ && op != "document" && op != "text" && op != "palette" && op != "help" && op != "entity" &&
-        op != "model" && op != "bitmaps" && op != "save") {
-      EndTest();
-    }
-    reply = editor_->Apply(request);
-    if (!test_ && editor_->version() != shown_version_) ShowEdited();
-  }
+  Result<Json> reply = std::visit([this](const auto& each) { return Execute(each); }, operation);
   if (!reply.ok()) {
     const Error& error = reply.error();
     return Error{{}, error.where.file.empty() ? error.message : error.ToString(), error.code};
   }
-  if (op == "document") {
+  if (std::holds_alternative<edit::Document>(operation)) {
     reply.value()["testing"] = test_.has_value();
     reply.value()["tested"] = tested_;
     if (test_ && !test_->failures().empty()) reply.value()["failure"] = test_->failures().back();
   }
-  return reply.value().dump(-1, ' ', false, Json::error_handler_t::replace);
+  return reply;
 }
 
 }  // namespace troupe

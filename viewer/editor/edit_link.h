@@ -30,7 +30,7 @@ class EditLink final : public RunLink {
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override;
   Result<ControlReply> Ask(const ControlRequest& request) override;
-  Result<std::string> Edit(std::string_view request) override;
+  Result<nlohmann::json> Edit(const EditOperation& operation) override;
 
   bool is_modified() const;
 
@@ -54,6 +54,10 @@ class EditLink final : public RunLink {
   void StepTest();
   Status Drive(const ControlRequest& request);
   Status Apply(const ControlRequest& request, ControlReply& reply);
+  Result<nlohmann::json> Execute(const edit::Test& operation);
+  Result<nlohmann::json> Execute(const edit::EndTest&);
+  template <typename Operation>
+  Result<nlohmann::json> Execute(const Operation& operation);
 
   const RunId run_;
   mutable std::mutex mutex_;  // guards all below but the thread

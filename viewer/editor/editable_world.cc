@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -26,15 +26,14 @@ bool IsBody(const std::string& type) {
 }
 
 Property NumbersProperty(const std::string& name, const std::vector<double>& numbers, const SourceLocation& where) {
-  std::vector<Value::Scalar> tuple;
+  Value::Tuple tuple;
   for (const double number : numbers) tuple.emplace_back(Value::Number{number, PlainNumber(number)});
   return {name, Value{std::move(tuple), where}, where};
 }
 
 // The width of a model as declared, in the file's units; x: along the shelf.
 double WidthOf(const WorldNode& node, double fallback) {
-  const Property* const size = node.Find("size");
-  const auto* const tuple = size != nullptr ? std::get_if<std::vector<Value::Scalar>>(&size->value.content) : nullptr;
+  const auto* const tuple = node.FindContent<Value::Tuple>("size");
   double width = 0.0;
   for (std::size_t i = 0; tuple != nullptr && i < std::min<std::size_t>(tuple->size(), 2); ++i) {
     if (const auto* number = std::get_if<Value::Number>(&(*tuple)[i])) width = std::max(width, number->value);
@@ -49,7 +48,7 @@ void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode
     if (define.where.file == path) defines.emplace_back(define.where, name);
   }
   std::sort(defines.begin(), defines.end(), [](const auto& a, const auto& b) { return a.first.line < b.first.line; });
-  const double metre = 1.0 / UnitsOf(tree).metres;
+  const double metre = 1.0 / UnitsOf(tree.world).metres;
   std::vector<WorldNode> added;
   double x = 0.0;
   for (const auto& [where, name] : defines) {
@@ -90,6 +89,28 @@ void AddEntities(const WorldNode& parent, const std::string& parent_name, const 
   }
 }
 
+constexpr std::size_t kMostPictureBlocks = 200;
+constexpr std::size_t kMostPictureCorners = 200;
+
+// Tenths of a millimetre: fewer bytes.
+double Rounded(double value) {
+  return std::round(value * 1e4) / 1e4;
+}
+
+void AddToPicture(nlohmann::json& blocks, const Polygon& outline, const ZRange& z, const Pose& X_WM,
+                  const Color& color) {
+  if (blocks.size() >= kMostPictureBlocks || outline.size() > kMostPictureCorners) return;
+  const Transform2 to_world(X_WM);
+  nlohmann::json corners = nlohmann::json::array();
+  for (const Vec2& corner : outline) {
+    const Vec2 p = to_world * corner;
+    corners.push_back({Rounded(p.x()), Rounded(p.y())});
+  }
+  blocks.push_back({{"outline", std::move(corners)},
+                    {"z", {Rounded(X_WM.z + z.min), Rounded(X_WM.z + z.max)}},
+                    {"color", {Rounded(color.r), Rounded(color.g), Rounded(color.b)}}});
+}
+
 }  // namespace
 
 Result<EditedKind> KindOf(const std::string& path) {
@@ -105,19 +126,6 @@ const EditedEntity* EditableWorld::Find(const std::string& name) const {
   const auto found =
       std::find_if(entities.begin(), entities.end(), [&](const auto& each) { return each.name == name; });
   return found != entities.end() ? &*found : nullptr;
-}
-
-FileUnits UnitsOf(const WorldTree& tree) {
-  const auto text = [&](const char* name) -> std::string {
-    const Property* const property = tree.world.Find(name);
-    const std::string* value = property != nullptr ? std::get_if<std::string>(&property->value.content) : nullptr;
-    return value != nullptr ? *value : "";
-  };
-  const std::string length = text("unit_length");
-  return {length == "cm"   ? 0.01
-          : length == "mm" ? 0.001
-                           : 1.0,
-          text("unit_angle") == "radians" ? 1.0 : std::numbers::pi / 180.0};
 }
 
 Pose PoseInWorld(const WorldDescription& world, ModelId id) {
@@ -193,6 +201,28 @@ Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, 
   LoadOverrides overrides;
   overrides.allowed = files.allowed;
   return BuildWorld(alone, overrides, {.images = files.images});
+}
+
+nlohmann::json PictureOf(const WorldDescription& world) {
+  std::vector<ModelId> all;
+  for (std::size_t i = 0; i < world.models.size(); ++i) all.emplace_back(i);
+  return PictureOf(world, all);
+}
+
+nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models) {
+  nlohmann::json blocks = nlohmann::json::array();
+  for (const ModelId id : models) {
+    const ModelDescription& model = world.model(id);
+    if (model.removed) continue;
+    const Pose X_WM = PoseInWorld(world, id);
+    const Shape& shape = world.shape(model.shape);
+    for (const Block& block : shape.blocks) AddToPicture(blocks, block.outline, block.z, X_WM, model.color);
+    for (const Rectangle& r : shape.rectangles) {
+      const Polygon outline{{r.min_x, r.min_y}, {r.max_x, r.min_y}, {r.max_x, r.max_y}, {r.min_x, r.max_y}};
+      AddToPicture(blocks, outline, shape.rectangles_z, X_WM, model.color);
+    }
+  }
+  return blocks;
 }
 
 }  // namespace troupe

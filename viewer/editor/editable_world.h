@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -67,14 +68,13 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
 WorldTree WithoutModels(const WorldTree& tree);
 Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, const NamedFiles& files);
 
-// The factors from the units of the tree's files to metres and radians.
-struct FileUnits {
-  double metres = 1.0;
-  double radians = 1.0;
-};
-FileUnits UnitsOf(const WorldTree& tree);
-
 // The pose of a model in the world, at load.
 Pose PoseInWorld(const WorldDescription& world, ModelId model);
+
+// The bodies of models for a picture in the page:
+// [{"outline": [[x, y], ...], "z": [min, max], "color": [r, g, b]}], in m and the world's frame; at most some hundred.
+nlohmann::json PictureOf(const WorldDescription& world);
+// Of these models alone, without their children.
+nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models);
 
 }  // namespace troupe

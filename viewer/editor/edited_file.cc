@@ -1,18 +1,124 @@
 #include "viewer/editor/edited_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 
-#include "viewer/editor/file_replacement.h"
+#include "common/base/hash.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
+
+Error CannotWrite(const std::string& path, const char* what) {
+  return {{path},
+          fmt::format("cannot {}: {}; the file is as it was", what, std::strerror(errno)),
+          ErrorCode::kOutputFailed};
+}
+
+bool WriteAll(int descriptor, const std::string& text) {
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const ssize_t count = write(descriptor, text.data() + written, text.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    written += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+// The new content of a file, written beside it, that then takes its place as a whole.
+class FileReplacement {
+ public:
+  // Writes the content to the disk, with the permissions of the file at `path` if there is one. A link stays a link.
+  static Result<FileReplacement> Prepare(const std::string& path, const std::string& content);
+  ~FileReplacement();
+  FileReplacement(FileReplacement&& other) noexcept;
+  FileReplacement(const FileReplacement&) = delete;
+  FileReplacement& operator=(const FileReplacement&) = delete;
+  FileReplacement& operator=(FileReplacement&&) = delete;
+
+  // On an error the file is as before. Without a call nothing is left of the content.
+  Status Commit();
+
+ private:
+  FileReplacement() = default;
+
+  std::string named_;      // as the caller names it
+  std::string path_;       // without links
+  std::string temporary_;  // empty: none is left
+};
+
+Result<FileReplacement> FileReplacement::Prepare(const std::string& named, const std::string& content) {
+  std::error_code error;
+  const fs::path path = fs::exists(named, error) ? fs::canonical(named, error) : fs::path(named);
+  if (error) return Error{{named}, "cannot find the file: " + error.message(), ErrorCode::kOutputFailed};
+  mode_t mode = 0644;
+  if (struct stat status{}; stat(path.c_str(), &status) == 0) {
+    if (access(path.c_str(), W_OK) != 0) return CannotWrite(named, "write the file");
+    mode = status.st_mode & 07777;
+  }
+  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
+  const int descriptor = mkostemp(temporary.data(), O_CLOEXEC);
+  if (descriptor < 0) return CannotWrite(named, "create a file beside it");
+  FileReplacement replacement;
+  replacement.named_ = named;
+  replacement.path_ = path.string();
+  replacement.temporary_ = std::move(temporary);
+  bool done = WriteAll(descriptor, content) && fchmod(descriptor, mode) == 0 && fsync(descriptor) == 0;
+  const int reason = errno;
+  done = close(descriptor) == 0 && done;
+  if (done) return replacement;
+  errno = reason;
+  return CannotWrite(named, "save");
+}
+
+FileReplacement::FileReplacement(FileReplacement&& other) noexcept
+    : named_(std::move(other.named_)),
+      path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, std::string())) {}
+
+FileReplacement::~FileReplacement() {
+  if (temporary_.empty()) return;
+  const int reason = errno;
+  unlink(temporary_.c_str());
+  errno = reason;
+}
+
+Status FileReplacement::Commit() {
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) return CannotWrite(named_, "save");
+  temporary_.clear();
+  const fs::path folder = fs::path(path_).parent_path();
+  const int directory = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (directory >= 0) {
+    fsync(directory);  // the name, too; a file system that cannot do it keeps the content
+    close(directory);
+  }
+  return {};
+}
+
+std::uint64_t HashOf(const std::string& bytes) {
+  Hasher hasher;
+  hasher.Add(bytes);
+  return hasher.value();
+}
+
+// Of the file's bytes; nothing: there is no file, or none that can be read.
+std::optional<std::uint64_t> HashOfFile(const std::string& path) {
+  const Result<std::string> bytes = ReadTextFile(path, {path});
+  return bytes.ok() ? std::optional(HashOf(bytes.value())) : std::nullopt;
+}
 
 // Nothing: there is no file.
 Result<std::optional<std::string>> ReadIfThere(const std::string& path) {
@@ -24,6 +130,65 @@ Result<std::optional<std::string>> ReadIfThere(const std::string& path) {
 }
 
 }  // namespace
+
+Status EditedPictures::Open(const std::string& path) {
+  if (files_.contains(path)) return {};
+  if (files_.size() >= kMostPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
+  const std::optional<std::uint64_t> bytes = HashOfFile(path);
+  const Result<GreyImage> image = ReadGreyPng(path);
+  if (!image.ok()) return image.error();
+  const auto picture = std::make_shared<const GreyPicture>(image.value());
+  files_.emplace(path, OnDisk{picture, picture, bytes});
+  return {};
+}
+
+Status EditedPictures::Create(const std::string& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) return Error{{path}, "found the file in use, expected a new name"};
+  if (files_.size() >= kMostPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
+  files_.emplace(path, OnDisk{});
+  return {};
+}
+
+PicturePointer EditedPictures::Find(const PictureVersions& versions, const std::string& path) const {
+  if (const auto version = versions.find(path); version != versions.end()) return version->second;
+  const auto file = files_.find(path);
+  return file != files_.end() ? file->second.opened : nullptr;
+}
+
+std::vector<std::string> EditedPictures::Modified(const PictureVersions& versions) const {
+  std::vector<std::string> modified;
+  for (const auto& [path, file] : files_) {
+    const PicturePointer now = Find(versions, path);
+    if (now == nullptr || now == file.saved) continue;
+    if (file.saved == nullptr || !(*now == *file.saved)) modified.push_back(path);
+  }
+  return modified;
+}
+
+Status EditedPictures::CheckUnchanged(const std::string& path) const {
+  const auto file = files_.find(path);
+  const std::optional<std::uint64_t> now = HashOfFile(path);
+  if (file == files_.end() || now == file->second.bytes) return {};
+  const char* const what = !now ? "was deleted" : file->second.bytes ? "was changed by another program" : "was created";
+  return Error{{path}, fmt::format("the image {} since it was read; it is not saved", what), ErrorCode::kNoRoom};
+}
+
+void EditedPictures::SetSaved(const std::string& path, PicturePointer content, const std::string& bytes) {
+  OnDisk& file = files_[path];
+  file.saved = std::move(content);
+  file.bytes = HashOf(bytes);
+}
+
+void EditedPictures::Reload(PictureVersions& versions) {
+  for (auto& [path, file] : files_) {
+    const std::optional<std::uint64_t> bytes = HashOfFile(path);
+    const Result<GreyImage> image = ReadGreyPng(path);
+    if (!image.ok()) continue;
+    file.saved = versions[path] = std::make_shared<const GreyPicture>(image.value());
+    file.bytes = bytes;
+  }
+}
 
 Result<EditedFile> EditedFile::Open(const std::string& path, const std::string& initial) {
   Result<std::optional<std::string>> on_disk = ReadIfThere(path);

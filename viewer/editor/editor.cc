@@ -11,14 +11,12 @@
 #include <sstream>
 #include <utility>
 
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/request_values.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -125,9 +123,9 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   if (entity.where.file != path()) return elsewhere("in another file,");
   Place place;
   if (kind_ == EditedKind::kScenario) {
-    Result<JsonTree> json = JsonTree::Parse(text(), path());
-    if (!json.ok()) return json.error();
-    place.json = std::make_unique<JsonTree>(std::move(json).value());
+    Result<Place> scenario = PlaceOfScenario();
+    if (!scenario.ok()) return scenario.error();
+    place.json = std::move(scenario.value().json);
     const auto chain = place.json->PathTo(place.json->OffsetOf(entity.where));
     for (std::size_t i = 1; i < chain.size(); ++i) {
       if (chain[i]->key == "spawn") return elsewhere("made by a spawn rule,");
@@ -149,6 +147,15 @@ Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   return place;
 }
 
+Result<Editor::Place> Editor::PlaceOfScenario() const {
+  Result<JsonTree> json = JsonTree::Parse(text(), path());
+  if (!json.ok()) return json.error();
+  Place place;
+  place.json = std::make_unique<JsonTree>(std::move(json).value());
+  place.entry = &place.json->root();
+  return place;
+}
+
 std::string Editor::FreeName(const std::string& prefix) const {
   for (std::size_t number = 1;; ++number) {
     std::string name = prefix + std::to_string(number);
@@ -157,8 +164,8 @@ std::string Editor::FreeName(const std::string& prefix) const {
 }
 
 // In the frame and the units of the file, each number in its old form where it has not changed.
-WrittenValue Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
-  const FileUnits units = UnitsOf(world_->tree);
+Value Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
+  const FileUnits units = UnitsOf(world_->tree.world);
   const Pose before = PoseInWorld(world_->loaded.world, entity.model);
   const Pose X_PM = Inverse(Pose{entity.X_WP.x, entity.X_WP.y, 0.0, entity.X_WP.heading}) * pose;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
@@ -220,7 +227,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
     return Commit(WithMember(text(), root, "robots", fmt::format("[{{\"name\": {}, \"pose\": {}}}]", name, flat)),
                   label);
   }
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   const double factor = 1.0 / units.metres;
   std::vector<Value::Number> old = NumbersOf(*entity.node, "pose");
   old.resize(4, Value::Number{0.0, "0"});
@@ -267,7 +274,7 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
     return Error{{}, "found " + Quoted(model) + ", expected a model of the file or of its includes"};
   }
   const bool is_scenario = kind_ == EditedKind::kScenario;
-  const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree);
+  const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree.world);
   const double heading =
       !is_scenario && units.radians == 1.0 ? pose.heading : WrappedDegrees(pose.heading * 180.0 / std::numbers::pi);
   WrittenModel written{model, {}, {}};

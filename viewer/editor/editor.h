@@ -18,8 +18,10 @@
 #include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
 #include "viewer/editor/edited_file.h"
+#include "viewer/gateway/edit_operation.h"
 #include "worldfile/edit/written_model.h"
 #include "worldfile/stage/stage_tree.h"
+#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 
@@ -42,8 +44,34 @@ class Editor {
   // True for a shared library that the file named when it was opened: a page is not to choose code that runs.
   bool MayRun(const std::string& controller) const { return libraries_.contains(controller); }
 
-  // A request of the page, with its "op"; the result is for the reply. docs/editor.md lists the operations.
-  Result<nlohmann::json> Apply(const nlohmann::json& request);
+  // The operations of the page; the results are for the replies.
+  Result<nlohmann::json> Execute(const edit::Document&) const;
+  Result<nlohmann::json> Execute(const edit::Text&) const;
+  Result<nlohmann::json> Execute(const edit::Palette&) const;
+  Result<nlohmann::json> Execute(const edit::Help&) const;
+  Result<nlohmann::json> Execute(const edit::Bitmaps&);
+  Result<nlohmann::json> Execute(const edit::Entity& operation) const;
+  Result<nlohmann::json> Execute(const edit::Model& operation) const;
+  Result<nlohmann::json> Execute(const edit::SetText& operation);
+  Result<nlohmann::json> Execute(const edit::Save& operation);
+  Result<nlohmann::json> Execute(const edit::Reload&);
+  Result<nlohmann::json> Execute(const edit::Undo&);
+  Result<nlohmann::json> Execute(const edit::Redo&);
+  Result<nlohmann::json> Execute(const edit::SetPose& operation);
+  Result<nlohmann::json> Execute(const edit::SetProperty& operation);
+  Result<nlohmann::json> Execute(const edit::SetMember& operation);
+  Result<nlohmann::json> Execute(const edit::Rename& operation);
+  Result<nlohmann::json> Execute(const edit::Delete& operation);
+  Result<nlohmann::json> Execute(const edit::AddModel& operation);
+  Result<nlohmann::json> Execute(const edit::SetModel& operation);
+  Result<nlohmann::json> Execute(const edit::SetPartProperty& operation);
+  Result<nlohmann::json> Execute(const edit::AddPart& operation);
+  Result<nlohmann::json> Execute(const edit::RemovePart& operation);
+  Result<nlohmann::json> Execute(const edit::ShapePart& operation);
+  Result<nlohmann::json> Execute(const edit::SetGripperRoles& operation);
+  Result<nlohmann::json> Execute(const edit::CreateBitmap& operation);
+  Result<nlohmann::json> Execute(const edit::DrawBitmap& operation);
+  Result<nlohmann::json> Execute(const edit::SetRegion& operation);
 
   // In the world frame, m and rad.
   Status SetPose(const std::string& name, const Pose& pose);
@@ -54,7 +82,13 @@ class Editor {
 
  private:
   // The place of a statement, or of a scenario's entry, that may be edited.
-  struct Place;
+  struct Place {
+    std::unique_ptr<StageTree> stage;      // of a Stage file
+    const Statement* statement = nullptr;  // in there
+    std::unique_ptr<JsonTree> json;        // of a scenario
+    const JsonNode* holder = nullptr;      // in there: the list of the entry
+    const JsonNode* entry = nullptr;
+  };
   struct EditedPart;
   using Json = nlohmann::json;
 
@@ -73,30 +107,20 @@ class Editor {
   Result<const EditedEntity*> FindEntity(const std::string& name) const;
   // The entity's statement in this file. The error tells where it is instead.
   Result<Place> PlaceOf(const EditedEntity& entity) const;
+  // The scenario as a whole.
+  Result<Place> PlaceOfScenario() const;
   std::string FreeName(const std::string& prefix) const;
-  WrittenValue PoseValue(const EditedEntity& entity, const Pose& pose) const;
+  Value PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);
   // The text with an entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and
   // form.
   Result<std::string> WithAdded(const WrittenModel& model) const;
-  Status SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
+  Status SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                  const std::string& label);
 
-  Result<Json> Document() const;
-  Result<Json> SetText(const Json& request);
-  Result<Json> Palette() const;
-  Result<Json> EntityReport(const std::string& name) const;
-  Result<Json> SetProperty(const Json& request);
-  Result<Json> SetMember(const Json& request);
-  Result<Json> AddModel(const Json& request);
-  Result<Json> ModelReport(const std::string& name) const;
-  Result<Json> SetModel(const Json& request);
-  Result<Json> ChangePart(const Json& request);
-  Result<Json> SetRegion(const Json& request);
+  static Result<Json> Done(const Status& status);
+  Status ChangeProperty(const edit::SetProperty& operation);
 
-  Result<Json> BitmapReport();
-  Result<Json> CreateBitmap(const Json& request);
-  Result<Json> DrawBitmap(const Json& request);
   // The images that the world names as bitmaps, without links.
   std::set<std::string> NamedImages() const;
   // The image of a model. The error tells why it cannot be drawn into.
@@ -107,10 +131,7 @@ class Editor {
   Result<std::string> WithPixelsInPlace(const std::string& image, const GreyPicture& before,
                                         const GreyPicture& after) const;
 
-  Result<std::unique_ptr<EditedPart>> FindEditedPart(const Json& request) const;
-  Status AddPart(const EditedPart& parent, const Json& request);
-  Status ShapePart(const EditedPart& edited, const Json& request);
-  Status SetGripperRoles(const EditedPart& edited, const Json& request);
+  Result<std::unique_ptr<EditedPart>> FindEditedPart(const edit::PartOperation& operation) const;
 
   EditedFile file_;
   const EditedKind kind_;

@@ -15,21 +15,17 @@
 #include <utility>
 
 #include "viewer/editor/editor.h"
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/pixel_stroke.h"
-#include "viewer/editor/request_values.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kBitmapDecimals = 6;        // of lengths: the error of a pixel is multiplied by their number
-constexpr double kSmallestPixel = 0.001;  // m
+constexpr int kBitmapDecimals = 6;  // of lengths: the error of a pixel is multiplied by their number
 constexpr const char* kPlanColor = "gray30";
 
 bool IsPngName(const std::string& path) {
@@ -62,26 +58,18 @@ PixelSize PixelSizeOf(const ModelDescription& model, const PixelBox& box) {
   return {model.size_x / (box.x1 - box.x0), model.size_y / (box.y1 - box.y0)};
 }
 
-// The property `origin` in m and rad; frame D in M.
-Pose OriginIn(const WorldNode& node, const FileUnits& units) {
-  const std::vector<Value::Number> numbers = NumbersOf(node, "origin");
-  if (numbers.size() != 4) return {};
-  return {numbers[0].value * units.metres, numbers[1].value * units.metres, numbers[2].value * units.metres,
-          numbers[3].value * units.radians};
-}
-
 // A model whose size follows the occupied pixels.
 struct ResizedModel {
   int line = 0;
   int column = 0;
-  WrittenValue size;
-  WrittenValue origin;
+  Value size;
+  Value origin;
 };
 
 ResizedModel Resized(const EditedEntity& entity, const ModelDescription& model, const FileUnits& units,
                      const PixelBox& before, const PixelBox& after) {
   const PixelSize pixel = PixelSizeOf(model, before);
-  const Pose X_MD = OriginIn(*entity.node, units);
+  const Pose X_MD = OriginOf(*entity.node, units);
   // The middle moves in frame D, whose y points up.
   const double x = 0.5 * pixel.x * (after.x0 + after.x1 - before.x0 - before.x1);
   const double y = -0.5 * pixel.y * (after.y0 + after.y1 - before.y0 - before.y1);
@@ -102,10 +90,9 @@ void VisitNodes(const WorldNode& node, const std::function<void(const WorldNode&
 }  // namespace
 
 std::optional<std::string> Editor::ImageOf(const WorldNode& node) const {
-  const Property* const bitmap = node.Find("bitmap");
-  const auto* const name = bitmap != nullptr ? std::get_if<std::string>(&bitmap->value.content) : nullptr;
+  const auto* const name = node.FindContent<std::string>("bitmap");
   if (name == nullptr) return std::nullopt;
-  return allowed_.Resolve(FindFile(*name, world_->tree.directory, bitmap->value.where.file));
+  return allowed_.Resolve(FindFile(*name, world_->tree.directory, node.Find("bitmap")->value.where.file));
 }
 
 std::set<std::string> Editor::NamedImages() const {
@@ -155,10 +142,10 @@ Result<std::string> Editor::DrawableImage(const EditedEntity& entity) const {
 
 // {"bitmaps": [{"name", "file", "refusal": why it cannot be drawn into, or empty, "width", "height": pixels, "pixel":
 // [x, y] in m, "corner": [x, y, z, heading] of the image's upper left corner in the world, m and rad}]}
-Result<Json> Editor::BitmapReport() {
+Result<Json> Editor::Execute(const edit::Bitmaps&) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json bitmaps = Json::array();
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   for (const EditedEntity& entity : world_->entities) {
     if (entity.node->Find("bitmap") == nullptr) continue;
     Json row = {{"name", entity.name}, {"file", ""}, {"refusal", ""}};
@@ -174,7 +161,7 @@ Result<Json> Editor::BitmapReport() {
     const PixelBox box = SizedBox(*picture);
     const ModelDescription& model = world_->loaded.world.model(entity.model);
     const PixelSize pixel = PixelSizeOf(model, box);
-    const Pose X_WD = PoseInWorld(world_->loaded.world, entity.model) * OriginIn(*entity.node, units);
+    const Pose X_WD = PoseInWorld(world_->loaded.world, entity.model) * OriginOf(*entity.node, units);
     const Pose corner = X_WD * Pose{-0.5 * (box.x0 + box.x1) * pixel.x, 0.5 * (box.y0 + box.y1) * pixel.y, 0.0, 0.0};
     row["file"] = std::filesystem::path(image.value()).filename().string();
     row["width"] = picture->width();
@@ -186,20 +173,14 @@ Result<Json> Editor::BitmapReport() {
   return Json{{"bitmaps", std::move(bitmaps)}};
 }
 
-// {"file": name.png, "size": [x, y, z] in m, "pixel": m, "pose": of its middle}: a model whose image is all free, and
-// is written when the file is saved.
-Result<Json> Editor::CreateBitmap(const Json& request) {
+// A model whose image is all free, and is written when the file is saved.
+Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ != EditedKind::kWorld) return Error{{}, "a new bitmap belongs to a world file (.world)"};
-  const std::string file = TextIn(request, "file");
+  const auto& [file, size, pixel, pose] = operation;
   if (Status wrong = CheckImageName(file); !wrong.ok()) return wrong.error();
-  const auto size = NumbersIn(request, "size", 3);
-  const std::optional<double> pixel = NumberIn(request, "pixel");
-  const std::optional<Pose> pose = PoseIn(request, "pose");
-  if (!size || !pixel || !pose || !(*pixel >= kSmallestPixel) || !((*size)[2] > 0.0))
-    return Error{{}, "found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m"};
-  const double columns = std::ceil((*size)[0] / *pixel - 1e-6);
-  const double rows = std::ceil((*size)[1] / *pixel - 1e-6);
+  const double columns = std::ceil(size[0] / pixel - 1e-6);
+  const double rows = std::ceil(size[1] / pixel - 1e-6);
   if (!(columns >= 1.0 && rows >= 1.0 && columns * rows <= static_cast<double>(kMaxGreyPixels))) {
     return Error{
         {}, fmt::format("found an image of {:.0f} x {:.0f} pixels, expected 1 to {}", columns, rows, kMaxGreyPixels)};
@@ -212,13 +193,13 @@ Result<Json> Editor::CreateBitmap(const Json& request) {
   PictureVersions versions = file_.versions();
   versions[*image] = std::make_shared<const GreyPicture>(static_cast<int>(columns), static_cast<int>(rows));
 
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   const std::string name = FreeName(std::filesystem::path(file).stem().string());
   WrittenModel model{"model", {}, {}};
   model.Set("name", Text(name));
-  model.Set("pose", ChangedPose({}, *pose, units));
+  model.Set("pose", ChangedPose({}, pose, units));
   const double metre = 1.0 / units.metres;
-  model.Set("size", Tuple({columns * *pixel * metre, rows * *pixel * metre, (*size)[2] * metre}, kBitmapDecimals));
+  model.Set("size", Tuple({columns * pixel * metre, rows * pixel * metre, size[2] * metre}, kBitmapDecimals));
   model.Set("color", Text(kPlanColor));
   model.Set("bitmap", Text(file));
   Result<std::string> added = WithAdded(model);
@@ -233,7 +214,7 @@ Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const Gr
   const PixelBox old_box = SizedBox(before);
   const PixelBox new_box = SizedBox(after);
   if (old_box == new_box) return text();
-  const FileUnits units = UnitsOf(world_->tree);
+  const FileUnits units = UnitsOf(world_->tree.world);
   std::vector<ResizedModel> resized;
   std::optional<Error> refusal;
   VisitNodes(world_->tree.world, [&](const WorldNode& node) {
@@ -269,26 +250,23 @@ Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const Gr
   return changed;
 }
 
-// {"name": of a model, and a stroke: pixel_stroke.h}
-Result<Json> Editor::DrawBitmap(const Json& request) {
-  const Result<const EditedEntity*> entity = FindEntity(TextIn(request, "name"));
+Result<Json> Editor::Execute(const edit::DrawBitmap& operation) {
+  const Result<const EditedEntity*> entity = FindEntity(operation.name);
   if (!entity.ok()) return entity.error();
-  const Result<PixelStroke> stroke = StrokeIn(request);
-  if (!stroke.ok()) return stroke.error();
   const Result<std::string> image = DrawableImage(*entity.value());
   if (!image.ok()) return image.error();
   if (Status failure = file_.pictures().Open(image.value()); !failure.ok()) return failure.error();
   const PicturePointer before = file_.Picture(image.value());
   if (before == nullptr) return Error{{image.value()}, "found no image, expected one"};
   auto after = std::make_shared<GreyPicture>(*before);
-  Draw(stroke.value(), *after);
+  Draw(operation.stroke, *after);
   if (*after == *before) return Json{{"changed", false}};
   Result<std::string> changed = WithPixelsInPlace(image.value(), *before, *after);
   if (!changed.ok()) return changed.error();
   PictureVersions versions = file_.versions();
   versions[image.value()] = std::move(after);
   const std::string file = std::filesystem::path(image.value()).filename().string();
-  const char* const what = stroke.value().value == 0 ? "the walls in " : "the erasure in ";
+  const char* const what = operation.stroke.value == 0 ? "the walls in " : "the erasure in ";
   if (Status failure = Commit(std::move(changed).value(), versions, what + file); !failure.ok()) return failure.error();
   return Json{{"changed", true}};
 }

@@ -8,13 +8,8 @@
 #include <utility>
 
 #include "viewer/editor/editor.h"
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/fitted_body.h"
+#include "viewer/editor/file_values.h"
 #include "viewer/editor/model_parts.h"
-#include "viewer/editor/model_picture.h"
-#include "viewer/editor/part_requests.h"
-#include "viewer/editor/property_text.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
@@ -42,18 +37,7 @@ std::vector<double> InUnits(std::vector<double> lengths, double metres) {
   return lengths;
 }
 
-// In the frame F of a pose, and in the file's unit of length.
-std::vector<DrawnBlock> BlocksInFrame(std::vector<DrawnBlock> blocks, const Pose& X_DF, double metres) {
-  const Transform2 transform(X_DF);
-  for (DrawnBlock& block : blocks) {
-    for (Vec2& corner : block.outline) corner = transform.InverseTransform(corner) / metres;
-    block.z_min = (block.z_min - X_DF.z) / metres;
-    block.z_max = (block.z_max - X_DF.z) / metres;
-  }
-  return blocks;
-}
-
-WrittenValue AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
+Value AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
   const double length = std::hypot(axis[0], axis[1], axis[2]);
   const Vec2 xy = Transform2(Pose{0.0, 0.0, 0.0, heading}).InverseRotate({axis[0] / length, axis[1] / length});
   return ChangedTuple(old, {xy.x(), xy.y(), axis[2] / length});
@@ -69,8 +53,7 @@ std::string FreePartName(const std::vector<std::string>& used, const std::string
 
 // A number that the file gives or implies, of a property of one number.
 double NumberOf(const WorldNode& node, const std::string& name, double otherwise) {
-  const Property* const property = node.Find(name);
-  const auto* const number = property != nullptr ? std::get_if<Value::Number>(&property->value.content) : nullptr;
+  const auto* const number = node.FindContent<Value::Number>(name);
   return number != nullptr ? number->value : otherwise;
 }
 
@@ -91,7 +74,8 @@ Status SetLimits(StageBodyEdit& edit, const WorldNode& node, double min, double 
 }  // namespace
 
 // A define of the file or of its includes.
-Result<Json> Editor::ModelReport(const std::string& name) const {
+Result<Json> Editor::Execute(const edit::Model& operation) const {
+  const std::string& name = operation.name;
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   const auto define = world_->tree.defines.find(name);
   if (define == world_->tree.defines.end()) return Error{{}, "found no model " + Quoted(name)};
@@ -101,7 +85,7 @@ Result<Json> Editor::ModelReport(const std::string& name) const {
   const FileUnits& units = built.value().units;
   const bool here = kind_ != EditedKind::kScenario && define->second.where.file == path();
   Json inherited = Json::object();
-  for (const Property& property : built.value().node.properties) inherited[property.name] = ValueText(property.value);
+  for (const Property& property : built.value().node.properties) inherited[property.name] = ToStage(property.value);
   const ModelDescription& root = world.models.front();
   Json report = {{"name", name},
                  {"base", define->second.base},
@@ -131,11 +115,11 @@ Result<Json> Editor::ModelReport(const std::string& name) const {
   return report;
 }
 
-Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const Json& request) const {
+Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const edit::PartOperation& operation) const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ == EditedKind::kScenario) return Error{{}, "a scenario has no models of its own"};
   auto edited = std::make_unique<EditedPart>();
-  edited->model = TextIn(request, "model");
+  edited->model = operation.model;
   Result<StageTree> syntax = ParseStage(text(), path());
   if (!syntax.ok()) return syntax.error();
   edited->syntax = std::move(syntax).value();
@@ -145,76 +129,52 @@ Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const Json& r
   if (!built.ok()) return built.error();
   edited->built = std::move(built).value();
   edited->parts = PartsOf(edited->built, *define, path());
-  Result<PartPath> path_of_part = PartPathIn(request, "part");
-  if (!path_of_part.ok()) return path_of_part.error();
-  edited->path = std::move(path_of_part).value();
+  edited->path = operation.part;
   edited->part = FindPart(edited->parts, edited->path);
   if (edited->part == nullptr && !edited->path.empty()) return Error{{}, "found no part of that number"};
   edited->statement = edited->part != nullptr ? edited->part->statement : define;
   return edited;
 }
 
-// {"model", "part": [indices], "action": "set", "property", "value": text or null}
-// {"model", "part": of the parent, "action": "add", "kind": type, "name": prefix of its name, "properties": {...},
-//  "sensor": {...}, "shape": of part_requests.h}
-// {"model", "part", "action": "remove"}
-// {"model", "part", "action": "shape", "shape": ...}
-// {"model", "part": a gripper, "action": "roles", "roles": ...}
-Result<Json> Editor::ChangePart(const Json& request) {
-  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(request);
+Result<Json> Editor::Execute(const edit::SetPartProperty& operation) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(operation);
   if (!found.ok()) return found.error();
-  const EditedPart& edited = *found.value();
-  const std::string action = TextIn(request, "action");
-  Status status;
-  if (action == "remove") {
-    if (edited.part == nullptr) return Error{{}, "found no part"};
-    status =
-        Commit(WithoutStatement(text(), *edited.statement), "the deletion of a part of " + edited.model, edited.model);
-  } else if (action == "add") {
-    status = AddPart(edited, request);
-  } else if (action == "set") {
-    const Result<PropertyChange> change = PropertyChangeIn(request);
-    if (!change.ok()) return change.error();
-    const auto& [property, value] = change.value();
-    const StageBody body = BodyOf(*edited.statement);
-    status = Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property),
-                    fmt::format("the {} of {}", property, edited.model), edited.model);
-  } else if (action == "shape") {
-    status = ShapePart(edited, request);
-  } else if (action == "roles") {
-    status = SetGripperRoles(edited, request);
-  } else {
-    return Error{{}, "found the action " + Quoted(action) + ", expected set, add, remove, shape or roles"};
-  }
-  if (!status.ok()) return status.error();
-  return Json::object();
+  const auto& [property, value] = operation.change;
+  const StageBody body = BodyOf(*found.value()->statement);
+  return Done(Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property),
+                     fmt::format("the {} of {}", property, operation.model), operation.model));
 }
 
-Status Editor::AddPart(const EditedPart& parent, const Json& request) {
-  const std::string type = TextIn(request, "kind");
-  if (!IsTypeName(type)) return Error{{}, "found the part " + Quoted(type) + ", expected a type of model"};
-  Result<WrittenProperties> properties = PropertiesIn(request);
-  if (!properties.ok()) return properties.error();
-  const Result<PartShape> shape = PartShapeIn(request, true);
-  if (!shape.ok()) return shape.error();
+Result<Json> Editor::Execute(const edit::RemovePart& operation) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(operation);
+  if (!found.ok()) return found.error();
+  if (found.value()->part == nullptr) return Error{{}, "found no part"};
+  return Done(Commit(WithoutStatement(text(), *found.value()->statement),
+                     "the deletion of a part of " + operation.model, operation.model));
+}
+
+Result<Json> Editor::Execute(const edit::AddPart& operation) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(operation);
+  if (!found.ok()) return found.error();
+  const EditedPart& parent = *found.value();
+  const PartShape& shape = operation.shape;
   if (parent.part != nullptr && !parent.part->model) return Error{{}, "a sensor of a ranger has no parts"};
   const FileUnits& units = parent.built.units;
-  WrittenModel part{type, {}, {}};
-  if (const std::string prefix = TextIn(request, "name"); !prefix.empty()) {
-    if (Status wrong = CheckName(prefix); !wrong.ok()) return wrong;
+  WrittenModel part{operation.type, {}, {}};
+  if (!operation.prefix.empty()) {
     const WorldNode& node = parent.part != nullptr ? *parent.part->node : parent.built.node;
-    part.Set("name", Text(FreePartName(ChildNames(node), prefix)));
+    part.Set("name", Text(FreePartName(ChildNames(node), operation.prefix)));
   }
   const PartPlace place = PlaceBelow(parent.built, parent.parts, parent.path);
-  Pose X_DN = shape.value().pose.value_or(place.X_DP * Pose{0.0, 0.0, place.stack, 0.0});
-  std::vector<DrawnBlock> blocks = shape.value().blocks;
+  Pose X_DN = shape.pose.value_or(place.X_DP * Pose{0.0, 0.0, place.stack, 0.0});
+  std::vector<DrawnBlock> blocks = shape.blocks;
   if (!blocks.empty()) {
     // The part's origin is at the middle of its outline.
     const BlockBounds bounds = BoundsOf(blocks);
     X_DN = {0.5 * (bounds.min_x + bounds.max_x), 0.5 * (bounds.min_y + bounds.max_y), bounds.min_z, 0.0};
     blocks = BlocksInFrame(std::move(blocks), X_DN, units.metres);
   }
-  if (shape.value().pose || !blocks.empty()) {
+  if (shape.pose || !blocks.empty()) {
     Pose X_PN = Inverse(place.X_DP) * X_DN;
     X_PN.z -= place.stack;
     part.Set("pose", ChangedPose({}, X_PN, units));
@@ -224,31 +184,28 @@ Status Editor::AddPart(const EditedPart& parent, const Json& request) {
     part.Set("size", body.size);
     if (!body.is_centred) part.Set("origin", body.origin);
     if (!IsBox(blocks)) part.children = std::move(body.blocks);
-  } else if (shape.value().size) {
-    part.Set("size", Tuple(InUnits(*shape.value().size, units.metres)));
+  } else if (shape.size) {
+    part.Set("size", Tuple(InUnits(*shape.size, units.metres)));
   }
-  if (shape.value().axis) part.Set("axis", AxisValue({}, *shape.value().axis, X_DN.heading));
-  if (shape.value().limits) {
-    const std::vector<double> limits = InUnits(*shape.value().limits, units.metres);
+  if (shape.axis) part.Set("axis", AxisValue({}, *shape.axis, X_DN.heading));
+  if (shape.limits) {
+    const std::vector<double> limits = InUnits(*shape.limits, units.metres);
     if (limits[0] != 0.0) part.Set("min_position", Number(limits[0]));
     part.Set("max_position", Number(limits[1]));
   }
-  for (auto& [name, value] : properties.value()) part.Set(name, std::move(value));
-  if (const auto sensor = request.find("sensor"); sensor != request.end() && sensor->is_object()) {
-    Result<WrittenProperties> of_sensor = PropertiesIn({{"properties", *sensor}});
-    if (!of_sensor.ok()) return of_sensor.error();
-    part.children.push_back({"sensor", std::move(of_sensor).value(), {}});
-  }
-  return Commit(WithEntry(text(), BodyOf(*parent.statement), part), fmt::format("the {} of {}", type, parent.model),
-                parent.model);
+  for (const auto& [name, value] : operation.properties) part.Set(name, value);
+  if (operation.sensor) part.children.push_back({"sensor", *operation.sensor, {}});
+  return Done(Commit(WithEntry(text(), BodyOf(*parent.statement), part),
+                     fmt::format("the {} of {}", operation.type, operation.model), operation.model));
 }
 
-Status Editor::ShapePart(const EditedPart& edited, const Json& request) {
+Result<Json> Editor::Execute(const edit::ShapePart& operation) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(operation);
+  if (!found.ok()) return found.error();
+  const EditedPart& edited = *found.value();
+  const PartShape& shape = operation.shape;
   if (edited.part == nullptr || !edited.part->model)
     return Error{{}, "found no part with a place of its own, expected one of a model"};
-  const Result<PartShape> read = PartShapeIn(request, false);
-  if (!read.ok()) return read.error();
-  const PartShape& shape = read.value();
   if (!shape.blocks.empty()) return Error{{}, "found blocks, expected them where a part is added"};
   const FileUnits& units = edited.built.units;
   const WorldNode& node = *edited.part->node;
@@ -256,58 +213,58 @@ Status Editor::ShapePart(const EditedPart& edited, const Json& request) {
   const Pose before = PoseInWorld(edited.built.world, *edited.part->model);
   const Pose X_DN = shape.pose.value_or(before);
   StageBodyEdit edit(text(), path(), edited.statement->line, edited.statement->column);
-  const auto set = [&](const char* name, const WrittenValue& value) { return edit.Set(name, value); };
+  const auto set = [&](const char* name, const Value& value) { return edit.Set(name, value); };
   if (shape.pose) {
     const PartPath above(edited.path.begin(), edited.path.end() - 1);
     const PartPlace place = PlaceBelow(edited.built, edited.parts, above);
     const std::vector<Value::Number> old = NumbersOf(node, "pose");
     Pose X_PN = Inverse(place.X_DP) * X_DN;
     X_PN.z = (old.size() == 4 ? old[2].value * units.metres : 0.0) + X_DN.z - before.z;
-    if (Status failure = set("pose", ChangedPose(old, X_PN, units)); !failure.ok()) return failure;
+    if (Status failure = set("pose", ChangedPose(old, X_PN, units)); !failure.ok()) return failure.error();
   }
   if (shape.size) {
-    const WrittenValue size = ChangedTuple(NumbersOf(node, "size"), InUnits(*shape.size, units.metres));
-    if (Status failure = set("size", size); !failure.ok()) return failure;
+    const Value size = ChangedTuple(NumbersOf(node, "size"), InUnits(*shape.size, units.metres));
+    if (Status failure = set("size", size); !failure.ok()) return failure.error();
   }
   if (shape.paddle) {
     const std::vector<double> whole = shape.size.value_or(std::vector{model.size_x, model.size_y, model.size_z});
     std::vector<double> shares;
     for (std::size_t i = 0; i < 3; ++i) shares.push_back((*shape.paddle)[i] / whole[i]);
-    const WrittenValue value = ChangedTuple(NumbersOf(node, "paddle_size"), shares);
-    if (Status failure = set("paddle_size", value); !failure.ok()) return failure;
+    const Value value = ChangedTuple(NumbersOf(node, "paddle_size"), shares);
+    if (Status failure = set("paddle_size", value); !failure.ok()) return failure.error();
   }
   if (shape.axis) {
-    const WrittenValue axis = AxisValue(NumbersOf(node, "axis"), *shape.axis, X_DN.heading);
-    if (Status failure = set("axis", axis); !failure.ok()) return failure;
+    const Value axis = AxisValue(NumbersOf(node, "axis"), *shape.axis, X_DN.heading);
+    if (Status failure = set("axis", axis); !failure.ok()) return failure.error();
   }
   if (shape.limits) {
-    const Property* const type = node.Find("type");
-    const auto* const word = type != nullptr ? std::get_if<std::string>(&type->value.content) : nullptr;
+    const auto* const word = node.FindContent<std::string>("type");
     const bool turns = word != nullptr && *word == "rotational";
     const double unit = turns ? units.radians : units.metres;
     const int decimals = turns ? AngleDecimals(units) : kLengthDecimals;
     Status failure = SetLimits(edit, node, (*shape.limits)[0] / unit, (*shape.limits)[1] / unit, decimals);
-    if (!failure.ok()) return failure;
+    if (!failure.ok()) return failure.error();
   }
   const char* const what = shape.limits || shape.axis ? "the joint" : shape.paddle ? "the paddles" : "the shape";
-  const bool only_pose = shape.pose && request["shape"].size() == 1;
-  return Commit(edit.text(), fmt::format("{} of {}", only_pose ? "the move of a part" : what, edited.model),
-                edited.model);
+  return Done(Commit(edit.text(),
+                     fmt::format("{} of {}", shape.is_only_pose() ? "the move of a part" : what, edited.model),
+                     edited.model));
 }
 
 // The chosen parts get names where they have none.
-Status Editor::SetGripperRoles(const EditedPart& edited, const Json& request) {
+Result<Json> Editor::Execute(const edit::SetGripperRoles& operation) {
+  const Result<std::unique_ptr<EditedPart>> found = FindEditedPart(operation);
+  if (!found.ok()) return found.error();
+  const EditedPart& edited = *found.value();
   if (edited.part == nullptr || !edited.part->model || edited.part->node->type != "gripper")
     return Error{{}, "found no gripper, expected one"};
-  Result<GripperRoles> roles = GripperRolesIn(request);
-  if (!roles.ok()) return roles.error();
   struct NewName {
     const Statement* statement;
     std::string name;
   };
   std::vector<NewName> names;
   std::vector<std::pair<std::string, std::optional<std::string>>> values;
-  for (const auto& [role, path_of_part] : roles.value()) {
+  for (const auto& [role, path_of_part] : operation.roles) {
     if (!path_of_part) {
       values.emplace_back(role, std::nullopt);
       continue;
@@ -352,15 +309,15 @@ Status Editor::SetGripperRoles(const EditedPart& edited, const Json& request) {
     return {};
   };
   const std::size_t at = edited.statement->span.begin;
-  if (Status failure = set_names([&](std::size_t begin) { return begin > at; }); !failure.ok()) return failure;
+  if (Status failure = set_names([&](std::size_t begin) { return begin > at; }); !failure.ok()) return failure.error();
   StageBodyEdit edit(changed, path(), edited.statement->line, edited.statement->column);
   for (const auto& [role, name] : values) {
     Status failure = name ? edit.Set(role, Text(*name)) : edit.Remove(role);
-    if (!failure.ok()) return failure;
+    if (!failure.ok()) return failure.error();
   }
   changed = edit.text();
-  if (Status failure = set_names([&](std::size_t begin) { return begin < at; }); !failure.ok()) return failure;
-  return Commit(std::move(changed), "the fingers of " + edited.part->name, edited.model);
+  if (Status failure = set_names([&](std::size_t begin) { return begin < at; }); !failure.ok()) return failure.error();
+  return Done(Commit(std::move(changed), "the fingers of " + edited.part->name, edited.model));
 }
 
 }  // namespace troupe

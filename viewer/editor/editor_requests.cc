@@ -1,21 +1,14 @@
 // The requests of the page that concern the file as a whole, and the properties of its entities.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/base/json_text.h"
 #include "viewer/editor/editor.h"
-#include "viewer/editor/editor_place.h"
-#include "viewer/editor/model_picture.h"
-#include "viewer/editor/property_text.h"
-#include "viewer/editor/request_values.h"
 #include "worldfile/edit/json_edit.h"
 #include "worldfile/edit/property_table.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/scenario/scenario_schema_text.h"
+#include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -36,68 +29,75 @@ Json WhereJson(const SourceLocation& where) {
 
 }  // namespace
 
-Result<Json> Editor::Apply(const Json& request) {
-  const std::string op = TextIn(request, "op");
-  const auto done = [](const Status& status) -> Result<Json> {
-    if (!status.ok()) return status.error();
-    return Json::object();
-  };
-  if (op == "document") return Document();
-  if (op == "text") {
-    if (FindInvalidUtf8(text()) != std::string::npos)
-      return Error{{}, "the file is not UTF-8; edit its text elsewhere"};
-    return Json{{"text", text()}};
-  }
-  if (op == "set_text") return SetText(request);
-  if (op == "save") return done(file_.Save(request.value("overwrite", Json()) == true, NamedImages()));
-  if (op == "reload") {
-    if (Status failure = file_.Reload(); !failure.ok()) return failure.error();
-    Load();
-    return Json::object();
-  }
-  if (op == "undo" || op == "redo") {
-    const bool undo = op == "undo";
-    const std::optional<std::string> label = undo ? file_.undo_label() : file_.redo_label();
-    if (!label) return Error{{}, undo ? "there is nothing to undo" : "there is nothing to redo"};
-    undo ? file_.Undo() : file_.Redo();
-    Load();
-    return Json{{"label", *label}};
-  }
-  if (op == "palette") return Palette();
-  if (op == "help") {
-    Json table = Json::array();
-    for (const PropertyHelp& row : PropertyTable()) {
-      table.push_back({{"type", row.type},
-                       {"name", row.name},
-                       {"form", row.form},
-                       {"unit", row.unit},
-                       {"initial", row.initial},
-                       {"help", row.help}});
-    }
-    return Json{{"properties", std::move(table)}, {"schema", Json::parse(kScenarioSchemaText, nullptr, false)}};
-  }
-  if (op == "entity") return EntityReport(TextIn(request, "name"));
-  if (op == "set_property") return SetProperty(request);
-  if (op == "set_member") return SetMember(request);
-  if (op == "set_pose") {
-    const std::optional<Pose> pose = PoseIn(request, "pose");
-    if (!pose) return Error{{}, "found no pose, expected four finite numbers"};
-    return done(SetPose(TextIn(request, "name"), *pose));
-  }
-  if (op == "delete") return done(Remove(TextIn(request, "name")));
-  if (op == "rename") return done(Rename(TextIn(request, "name"), TextIn(request, "to")));
-  if (op == "add_model") return AddModel(request);
-  if (op == "bitmaps") return BitmapReport();
-  if (op == "create_bitmap") return CreateBitmap(request);
-  if (op == "draw_bitmap") return DrawBitmap(request);
-  if (op == "model") return ModelReport(TextIn(request, "name"));
-  if (op == "set_model") return SetModel(request);
-  if (op == "change_part") return ChangePart(request);
-  if (op == "set_region") return SetRegion(request);
-  return Error{{}, "found the operation " + Quoted(op) + ", expected one of the editor"};
+Result<Json> Editor::Done(const Status& status) {
+  if (!status.ok()) return status.error();
+  return Json::object();
 }
 
-Result<Json> Editor::Document() const {
+Result<Json> Editor::Execute(const edit::Text&) const {
+  if (FindInvalidUtf8(text()) != std::string::npos) return Error{{}, "the file is not UTF-8; edit its text elsewhere"};
+  return Json{{"text", text()}};
+}
+
+// The text of a user may have an error: it stays as it is typed, with the world of before.
+Result<Json> Editor::Execute(const edit::SetText& operation) {
+  file_.Change(operation.text, "the change of the text");
+  Load();
+  return Json{{"error", error_ ? error_->ToString() : ""}};
+}
+
+Result<Json> Editor::Execute(const edit::Save& operation) {
+  return Done(file_.Save(operation.overwrite, NamedImages()));
+}
+
+Result<Json> Editor::Execute(const edit::Reload&) {
+  if (Status failure = file_.Reload(); !failure.ok()) return failure.error();
+  Load();
+  return Json::object();
+}
+
+Result<Json> Editor::Execute(const edit::Undo&) {
+  const std::optional<std::string> label = file_.undo_label();
+  if (!label) return Error{{}, "there is nothing to undo"};
+  file_.Undo();
+  Load();
+  return Json{{"label", *label}};
+}
+
+Result<Json> Editor::Execute(const edit::Redo&) {
+  const std::optional<std::string> label = file_.redo_label();
+  if (!label) return Error{{}, "there is nothing to redo"};
+  file_.Redo();
+  Load();
+  return Json{{"label", *label}};
+}
+
+Result<Json> Editor::Execute(const edit::Help&) const {
+  Json table = Json::array();
+  for (const PropertyHelp& row : PropertyTable()) {
+    table.push_back({{"type", row.type},
+                     {"name", row.name},
+                     {"form", row.form},
+                     {"unit", row.unit},
+                     {"initial", row.initial},
+                     {"help", row.help}});
+  }
+  return Json{{"properties", std::move(table)}, {"schema", Json::parse(kScenarioSchemaText, nullptr, false)}};
+}
+
+Result<Json> Editor::Execute(const edit::SetPose& operation) {
+  return Done(SetPose(operation.name, operation.pose));
+}
+
+Result<Json> Editor::Execute(const edit::Delete& operation) {
+  return Done(Remove(operation.name));
+}
+
+Result<Json> Editor::Execute(const edit::Rename& operation) {
+  return Done(Rename(operation.name, operation.to));
+}
+
+Result<Json> Editor::Execute(const edit::Document&) const {
   Json document = {{"file", path()},
                    {"kind", KindText(kind_)},
                    {"modified", is_modified()},
@@ -113,7 +113,7 @@ Result<Json> Editor::Document() const {
   Json properties = Json::array();
   if (world_ != nullptr) {
     for (const Property& property : world_->tree.world.properties) {
-      properties.push_back({{"name", property.name}, {"value", ValueText(property.value)}});
+      properties.push_back({{"name", property.name}, {"value", ToStage(property.value)}});
     }
     for (const Warning& warning : world_->loaded.warnings) {
       if (warnings.size() < kMostWarnings) warnings.push_back(warning.ToString());
@@ -127,10 +127,11 @@ Result<Json> Editor::Document() const {
     }
   }
   if (kind_ == EditedKind::kScenario) {
-    const Json scenario = Json::parse(text(), nullptr, false);
-    if (scenario.is_object() && scenario.contains("spawn")) regions = scenario["spawn"];
-    for (const auto& [key, member] : scenario.items()) {
-      if (member.is_primitive()) members[key] = member;
+    const Result<JsonTree> tree = JsonTree::Parse(text(), path());
+    const JsonNode root = tree.ok() ? tree.value().root() : JsonNode();
+    if (const JsonNode* const spawn = root.Find("spawn")) regions = ToJson(*spawn);
+    for (const JsonNode& member : root.items) {
+      if (root.is_object() && !member.is_array() && !member.is_object()) members[member.key] = ToJson(member);
     }
   }
   document["members"] = std::move(members);
@@ -141,15 +142,7 @@ Result<Json> Editor::Document() const {
   return document;
 }
 
-// The text of a user may have an error: it stays as it is typed, with the world of before.
-Result<Json> Editor::SetText(const Json& request) {
-  if (!request.contains("text") || !request["text"].is_string()) return Error{{}, "found no text"};
-  file_.Change(TextIn(request, "text"), "the change of the text");
-  Load();
-  return Json{{"error", error_ ? error_->ToString() : ""}};
-}
-
-Result<Json> Editor::Palette() const {
+Result<Json> Editor::Execute(const edit::Palette&) const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json models = Json::array();
   for (const PaletteModel& model : PaletteOf(world_->tree)) {
@@ -166,8 +159,8 @@ Result<Json> Editor::Palette() const {
   return Json{{"models", std::move(models)}};
 }
 
-Result<Json> Editor::EntityReport(const std::string& name) const {
-  const Result<const EditedEntity*> found = FindEntity(name);
+Result<Json> Editor::Execute(const edit::Entity& operation) const {
+  const Result<const EditedEntity*> found = FindEntity(operation.name);
   if (!found.ok()) return found.error();
   const EditedEntity& entity = *found.value();
   const Result<Place> place = PlaceOf(entity);
@@ -188,7 +181,7 @@ Result<Json> Editor::EntityReport(const std::string& name) const {
       own = here && span.Contains(place.value().json->OffsetOf(property.where));
     }
     properties.push_back({{"name", property.name},
-                          {"value", ValueText(property.value)},
+                          {"value", ToStage(property.value)},
                           {"own", own},
                           {"where", WhereJson(property.where)}});
   }
@@ -196,7 +189,7 @@ Result<Json> Editor::EntityReport(const std::string& name) const {
   return report;
 }
 
-Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<WrittenValue>& value,
+Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                        const std::string& label) {
   if (place.statement != nullptr) {
     const StageBody body = BodyOf(*place.statement);
@@ -209,140 +202,93 @@ Status Editor::SetBody(const Place& place, const std::string& name, const std::o
   return Commit(WithMember(text(), entry, "properties", "{" + Json(name).dump() + ": " + ToJson(*value) + "}"), label);
 }
 
-// {"name": entity, "property": ..., "value": text or null}; without "name" a property of the world.
-Result<Json> Editor::SetProperty(const Json& request) {
-  const Result<PropertyChange> change = PropertyChangeIn(request);
-  if (!change.ok()) return change.error();
-  const auto& [property, value] = change.value();
-  const std::size_t warnings_before = world_ != nullptr ? world_->loaded.warnings.size() : 0;
-  Status status;
-  if (const std::string name = TextIn(request, "name"); !name.empty()) {
-    const Result<const EditedEntity*> entity = FindEntity(name);
-    if (!entity.ok()) return entity.error();
-    if (property == "name") {
-      const auto* const scalar = value ? std::get_if<WrittenScalar>(&value->content) : nullptr;
-      const auto* const text = scalar != nullptr ? std::get_if<std::string>(scalar) : nullptr;
-      if (text == nullptr) return Error{{}, "found no text, expected a name in double quotes"};
-      status = Rename(name, *text);
-    } else {
-      const Result<Place> place = PlaceOf(*entity.value());
-      if (!place.ok()) return place.error();
-      status = SetBody(place.value(), property, value, fmt::format("the {} of {}", property, name));
-    }
-  } else {
-    if (Status broken = CheckText(); !broken.ok()) return broken.error();
+Status Editor::ChangeProperty(const edit::SetProperty& operation) {
+  const auto& [name, change] = operation;
+  const auto& [property, value] = change;
+  if (name.empty()) {
+    if (Status broken = CheckText(); !broken.ok()) return broken;
     const std::string label = "the " + property + " of the world";
     if (kind_ == EditedKind::kScenario) {
-      Place place;
-      Result<JsonTree> json = JsonTree::Parse(text(), path());
-      if (!json.ok()) return json.error();
-      place.json = std::make_unique<JsonTree>(std::move(json).value());
-      place.entry = &place.json->root();
-      status = SetBody(place, property, value, label);
-    } else {
-      const Result<StageTree> syntax = ParseStage(text(), path());
-      if (!syntax.ok()) return syntax.error();
-      const StageBody body = syntax.value().body();
-      status =
-          Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property), label);
+      const Result<Place> scenario = PlaceOfScenario();
+      return scenario.ok() ? SetBody(scenario.value(), property, value, label) : Status(scenario.error());
     }
+    const Result<StageTree> tree = ParseStage(text(), path());
+    if (!tree.ok()) return tree.error();
+    const StageBody body = tree.value().body();
+    return Commit(value ? WithProperty(text(), body, property, *value) : WithoutProperty(text(), body, property),
+                  label);
   }
-  if (!status.ok()) return status.error();
+  const Result<const EditedEntity*> entity = FindEntity(name);
+  if (!entity.ok()) return entity.error();
+  if (property == "name") {
+    const auto* const text = value ? std::get_if<std::string>(&value->content) : nullptr;
+    if (text == nullptr) return Error{{}, "found no text, expected a name in double quotes"};
+    return Rename(name, *text);
+  }
+  const Result<Place> place = PlaceOf(*entity.value());
+  if (!place.ok()) return place.error();
+  return SetBody(place.value(), property, value, fmt::format("the {} of {}", property, name));
+}
+
+Result<Json> Editor::Execute(const edit::SetProperty& operation) {
+  const std::size_t warnings_before = world_ != nullptr ? world_->loaded.warnings.size() : 0;
+  if (Status failure = ChangeProperty(operation); !failure.ok()) return failure.error();
   Json reply = Json::object();
   const std::vector<Warning>& warnings = world_->loaded.warnings;
-  if (warnings.size() > warnings_before) {
-    for (const Warning& warning : warnings) {
-      if (warning.message.find("'" + property + "'") != std::string::npos) reply["warning"] = warning.ToString();
-    }
+  if (warnings.size() <= warnings_before) return reply;
+  for (const Warning& warning : warnings) {
+    const bool names_it = warning.message.find("'" + operation.change.property + "'") != std::string::npos;
+    if (names_it) reply["warning"] = warning.ToString();
   }
   return reply;
 }
 
-// {"name": entity, "key", "value": JSON or null}: a member of a scenario's entry; without "name" of the scenario.
-Result<Json> Editor::SetMember(const Json& request) {
+Result<Json> Editor::Execute(const edit::SetMember& operation) {
   if (kind_ != EditedKind::kScenario) return Error{{}, "found no scenario"};
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
-  const std::string key = TextIn(request, "key");
-  if (!IsPropertyName(key)) return Error{{}, "found the key " + Quoted(key) + ", expected a name"};
-  Place place;
-  if (const std::string name = TextIn(request, "name"); !name.empty()) {
-    const Result<const EditedEntity*> entity = FindEntity(name);
+  const auto find_place = [&]() -> Result<Place> {
+    if (operation.name.empty()) return PlaceOfScenario();
+    const Result<const EditedEntity*> entity = FindEntity(operation.name);
     if (!entity.ok()) return entity.error();
-    Result<Place> found = PlaceOf(*entity.value());
-    if (!found.ok()) return found.error();
-    place = std::move(found).value();
-  } else {
-    Result<JsonTree> json = JsonTree::Parse(text(), path());
-    if (!json.ok()) return json.error();
-    place.json = std::make_unique<JsonTree>(std::move(json).value());
-    place.entry = &place.json->root();
-  }
-  const auto value = request.find("value");
-  const bool sets = value != request.end() && !value->is_null();
-  std::string changed =
-      sets ? WithMember(text(), *place.entry, key, JsonText(*value)) : WithoutMember(text(), *place.entry, key);
-  if (Status failure = Commit(std::move(changed), "the change of " + key); !failure.ok()) return failure.error();
-  return Json::object();
+    return PlaceOf(*entity.value());
+  };
+  const Result<Place> place = find_place();
+  if (!place.ok()) return place.error();
+  const JsonNode& entry = *place.value().entry;
+  std::string changed = operation.value ? WithMember(text(), entry, operation.key, *operation.value)
+                                        : WithoutMember(text(), entry, operation.key);
+  return Done(Commit(std::move(changed), "the change of " + operation.key));
 }
 
-// {"index": of the rule, none: a new one, "rule": an object of the schema, or null: the rule is deleted}
-Result<Json> Editor::SetRegion(const Json& request) {
+Result<Json> Editor::Execute(const edit::SetRegion& operation) {
   if (kind_ != EditedKind::kScenario) return Error{{}, "spawn regions belong to scenarios (.json)"};
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   const Result<JsonTree> read = JsonTree::Parse(text(), path());
   if (!read.ok()) return read.error();
   const JsonNode& root = read.value().root();
   const JsonNode* const list = root.Find("spawn");
-  const auto rule = request.find("rule");
-  const bool deletes = rule == request.end() || rule->is_null();
-  if (!deletes && !rule->is_object()) return Error{{}, "found no rule, expected an object"};
-  // One line, as rules are written by hand.
-  const auto one_line = [](const Json& value) {
-    std::vector<std::string> keys{"model", "count", "region"};
-    for (const auto& [key, member] : value.items()) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+  if (!operation.index) {
+    // One line, as rules are written by hand.
+    std::string rule = "{";
+    for (const auto& [key, value] : *operation.rule) {
+      rule += (rule.size() > 1 ? ", " : "") + Json(key).dump() + ": " + value;
     }
-    std::string line = "{";
-    for (const std::string& key : keys) {
-      if (!value.contains(key)) continue;
-      const Json& member = value.at(key);
-      std::string dumped = JsonText(member);
-      if (member.is_array()) {
-        std::string spaced;
-        for (const char c : dumped) spaced += c == ',' ? std::string(", ") : std::string(1, c);
-        dumped = spaced;
-      }
-      line += (line.size() > 1 ? ", " : "") + Json(key).dump() + ": " + dumped;
-    }
-    return line + "}";
-  };
-  const std::optional<std::size_t> index = IndexOf(request.value("index", Json()));
-  if (!index) {
-    if (deletes) return Error{{}, "found no rule"};
-    const std::string element = one_line(*rule);
-    const std::string text_now = list != nullptr ? WithElement(text(), *list, element)
-                                                 : WithMember(text(), root, "spawn", "[\n    " + element + "\n  ]");
-    if (Status failure = Commit(text_now, "the new spawn region"); !failure.ok()) return failure.error();
-    return Json::object();
+    rule += "}";
+    std::string changed = list != nullptr ? WithElement(text(), *list, rule)
+                                          : WithMember(text(), root, "spawn", "[\n    " + rule + "\n  ]");
+    return Done(Commit(std::move(changed), "the new spawn region"));
   }
-  const std::size_t at = *index;
-  if (list == nullptr || at >= list->items.size()) return Error{{}, "found no spawn rule of that number"};
-  if (deletes) {
-    if (Status failure = Commit(WithoutItem(text(), *list, at), "the deletion of a spawn region"); !failure.ok()) {
-      return failure.error();
-    }
-    return Json::object();
-  }
+  const std::size_t index = *operation.index;
+  if (list == nullptr || index >= list->items.size()) return Error{{}, "found no spawn rule of that number"};
+  if (!operation.rule) return Done(Commit(WithoutItem(text(), *list, index), "the deletion of a spawn region"));
   // Member by member, so that the rest of the rule stays as it is written.
   std::string changed = text();
-  for (const auto& [key, member] : rule->items()) {
+  for (const auto& [key, value] : *operation.rule) {
     const Result<JsonTree> now = JsonTree::Parse(changed, path());
     if (!now.ok()) return now.error();
-    changed = WithMember(changed, now.value().root().Member("spawn").items[at], key, JsonText(member));
+    changed = WithMember(changed, now.value().root().Member("spawn").items[index], key, value);
   }
-  if (Status failure = Commit(std::move(changed), "the change of a spawn region"); !failure.ok())
-    return failure.error();
-  return Json::object();
+  return Done(Commit(std::move(changed), "the change of a spawn region"));
 }
 
 }  // namespace troupe

@@ -1,11 +1,34 @@
 #include "viewer/editor/grey_picture.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace troupe {
 namespace {
 
 constexpr std::uint8_t kWhite = 255;
+
+// Calls with each pixel of the straight line, both ends included.
+template <typename Visit>
+void VisitLine(Pixel at, const Pixel& to, Visit visit) {
+  const int dx = std::abs(to.x - at.x);
+  const int dy = -std::abs(to.y - at.y);
+  const int step_x = at.x < to.x ? 1 : -1;
+  const int step_y = at.y < to.y ? 1 : -1;
+  for (int error = dx + dy;;) {
+    visit(at);
+    if (at.x == to.x && at.y == to.y) return;
+    const int twice = 2 * error;
+    if (twice >= dy) {
+      error += dy;
+      at.x += step_x;
+    }
+    if (twice <= dx) {
+      error += dx;
+      at.y += step_y;
+    }
+  }
+}
 
 }  // namespace
 
@@ -98,6 +121,33 @@ bool GreyPicture::operator==(const GreyPicture& other) const {
   // Values beyond the picture's edge are white in all tiles.
   return std::equal(tiles_.begin(), tiles_.end(), other.tiles_.begin(),
                     [](const auto& a, const auto& b) { return a == b || *a == *b; });
+}
+
+void Draw(const PixelStroke& stroke, GreyPicture& picture) {
+  const int before = (stroke.width - 1) / 2;
+  const int after = stroke.width - before;
+  if (stroke.tool == PixelStroke::Tool::kLine) {
+    Pixel from = stroke.points.front();
+    for (const Pixel& to : stroke.points) {
+      VisitLine(from, to, [&](const Pixel& at) {
+        picture.Fill({at.x - before, at.y - before, at.x + after, at.y + after}, stroke.value);
+      });
+      from = to;
+    }
+    return;
+  }
+  const auto [x0, x1] = std::minmax(stroke.points[0].x, stroke.points[1].x);
+  const auto [y0, y1] = std::minmax(stroke.points[0].y, stroke.points[1].y);
+  const PixelBox box{x0, y0, x1 + 1, y1 + 1};
+  if (stroke.tool == PixelStroke::Tool::kFilled) {
+    picture.Fill(box, stroke.value);
+    return;
+  }
+  const int w = stroke.width;
+  picture.Fill({box.x0, box.y0, box.x1, std::min(box.y0 + w, box.y1)}, stroke.value);
+  picture.Fill({box.x0, std::max(box.y1 - w, box.y0), box.x1, box.y1}, stroke.value);
+  picture.Fill({box.x0, box.y0, std::min(box.x0 + w, box.x1), box.y1}, stroke.value);
+  picture.Fill({std::max(box.x1 - w, box.x0), box.y0, box.x1, box.y1}, stroke.value);
 }
 
 }  // namespace troupe

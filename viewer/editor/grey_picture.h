@@ -12,6 +12,7 @@
 #include "common/image/grey_image.h"
 #include "common/image/image_file.h"
 #include "troupe/bitmap.h"
+#include "viewer/gateway/edit_operation.h"
 
 namespace troupe {
 
@@ -63,5 +64,7 @@ class GreyPicture {
   int columns_ = 0;                           // of tiles
   std::vector<std::shared_ptr<Tile>> tiles_;  // changed only while no other picture has it
 };
+
+void Draw(const PixelStroke& stroke, GreyPicture& picture);
 
 }  // namespace troupe

@@ -4,8 +4,7 @@
 #include <map>
 #include <span>
 
-#include "viewer/editor/file_numbers.h"
-#include "viewer/editor/model_picture.h"
+#include "viewer/editor/file_values.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
 
@@ -123,7 +122,7 @@ class PartReporter {
     row["model"] = part.node->type;
     row["name"] = part.name.substr(std::min(part.name.size(), built_.world.models.front().name.size() + 1));
     row["pose"] = PoseJson(X_DN);
-    row["body"] = PoseJson(X_DN * OriginOf(*part.node));
+    row["body"] = PoseJson(X_DN * OriginOf(*part.node, built_.units));
     row["size"] = {model.size_x, model.size_y, model.size_z};
     const Shape& shape = built_.world.shape(model.shape);
     const bool has_blocks = std::any_of(part.node->children.begin(), part.node->children.end(),
@@ -133,15 +132,6 @@ class PartReporter {
     row["bodies"] = PictureOf(built_.world, bodies_.at(listed_.at(*part.model)));
     if (const JointDescription* const joint = JointOf(built_, *part.model)) row["joint"] = JointJson(*joint, X_DN);
     if (is_gripper) row["gripper"] = GripperJson(part);
-  }
-
-  // In the part's frame.
-  Pose OriginOf(const WorldNode& node) const {
-    const std::vector<Value::Number> numbers = NumbersOf(node, "origin");
-    const FileUnits units = built_.units;
-    if (numbers.size() != 4) return {};
-    return {numbers[0].value * units.metres, numbers[1].value * units.metres, numbers[2].value * units.metres,
-            numbers[3].value * units.radians};
   }
 
   Json GripperJson(const ModelPart& part) const {
@@ -187,7 +177,7 @@ Result<BuiltDefine> BuildDefine(const WorldTree& tree, const std::string& name, 
   if (!alone.ok()) return alone.error();
   Result<WorldNode> node = Instantiate(tree, name, {});
   if (!node.ok()) return node.error();
-  return BuiltDefine{std::move(node).value(), std::move(alone.value().world), UnitsOf(tree)};
+  return BuiltDefine{std::move(node).value(), std::move(alone.value().world), UnitsOf(tree.world)};
 }
 
 std::vector<ModelPart> PartsOf(const BuiltDefine& built, const Statement& define, const std::string& path) {
@@ -209,8 +199,7 @@ PartPlace PlaceBelow(const BuiltDefine& built, const std::vector<ModelPart>& par
   const ModelPart* const parent = FindPart(parts, path);
   const WorldNode* const node = parent != nullptr ? parent->node : &built.node;
   const ModelId model = parent != nullptr ? parent->model.value_or(ModelId(0)) : ModelId(0);
-  const Property* const stacks = node != nullptr ? node->Find("stack_children") : nullptr;
-  const auto* const flag = stacks != nullptr ? std::get_if<Value::Number>(&stacks->value.content) : nullptr;
+  const auto* const flag = node != nullptr ? node->FindContent<Value::Number>("stack_children") : nullptr;
   const bool on_top = flag == nullptr || flag->value != 0.0;
   return {PoseInWorld(built.world, model), on_top ? built.world.model(model).size_z : 0.0};
 }

@@ -11,6 +11,7 @@
 
 #include "troupe/result.h"
 #include "viewer/editor/editable_world.h"
+#include "viewer/gateway/edit_operation.h"
 #include "worldfile/stage/stage_tree.h"
 #include "worldfile/stage/world_tree.h"
 
@@ -23,8 +24,6 @@ struct BuiltDefine {
   FileUnits units;
 };
 Result<BuiltDefine> BuildDefine(const WorldTree& tree, const std::string& name, const NamedFiles& files);
-
-using PartPath = std::vector<std::size_t>;  // indices of entries, from the define's body inwards
 
 struct ModelPart {
   PartPath path;

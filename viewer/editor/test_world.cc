@@ -19,7 +19,7 @@ constexpr double kProbeWidth = 0.3;  // m
 
 class TreeBuilder {
  public:
-  explicit TreeBuilder(const WorldTree& tree) : units_(UnitsOf(tree)) {}
+  explicit TreeBuilder(const WorldTree& tree) : units_(UnitsOf(tree.world)) {}
 
   // Lengths in m, the heading in radians.
   WorldNode Make(const std::string& type, const std::string& name, const std::vector<double>& size,
@@ -36,7 +36,7 @@ class TreeBuilder {
     node.Set({name, Value{text, {}}, {}});
   }
   void SetPose(WorldNode& node, const std::vector<double>& pose) const {
-    std::vector<Value::Scalar> tuple;
+    Value::Tuple tuple;
     for (std::size_t i = 0; i < pose.size(); ++i)
       tuple.push_back(Number(pose[i] / (i == 3 ? units_.radians : units_.metres)));
     node.Set({"pose", Value{std::move(tuple), {}}, {}});
@@ -45,7 +45,7 @@ class TreeBuilder {
  private:
   static Value::Number Number(double value) { return {value, PlainNumber(value)}; }
   void SetLengths(WorldNode& node, const std::string& name, const std::vector<double>& lengths) const {
-    std::vector<Value::Scalar> tuple;
+    Value::Tuple tuple;
     for (const double length : lengths) tuple.push_back(Number(length / units_.metres));
     node.Set({name, Value{std::move(tuple), {}}, {}});
   }

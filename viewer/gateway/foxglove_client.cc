@@ -30,7 +30,7 @@ std::string TextOf(const NumberedEvent& numbered) {
 
 // A client of a recording has the time of its timeline, which never goes back.
 foxglove::Time FoxgloveClient::ShownTime() const {
-  const std::uint64_t count = in_past_ ? shown()->position : shown()->state.tick;
+  const std::uint64_t count = in_past_ ? shown()->position : shown()->state->tick;
   return static_cast<foxglove::Time>(count) * static_cast<foxglove::Time>(shown()->world->description().interval_ns);
 }
 
@@ -108,28 +108,22 @@ Result<std::optional<PageRequest>> FoxgloveClient::Receive(std::string_view mess
 
 // A service is a request of the page.
 std::optional<PageRequest> FoxgloveClient::RequestOf(const foxglove::ServiceCall& call) {
-  nlohmann::json object = nlohmann::json::parse(call.json, nullptr, false);
-  if (!object.is_object()) object = nlohmann::json::object();
-  object["type"] = "control";
-  object["id"] = call.call;
-  object["command"] = call.command;
   calls_[call.call] = {call.service, call.call};
-  Result<PageRequest> request = ParsePageRequest(JsonText(object));
-  if (request.ok()) return std::move(request).value();
-  Answer(PageReplyText(call.call, request.error()));
+  Result<PageControl> control = ParseControl(call.call, call.command, call.json);
+  if (control.ok()) return PageRequest(std::move(control).value());
+  Answer(ReplyToControl(call.call, control.error()));
   return std::nullopt;
 }
 
-void FoxgloveClient::Answer(std::string reply) {
-  const nlohmann::json json = nlohmann::json::parse(reply, nullptr, false);
-  const auto known = calls_.find(json.value("id", std::uint64_t{0}));
+void FoxgloveClient::Answer(PageReply reply) {
+  const auto known = calls_.find(reply.id);
   if (known == calls_.end()) return;
   const Call call = known->second;
   calls_.erase(known);
-  if (json.value("done", false)) {
-    Send(foxglove::ServiceResponse(call.service, call.call, reply), false);
+  if (reply.done) {
+    Send(foxglove::ServiceResponse(call.service, call.call, reply.text), false);
   } else {
-    Send(foxglove::ServiceFailureText(call.service, call.call, json.value("problem", "")), true);
+    Send(foxglove::ServiceFailureText(call.service, call.call, reply.problem), true);
   }
 }
 
@@ -200,13 +194,13 @@ void FoxgloveClient::SendState() {
                                                            : foxglove::MapText(scene, time));
         break;
       case foxglove::ChannelKind::kTransforms:
-        send(foxglove::TransformsText(scene, shown()->state, time));
+        send(foxglove::TransformsText(scene, *shown()->state, time));
         break;
       case foxglove::ChannelKind::kEvents:
         SendEvents(subscription);
         break;
       case foxglove::ChannelKind::kScan:
-        if (!std::exchange(bodies_known, true)) bodies_->Assign(shown()->state);
+        if (!std::exchange(bodies_known, true)) bodies_->Assign(*shown()->state);
         SendScan(subscription, channel);
         break;
     }
@@ -216,7 +210,7 @@ void FoxgloveClient::SendState() {
 void FoxgloveClient::SendScan(std::uint32_t subscription, const foxglove::Channel& channel) {
   const Scene& scene = *shown()->world->scene;
   SensorSuite& suite = suites_.try_emplace(channel.robot, scene, channel.robot).first->second;
-  const RangerReading* const reading = suite.Measure(channel.sensor, {scene, *bodies_}, shown()->state.tick).ranger();
+  const RangerReading* const reading = suite.Measure(channel.sensor, {scene, *bodies_}, shown()->state->tick).ranger();
   if (reading == nullptr || channel.scan >= reading->scans.size()) return;
   const std::string text = foxglove::ScanText(reading->scans[channel.scan], channel.frame, ShownTime());
   Send(foxglove::DataMessage(subscription, ShownTime(), text), false);

@@ -24,7 +24,7 @@ class FoxgloveClient final : public Viewer {
       : Viewer(run), name_(name), range_(range) {}
 
   Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) override;
-  void Answer(std::string reply) override;
+  void Answer(PageReply reply) override;
   bool NeedsMessage() const override;
   std::optional<WebMessage> Next() override;
   std::optional<std::uint64_t> PositionToShow() override;

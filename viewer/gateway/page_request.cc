@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/json_text.h"
 #include "transport/protocol/run_state_text.h"
-#include "viewer/gateway/page_robot_command.h"
 
 namespace troupe {
 namespace {
@@ -36,6 +36,7 @@ constexpr std::array<CommandName, 14> kCommands = {{{"status", ControlCommand::k
                                                     {"rewind", ControlCommand::kRewind}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
+constexpr std::size_t kMostOrders = 64;  // to grippers
 
 Error Malformed(const std::string& found, const std::string& expected) {
   return {{}, "found " + found + ", expected " + expected};
@@ -60,16 +61,28 @@ std::optional<std::uint64_t> WholeNumberIn(const Json& object, const char* key) 
   return member->get<std::uint64_t>();
 }
 
+std::optional<double> Number(const Json& value) {
+  if (!value.is_number() || !std::isfinite(value.get<double>())) return std::nullopt;
+  return value.get<double>();
+}
+
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> Numbers(const Json& value) {
+  if (!value.is_array() || value.size() != kCount) return std::nullopt;
+  std::array<double, kCount> numbers{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::optional<double> number = Number(value[i]);
+    if (!number) return std::nullopt;
+    numbers[i] = *number;
+  }
+  return numbers;
+}
+
 std::optional<Pose> PoseIn(const Json& object) {
   const auto member = object.find("pose");
-  if (member == object.end() || !member->is_array() || member->size() != 4) return std::nullopt;
-  std::array<double, 4> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!(*member)[i].is_number()) return std::nullopt;
-    numbers[i] = (*member)[i].get<double>();
-    if (!std::isfinite(numbers[i])) return std::nullopt;
-  }
-  return Pose{numbers[0], numbers[1], numbers[2], numbers[3]};
+  const auto numbers = member != object.end() ? Numbers<4>(*member) : std::nullopt;
+  if (!numbers) return std::nullopt;
+  return Pose{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
 }
 
 // A model of the run's world file, and no file.
@@ -81,12 +94,74 @@ bool IsModelName(const std::string& source) {
   return true;
 }
 
-Result<PageRequest> ParseControl(const Json& object) {
+Error MalformedCommand(const std::string& expected) {
+  return Malformed("a malformed command of a robot", expected);
+}
+
+// False if there is a member of that name that is not a number.
+bool ReadOptional(const Json& object, const char* key, std::optional<double>& value) {
+  const auto member = object.find(key);
+  if (member == object.end()) return true;
+  value = Number(*member);
+  return value.has_value();
+}
+
+Result<std::vector<GripperOrder>> ParseOrders(const Json& value) {
+  if (!value.is_array() || value.size() > kMostOrders) return MalformedCommand("a list of grippers");
+  std::vector<GripperOrder> orders;
+  for (const Json& element : value) {
+    const auto number = element.is_object() ? element.find("gripper") : element.end();
+    if (!element.is_object() || number == element.end() || !number->is_number_unsigned()) {
+      return MalformedCommand("the number of a gripper");
+    }
+    GripperOrder& order = orders.emplace_back();
+    order.gripper = number->get<std::size_t>();
+    if (!ReadOptional(element, "opening", order.opening) || !ReadOptional(element, "lift", order.lift)) {
+      return MalformedCommand("percentages of a gripper");
+    }
+  }
+  return orders;
+}
+
+Result<Goal> ParseGoal(const Json& value) {
+  Goal goal;
+  const auto waypoints = value.is_object() ? value.find("waypoints") : value.end();
+  if (!value.is_object() || waypoints == value.end() || !waypoints->is_array()) return MalformedCommand("waypoints");
+  for (const Json& waypoint : *waypoints) {
+    const auto point = Numbers<2>(waypoint);
+    if (!point) return MalformedCommand("two coordinates of a waypoint");
+    goal.waypoints.emplace_back((*point)[0], (*point)[1]);
+  }
+  if (!ReadOptional(value, "heading", goal.heading)) return MalformedCommand("the heading of a goal");
+  return goal;
+}
+
+// The service of the run compares the command with its world.
+Result<RobotCommand> ParseRobotCommand(const Json& object) {
+  RobotCommand command;
+  if (const auto twist = object.find("twist"); twist != object.end()) {
+    const auto numbers = Numbers<3>(*twist);
+    if (!numbers) return MalformedCommand("three numbers of a twist");
+    command.twist = Twist{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+  }
+  if (const auto grippers = object.find("grippers"); grippers != object.end()) {
+    Result<std::vector<GripperOrder>> orders = ParseOrders(*grippers);
+    if (!orders.ok()) return orders.error();
+    command.grippers = std::move(orders).value();
+  }
+  if (const auto member = object.find("goal"); member != object.end()) {
+    Result<Goal> goal = ParseGoal(*member);
+    if (!goal.ok()) return goal.error();
+    command.goal = std::move(goal).value();
+  }
+  if (!command.twist && command.grippers.empty() && !command.goal)
+    return MalformedCommand("a twist, grippers or a goal");
+  return command;
+}
+
+Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, const Json& object) {
   PageControl control;
-  const auto id = WholeNumberIn(object, "id");
-  if (!id) return Malformed("no id", "a whole number");
-  control.id = *id;
-  const std::string name = TextIn(object, "command");
+  control.id = id;
   const auto command = FindCommand(name);
   if (!command) return Malformed("command '" + name + "'", "a command of the page");
   ControlRequest& request = control.request;
@@ -104,7 +179,7 @@ Result<PageRequest> ParseControl(const Json& object) {
     if (is_number) request.speed = speed->get<double>();
   }
   if (*command == ControlCommand::kCommandRobot) {
-    Result<RobotCommand> robot = ParsePageRobotCommand(object);
+    Result<RobotCommand> robot = ParseRobotCommand(object);
     if (!robot.ok()) return robot.error();
     request.robot_command = std::move(robot).value();
   }
@@ -135,7 +210,7 @@ Result<PageRequest> ParseControl(const Json& object) {
     if (!pose) return Malformed("no pose", "four finite numbers");
     request.pose = *pose;
   }
-  return PageRequest(std::move(control));
+  return control;
 }
 
 Result<PageRequest> ParseSelect(const Json& object) {
@@ -155,13 +230,10 @@ Result<PageRequest> ParseSelect(const Json& object) {
   return PageRequest(std::move(select));
 }
 
-Result<PageRequest> ParseEdit(const Json& object, std::string_view text) {
+Result<PageRequest> ParseEdit(const Json& object) {
   const auto id = WholeNumberIn(object, "id");
-  std::string op = TextIn(object, "op");
-  if (!id || op.empty()) return Malformed("an edit", "an id and an op");
-  PageRequest request;
-  request.emplace<EditRequest>(EditRequest{*id, std::move(op), std::string(text)});
-  return request;
+  if (!id || TextIn(object, "op").empty()) return Malformed("an edit", "an id and an op");
+  return PageRequest(PageEdit{*id, DecodeEditOperation(object)});
 }
 
 Result<PageRequest> ParseSeek(const Json& object) {
@@ -179,10 +251,16 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
   const Json object = Json::parse(text, nullptr, false);
   if (!object.is_object()) return Malformed("a text", "a JSON object");
   const std::string type = TextIn(object, "type");
-  if (type == "edit") return ParseEdit(object, text);
+  if (type == "edit") return ParseEdit(object);
   if (text.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
   if (type == "select") return ParseSelect(object);
-  if (type == "control") return ParseControl(object);
+  if (type == "control") {
+    const auto id = WholeNumberIn(object, "id");
+    if (!id) return Malformed("no id", "a whole number");
+    Result<PageControl> control = DecodeControl(*id, TextIn(object, "command"), object);
+    if (!control.ok()) return control.error();
+    return PageRequest(std::move(control).value());
+  }
   if (type == "seek") return ParseSeek(object);
   if (type == "live") {
     PageRequest live;
@@ -197,28 +275,28 @@ bool IsQuestion(ControlCommand command) {
          command == ControlCommand::kEntities;
 }
 
-bool IsQuestion(const EditRequest& request) {
-  constexpr std::array<std::string_view, 7> kQuestions = {"document", "text",  "palette", "help",
-                                                          "entity",   "model", "bitmaps"};
-  return std::find(kQuestions.begin(), kQuestions.end(), request.op) != kQuestions.end();
+Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json) {
+  if (json.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
+  Json object = Json::parse(json, nullptr, false);
+  if (!object.is_object()) object = Json::object();
+  return DecodeControl(id, command, object);
 }
 
-std::string EditReplyText(std::uint64_t id, const Result<std::string>& reply) {
-  Json text = Json::object();
-  if (reply.ok()) text = Json::parse(reply.value(), nullptr, false);
-  if (!text.is_object()) text = Json::object();
+PageReply ReplyToEdit(std::uint64_t id, const Result<Json>& reply) {
+  Json text = reply.ok() ? reply.value() : Json::object();
+  const std::string problem = reply.ok() ? "" : reply.error().message;
   text["type"] = "reply";
   text["id"] = id;
   text["done"] = reply.ok();
-  text["problem"] = reply.ok() ? "" : reply.error().message;
+  text["problem"] = problem;
   if (!reply.ok()) text["conflict"] = reply.error().code == ErrorCode::kNoRoom;
-  return text.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return {id, reply.ok(), problem, JsonText(text)};
 }
 
-std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
-  Json text = {{"type", "reply"}, {"id", id}};
-  text["done"] = reply.ok() && reply.value().done;
-  text["problem"] = reply.ok() ? reply.value().problem : reply.error().message;
+PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply) {
+  const bool done = reply.ok() && reply.value().done;
+  const std::string& problem = reply.ok() ? reply.value().problem : reply.error().message;
+  Json text = {{"type", "reply"}, {"id", id}, {"done", done}, {"problem", problem}};
   if (reply.ok()) {
     text["state"] = ToString(reply.value().state);
     text["tick"] = reply.value().tick;
@@ -234,7 +312,7 @@ std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply) {
     }
     text["entities"] = std::move(entities);
   }
-  return text.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return {id, done, problem, JsonText(text)};
 }
 
 }  // namespace troupe

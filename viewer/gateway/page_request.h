@@ -6,14 +6,18 @@
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
 //   {"type": "control", "id": 9, "command": "entities", "name": "r0"}: without a name all of them
-//   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, ...}: page_robot_command.h
+//   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [vx, vy, wz],
+//    "grippers": [{"gripper": 0, "opening": percent, "lift": percent}],
+//    "goal": {"waypoints": [[x, y], ...], "heading": h}}: each part may be missing, as may opening, lift and heading; a
+//    goal without waypoints cancels the goal
 //   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
 //   {"type": "live"}
-//   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (viewer/editor)
+//   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +26,7 @@
 
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
+#include "viewer/gateway/edit_operation.h"
 
 namespace troupe {
 
@@ -52,24 +57,30 @@ struct LiveRequest {
   bool operator==(const LiveRequest&) const = default;
 };
 
-struct EditRequest {
-  std::uint64_t id = 0;  // repeated in the reply
-  std::string op;
-  std::string text;  // the whole request, for RunLink::Edit
-  bool operator==(const EditRequest&) const = default;
+struct PageEdit {
+  std::uint64_t id = 0;             // repeated in the reply
+  Result<EditOperation> operation;  // the error is for the reply
 };
 
-using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, EditRequest>;
+using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);
 
+// The same for a service of Foxglove: `json` has the members of a command but for "type", "id" and "command".
+Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json);
+
 // True for a request that changes nothing.
 bool IsQuestion(ControlCommand command);
-bool IsQuestion(const EditRequest& request);
 
-// The JSON text of a reply.
-std::string PageReplyText(std::uint64_t id, const Result<ControlReply>& reply);
-std::string EditReplyText(std::uint64_t id, const Result<std::string>& reply);
+struct PageReply {
+  std::uint64_t id = 0;
+  bool done = false;
+  std::string problem;
+  std::string text;  // the whole reply as JSON, for the page
+};
+PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply);
+// The members of the object, if there is one, are those of the reply.
+PageReply ReplyToEdit(std::uint64_t id, const Result<nlohmann::json>& reply);
 
 }  // namespace troupe

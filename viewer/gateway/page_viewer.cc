@@ -23,6 +23,8 @@ std::uint8_t Flag(bool is_set, std::uint8_t flag) {
   return is_set ? flag : 0;
 }
 
+static_assert(kMemberCount<Event> == 6, "a new field of an event belongs into the next function, and into protocol.ts");
+
 void Write(ByteWriter& writer, const NumberedEvent& numbered) {
   const Event& event = numbered.event;
   writer.Write(numbered.position);
@@ -48,9 +50,9 @@ Result<std::optional<PageRequest>> PageViewer::Receive(std::string_view message,
   return std::optional<PageRequest>(std::move(request).value());
 }
 
-void PageViewer::Answer(std::string reply) {
+void PageViewer::Answer(PageReply reply) {
   if (waiting_.size() >= kMostReplies) return;
-  waiting_.push_back({std::make_shared<const std::string>(std::move(reply)), true});
+  waiting_.push_back({std::make_shared<const std::string>(std::move(reply.text)), true});
 }
 
 void PageViewer::ReturnToLive() {
@@ -105,7 +107,7 @@ std::string PageViewer::MakeUpdate() {
   writer.Write(static_cast<std::uint8_t>(Flag(in_past_ || content.paused, kPausedFlag) |
                                          Flag(!in_past_ && content.last, kLastFlag) |
                                          Flag(has_readings, kReadingsFlag) | Flag(in_past_, kPastFlag)));
-  writer.Write(state.state.tick);
+  writer.Write(state.state->tick);
   writer.Write(state.state_hash);
   writer.Write(state.edition);
   // Positions: of this state, of the oldest and of the newest that the viewer can go to.

@@ -37,7 +37,7 @@ class PageViewer final : public Viewer {
       : Viewer(run), history_(past), readings_(readings), longest_(longest) {}
 
   Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) override;
-  void Answer(std::string reply) override;
+  void Answer(PageReply reply) override;
   bool NeedsMessage() const override;
   std::optional<WebMessage> Next() override;
   void ReturnToLive() override;

@@ -18,7 +18,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
 }
 
 std::size_t SizeOf(const ViewedState& viewed) {
-  return sizeof viewed - sizeof viewed.state + MemoryOf(viewed.state);
+  return sizeof viewed + MemoryOf(*viewed.state);
 }
 
 EventNames NamesIn(const WorldDescription& world, const Event& event) {
@@ -56,7 +56,7 @@ std::optional<PastStates::Range> KeptStates::range() const {
 std::optional<std::uint64_t> KeptStates::PositionOf(Tick tick) const {
   const std::lock_guard lock(mutex_);
   const auto found =
-      std::find_if(states_.rbegin(), states_.rend(), [&](const auto& past) { return past->state.tick == tick; });
+      std::find_if(states_.rbegin(), states_.rend(), [&](const auto& past) { return past->state->tick == tick; });
   return found == states_.rend() ? std::nullopt : std::optional((*found)->position);
 }
 

@@ -37,7 +37,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
 struct ViewedState {
   std::uint64_t position = 0;
   std::shared_ptr<const ViewedWorld> world;
-  WorldState state;
+  std::shared_ptr<const WorldState> state;
   std::uint64_t state_hash = 0;
   Edition edition = 0;
 };

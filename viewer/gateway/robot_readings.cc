@@ -6,6 +6,8 @@
 #include <string_view>
 #include <variant>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 namespace {
 
@@ -136,7 +138,7 @@ struct ContentWriter {
       writer.WriteByte(reception.to_all);
       writer.WriteCount(reception.bytes.size());
       writer.WriteText(
-          {reinterpret_cast<const char*>(reception.bytes.data()), std::min(reception.bytes.size(), kMostMessageBytes)});
+          CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMostMessageBytes));
       writer.Write(reception.rssi);
       writer.Write(reception.tick);
       writer.WriteByte(reception.place.has_value());
@@ -176,7 +178,7 @@ void RobotReadings::SetState(const std::shared_ptr<const ViewedState>& state) {
 const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   std::string& encoded = robot.encoded[sensor];
   if (!encoded.empty()) return encoded;
-  const WorldState& state = state_->state;
+  const WorldState& state = *state_->state;
   if (!bodies_fresh_) bodies_->Assign(state);
   bodies_fresh_ = true;
   ByteWriter writer;
@@ -194,7 +196,7 @@ bool RobotReadings::Write(ByteWriter& writer, RobotId id, Pictures pictures) {
   Robot& robot = known->second;
   bool is_missing = false;
   writer.WriteCount(id.index());
-  writer.Write(state_->state.tick);
+  writer.Write(state_->state->tick);
   writer.WriteCount(robot.suite.size());
   for (std::size_t i = 0; i < robot.suite.size(); ++i) {
     const Sensor& sensor = robot.suite.sensor(i);

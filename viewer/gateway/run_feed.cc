@@ -33,23 +33,25 @@ void RunFeed::OnSession(const SessionMessage& session) {
 }
 
 // A frame may be delivered twice: paused, and to be answered.
-void RunFeed::OnFrame(const FrameMessage& frame) {
+void RunFeed::OnFrame(const SharedFrame& shared) {
+  const FrameMessage& frame = *shared;
   if (!announced_ || frame.run != announced_->run || frame.world_edition != announced_->edition) return;
+  if (!announced_->scene->CheckState(frame.state).ok()) return;
   const std::lock_guard lock(mutex_);
   if (content_.state && content_.state->world->run != frame.run) content_.state.reset();
   const ViewedState* const before = content_.state.get();
   const std::pair at(frame.edition, frame.state.tick);
-  if (before != nullptr && at < std::pair(before->edition, before->state.tick)) return;
+  if (before != nullptr && at < std::pair(before->edition, before->state->tick)) return;
   ++content_.version;
   content_.paused = frame.paused;
   content_.last = frame.last;
-  if (before != nullptr && at == std::pair(before->edition, before->state.tick)) return;
+  if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
   if (before == nullptr) {
     content_.events.clear();
     content_.status.reset();
     history_.Clear();
   }
-  content_.state = history_.Add({0, announced_, frame.state, frame.state_hash, frame.edition});
+  content_.state = history_.Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
   for (const Event& event : frame.events) {
     const EventNames names = NamesIn(announced_->description(), event);
     content_.events.push_back({++events_, content_.state->position, event, names});

@@ -44,7 +44,7 @@ class RunFeed : public ObserverHandler {
   void Clear();
 
   void OnSession(const SessionMessage& session) override;
-  void OnFrame(const FrameMessage& frame) override;
+  void OnFrame(const SharedFrame& frame) override;
   void OnStatus(const StatusMessage& status) override;
   void OnServiceGone() override;
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <string_view>
+#include <nlohmann/json.hpp>
 
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
+#include "viewer/gateway/edit_operation.h"
 
 namespace troupe {
 
@@ -26,9 +26,9 @@ class RunLink {
   // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
   virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
 
-  // A request of the editor's page (viewer/editor), and its reply: JSON objects as text. On the thread of Ask.
-  virtual Result<std::string> Edit(std::string_view request) {
-    (void)request;
+  // An operation of the editor's page (viewer/editor), and an object for the reply. On the thread of Ask.
+  virtual Result<nlohmann::json> Edit(const EditOperation& operation) {
+    (void)operation;
     return Failure("this page shows a run; troupe edit FILE edits a file");
   }
 };

@@ -2,7 +2,10 @@
 // difference from any earlier update is known without keeping that state, for viewers that skip updates.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <tuple>
 #include <vector>
 
 #include "troupe/world_state.h"
@@ -13,20 +16,15 @@ namespace troupe {
 class StateRows {
  public:
   // `number` grows with each call. `fresh`: another world; all rows have changed.
-  void Assign(const WorldState& state, std::uint64_t number, bool fresh);
+  void Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh);
 
-  // Writes the rows of robots, joints, grippers, objects, stores and lights that have changed after update `since`;
-  // 0: all.
+  // Writes the rows that are on the page (kIsOnPage) and have changed after update `since`; 0: all.
   void Write(ByteWriter& writer, std::uint64_t since) const;
 
  private:
-  WorldState state_;
-  std::vector<std::uint64_t> robots_;  // the update of the last change, by row
-  std::vector<std::uint64_t> joints_;
-  std::vector<std::uint64_t> grippers_;
-  std::vector<std::uint64_t> objects_;
-  std::vector<std::uint64_t> stores_;
-  std::vector<std::uint64_t> lights_;
+  std::shared_ptr<const WorldState> state_ = std::make_shared<const WorldState>();
+  // The update of the last change, by row; in the order of the fields of WorldState.
+  std::array<std::vector<std::uint64_t>, std::tuple_size_v<decltype(kFields<WorldState>)>> changed_;
 };
 
 }  // namespace troupe

@@ -40,8 +40,8 @@ class Viewer {
   // Applies a message of the viewer. The value is a request that the gateway is to execute, if there is one; the error
   // a message that no such client sends.
   virtual Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) = 0;
-  // The reply to a request: PageReplyText or EditReplyText.
-  virtual void Answer(std::string reply) = 0;
+  // The reply to a request.
+  virtual void Answer(PageReply reply) = 0;
   // Next has a message.
   virtual bool NeedsMessage() const = 0;
   virtual std::optional<WebMessage> Next() = 0;

@@ -66,19 +66,18 @@ class Viewers final : public WebHandler {
   void OnWake(WebLoop& loop) override;
 
  private:
-  using Change = std::variant<PageControl, EditRequest>;
+  using Change = std::variant<PageControl, PageEdit>;
   using Found = Result<std::shared_ptr<const ViewedState>>;
 
-  // The text of the reply.
-  static std::string Executed(RunLink& link, const Change& change);
+  static PageReply Executed(RunLink& link, const Change& change);
   std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void NameSession();
   void Execute(WebLoop& loop, ViewerId id, PageRequest request);
   void Seek(ViewerId id, std::uint64_t position);
-  void Answer(WebLoop& loop, ViewerId id, std::string reply);
+  void Answer(WebLoop& loop, ViewerId id, PageReply reply);
   // Why the request is refused; empty: it is not.
   std::string Refusal(const PageControl& control) const;
-  std::string Refusal(const EditRequest& edit) const;
+  std::string Refusal(const PageEdit& edit) const;
 
   const ViewerGatewayOptions& options_;
   const bool is_recording_;
@@ -90,7 +89,7 @@ class Viewers final : public WebHandler {
   std::atomic<bool> have_seen_end_ = true;
   RequestQueue<std::uint64_t, Found> seeks_;
   std::optional<Follower> follower_;  // of a live run, as the next
-  std::optional<RequestQueue<Change, std::string>> changes_;
+  std::optional<RequestQueue<Change, PageReply>> changes_;
 };
 
 void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
@@ -131,16 +130,16 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
     if (position) Seek(id, *position);
   } else if (std::holds_alternative<LiveRequest>(request)) {
     if (!is_recording_) viewers_.at(id)->ReturnToLive();
-  } else if (auto* const edit = std::get_if<EditRequest>(&request)) {
+  } else if (auto* const edit = std::get_if<PageEdit>(&request)) {
     const std::uint64_t number = edit->id;
     std::string refusal = Refusal(*edit);
     if (refusal.empty() && !changes_->Add(id, std::move(*edit))) refusal = "too many requests wait";
-    if (!refusal.empty()) Answer(loop, id, EditReplyText(number, Failure(refusal)));
+    if (!refusal.empty()) Answer(loop, id, ReplyToEdit(number, Failure(refusal)));
   } else if (auto* const control = std::get_if<PageControl>(&request)) {
     const std::uint64_t number = control->id;
     std::string refusal = Refusal(*control);
     if (refusal.empty() && !changes_->Add(id, std::move(*control))) refusal = "too many requests wait for the run";
-    if (!refusal.empty()) Answer(loop, id, PageReplyText(number, Failure(refusal)));
+    if (!refusal.empty()) Answer(loop, id, ReplyToControl(number, Failure(refusal)));
   }
 }
 
@@ -150,15 +149,19 @@ std::string Viewers::Refusal(const PageControl& control) const {
   return may ? "" : "this viewer only shows the run (--view-only)";
 }
 
-std::string Viewers::Refusal(const EditRequest& edit) const {
+std::string Viewers::Refusal(const PageEdit& edit) const {
   if (!changes_ || !options_.editor) return "this page shows a run; troupe edit FILE edits a file";
-  return !options_.view_only || IsQuestion(edit) ? "" : "this page only shows the file (--view-only)";
+  if (!edit.operation.ok()) return edit.operation.error().message;
+  const bool may = !options_.view_only || IsQuestion(edit.operation.value());
+  return may ? "" : "this page only shows the file (--view-only)";
 }
 
-std::string Viewers::Executed(RunLink& link, const Change& change) {
-  if (const auto* edit = std::get_if<EditRequest>(&change)) return EditReplyText(edit->id, link.Edit(edit->text));
+PageReply Viewers::Executed(RunLink& link, const Change& change) {
+  if (const auto* edit = std::get_if<PageEdit>(&change)) {
+    return ReplyToEdit(edit->id, link.Edit(edit->operation.value()));
+  }
   const auto& control = std::get<PageControl>(change);
-  return PageReplyText(control.id, link.Ask(control.request));
+  return ReplyToControl(control.id, link.Ask(control.request));
 }
 
 void Viewers::Seek(ViewerId id, std::uint64_t position) {
@@ -166,7 +169,7 @@ void Viewers::Seek(ViewerId id, std::uint64_t position) {
   seeks_.Replace(id, position);
 }
 
-void Viewers::Answer(WebLoop& loop, ViewerId id, std::string reply) {
+void Viewers::Answer(WebLoop& loop, ViewerId id, PageReply reply) {
   const auto known = viewers_.find(id);
   if (known == viewers_.end()) return;
   known->second->Answer(std::move(reply));
@@ -181,7 +184,7 @@ void Viewers::OnWake(WebLoop& loop) {
     const auto known = viewers_.find(id);
     if (known == viewers_.end() || !known->second->in_past()) continue;
     if (!found.ok()) {
-      Answer(loop, id, PageReplyText(0, found.error()));
+      Answer(loop, id, ReplyToControl(0, found.error()));
       continue;
     }
     known->second->ShowPast(std::move(found).value());

@@ -30,33 +30,122 @@ bool AreNear(const ConvexPiece& a, const ConvexPiece& b) {
          FindNearestPoints(a.vertices, b.vertices).distance <= kReach;
 }
 
+// A model that takes, and one that gives and touches it.
+struct Supply {
+  ModelId taker;
+  ModelId giver;
+  auto operator<=>(const Supply&) const = default;
+};
+
+// Finds who can give to whom in a state. A model touches with its children; models of one body do not touch each other.
+class SupplyFinder {
+ public:
+  explicit SupplyFinder(const StepWorkspace& workspace) : workspace_(workspace) {}
+
+  // In the order of the takers, then of the givers.
+  std::vector<Supply> Find() {
+    for (const BodyId body : BodiesThatExchange()) {
+      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) FindNear(piece, body);
+    }
+    std::sort(supplies_.begin(), supplies_.end());
+    supplies_.erase(std::unique(supplies_.begin(), supplies_.end()), supplies_.end());
+    return std::move(supplies_);
+  }
+
+ private:
+  const WorldDescription& world() const { return workspace_.world(); }
+
+  std::vector<BodyId> BodiesThatExchange() const {
+    std::vector<BodyId> bodies;
+    for (std::size_t i = 0; i < world().models.size(); ++i) {
+      const PowerDescription& power = world().models[i].power;
+      const std::optional<BodyId> body = workspace_.scene.body_of(ModelId(i));
+      if (body && (power.take_watts > 0.0 || power.give_watts > 0.0)) bodies.push_back(*body);
+    }
+    std::sort(bodies.begin(), bodies.end());
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    return bodies;
+  }
+
+  // Of two bodies, that of the taker finds the other.
+  void FindNear(const ConvexPiece& piece, BodyId body) {
+    const bool takes = IsPartOf(piece.model, &PowerDescription::take_watts);
+    const bool gives = IsPartOf(piece.model, &PowerDescription::give_watts);
+    if (!takes && !gives) return;
+    const Rectangle box = BoundingBox(piece.vertices).Inflated(kReach);
+    NearPieces near;
+    workspace_.scene.static_index().Query(box, near);
+    for (const ConvexPiece* other : near) {
+      if (takes) Connect(piece, *other);
+      if (gives) Connect(*other, piece);
+    }
+    if (!takes) return;
+    std::pmr::vector<BodyId> bodies;
+    workspace_.bodies.Query(box, bodies);
+    for (const BodyId near_body : bodies) {
+      if (near_body == body) continue;
+      for (const ConvexPiece& other : workspace_.bodies.pieces_in_world(near_body)) Connect(piece, other);
+    }
+  }
+
+  // Whether the model or an ancestor takes or gives.
+  bool IsPartOf(ModelId part, double PowerDescription::*rate) const {
+    for (std::optional<ModelId> model = part; model; model = world().model(*model).parent) {
+      if (world().model(*model).power.*rate > 0.0) return true;
+    }
+    return false;
+  }
+
+  void Connect(const ConvexPiece& taker, const ConvexPiece& giver) {
+    if (!IsPartOf(taker.model, &PowerDescription::take_watts) ||
+        !IsPartOf(giver.model, &PowerDescription::give_watts) || !AreNear(taker, giver)) {
+      return;
+    }
+    for (std::optional<ModelId> to = taker.model; to; to = world().model(*to).parent) {
+      if (!(world().model(*to).power.take_watts > 0.0)) continue;
+      for (std::optional<ModelId> from = giver.model; from; from = world().model(*from).parent) {
+        if (world().model(*from).power.give_watts > 0.0) supplies_.push_back({*to, *from});
+      }
+    }
+  }
+
+  const StepWorkspace& workspace_;
+  std::vector<Supply> supplies_;
+};
+
 // The exchange of one tick.
 class Exchange {
  public:
-  explicit Exchange(StepWorkspace& workspace)
-      : workspace_(workspace), left_to_give_(workspace.world().models.size(), -1.0) {}
+  explicit Exchange(StepWorkspace& workspace) : workspace_(workspace) {}
 
-  // Lets a model take from all that touch it.
-  void Take(ModelId taker) {
-    const std::optional<std::size_t> store = workspace_.scene.store_of(taker);
-    if (!store) return;
-    double left = workspace_.world().model(taker).power.take_watts * workspace_.seconds();
-    for (const ModelId giver : GiversNear(taker)) {
-      const std::optional<std::size_t> source = workspace_.scene.store_of(giver);
-      if (!source || source == store) continue;
-      double& given = left_to_give_[giver.index()];
-      if (given < 0.0) given = workspace_.world().model(giver).power.give_watts * workspace_.seconds();
-      const double amount = std::min({left, given, RoomIn(*store), StockOf(*source)});
-      if (!(amount > 0.0)) continue;
-      left -= amount;
-      given -= amount;
-      Add(*store, amount);
-      workspace_.next.stores[*store].charge_watts += amount / workspace_.seconds();
-      Add(*source, -amount);
+  void Run() {
+    const std::vector<Supply> supplies = SupplyFinder(workspace_).Find();
+    if (supplies.empty()) return;
+    std::vector<double> to_take;  // J, by model, like the next
+    std::vector<double> to_give;
+    for (const ModelDescription& model : workspace_.world().models) {
+      to_take.push_back(model.power.take_watts * workspace_.seconds());
+      to_give.push_back(model.power.give_watts * workspace_.seconds());
+    }
+    for (const Supply& supply : supplies) {
+      Transfer(supply, to_take[supply.taker.index()], to_give[supply.giver.index()]);
     }
   }
 
  private:
+  void Transfer(const Supply& supply, double& to_take, double& to_give) {
+    const std::optional<std::size_t> store = workspace_.scene.store_of(supply.taker);
+    const std::optional<std::size_t> source = workspace_.scene.store_of(supply.giver);
+    if (!store || !source || source == store) return;
+    const double amount = std::min({to_take, to_give, RoomIn(*store), StockOf(*source)});
+    if (!(amount > 0.0)) return;
+    to_take -= amount;
+    to_give -= amount;
+    Add(*store, amount);
+    workspace_.next.stores[*store].charge_watts += amount / workspace_.seconds();
+    Add(*source, -amount);
+  }
+
   const PowerDescription& PowerOf(std::size_t store) const {
     return workspace_.world().model(workspace_.scene.stores()[store].model).power;
   }
@@ -70,45 +159,7 @@ class Exchange {
     if (!PowerOf(store).endless) workspace_.next.stores[store].joules += joules;
   }
 
-  // In id order. Its own body does not count.
-  std::vector<ModelId> GiversNear(ModelId taker) {
-    std::vector<ModelId> givers;
-    const std::optional<BodyId> own = workspace_.scene.body_of(taker);
-    for (const ConvexPiece& piece : PiecesOf(taker)) {
-      const Rectangle box = BoundingBox(piece.vertices).Inflated(kReach);
-      const auto test = [&](const ConvexPiece& other) {
-        if (workspace_.world().model(other.model).power.give_watts > 0.0 && AreNear(piece, other)) {
-          givers.push_back(other.model);
-        }
-      };
-      NearPieces near;
-      workspace_.scene.static_index().Query(box, near);
-      for (const ConvexPiece* other : near) test(*other);
-      std::pmr::vector<BodyId> bodies;
-      workspace_.bodies.Query(box, bodies);
-      for (const BodyId body : bodies) {
-        if (body == own) continue;
-        for (const ConvexPiece& other : workspace_.bodies.pieces_in_world(body)) test(other);
-      }
-    }
-    std::sort(givers.begin(), givers.end());
-    givers.erase(std::unique(givers.begin(), givers.end()), givers.end());
-    return givers;
-  }
-
-  // Of the model and the models below it, in W. Of a static model none: it cannot move to a giver.
-  std::vector<ConvexPiece> PiecesOf(ModelId model) const {
-    std::vector<ConvexPiece> pieces;
-    const std::optional<BodyId> body = workspace_.scene.body_of(model);
-    if (!body) return pieces;
-    for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(*body)) {
-      if (IsInTree(workspace_.world(), piece.model, model)) pieces.push_back(piece);
-    }
-    return pieces;
-  }
-
   StepWorkspace& workspace_;
-  std::vector<double> left_to_give_;  // J, by model; below 0: nothing was given yet
 };
 
 }  // namespace
@@ -130,11 +181,7 @@ void ExchangeEnergy(StepWorkspace& workspace) {
     const double consumed = Consumption(scene.stores()[i], workspace.next) * workspace.seconds();
     store.joules = std::max(0.0, store.joules - consumed);
   }
-  Exchange exchange(workspace);
-  for (std::size_t i = 0; i < workspace.world().models.size(); ++i) {
-    const ModelDescription& model = workspace.world().models[i];
-    if (model.power.take_watts > 0.0 && !model.removed) exchange.Take(ModelId(i));
-  }
+  Exchange(workspace).Run();
   for (std::size_t i = 0; i < scene.stores().size(); ++i) {
     const std::optional<RobotId>& robot = scene.stores()[i].robot;
     if (!robot || before[i].joules <= 0.0 || !IsEmpty(scene, workspace.next, i)) continue;

@@ -134,7 +134,13 @@ class ObjectFall {
   // Rests, but its centre is over no support that it would move with: its supports may move away.
   bool IsBridge(ObjectId id) const {
     const ObjectState& object = workspace_.next.objects[id.index()];
-    return object.mode == ObjectMode::kResting && !object.support && object.X_WO.z != 0.0;
+    return object.mode == ObjectMode::kResting && !object.support && UndersideOf(id) != 0.0;
+  }
+
+  // Height of the object's lowest block above the ground, m. Every support ends at or below it.
+  double UndersideOf(ObjectId id) const {
+    const Body& body = workspace_.scene.body(workspace_.scene.body_of(id));
+    return workspace_.next.objects[id.index()].X_WO.z + body.z.min;
   }
 
   std::vector<ObjectId> LowestFirst() const {
@@ -145,9 +151,8 @@ class ObjectFall {
       any = any || NeedsSupport(ObjectId(i));
     }
     if (!any) return {};
-    std::stable_sort(order.begin(), order.end(), [&](ObjectId a, ObjectId b) {
-      return workspace_.next.objects[a.index()].X_WO.z < workspace_.next.objects[b.index()].X_WO.z;
-    });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](ObjectId a, ObjectId b) { return UndersideOf(a) < UndersideOf(b); });
     return order;
   }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "common/model/drive_limits.h"
 #include "troupe/check.h"
 #include "troupe/radio_limits.h"
@@ -55,10 +56,9 @@ Status CheckLightsAndText(const WorldDescription& world, const Proposal& proposa
     return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
                        std::to_string(kMostSaidBytes));
   }
-  // They are printed on terminals.
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-  if (std::any_of(proposal.say.begin(), proposal.say.end(), is_control)) {
-    return BadProposal("found a control character in a text, expected none");
+  // It is printed on terminals.
+  if (!IsPlainLine(proposal.say)) {
+    return BadProposal("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
   }
   if (proposal.lights.empty()) return Status();
   std::size_t lights = 0;

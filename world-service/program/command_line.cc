@@ -94,6 +94,7 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   line.service.pool = std::make_shared<ThreadPool>(line.threads.value_or(1));
   line.service.session = line.network.session;
   line.ros.session = line.network.session;
+  line.domain = line.network.domain;
   line.service.lease_seconds = line.network.lease_seconds;
   return line;
 }

@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "recording/journal.h"
-#include "world-service/observers/recorder/make_recorders.h"
+#include "ros/messages/robot_in_ros.h"
+#include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"
 #include "world-service/replay/journal_rewind.h"
@@ -15,37 +16,44 @@
 namespace troupe {
 namespace {
 
-Result<PreparedRun> LoadFile(const ServiceCommandLine& line) {
-  if (line.file.empty()) {
-    return Error{{line.outputs.journal->recording}, "found a journal without a run, expected one to resume"};
+// Its description lives as long as the scene.
+std::shared_ptr<const WorldDescription> WorldOf(const std::shared_ptr<const Scene>& scene) {
+  return {scene, &scene->world()};
+}
+
+Result<PreparedRun> LoadFile(const RunSource& source) {
+  if (source.file.empty()) {
+    return Error{{source.outputs.journal->recording}, "found a journal without a run, expected one to resume"};
   }
-  Result<LoadedWorld> loaded = LoadWorld(line.file, line.overrides);
+  Result<LoadedWorld> loaded = LoadWorld(source.file, source.overrides);
   if (!loaded.ok()) return loaded.error();
   for (const Warning& warning : loaded.value().warnings) fmt::print(stderr, "{}\n", warning.ToString());
   PreparedRun run;
-  run.loaded = std::move(loaded).value();
-  line.run.ApplyTo(run.loaded.settings);
-  run.options = line.service;
-  run.options.world_file = line.file;
+  run.scene = std::make_shared<const Scene>(std::move(loaded.value().world));
+  run.files = std::move(loaded.value().files);
+  run.first_world = WorldOf(run.scene);
+  run.options = source.service;
+  run.options.settings = loaded.value().settings;
+  source.run.ApplyTo(run.options.settings);
+  run.options.world_file = source.file;
   // Its agents know that it is not the service that they were started for.
-  if (line.resume) run.options.first_incarnation = 1;
-  run.scene = std::make_shared<const Scene>(run.loaded.world);
-  run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
+  if (source.resume) run.options.first_incarnation = 1;
   return run;
 }
 
-Result<PreparedRun> Branch(const ServiceCommandLine& line) {
-  Result<BranchedRun> branch = BranchRun(line.file, {line.branch.from_tick, line.overrides.seed,
-                                                     line.branch.controllers, line.run, line.service.start_paused});
+Result<PreparedRun> Branch(const RunSource& source) {
+  Result<BranchedRun> branch =
+      BranchRun(source.file, {source.branch.from_tick, source.overrides.seed, source.branch.controllers, source.run,
+                              source.service.start_paused});
   if (!branch.ok()) return branch.error();
   PreparedRun run;
-  run.loaded = std::move(branch.value().loaded);
-  run.options = line.service;
+  run.scene = branch.value().scene;
+  run.first_world = WorldOf(run.scene);
+  run.begin = branch.value().begin;
+  run.options = source.service;
+  run.options.settings = branch.value().settings;
   run.options.world_file = branch.value().resumed.world_file;
   run.options.resumed = std::move(branch.value().resumed);
-  run.scene = branch.value().scene;
-  run.begin = branch.value().begin;
-  run.first_world = std::make_shared<const WorldDescription>(run.loaded.world);
   return run;
 }
 
@@ -79,21 +87,21 @@ Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observe
   return {};
 }
 
-Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
+Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   const RecordedRun begin = journal.recording.run();
   PreparedRun run;
   run.first_world = std::make_shared<const WorldDescription>(begin.world);
-  Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, line.outputs);
+  Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, source.outputs);
   if (!texts.ok()) return texts.error();
-  RunObservers told;
-  if (texts.value() != nullptr) told.push_back(texts.value().get());
-  Result<ResumedRun> resumed = RestoreRun(journal, told);
+  RunObservers observers;
+  if (texts.value() != nullptr) observers.push_back(texts.value().get());
+  Result<ResumedRun> resumed = RestoreRun(journal, observers);
   if (!resumed.ok()) return resumed.error();
   Result<std::unique_ptr<RunRecorder>> recorder =
-      RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(line.outputs, begin.file));
+      RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(source.outputs, begin.file));
   if (!recorder.ok()) return recorder.error();
   if (resumed.value().rewind) {
-    if (Status failure = FinishRewind(resumed.value(), *recorder.value(), told); !failure.ok()) {
+    if (Status failure = FinishRewind(resumed.value(), *recorder.value(), observers); !failure.ok()) {
       return failure.error();
     }
   }
@@ -102,50 +110,61 @@ Result<PreparedRun> Resume(Journal journal, const ServiceCommandLine& line) {
   if (texts.value() != nullptr) run.recorders.observers.push_back(std::move(texts).value());
 
   run.scene = resumed.value().scene;
-  run.loaded.world = run.scene->world();
-  run.loaded.settings = begin.settings;
-  line.run.ApplyTo(run.loaded.settings);
-  run.options = line.service;
+  run.options = source.service;
+  run.options.settings = begin.settings;
+  source.run.ApplyTo(run.options.settings);
   run.options.world_file = resumed.value().world_file.empty() ? begin.file : resumed.value().world_file;
   // Models may be spawned from all files that the run was loaded from, if they are here.
-  Result<LoadedWorld> file = LoadWorld(begin.file, line.overrides);
-  if (file.ok()) run.loaded.files = std::move(file.value().files);
+  Result<LoadedWorld> file = LoadWorld(begin.file, source.overrides);
+  if (file.ok()) run.files = std::move(file.value().files);
   run.options.resumed = std::move(resumed).value();
   return run;
 }
 
+Result<PreparedRun> Prepare(const RunSource& source) {
+  if (source.resume) {
+    Result<std::optional<Journal>> journal = Journal::OpenToContinue(*source.outputs.journal);
+    if (!journal.ok()) return journal.error();
+    if (journal.value()) return Resume(std::move(*journal.value()), source);
+  }
+  return IsRecordingPath(source.file) ? Branch(source) : LoadFile(source);
+}
+
 }  // namespace
 
-Result<PreparedRun> PrepareRun(const ServiceCommandLine& line) {
-  std::optional<Journal> journal;
-  if (line.resume) {
-    Result<std::optional<Journal>> opened = Journal::OpenToContinue(*line.outputs.journal);
-    if (!opened.ok()) return opened.error();
-    journal = std::move(opened).value();
-  }
-  const bool is_branch = IsRecordingPath(line.file);
-  Result<PreparedRun> run = journal ? Resume(std::move(*journal), line) : (is_branch ? Branch(line) : LoadFile(line));
+Result<PreparedRun> PrepareRun(const RunSource& source) {
+  Result<PreparedRun> run = Prepare(source);
   if (!run.ok()) return run;
   ServiceOptions& options = run.value().options;
-  options.settings = run.value().loaded.settings;
-  options.overrides = line.overrides;
-  RestrictRequests(line.permissions, run.value().loaded, options);
+  options.overrides = source.overrides;
+  RestrictRequests(source.permissions, run.value().world(), run.value().files, options);
+  if (!options.settings.ros) return run;
+  options.check_world = [ros = source.ros, domain = source.domain](const WorldDescription& world) {
+    return ros::CheckDomains(world, ros, domain);
+  };
+  if (Status domains = options.check_world(run.value().world()); !domains.ok()) return domains.error();
   return run;
 }
 
-Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line) {
+Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
+  RunObservers observers;
+  if (run.options.settings.ros) {
+    run.gateway = MakeRosWorldGateway(source.ros, run.scene);
+    observers.push_back(run.gateway.get());
+  }
   const std::optional<ResumedRun>& resumed = run.options.resumed;
-  if (!resumed || resumed->is_branch) {
+  if (!resumed || resumed->is_branch) {  // else they were made to continue the journal
     const bool needs_memory = resumed || run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
-    OutputFiles outputs = line.outputs;
+    OutputFiles outputs = source.outputs;
     outputs.begin = run.begin;
     Result<Recorders> recorders = MakeRecorders(*run.first_world, outputs, run.options.world_file, needs_memory);
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();
   }
+  for (const std::unique_ptr<RunObserver>& recorder : run.recorders.observers) observers.push_back(recorder.get());
   run.history = MakeRunHistory(run.recorders.recordings);
   run.options.history = run.history.get();
-  return {};
+  return observers;
 }
 
 }  // namespace troupe

@@ -1,32 +1,59 @@
-// PreparedRun: the world and the output files with which the world service begins a run, or continues one.
+// PreparedRun: the world, the options, the output files and the observers with which a world service begins a run, or
+// continues one. The program world-service and `troupe run --in-process` prepare theirs by the same calls.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "command_line/run_flags.h"
+#include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "ros/messages/ros_options.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/make_recorders.h"
-#include "world-service/program/command_line.h"
+#include "world-service/service/owner_permissions.h"
 #include "world-service/service/run_history.h"
+#include "world-service/service/run_service.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
 
+// What the owner of a run asks for.
+struct RunSource {
+  std::string file;         // a world, a scenario, or a recording that is continued; may be empty with `resume`
+  LoadOverrides overrides;  // of the file
+  BranchFlags branch;       // of a recording
+  RunOverrides run;         // of the settings of the file
+  OwnerPermissions permissions;
+  ServiceOptions service;  // without what follows from the file
+  OutputFiles outputs;
+  ros::RosOptions ros = ros::OptionsFromEnvironment();
+  std::optional<std::uint32_t> domain;  // of the run on DDS, which its robots cannot have in ROS; nothing: none
+  bool resume = false;                  // the run of the journal in `outputs`
+};
+
 struct PreparedRun {
-  LoadedWorld loaded;  // the file; of a run that is continued, its world and settings now
+  std::shared_ptr<const Scene> scene;  // of a run that is continued: now
+  std::vector<std::string> files;      // that were loaded
   ServiceOptions options;
-  std::shared_ptr<const Scene> scene;                   // of the loaded world
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
   std::shared_ptr<const RecordedBegin> begin;           // of the recordings; null: they begin with the run
   Recorders recorders;
-  std::unique_ptr<RunHistory> history;  // null: none
+  std::unique_ptr<RunHistory> history;   // null: none
+  std::unique_ptr<RunObserver> gateway;  // to ROS 2; null: none
+
+  const WorldDescription& world() const { return scene->world(); }
 };
 
-// Loads the file of the command line, whose warnings are printed, or the newest state of the journal to be resumed. If
-// that journal has no run yet, the file. The recorders of a new run are made by MakeRecordersOf, once nothing else can
-// fail.
-Result<PreparedRun> PrepareRun(const ServiceCommandLine& line);
-// Also makes the history.
-Status MakeRecordersOf(PreparedRun& run, const ServiceCommandLine& line);
+// Loads the file of the source, whose warnings are printed, or the newest state of the journal to be resumed. If that
+// journal has no run yet, the file. The error is also one of the domains of the robots in ROS.
+Result<PreparedRun> PrepareRun(const RunSource& source);
+
+// Makes the output files, the history and the gateway; call it once nothing else can fail. The observers, in the order
+// of their calls, live as long as the run.
+Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source);
 
 }  // namespace troupe

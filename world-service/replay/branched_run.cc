@@ -10,7 +10,7 @@
 #include "world-service/replay/replayed_world.h"
 #include "world-service/replay/restore_run.h"
 #include "world-service/replay/run_replay.h"
-#include "world-service/service/world_changes.h"
+#include "world-service/service/apply_edit.h"
 
 namespace troupe {
 namespace {
@@ -146,8 +146,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   }
   branch.begin = std::move(begin);
   branch.scene = start.world.scene();
-  branch.loaded.world = branch.scene->world();
-  RunSettings& settings = branch.loaded.settings;
+  RunSettings& settings = branch.settings;
   settings = recording->run().settings;
   const bool has_own_end = settings.ticks && *settings.ticks <= frame.state.tick;
   if (has_own_end) settings.ticks.reset();

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "common/run/run_settings.h"
+#include "common/spatial/scene.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
-#include "world-service/service/resumed_run.h"
-#include "worldfile/load_world.h"
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 
@@ -24,7 +25,7 @@ struct BranchOptions {
 };
 
 struct BranchedRun {
-  LoadedWorld loaded;  // the world of the state, and the settings
+  RunSettings settings;
   ResumedRun resumed;
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const RecordedBegin> begin;  // of its own recording

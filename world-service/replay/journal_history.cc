@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "world-service/replay/journal_rewind.h"
-#include "world-service/service/world_changes.h"
+#include "world-service/service/apply_edit.h"
 
 namespace troupe {
 namespace {

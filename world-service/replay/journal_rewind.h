@@ -11,7 +11,6 @@
 #include "recording/recording.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/replay/replayed_world.h"
-#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_history.h"
 
 namespace troupe {

@@ -19,7 +19,7 @@ class ReplayedWorld {
  public:
   // At the first state of the run.
   explicit ReplayedWorld(const Recording& recording);
-  // As it was at the begin of a chunk. The state is not valid before Restore or Follow, but at chunk 0. The error is a
+  // As it was at the start of a chunk. The state is not valid before Restore or Follow, but at chunk 0. The error is a
   // damaged recording.
   static Result<ReplayedWorld> At(const Recording& recording, std::size_t chunk);
   ReplayedWorld(const ReplayedWorld&) = default;

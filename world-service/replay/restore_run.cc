@@ -26,7 +26,7 @@ class Restoration {
     Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
     if (!world.ok()) return world.error();
     world_.emplace(std::move(world).value());
-    told_scene_ = world_->scene();
+    reported_scene_ = world_->scene();
     const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
       Note(number, edit);
       return Status();
@@ -43,19 +43,19 @@ class Restoration {
   }
 
  private:
-  // An edit of the run, as its observers are told of it.
-  struct ToldEdit {
+  // An edit of the run, for its observers.
+  struct ReportedEdit {
     ControlRequest request;
     std::optional<WorldDescription> world;
     WorldState before;
   };
 
   Status Apply() {
-    // The edits on the way of a rewind are parts of it.
+    // The edits within a rewind are parts of it.
     if (!world_->in_rewind()) {
       edit_.reset();
       if (tick_.edit && !observers_.empty()) {
-        edit_ = ToldEdit{tick_.edit->request, tick_.edit->world, world_->state()};
+        edit_ = ReportedEdit{tick_.edit->request, tick_.edit->world, world_->state()};
       }
     }
     if (tick_.edit) Note(tick_.number, *tick_.edit);
@@ -87,7 +87,7 @@ class Restoration {
     std::optional<AppliedEdit> edit;
     if (edit_) edit.emplace(AppliedEdit{edit_->request, edit_->world ? &*edit_->world : nullptr});
     const CommittedTick tick{*frame_, proposals, edit ? &*edit : nullptr, edit ? &edit_->before : nullptr};
-    const bool changed = std::exchange(told_scene_, world_->scene()) != world_->scene();
+    const bool changed = std::exchange(reported_scene_, world_->scene()) != world_->scene();
     for (RunObserver* observer : observers_) {
       if (changed) observer->OnWorldChange(world_->scene(), tick_.edition);
       if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
@@ -113,11 +113,11 @@ class Restoration {
   const Journal& journal_;
   const RunObservers& observers_;
   std::optional<ReplayedWorld> world_;
-  std::shared_ptr<const Scene> told_scene_;  // that the observers know
+  std::shared_ptr<const Scene> reported_scene_;  // that the observers know
   RecordedTick tick_;
   std::uint64_t next_number_ = 0;
   std::optional<MemoryPlace> previous_;
-  std::optional<ToldEdit> edit_;
+  std::optional<ReportedEdit> edit_;
   std::optional<UnfinishedRewind> rewind_;
   std::string world_file_;  // that was loaded during the run
   std::optional<FrameMessage> frame_;

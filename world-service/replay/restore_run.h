@@ -5,13 +5,13 @@
 
 #include "recording/journal.h"
 #include "troupe/result.h"
-#include "world-service/service/resumed_run.h"
+#include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
 
 // Steps from the last keyframe to the newest tick, and compares every state hash. With observers it steps from the
-// begin of the run, and tells them each tick: they then have written the same as if the run had not been interrupted.
+// start of the run, and reports each tick to them: they then have written the same as if the run had not been interrupted.
 // Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage, or the error
 // of an observer.
 Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);

@@ -4,17 +4,40 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/base/output_file.h"
+#include "common/sensing/sensor.h"
 #include "recording/recording.h"
 #include "recording/tick_reader.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/replay/replayed_world.h"
-#include "world-service/replay/scan_writer.h"
 
 namespace troupe {
+
+// The file of --scans of a replay, with the lines that the agents of the run wrote.
+class ScanWriter {
+ public:
+  static Result<ScanWriter> Create(const std::string& path);
+
+  // Measures all sensors of all robots that are due, in the order of robots and sensors.
+  Status Write(const ReplayedWorld& world);
+  // The robots that were made anew at this edition have no line: as at the start of the run.
+  void Begin(Edition fresh_edition) { fresh_edition_ = fresh_edition; }
+  Status Close() { return file_.Close(); }
+
+ private:
+  explicit ScanWriter(OutputFile file) : file_(std::move(file)) {}
+
+  OutputFile file_;
+  std::shared_ptr<const Scene> scene_;  // of the sensors
+  std::vector<std::unique_ptr<const Sensor>> sensors_;
+  Edition fresh_edition_ = 0;  // of the newest line
+};
 
 struct ReplayOptions {
   // The first and the last tick. Of a tick with several states, because of edits, `from` is the first and `to` the
@@ -24,7 +47,7 @@ struct ReplayOptions {
   bool compare_events = false;
   OutputFiles outputs;  // hash log and poses
   std::string scans;    // file; empty: none
-  // Called with each state from the begin of the run, and the tick that follows it; returns a difference. Its error
+  // Called with each state from the start of the run, and the tick that follows it; returns a difference. Its error
   // ends the replay. May be null.
   std::function<Result<std::optional<std::string>>(const ReplayedWorld& world, const RecordedTick& next)> check;
   // Called now and then with the tick and the share of the ticks, 0 to 1. May be null.

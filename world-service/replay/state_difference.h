@@ -10,13 +10,13 @@
 namespace troupe {
 
 struct StateDifference {
-  std::string model;  // its name
+  std::string model;  // its name; "the world" for what belongs to none
   std::string field;  // "x", "heading", "joint position", ...
   std::string found;
   std::string expected;
 };
 
-// In the order of robots, joints, grippers, objects. Nothing if the states are equal, bit by bit but for the sign of
+// In the order of the lists of WorldState. Nothing if the states are equal, bit by bit but for the sign of
 // zero. REQUIRES: `found` belongs to the world.
 std::optional<StateDifference> FindDifference(const WorldDescription& world, const WorldState& found,
                                               const WorldState& expected);

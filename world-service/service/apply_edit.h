@@ -1,11 +1,15 @@
-// Applies an edit of a control request to a world and its state: a pure function, so that a recorded edit can be
-// applied again.
+// Edits of a world by control requests: pure functions, so that a recorded edit can be applied again.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
+#include "troupe/world_description.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/service/run_observer.h"
 
@@ -19,5 +23,19 @@ bool IsEdit(ControlCommand command);
 // or as in AppliedEdit; `state` belongs to `scene`.
 Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,
                               const std::shared_ptr<const Scene>& scene, const WorldState& state);
+
+// kChange: another seed and other controllers for a run that continues from a recording.
+struct WorldChanges {
+  std::optional<std::uint64_t> seed = {};
+  std::map<std::string, ControllerDescription> controllers = {};  // by robot
+
+  bool any() const { return seed.has_value() || !controllers.empty(); }
+  // The world with the changes of the robots that it has.
+  WorldDescription AppliedTo(WorldDescription world) const;
+
+  // As the source of a ControlRequest: a JSON object.
+  std::string ToText() const;
+  static Result<WorldChanges> FromText(const std::string& text);
+};
 
 }  // namespace troupe

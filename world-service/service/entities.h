@@ -18,4 +18,7 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
 // "base", or "base0", "base1", ...: the first that is free.
 std::string FreeName(const WorldDescription& world, const std::string& base);
 
+// Sets the box of each of `entities`, which are of the world. REQUIRES: the state belongs to the world.
+void SetBoxes(const WorldDescription& world, const WorldState& state, std::vector<EntityReport>& entities);
+
 }  // namespace troupe

@@ -1,15 +1,20 @@
-// EventLog: the events of the next frame, and those that were not reported yet.
+// The events of a run, and lines for people that are still to be reported.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "common/base/utf8.h"
 #include "troupe/event.h"
 
 namespace troupe {
 
+// The events of the next frame, and those that were not reported yet.
 class EventLog {
  public:
   // An event between two frames; `tick` is the newest one committed.
@@ -44,6 +49,25 @@ class EventLog {
   double second_began_ = 0.0;  // wall time, of the rejections counted below
   int rejected_this_second_ = 0;
   std::uint64_t silent_ = 0;  // rejections that only the next sum reports
+};
+
+// Any other lines for people.
+class NoticeList {
+ public:
+  void Add(std::string text) { notices_.push_back(std::move(text)); }
+  // A plain line of at most kLongest bytes. Drops the notice when many are waiting: a hostile peer may cause any number
+  // between two reports.
+  void AddFromPeer(std::string_view text) {
+    if (notices_.size() < kMost) Add(PlainLine(text, kLongest));
+  }
+  // The notices that were not returned before.
+  std::vector<std::string> Drain() { return std::exchange(notices_, {}); }
+
+ private:
+  static constexpr std::size_t kMost = 100;
+  static constexpr std::size_t kLongest = 1000;
+
+  std::vector<std::string> notices_;
 };
 
 }  // namespace troupe

@@ -1,5 +1,9 @@
 #include "world-service/service/event_text.h"
 
+#include <nlohmann/json.hpp>
+
+#include "common/base/json_text.h"
+
 namespace troupe {
 namespace {
 
@@ -54,6 +58,21 @@ std::string EventText(const WorldDescription& world, const Event& event) {
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";
   return text;
+}
+
+nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = {{"event", ToString(event.type)}};
+  if (event.robot) json["robot"] = world.robot(*event.robot).name;
+  if (event.object) json["object"] = world.model(*event.object).name;
+  if (event.other) json["other"] = world.model(*event.other).name;
+  return json;
+}
+
+std::string EventLine(const WorldDescription& world, const Event& event) {
+  nlohmann::json json = EventJson(world, event);
+  json["tick"] = event.tick;
+  json["detail"] = event.detail;
+  return JsonText(json);
 }
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "common/base/version.h"
 #include "troupe/check.h"
 
@@ -128,7 +129,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   ++present_members_;
   Member& member = members_[join.agent];
   member.id = join.agent;
-  member.host = join.host;
+  member.host = PlainLine(join.host, kLongestHost);
   member.pid = join.pid;
   member.robots = std::move(robots);
   return {JoinDecision::Outcome::kAdmitted, &member, {}};

@@ -9,18 +9,19 @@
 
 namespace troupe {
 
-void RestrictRequests(const OwnerPermissions& permissions, const LoadedWorld& loaded, ServiceOptions& options) {
-  AllowedPaths files;
+void RestrictRequests(const OwnerPermissions& permissions, const WorldDescription& world,
+                      const std::vector<std::string>& files, ServiceOptions& options) {
+  AllowedPaths allowed;
   if (!options.world_file.empty()) {  // as in a damaged recording
-    files.Add(std::filesystem::absolute(options.world_file).parent_path().string());
+    allowed.Add(std::filesystem::absolute(options.world_file).parent_path().string());
   }
-  for (const std::string& file : loaded.files) files.Add(file);
-  if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) files.Add(worlds);
-  for (const std::string& path : permissions.files) files.Add(path);
-  options.overrides.allowed = files;
+  for (const std::string& file : files) allowed.Add(file);
+  if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) allowed.Add(worlds);
+  for (const std::string& path : permissions.files) allowed.Add(path);
+  options.overrides.allowed = allowed;
 
   AllowedPaths libraries;
-  for (const std::string& library : LibrariesOf(loaded.world)) libraries.Add(library);
+  for (const std::string& library : LibrariesOf(world)) libraries.Add(library);
   if (options.overrides.controller && NamesLibrary(*options.overrides.controller)) {
     libraries.Add(*options.overrides.controller);
   }

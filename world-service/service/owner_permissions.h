@@ -17,8 +17,10 @@ struct OwnerPermissions {
 
 // Restricts the requests of a run: they may name the permitted files, those below the folder of the run's own file,
 // those that it has read, and the installed worlds; as controllers the permitted libraries and those of its own robots.
-// REQUIRES: world_file and overrides of the options are set.
-void RestrictRequests(const OwnerPermissions& permissions, const LoadedWorld& loaded, ServiceOptions& options);
+// `world`, `files`: that of the run, and those that were read for it. REQUIRES: world_file and overrides of the options
+// are set.
+void RestrictRequests(const OwnerPermissions& permissions, const WorldDescription& world,
+                      const std::vector<std::string>& files, ServiceOptions& options);
 
 // The names of controllers of `world` that are libraries, each once, in the order of the robots.
 std::vector<std::string> LibrariesOf(const WorldDescription& world);

@@ -4,14 +4,32 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "troupe/result.h"
-#include "world-service/service/requested_text.h"
 #include "world-service/service/run_control.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {
+
+// The text of a request as a file, which the readers of worlds expect. Deleted with the last copy.
+class RequestedText {
+ public:
+  // A scenario begins with a brace; any other text is a Stage world.
+  static Result<std::shared_ptr<const RequestedText>> Write(const std::string& text);
+  ~RequestedText();
+  RequestedText(const RequestedText&) = delete;
+  RequestedText& operator=(const RequestedText&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  explicit RequestedText(std::string folder) : folder_(std::move(folder)) {}
+
+  std::string folder_;
+  std::string path_;
+};
 
 struct RequestedFile {
   RequestedWorld world;                                // of kLoadWorld and kSpawn

@@ -7,7 +7,6 @@
 #include "world-service/core/edit_world.h"
 #include "world-service/service/apply_edit.h"
 #include "world-service/service/entities.h"
-#include "world-service/service/entity_boxes.h"
 
 namespace troupe {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "world-service/service/live_run.h"
 #include "world-service/service/rewind.h"
+#include "world-service/service/run_observer.h"
 #include "world-service/service/tick_engine.h"
-#include "world-service/service/world_control.h"
 #include "world-service/service/world_editor.h"
 
 namespace troupe {

@@ -1,12 +1,16 @@
-// RunHistory: the states of a run so far, for agents whose robots need the memory of them, and for a rewind.
+// The states of a run so far: for agents whose robots need the memory of them, for a rewind, and for a service that
+// continues a run.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/spatial/scene.h"
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -33,12 +37,12 @@ class RewindStates {
   virtual ~RewindStates() = default;
   // Makes some of them from the recording, and writes nothing. False: all are made.
   virtual Result<bool> MakeSome() = 0;
-  // Appends all of them to the recording, behind the newest state. After an error the recording has no state any more,
+  // Appends all of them to the recording, behind the newest state. After an error the recording gets no further state,
   // and its recorder ends the run. REQUIRES: all are made.
   virtual Result<RewoundRun> Write() = 0;
 };
 
-// May be slow. Called on one thread at a time.
+// Reads the states. May be slow. Called on one thread at a time.
 class RunHistory {
  public:
   virtual ~RunHistory() = default;
@@ -49,6 +53,61 @@ class RunHistory {
   // that the recording does not have.
   virtual Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request,
                                                             const FrameMessage& newest) = 0;
+};
+
+// Compares the memory of the robots of an agent that joins with the states of a run.
+//
+// The memory of a robot (its controller, odometry and grippers) depends on the states since it was made: at the newest
+// fresh start (edition `fresh_edition` of frames), or when it was spawned since.
+class RobotMemories {
+ public:
+  // A state is committed: by a step, by an edit in the pause at `before`, or by a rewind that ends behind `previous`.
+  void OnStep(const FrameMessage& frame) { previous_ = {frame.edition, frame.state.tick - 1, true}; }
+  void OnEdit(const FrameMessage& frame, Tick before) { previous_ = {frame.edition - 1, before, false}; }
+  void OnRewind(const std::optional<MemoryPlace>& previous) { previous_ = previous; }
+  // A run is continued: robots that were spawned since the fresh start count as made then.
+  void Resume(const std::optional<MemoryPlace>& previous, Edition fresh_edition) {
+    previous_ = previous;
+    fresh_edition_ = fresh_edition;
+  }
+  // An edit has added robots, or made all of them anew.
+  void OnNewRobots(const std::vector<std::string>& robots, Edition edition);
+  void OnFreshStart(Edition edition);
+
+  // The history that the agent needs before it can answer the newest frame; nothing: its memory reaches up to there.
+  std::optional<HistoryRequest> MissingFor(const JoinMessage& join, const FrameMessage& newest) const;
+  // No state but the newest one is to be remembered since the fresh start.
+  bool IsFirstOf(Edition edition, const FrameMessage& newest) const {
+    return newest.edition == edition && (!previous_ || previous_->edition < edition);
+  }
+
+ private:
+  std::optional<MemoryPlace> previous_;     // the state before the newest; nothing: there is none
+  Edition fresh_edition_ = 0;               // of all robots but these:
+  std::map<std::string, Edition> spawned_;  // robots that were added since, and when
+};
+
+// A rewind within which a service died: some of its states are missing.
+struct UnfinishedRewind {
+  ControlRequest request;
+  std::uint64_t number = 0;  // of the state with which the robots begin anew
+  Edition copied_from = 0;   // of that state, when the robots began with it the first time
+  std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
+};
+
+// A run that another service has begun, at its newest committed state, for the service that continues it.
+struct ResumedRun {
+  RunId run = 0;
+  bool is_branch = false;                 // a new run, which begins with a state of a recorded one
+  Incarnation incarnation = 0;            // of the service that continues
+  std::shared_ptr<const Scene> original;  // that a reset restores
+  std::shared_ptr<const Scene> scene;     // of the newest state
+  std::optional<FrameMessage> frame;      // with the newest state; nothing: the run had not begun
+  std::optional<MemoryPlace> previous;    // the state before; nothing: there is none
+  std::uint64_t next_number = 0;          // of the state after it, counted from the start of the run
+  RunProgress progress;
+  std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
+  std::string world_file;                       // that was loaded during the run; empty: none
 };
 
 }  // namespace troupe

@@ -5,6 +5,7 @@
 // OnWorldChange are called on any thread, one at a time, between OnBegin and OnEnd.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,11 +16,21 @@
 #include "transport/protocol/messages.h"
 #include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
-#include "world-service/service/world_control.h"
 
 namespace troupe {
 
-// The begin of a run.
+// Receives the reply to a request, once: from inside the request or later, on any thread. Must be quick; it may make
+// another request.
+using ControlReplyTo = std::function<void(const ControlReply&)>;
+
+// Pauses, plays and steps a run and edits its world, for a tool (troupe ctl) or a gateway (ROS 2 services).
+class WorldControl {
+ public:
+  virtual ~WorldControl() = default;
+  virtual void Request(const ControlRequest& request, ControlReplyTo reply) = 0;
+};
+
+// The start of a run.
 struct RunStart {
   RunId run = 0;
   const RunSettings& settings;
@@ -50,33 +61,33 @@ class RunObserver {
   virtual ~RunObserver() = default;
 
   // Before the first agent is admitted. An error ends the run before it begins.
-  virtual Status OnBegin(const RunStart& start);
+  virtual Status OnBegin(const RunStart& /*start*/) { return {}; }
   // After the last tick, once for each OnBegin that succeeded. An error makes the run fail.
-  virtual Status OnEnd();
+  virtual Status OnEnd() { return {}; }
 
   // Before the agents are sent the frame, which wait for it: what is written here survives this process, whatever the
   // agents see. `progress`: after the tick. An error ends the run, and makes it fail.
-  virtual Status OnCommit(const CommittedTick& tick, const RunProgress& progress);
+  virtual Status OnCommit(const CommittedTick& /*tick*/, const RunProgress& /*progress*/) { return {}; }
   // Before the run continues after a pause, or when a pause that was to end remains. As OnCommit.
-  virtual Status OnProgress(const RunProgress& progress);
+  virtual Status OnProgress(const RunProgress& /*progress*/) { return {}; }
   // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
   // error ends the run, and makes it fail.
-  virtual Status OnTick(const CommittedTick& tick);
+  virtual Status OnTick(const CommittedTick& /*tick*/) { return {}; }
   // False while the observer cannot accept a tick: the run then waits before the next one, and asks again soon. Must be
   // quick.
-  virtual bool IsReady();
+  virtual bool IsReady() { return true; }
   // The frames from the next one on are of another description, after an edit. As OnTick. An error is
   // returned by the OnTick that follows.
-  virtual void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition);
+  virtual void OnWorldChange(const std::shared_ptr<const Scene>& /*scene*/, Edition /*edition*/) {}
 
   // Progress reports. Ticks do not wait for these.
-  virtual void OnStarted(double startup_seconds);      // all robots have agents; the first tick follows
-  virtual void OnStatus(const StatusMessage& status);  // twice a second; before the first tick, at each join, too
-  virtual void OnEvent(const Event& event, const std::string& text);  // text: one line for people
+  virtual void OnStarted(double /*startup_seconds*/) {}      // all robots have agents; the first tick follows
+  virtual void OnStatus(const StatusMessage& /*status*/) {}  // twice a second; before the first tick, at each join, too
+  virtual void OnEvent(const Event& /*event*/, const std::string& /*text*/) {}  // text: one line for people
   // Of an edit, which made this edition; agents have to be started for them. A service that continues a run repeats the
   // report of the newest edit.
-  virtual void OnNewRobots(const std::vector<std::string>& robots, Edition edition);
-  virtual void OnNotice(const std::string& text);  // any other line for people, for instance of a controller
+  virtual void OnNewRobots(const std::vector<std::string>& /*robots*/, Edition /*edition*/) {}
+  virtual void OnNotice(const std::string& /*text*/) {}  // any other line for people, for instance of a controller
 };
 
 // The observers of a run, in the order in which they are called. Each outlives the run.

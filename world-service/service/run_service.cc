@@ -189,7 +189,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void SendHistories(std::unique_lock<std::mutex>& lock) {
-    for (TickCoordinator::HistoryDemand& demand : coordinator_.TakeHistoryDemands(Now())) {
+    for (TickCoordinator::HistoryDemand& demand : coordinator_.DrainHistoryDemands(Now())) {
       const RunId run = coordinator_.frame().run;
       const Incarnation incarnation = coordinator_.frame().incarnation;
       lock.unlock();

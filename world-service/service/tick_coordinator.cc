@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 namespace {
 
@@ -93,7 +95,7 @@ void TickCoordinator::DemandHistory(const JoinMessage& join, const HistoryReques
   if (std::find(agents.begin(), agents.end(), join.agent) == agents.end()) agents.push_back(join.agent);
 }
 
-std::vector<TickCoordinator::HistoryDemand> TickCoordinator::TakeHistoryDemands(double now) {
+std::vector<TickCoordinator::HistoryDemand> TickCoordinator::DrainHistoryDemands(double now) {
   const auto is_due = [now](const HistoryDemand& demand) { return now >= demand.since + kHistoryDelay; };
   std::vector<HistoryDemand> due;
   std::copy_if(demands_.begin(), demands_.end(), std::back_inserter(due), is_due);
@@ -126,7 +128,7 @@ void TickCoordinator::OnAgentGone(AgentId agent, double now) {
 void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   if (rival.run == run_.options.run) return OnOtherService(rival, now);
   if (run_.started_at && !rival.begun) Announce();  // for the rival, which cannot know that this run has begun
-  const std::string process = rival.host + ", pid " + std::to_string(rival.pid);
+  const std::string process = PlainLine(rival.host, kLongestHost) + ", pid " + std::to_string(rival.pid);
   if (run_.phase == Phase::kGathering && (rival.begun || rival.run < run_.options.run)) {
     return Fail(Failure("another world service runs in this session (" + process + "); use another session name"), now);
   }
@@ -139,7 +141,8 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
 void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
   if (other.incarnation < run_.options.incarnation) return Announce();
   if (other.incarnation == run_.options.incarnation) return;
-  Fail(Failure("another world service (" + other.host + ", pid " + std::to_string(other.pid) + ") continues this run"),
+  Fail(Failure("another world service (" + PlainLine(other.host, kLongestHost) + ", pid " + std::to_string(other.pid) +
+               ") continues this run"),
        now);
 }
 

@@ -62,7 +62,7 @@ class TickCoordinator {
     double since = 0.0;  // wall time, s
   };
   // The demands to be answered now, each once: an agent that gets no answer joins again.
-  std::vector<HistoryDemand> TakeHistoryDemands(double now);
+  std::vector<HistoryDemand> DrainHistoryDemands(double now);
 
   // Both end the run in order; after the run has ended by itself they change nothing.
   void Stop(double now);

@@ -15,10 +15,8 @@
 #include "transport/protocol/tick_barrier.h"
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
-#include "world-service/service/pacer.h"
-#include "world-service/service/proposal_collector.h"
-#include "world-service/service/resend_timer.h"
-#include "world-service/service/robot_commands.h"
+#include "world-service/service/tick_inputs.h"
+#include "world-service/service/tick_timing.h"
 
 namespace troupe {
 
@@ -101,7 +99,7 @@ class TickEngine {
   void Commit(double now);
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
-  // The observers are told of the first state of a branch.
+  // Reports the first state of a branch to the observers.
   void ReportBegin(double now);
   RunProgress Progress() const;
   // The barrier for the next tick.

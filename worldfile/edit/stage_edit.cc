@@ -1,7 +1,6 @@
 #include "worldfile/edit/stage_edit.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "worldfile/edit/text_change.h"
@@ -13,16 +12,15 @@ bool IsBlank(char c) {
   return c == ' ' || c == '\t';
 }
 
-// True if `written` is the element as it is in the text already, whatever its form.
-bool IsSame(std::string_view element, const WrittenScalar& written) {
-  if (const auto* text = std::get_if<std::string>(&written)) return element == '"' + *text + '"';
-  if (element.front() == '"') return false;
-  const std::string old_text(element);
-  return std::strtod(old_text.c_str(), nullptr) == std::strtod(std::get<WrittenNumber>(written).text.c_str(), nullptr);
+// True if the value is that of the element in the text, whatever its form. `number`: of an element that is one.
+bool IsSame(std::string_view element, double number, const Value::Number& value) {
+  return element.front() != '"' && number == value.value;
 }
-
-std::string ScalarText(const WrittenScalar& scalar) {
-  return ToStage(WrittenValue{scalar});
+bool IsSame(std::string_view element, double /*number*/, const std::string& value) {
+  return element == '"' + value + '"';
+}
+bool IsSame(std::string_view /*element*/, double /*number*/, const Value::Tuple& /*value*/) {
+  return false;
 }
 
 // A statement behind the last of its kind, or as the first of the body.
@@ -55,8 +53,7 @@ std::vector<const Statement*> BlocksOf(const Statement& holder) {
 
 }  // namespace
 
-std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name,
-                         const WrittenValue& value) {
+std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name, const Value& value) {
   const Statement* const property = FindProperty(body, name);
   if (property == nullptr) {
     const Statement* last = nullptr;
@@ -67,17 +64,20 @@ std::string WithProperty(const std::string& text, const StageBody& body, const s
     if (!body.is_file || last != nullptr) return Inserted(text, body, last, written);
     return ApplyChanges(text, {{{0, 0}, written + EndOfLineIn(text)}});
   }
-  const auto* const tuple = std::get_if<std::vector<WrittenScalar>>(&value.content);
-  if (tuple != nullptr && text[property->value.begin] == '[' && tuple->size() == property->elements.size()) {
+  const auto is_same = [&](const TextSpan& span, double number) {
+    return [&text, span, number](const auto& content) { return IsSame(span.Of(text), number, content); };
+  };
+  const auto* const tuple = std::get_if<Value::Tuple>(&value.content);
+  const bool was_tuple = text[property->value.begin] == '[';
+  if (tuple != nullptr && was_tuple && tuple->size() == property->elements.size()) {
     std::vector<TextChange> changes;
     for (std::size_t i = 0; i < tuple->size(); ++i) {
-      const TextSpan& element = property->elements[i].span;
-      if (!IsSame(element.Of(text), (*tuple)[i])) changes.push_back({element, ScalarText((*tuple)[i])});
+      const auto& [span, number] = property->elements[i];
+      if (!std::visit(is_same(span, number), (*tuple)[i])) changes.push_back({span, ToStage((*tuple)[i])});
     }
     return ApplyChanges(text, std::move(changes));
   }
-  const auto* const scalar = std::get_if<WrittenScalar>(&value.content);
-  if (scalar != nullptr && text[property->value.begin] != '[' && IsSame(property->value.Of(text), *scalar)) return text;
+  if (!was_tuple && std::visit(is_same(property->value, property->number), value.content)) return text;
   return ApplyChanges(text, {{property->value, ToStage(value)}});
 }
 
@@ -146,7 +146,7 @@ void StageBodyEdit::Replace(std::string text) {
   tree_.reset();
 }
 
-Status StageBodyEdit::Set(const std::string& property, const WrittenValue& value) {
+Status StageBodyEdit::Set(const std::string& property, const Value& value) {
   const Result<const Statement*> statement = Find();
   if (!statement.ok()) return statement.error();
   Replace(WithProperty(text_, BodyOf(*statement.value()), property, value));

@@ -17,8 +17,7 @@ namespace troupe {
 
 // Changes the property that counts, or adds it after the others. Of a tuple of as many elements only those change that
 // have another value.
-std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name,
-                         const WrittenValue& value);
+std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name, const Value& value);
 // Without every property of that name.
 std::string WithoutProperty(const std::string& text, const StageBody& body, const std::string& name);
 
@@ -39,7 +38,7 @@ class StageBodyEdit {
       : text_(std::move(text)), path_(std::move(path)), line_(line), column_(column) {}
 
   // The edits above. The error tells that the text has no such statement.
-  Status Set(const std::string& property, const WrittenValue& value);
+  Status Set(const std::string& property, const Value& value);
   Status Remove(const std::string& property);
   // These blocks in place of those of the body: as many as there are change one by one.
   Status SetBlocks(const std::vector<WrittenModel>& blocks);

@@ -1,9 +1,11 @@
 #include "worldfile/edit/written_model.h"
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "common/base/json_text.h"
 #include "worldfile/edit/text_change.h"
-#include "worldfile/stage/stage_tree.h"
+#include "worldfile/stage/stage_world.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -11,33 +13,27 @@ namespace {
 
 constexpr std::size_t kLongLine = 110;  // bytes
 
-std::string ToStage(const WrittenScalar& scalar) {
-  if (const auto* number = std::get_if<WrittenNumber>(&scalar)) return number->text;
-  return '"' + std::get<std::string>(scalar) + '"';
-}
-
 // Stage's numbers may begin with a point or a plus.
-std::string ToJson(const WrittenScalar& scalar) {
-  if (const auto* number = std::get_if<WrittenNumber>(&scalar)) {
-    std::string text = number->text;
-    if (text.starts_with('+')) text.erase(0, 1);
-    if (text.starts_with('.')) text.insert(0, "0");
-    if (text.starts_with("-.")) text.insert(1, "0");
-    if (text.ends_with('.')) text.pop_back();
-    if (nlohmann::json::accept(text)) return text;
-    return PlainNumber(std::strtod(number->text.c_str(), nullptr), 6);
-  }
-  return nlohmann::json(std::get<std::string>(scalar)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string ScalarToJson(const Value::Scalar& scalar) {
+  const auto* const number = std::get_if<Value::Number>(&scalar);
+  if (number == nullptr) return JsonText(nlohmann::json(std::get<std::string>(scalar)));
+  std::string text = number->text;
+  if (text.starts_with('+')) text.erase(0, 1);
+  if (text.starts_with('.')) text.insert(0, "0");
+  if (text.starts_with("-.")) text.insert(1, "0");
+  if (text.ends_with('.')) text.pop_back();
+  return nlohmann::json::accept(text) ? text : PlainNumber(number->value, 6);
 }
 
-template <typename Write>
-std::string Joined(const std::vector<WrittenScalar>& tuple, const char* separator, Write write) {
-  std::string text = "[";
-  for (const WrittenScalar& scalar : tuple) {
-    if (text.size() > 1) text += separator;
-    text += write(scalar);
+std::string Joined(const Value& value, const char* separator, std::string (*write)(const Value::Scalar&)) {
+  if (const auto* number = std::get_if<Value::Number>(&value.content)) return write(*number);
+  if (const auto* text = std::get_if<std::string>(&value.content)) return write(*text);
+  std::string tuple = "[";
+  for (const Value::Scalar& scalar : std::get<Value::Tuple>(value.content)) {
+    if (tuple.size() > 1) tuple += separator;
+    tuple += write(scalar);
   }
-  return text + "]";
+  return tuple + "]";
 }
 
 std::string BodyLines(const WrittenModel& model, const std::string& indent, const std::string& end_of_line) {
@@ -53,49 +49,47 @@ std::string BodyLines(const WrittenModel& model, const std::string& indent, cons
 
 }  // namespace
 
-WrittenValue Number(double value, int decimals) {
-  return {WrittenScalar(WrittenNumber{PlainNumber(value, decimals)})};
+Value::Number RoundedNumber(double value, int decimals) {
+  std::string text = PlainNumber(value, decimals);
+  return {std::strtod(text.c_str(), nullptr), std::move(text)};
 }
 
-WrittenValue Text(std::string text) {
-  return {WrittenScalar(std::move(text))};
+Value Number(double value, int decimals) {
+  return {RoundedNumber(value, decimals), {}};
 }
 
-WrittenValue Tuple(const std::vector<double>& numbers, int decimals) {
-  std::vector<WrittenScalar> tuple;
-  for (const double number : numbers) tuple.emplace_back(WrittenNumber{PlainNumber(number, decimals)});
-  return {std::move(tuple)};
+Value Text(std::string text) {
+  return {std::move(text), {}};
 }
 
-Result<WrittenValue> ReadValueText(const std::string& text) {
-  const std::string line = "value " + text;
-  const Result<StageTree> tree = ParseStage(line, "");
+Value Tuple(const std::vector<double>& numbers, int decimals) {
+  Value::Tuple tuple;
+  for (const double number : numbers) tuple.emplace_back(RoundedNumber(number, decimals));
+  return {std::move(tuple), {}};
+}
+
+Result<Value> ReadValueText(const std::string& text) {
+  const Result<StageTree> tree = ParseStage("value " + text, "");
   const bool is_one = tree.ok() && tree.value().statements.size() == 1 &&
                       tree.value().statements[0].kind == StatementKind::kProperty &&
                       text.find_first_of("#\r\n") == std::string::npos;
   if (!is_one) {
     return Error{{}, "found " + Quoted(text) + ", expected a number, a text in double quotes, or several in [ ]"};
   }
-  const auto scalar = [&](const TextSpan& span) -> WrittenScalar {
-    std::string word(span.Of(line));
-    if (word.front() == '"') return word.substr(1, word.size() - 2);
-    return WrittenNumber{std::move(word)};
-  };
-  const Statement& statement = tree.value().statements[0];
-  if (line[statement.value.begin] != '[') return WrittenValue{scalar(statement.value)};
-  std::vector<WrittenScalar> tuple;
-  for (const StageElement& element : statement.elements) tuple.push_back(scalar(element.span));
-  return WrittenValue{std::move(tuple)};
+  return ValueOf(tree.value(), tree.value().statements[0]);
 }
 
-std::string ToStage(const WrittenValue& value) {
-  if (const auto* scalar = std::get_if<WrittenScalar>(&value.content)) return ToStage(*scalar);
-  return Joined(std::get<1>(value.content), " ", [](const WrittenScalar& each) { return ToStage(each); });
+std::string ToStage(const Value::Scalar& scalar) {
+  if (const auto* number = std::get_if<Value::Number>(&scalar)) return number->text;
+  return '"' + std::get<std::string>(scalar) + '"';
 }
 
-std::string ToJson(const WrittenValue& value) {
-  if (const auto* scalar = std::get_if<WrittenScalar>(&value.content)) return ToJson(*scalar);
-  return Joined(std::get<1>(value.content), ", ", [](const WrittenScalar& each) { return ToJson(each); });
+std::string ToStage(const Value& value) {
+  return Joined(value, " ", [](const Value::Scalar& scalar) { return ToStage(scalar); });
+}
+
+std::string ToJson(const Value& value) {
+  return Joined(value, ", ", ScalarToJson);
 }
 
 WrittenModel WrittenBlock(const std::vector<Vec2>& outline, double z_min, double z_max) {
@@ -124,17 +118,17 @@ std::string ToDefine(const WrittenModel& model, const std::string& name, const s
 std::string ToScenarioEntry(const WrittenModel& model) {
   std::string text = "{";
   const auto add = [&](const std::string& key, const std::string& value) {
-    text += (text.size() > 1 ? ", " : "") + ToJson(WrittenScalar(key)) + ": " + value;
+    text += (text.size() > 1 ? ", " : "") + ScalarToJson(key) + ": " + value;
   };
   std::string properties;
   for (const auto& [name, value] : model.properties) {
     if (name == "name") add(name, ToJson(value));
   }
-  add("model", ToJson(WrittenScalar(model.type)));
+  add("model", ScalarToJson(model.type));
   for (const auto& [name, value] : model.properties) {
     if (name == "pose" && model.type != "sensor") add(name, ToJson(value));
     if (name == "name" || (name == "pose" && model.type != "sensor")) continue;
-    properties += (properties.empty() ? "" : ", ") + ToJson(WrittenScalar(name)) + ": " + ToJson(value);
+    properties += (properties.empty() ? "" : ", ") + ScalarToJson(name) + ": " + ToJson(value);
   }
   if (!properties.empty()) add("properties", "{" + properties + "}");
   std::string children;

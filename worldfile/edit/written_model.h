@@ -3,39 +3,34 @@
 
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "troupe/result.h"
 #include "troupe/vec2.h"
+#include "worldfile/stage/world_tree.h"
 
 namespace troupe {
 
-// A number (as text, which keeps its form), a string, or a tuple of them.
-struct WrittenNumber {
-  std::string text;
-};
-using WrittenScalar = std::variant<WrittenNumber, std::string>;
-struct WrittenValue {
-  std::variant<WrittenScalar, std::vector<WrittenScalar>> content;
-};
-
-WrittenValue Number(double value, int decimals = 4);
-WrittenValue Text(std::string text);
-WrittenValue Tuple(const std::vector<double>& numbers, int decimals = 4);
+// Values to be written. Numbers are rounded to these decimals.
+Value::Number RoundedNumber(double value, int decimals = 4);
+Value Number(double value, int decimals = 4);
+Value Text(std::string text);
+Value Tuple(const std::vector<double>& numbers, int decimals = 4);
 
 // One value of the Stage language, as a user types it. The error says what was found.
-Result<WrittenValue> ReadValueText(const std::string& text);
+Result<Value> ReadValueText(const std::string& text);
 
-std::string ToStage(const WrittenValue& value);
-std::string ToJson(const WrittenValue& value);
+// A number keeps the form in which it was read.
+std::string ToStage(const Value::Scalar& scalar);
+std::string ToStage(const Value& value);
+std::string ToJson(const Value& value);
 
 struct WrittenModel {
   std::string type;  // a type or a define, or "block", "sensor"
-  std::vector<std::pair<std::string, WrittenValue>> properties;
+  std::vector<std::pair<std::string, Value>> properties;
   std::vector<WrittenModel> children;
 
-  void Set(std::string name, WrittenValue value) { properties.emplace_back(std::move(name), std::move(value)); }
+  void Set(std::string name, Value value) { properties.emplace_back(std::move(name), std::move(value)); }
 };
 
 // A block with these corners, m, and heights.

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "common/geometry/limits.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 

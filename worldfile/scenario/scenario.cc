@@ -7,7 +7,6 @@
 #include "worldfile/scenario/scenario_file.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/json_tree.h"
 #include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"

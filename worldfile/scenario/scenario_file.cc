@@ -59,7 +59,8 @@ std::string TextIn(const JsonNode& object, std::string_view key, const std::stri
 
 Value::Number NumberOf(const JsonNode& value) {
   if (value.is_boolean()) return value.is_true() ? Value::Number{1.0, "1"} : Value::Number{0.0, "0"};
-  return {value.number, value.text};
+  const bool has_exponent = value.text.find_first_of("eE") != std::string::npos;  // Stage's numbers have none
+  return {value.number, has_exponent ? ToJson(value).dump() : value.text};
 }
 
 std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) const {

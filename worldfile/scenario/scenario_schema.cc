@@ -10,7 +10,6 @@
 #include <valijson/validator.hpp>
 
 #include "common/base/closest_name.h"
-#include "worldfile/scenario/scenario_schema_text.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {

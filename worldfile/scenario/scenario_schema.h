@@ -8,6 +8,9 @@
 
 namespace troupe {
 
+// As it was when the program was built.
+extern const char* const kScenarioSchemaText;
+
 class ScenarioSchema {
  public:
   ScenarioSchema();

@@ -18,41 +18,18 @@ Value::Number NumberOf(double value) {
   return {value, fmt::format("{}", value)};
 }
 
-// A scenario is in metres and degrees, its world perhaps in other units.
-class PoseWriter {
- public:
-  explicit PoseWriter(const WorldNode& world) {
-    const std::string length = Text(world, "unit_length");
-    metres_per_unit_ = length == "cm" ? 0.01 : length == "mm" ? 0.001 : 1.0;
-    radians_ = Text(world, "unit_angle") == "radians";
-  }
-
-  // The property `pose` of `node`, which keeps its z if the entry has none.
-  Property Write(const PoseEntry& entry, const WorldNode& node) const {
-    Value::Number z = NumberOf(entry.pose.z / metres_per_unit_);
-    if (!entry.has_z) z = HeightOf(node);
-    const double heading = radians_ ? entry.pose.heading : RadiansToDegrees(entry.pose.heading);
-    std::vector<Value::Scalar> tuple{NumberOf(entry.pose.x / metres_per_unit_),
-                                     NumberOf(entry.pose.y / metres_per_unit_), std::move(z), NumberOf(heading)};
-    return {"pose", Value{std::move(tuple), entry.where}, entry.where};
-  }
-
- private:
-  static std::string Text(const WorldNode& world, const char* name) {
-    const Property* property = world.Find(name);
-    const std::string* text = property != nullptr ? std::get_if<std::string>(&property->value.content) : nullptr;
-    return text != nullptr ? *text : "";
-  }
-  static Value::Number HeightOf(const WorldNode& node) {
-    const Property* pose = node.Find("pose");
-    const auto* tuple = pose != nullptr ? std::get_if<std::vector<Value::Scalar>>(&pose->value.content) : nullptr;
-    const auto* z = tuple != nullptr && tuple->size() > 2 ? std::get_if<Value::Number>(&(*tuple)[2]) : nullptr;
-    return z != nullptr ? *z : NumberOf(0.0);
-  }
-
-  double metres_per_unit_ = 1.0;
-  bool radians_ = false;
-};
+// The property `pose` of `node`, which keeps its z if the entry has none. A scenario is in metres and degrees, its
+// world perhaps in other units.
+Property PoseProperty(const PoseEntry& entry, const WorldNode& node, const FileUnits& units) {
+  const auto* const old = node.FindContent<Value::Tuple>("pose");
+  const auto* const old_z = old != nullptr && old->size() > 2 ? std::get_if<Value::Number>(&(*old)[2]) : nullptr;
+  Value::Number z = NumberOf(entry.pose.z / units.metres);
+  if (!entry.has_z) z = old_z != nullptr ? *old_z : NumberOf(0.0);
+  const double heading = units.radians == 1.0 ? entry.pose.heading : RadiansToDegrees(entry.pose.heading);
+  Value::Tuple tuple{NumberOf(entry.pose.x / units.metres), NumberOf(entry.pose.y / units.metres), std::move(z),
+                     NumberOf(heading)};
+  return {"pose", Value{std::move(tuple), entry.where}, entry.where};
+}
 
 Property NameProperty(const std::string& name, const SourceLocation& where) {
   return {"name", Value{name, where}, where};
@@ -61,7 +38,7 @@ Property NameProperty(const std::string& name, const SourceLocation& where) {
 // Adds the entries of one scenario, one after another; stops at the first error.
 class Adder {
  public:
-  Adder(const ScenarioFile& file, WorldTree tree) : file_(file), tree_(std::move(tree)), poses_(tree_.world) {
+  Adder(const ScenarioFile& file, WorldTree tree) : file_(file), tree_(std::move(tree)) {
     const std::vector<std::string> names = ChildNames(tree_.world);
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (!names[i].empty()) top_level_.emplace(FullName("", names[i]), i);
@@ -71,7 +48,7 @@ class Adder {
   // REQUIRES: called once.
   Result<ScenarioPlan> Run(const std::optional<ControllerDescription>& default_controller) {
     for (const Property& property : file_.properties) tree_.world.Set(property);
-    poses_ = PoseWriter(tree_.world);
+    units_ = UnitsOf(tree_.world);
     for (const ModelEntry& entry : file_.models) {
       if (Status error = AddModel(entry); !error.ok()) return error.error();
     }
@@ -125,7 +102,7 @@ class Adder {
 
   // The node with the entry's pose, properties and children.
   Result<WorldNode> Filled(WorldNode node, const ModelEntry& entry) {
-    if (entry.pose) node.Set(poses_.Write(*entry.pose, node));
+    if (entry.pose) node.Set(PoseProperty(*entry.pose, node, units_));
     for (const Property& property : entry.properties) node.Set(property);
     for (const ModelEntry& child : entry.children) {
       Result<WorldNode> made = Make(child);
@@ -292,7 +269,7 @@ class Adder {
 
   const ScenarioFile& file_;
   WorldTree tree_;
-  PoseWriter poses_;
+  FileUnits units_;
   std::map<std::string, std::size_t> top_level_;     // indices of the world's children by full name
   std::map<std::string, std::size_t> next_numbers_;  // by prefix of names
   std::vector<PlannedSpawn> spawns_;

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "worldfile/text/file_lookup.h"
 #include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 
@@ -103,6 +102,12 @@ class MacroExpander {
   std::vector<std::string> active_;  // the macros whose bodies are being applied
 };
 
+Value::Scalar ScalarOf(const StageTree& file, const TextSpan& span, double number) {
+  const std::string_view text = span.Of(*file.text);
+  if (text.front() == '"') return std::string(text.substr(1, text.size() - 2));
+  return Value::Number{number, std::string(text)};
+}
+
 // The statements between the brackets of an entry or a define, or of a whole file, with those of includes.
 struct Body {
   std::vector<Property> properties;
@@ -152,7 +157,7 @@ class WorldReader {
       Status status;
       switch (statement.kind) {
         case StatementKind::kProperty:
-          body.properties.push_back(PropertyOf(file, statement));
+          body.properties.push_back({std::string(statement.name), ValueOf(file, statement), file.Where(statement)});
           break;
         case StatementKind::kEntry:
           status = ReadEntry(file, statement, level, body);
@@ -167,29 +172,6 @@ class WorldReader {
       if (!status.ok()) return status;
     }
     return {};
-  }
-
-  static Value::Scalar ScalarOf(const StageTree& file, const TextSpan& span, double number) {
-    const std::string_view text = span.Of(*file.text);
-    if (text.front() == '"') return std::string(text.substr(1, text.size() - 2));
-    return Value::Number{number, std::string(text)};
-  }
-
-  static Property PropertyOf(const StageTree& file, const Statement& statement) {
-    Property property{std::string(statement.name), {}, file.Where(statement)};
-    Value& value = property.value;
-    value.where = file.Where(statement, statement.value.begin);
-    if ((*file.text)[statement.value.begin] != '[') {
-      std::visit([&](auto&& scalar) { value.content = std::move(scalar); },
-                 ScalarOf(file, statement.value, statement.number));
-      return property;
-    }
-    auto& tuple = value.content.emplace<std::vector<Value::Scalar>>();
-    tuple.reserve(statement.elements.size());
-    for (const StageElement& element : statement.elements) {
-      tuple.push_back(ScalarOf(file, element.span, element.number));
-    }
-    return property;
   }
 
   // The statements of an entry or a define.
@@ -296,6 +278,21 @@ class WorldReader {
 };
 
 }  // namespace
+
+Value ValueOf(const StageTree& file, const Statement& property) {
+  Value value{{}, file.Where(property, property.value.begin)};
+  if ((*file.text)[property.value.begin] != '[') {
+    std::visit([&](auto&& scalar) { value.content = std::move(scalar); },
+               ScalarOf(file, property.value, property.number));
+    return value;
+  }
+  auto& tuple = value.content.emplace<Value::Tuple>();
+  tuple.reserve(property.elements.size());
+  for (const StageElement& element : property.elements) {
+    tuple.push_back(ScalarOf(file, element.span, element.number));
+  }
+  return value;
+}
 
 Result<WorldTree> ParseStageText(std::string text, const std::string& path, const ParseOptions& options) {
   WorldTree tree;

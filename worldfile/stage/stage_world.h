@@ -27,6 +27,9 @@ Result<WorldTree> ParseStageWorld(const std::string& path, const AllowedPaths& a
 // The same from text; `path` names it in messages; relative includes start at its folder.
 Result<WorldTree> ParseStageText(std::string text, const std::string& path, const ParseOptions& options = {});
 
+// The value of a statement. REQUIRES: it is a property.
+Value ValueOf(const StageTree& file, const Statement& property);
+
 // A node of type or macro `name` with nothing in its body, as `name ( )` in the file would give.
 Result<WorldNode> Instantiate(const WorldTree& tree, const std::string& name, const SourceLocation& where);
 

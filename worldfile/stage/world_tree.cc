@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 
 namespace troupe {
 
@@ -48,6 +49,15 @@ std::vector<Property> LastOfEachName(std::vector<Property> properties) {
   return properties;
 }
 
+FileUnits UnitsOf(const WorldNode& world) {
+  const auto is = [&](const char* name, const char* unit) {
+    const std::string* const text = world.FindContent<std::string>(name);
+    return text != nullptr && *text == unit;
+  };
+  const double metres = is("unit_length", "cm") ? 0.01 : is("unit_length", "mm") ? 0.001 : 1.0;
+  return {metres, is("unit_angle", "radians") ? 1.0 : std::numbers::pi / 180.0};
+}
+
 bool IsModelType(const std::string& type) {
   return type != "block" && type != "sensor" && type != "window";
 }
@@ -61,8 +71,7 @@ std::vector<std::string> ChildNames(const WorldNode& parent) {
       continue;
     }
     const int number = counts[child.type]++;
-    const Property* given = child.Find("name");
-    const std::string* text = given != nullptr ? std::get_if<std::string>(&given->value.content) : nullptr;
+    const std::string* const text = child.FindContent<std::string>("name");
     names.push_back(text != nullptr ? *text : child.type + ":" + std::to_string(number));
   }
   return names;

@@ -22,8 +22,9 @@ struct NumberValue {
 struct Value {
   using Number = NumberValue;
   using Scalar = std::variant<Number, std::string>;
+  using Tuple = std::vector<Scalar>;
 
-  std::variant<Number, std::string, std::vector<Scalar>> content;
+  std::variant<Number, std::string, Tuple> content;
   SourceLocation where;
 };
 
@@ -43,6 +44,13 @@ struct WorldNode {
   SourceLocation where;
 
   const Property* Find(const std::string& name) const;
+  // The content of a property that is a Value::Number, a std::string or a Value::Tuple. Null: the node has none of that
+  // name and kind.
+  template <typename Content>
+  const Content* FindContent(const std::string& name) const {
+    const Property* const property = Find(name);
+    return property != nullptr ? std::get_if<Content>(&property->value.content) : nullptr;
+  }
   // Replaces the property of that name, or adds it.
   void Set(Property property);
 };
@@ -65,6 +73,13 @@ struct WorldTree {
   std::vector<Warning> warnings;
   std::string directory;  // of the top file: relative bitmaps and includes start here
 };
+
+// The factors from the units of a world's files to metres and radians.
+struct FileUnits {
+  double metres = 1.0;
+  double radians = 1.0;
+};
+FileUnits UnitsOf(const WorldNode& world);
 
 // True if nodes of this type become models; the others (block, sensor, window) belong to their parent.
 bool IsModelType(const std::string& type);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 
 // 'text', cut to `longest` bytes, with control characters and bytes that are not UTF-8 written as \xNN.
@@ -13,9 +15,6 @@ std::string Quoted(std::string_view text, std::size_t longest = 40);
 inline std::string QuotedPath(std::string_view path) {
   return Quoted(path, 500);
 }
-
-// The offset of the first byte that is not valid UTF-8, or npos.
-std::size_t FindInvalidUtf8(std::string_view text);
 
 // "1 value", "3 values".
 std::string CountText(std::size_t count, const std::string& noun);

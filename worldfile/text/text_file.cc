@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <vector>
 
 #include "worldfile/text/quote.h"
 
@@ -50,6 +53,32 @@ Result<std::string> ReadTextFile(const std::string& named, const SourceLocation&
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
+}
+
+std::string DirectoryOf(const std::string& path) {
+  const std::string directory = std::filesystem::path(path).parent_path().string();
+  return directory.empty() ? "." : directory;
+}
+
+std::string FindFile(const std::string& name, const std::string& top_directory, const std::string& naming_file) {
+  namespace fs = std::filesystem;
+  const fs::path path(name);
+  if (path.is_absolute()) return name;
+  std::vector<fs::path> candidates = {fs::path(top_directory) / path, fs::path(DirectoryOf(naming_file)) / path};
+  if (const char* folders = std::getenv("STAGEPATH")) {
+    std::istringstream stream(folders);
+    for (std::string folder; std::getline(stream, folder, ':');) {
+      if (folder.empty()) continue;
+      candidates.push_back(fs::path(folder) / path);
+      candidates.push_back(fs::path(folder) / path.filename());
+    }
+  }
+  for (fs::path& candidate : candidates) {
+    candidate = candidate.lexically_normal();
+    std::error_code ignored;
+    if (fs::exists(candidate, ignored)) return candidate.string();
+  }
+  return candidates.front().string();
 }
 
 }  // namespace troupe

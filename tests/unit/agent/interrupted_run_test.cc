@@ -75,11 +75,11 @@ class InterruptedRunTest : public testing::Test {
   }
 
   Result<PreparedRun> Resume(const JournalFiles& files, bool with_hashes = true) const {
-    ServiceCommandLine line;
-    line.resume = true;
-    line.outputs.journal = files;
-    if (with_hashes) line.outputs.hash_log = File("resumed-hashes");
-    Result<PreparedRun> run = PrepareRun(line);
+    RunSource source;
+    source.resume = true;
+    source.outputs.journal = files;
+    if (with_hashes) source.outputs.hash_log = File("resumed-hashes");
+    Result<PreparedRun> run = PrepareRun(source);
     if (run.ok()) {
       for (const std::unique_ptr<RunObserver>& observer : run.value().recorders.observers) {
         if (!observer->OnEnd().ok()) return Error{{}, "a file cannot be closed"};

@@ -67,6 +67,15 @@ TEST_F(LineFileTest, FreesTheSpaceThatItHasRead) {
   EXPECT_LE(Blocks(), 8);
 }
 
+TEST_F(LineFileTest, TellsAnEndFromAFailure) {
+  Result<LineFile> folder = LineFile::Open("/", LineFile::Space::kKeep);  // opens, and cannot be read
+  ASSERT_TRUE(folder.ok());
+  std::string line;
+  EXPECT_FALSE(folder.value().Next(line));
+  ASSERT_FALSE(folder.value().status().ok());
+  EXPECT_EQ(folder.value().status().error().ToString(), "/: error: cannot read: Is a directory");
+}
+
 TEST_F(LineFileTest, NamesAFileThatCannotBeRead) {
   const Result<LineFile> file = LineFile::Open(path_, LineFile::Space::kKeep);
   ASSERT_FALSE(file.ok());

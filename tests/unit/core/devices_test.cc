@@ -160,7 +160,11 @@ TEST_F(DevicesTest, UnknownLightsAndTextsThatAreLongOrControlATerminalAreRefused
   EXPECT_EQ(problem(Switch(first_, {{2, true}})), "found light 2, expected one of the robot's 2");
   EXPECT_EQ(problem(Say(first_, std::string(200, 'a'))), "");
   EXPECT_EQ(problem(Say(first_, std::string(201, 'a'))), "found a text of 201 bytes, expected at most 200");
-  EXPECT_EQ(problem(Say(first_, "\x1b[2J")), "found a control character in a text, expected none");
+  EXPECT_EQ(problem(Say(first_, "\x1b[2J")),
+            "found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
+  EXPECT_NE(problem(Say(first_, "\xc2\x9b 2J")), "") << "the same command in one character";
+  EXPECT_NE(problem(Say(first_, "gr\xfc\xdf")), "") << "Latin-1";
+  EXPECT_EQ(problem(Say(first_, "gr\u00fc\u00df")), "");
 }
 
 TEST_F(DevicesTest, LightsOfASpawnedRobotFollowThoseOfOthers) {

@@ -124,6 +124,29 @@ TEST_F(EnergyTest, AChargerNeedNotCollide) {
   EXPECT_GT(After(1).stores.at(0).joules, 50.0);
 }
 
+TEST_F(EnergyTest, ATakerTouchesWithItsChildren) {
+  AddCharger(0.5);
+  EXPECT_LT(After(1).stores.at(0).joules, 50.0);
+  world_.AddPart(robot_, "plug", {0.25, 0.0, 0.0, 0.0}, 0.1, 0.1, {0.0, 0.1});
+  EXPECT_GT(After(1).stores.at(0).joules, 50.0);
+}
+
+TEST_F(EnergyTest, AGiverTouchesWithItsChildren) {
+  AddCharger(0.5);
+  const ModelId charger(world_.world().models.size() - 1);
+  EXPECT_LT(After(1).stores.at(0).joules, 50.0);
+  world_.AddBox("socket", -0.25, 0.0, 0.1, 0.1, {0.0, 0.1}).parent = charger;
+  EXPECT_GT(After(1).stores.at(0).joules, 50.0);
+}
+
+TEST_F(EnergyTest, ARobotChargesAStaticModel) {
+  Power(robot_) = {.has_store = true, .joules = 30.0, .capacity = 30.0, .give_watts = 50.0};
+  AddCharger() = {.has_store = true, .joules = 0.0, .capacity = 100.0, .take_watts = 20.0};
+  const WorldState state = After(5);
+  EXPECT_NEAR(state.stores.at(0).joules, 30.0 - 5 * kTick * 20.0, 1e-9);
+  EXPECT_NEAR(state.stores.at(1).joules, 5 * kTick * 20.0, 1e-9);
+}
+
 TEST_F(EnergyTest, AGiverGivesItsRateAndItsStockInAllTakersTogether) {
   PowerDescription& charger = AddCharger();
   charger.endless = false;

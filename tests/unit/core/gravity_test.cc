@@ -85,6 +85,43 @@ TEST(Gravity, ABridgeFallsWhenItsLastSupportIsRemoved) {
   EXPECT_EQ(run.object(beam).X_WO.z, 0.0);
 }
 
+// The heights of blocks say what is above what, those of origins nothing.
+TEST(Gravity, AStackFallsWhateverTheOriginsOfItsObjects) {
+  for (const double origin : {-0.9, 0.0, 0.9}) {  // of the upper box, below its blocks by this height
+    SCOPED_TRACE(origin);
+    GripperWorld world;
+    world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {-0.3, 0.0, 0.0, 0.0});
+    world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {0.3, 0.0, 0.0, 0.0});
+    const ObjectId upper = world.AddObject({0.0, 0.0, 1.1 - origin, 0.0});
+    world.world.shapes.back().blocks = {{Square(0.1), {origin, origin + 0.1}}};
+    const ObjectId lower = world.AddObject({0.0, 0.0, 1.1, 0.0});
+    world.world.shapes.back().blocks = {{Box(-0.3, -0.05, 0.3, 0.05), {-0.6, 0.0}}};
+    GripperRun run(world.world);
+    run.Step({{}, {}}, 1);
+    ASSERT_EQ(run.object(upper).support, world.world.objects[lower.index()]);
+    run.Step({{.twist = {0.0, 1.0, 0.0}}, {.twist = {0.0, 1.0, 0.0}}}, 20);
+    EXPECT_NEAR(run.object(lower).X_WO.z, 0.6, 1e-12);
+    EXPECT_NEAR(run.object(upper).X_WO.z, 0.6 - origin, 1e-12);
+    EXPECT_EQ(run.object(upper).mode, ObjectMode::kResting);
+    EXPECT_EQ(run.object(upper).support, world.world.objects[lower.index()]);
+  }
+}
+
+TEST(Gravity, ABridgeWithItsOriginOnTheGroundFalls) {
+  GripperWorld world;
+  world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {-0.3, 0.0, 0.0, 0.0});
+  world.AddRobot(Box(-0.1, -0.1, 0.1, 0.1), {0.0, 0.5}, {0.3, 0.0, 0.0, 0.0});
+  const ObjectId beam = world.AddObject({});
+  world.world.shapes.back().blocks = {{Box(-0.3, -0.05, 0.3, 0.05), {0.5, 0.6}}};
+  GripperRun run(world.world);
+  run.Step({{}, {}}, 1);
+  EXPECT_EQ(run.object(beam).mode, ObjectMode::kResting);
+  EXPECT_EQ(run.object(beam).support, std::nullopt);
+  run.Step({{.twist = {0.0, 1.0, 0.0}}, {.twist = {0.0, 1.0, 0.0}}}, 20);
+  EXPECT_EQ(run.object(beam).X_WO.z, -0.5);
+  EXPECT_EQ(run.object(beam).mode, ObjectMode::kResting);
+}
+
 TEST(Gravity, ReportsUnstableObjects) {
   GripperWorld world;
   const GripperRobot robot = world.AddGripperRobot({});

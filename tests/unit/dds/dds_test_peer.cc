@@ -35,7 +35,7 @@ class JoiningAgent : public AgentHandler {
 class SilentObserver : public ObserverHandler {
  public:
   void OnSession(const SessionMessage&) override {}
-  void OnFrame(const FrameMessage&) override {}
+  void OnFrame(const SharedFrame&) override {}
   void OnStatus(const StatusMessage&) override {}
   void OnServiceGone() override {}
 };

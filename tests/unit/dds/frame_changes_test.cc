@@ -135,12 +135,12 @@ TEST(FrameChangesTest, RowsWithoutChangesDoNotTravel) {
   WireArena arena;
   const troupe_wire_Frame wire = ToWire(Next(frame), &frame.state, arena);
   EXPECT_FALSE(wire.whole);
-  EXPECT_EQ(wire.robot_row._length, 0u);
-  EXPECT_EQ(wire.x._length, 0u);
-  EXPECT_EQ(wire.joint_position._length, 0u);
-  EXPECT_EQ(wire.gripper_clamped._length, 0u);
-  EXPECT_EQ(wire.object_x._length, 0u);
-  EXPECT_EQ(wire.object_mode._length, 0u);
+  EXPECT_EQ(wire.state.robots.row._length, 0u);
+  EXPECT_EQ(wire.state.robots.x._length, 0u);
+  EXPECT_EQ(wire.state.joints.position._length, 0u);
+  EXPECT_EQ(wire.state.grippers.clamped._length, 0u);
+  EXPECT_EQ(wire.state.objects.x._length, 0u);
+  EXPECT_EQ(wire.state.objects.mode._length, 0u);
 }
 
 TEST(FrameChangesTest, OnlyTheRowsAndColumnsThatChangedTravel) {
@@ -150,16 +150,16 @@ TEST(FrameChangesTest, OnlyTheRowsAndColumnsThatChangedTravel) {
   next.state.robots[1].X_WR.heading = -0.0;
   WireArena arena;
   const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
-  ASSERT_EQ(wire.robot_row._length, 2u);
-  EXPECT_EQ(wire.robot_row._buffer[0], 1u);
-  EXPECT_EQ(wire.robot_row._buffer[1], 3u);
-  ASSERT_EQ(wire.x._length, 2u);
-  EXPECT_EQ(wire.x._buffer[1], 1.5);
-  ASSERT_EQ(wire.heading._length, 2u);
-  EXPECT_TRUE(std::signbit(wire.heading._buffer[0]));
-  EXPECT_EQ(wire.y._length, 0u);
-  EXPECT_EQ(wire.vx._length, 0u);
-  EXPECT_EQ(wire.flags._length, 0u);
+  ASSERT_EQ(wire.state.robots.row._length, 2u);
+  EXPECT_EQ(wire.state.robots.row._buffer[0], 1u);
+  EXPECT_EQ(wire.state.robots.row._buffer[1], 3u);
+  ASSERT_EQ(wire.state.robots.x._length, 2u);
+  EXPECT_EQ(wire.state.robots.x._buffer[1], 1.5);
+  ASSERT_EQ(wire.state.robots.heading._length, 2u);
+  EXPECT_TRUE(std::signbit(wire.state.robots.heading._buffer[0]));
+  EXPECT_EQ(wire.state.robots.y._length, 0u);
+  EXPECT_EQ(wire.state.robots.vx._length, 0u);
+  EXPECT_EQ(wire.state.robots.stalled._length, 0u);
 }
 
 TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
@@ -168,9 +168,9 @@ TEST(FrameChangesTest, RowsAreNotNumberedWhereAllChanged) {
   for (RobotState& robot : next.state.robots) robot.twist.vx = 0.25;
   WireArena arena;
   const troupe_wire_Frame wire = ToWire(next, &frame.state, arena);
-  EXPECT_EQ(wire.robot_row._length, 0u);
-  EXPECT_EQ(wire.vx._length, 5u);
-  EXPECT_EQ(wire.x._length, 0u);
+  EXPECT_EQ(wire.state.robots.row._length, 0u);
+  EXPECT_EQ(wire.state.robots.vx._length, 5u);
+  EXPECT_EQ(wire.state.robots.x._length, 0u);
 }
 
 TEST(FrameChangesTest, AreAppliedOnlyToTheFrameBefore) {
@@ -207,14 +207,11 @@ TEST(FrameChangesTest, MalformedOnesAreRefusedAndSoAreChangesSinceThem) {
   next.state.objects[2].holder = GripperId(1);
   next.state.joints[0].position = 0.5;
   const BadChanges cases[] = {
-      {"a robot that does not exist", [](troupe_wire_Frame& f) { f.robot_row._buffer[1] = 5; }},
-      {"an object that does not exist", [](troupe_wire_Frame& f) { f.object_row._buffer[0] = 6; }},
-      {"more rows than values", [](troupe_wire_Frame& f) { f.x._length = 1; }},
-      {"values without rows", [](troupe_wire_Frame& f) { f.robot_row._length = 0; }},
-      {"not a number", [](troupe_wire_Frame& f) { f.joint_position._buffer[0] = std::nan(""); }},
-      {"held by a gripper that does not exist", [](troupe_wire_Frame& f) { f.object_holder._buffer[0] = 2; }},
-      {"held without a holder", [](troupe_wire_Frame& f) { f.object_holder._length = 0; }},
-      {"an unknown mode", [](troupe_wire_Frame& f) { f.object_mode._buffer[0] = 4; }},
+      {"a robot that does not exist", [](troupe_wire_Frame& f) { f.state.robots.row._buffer[1] = 5; }},
+      {"an object that does not exist", [](troupe_wire_Frame& f) { f.state.objects.row._buffer[0] = 6; }},
+      {"more rows than values", [](troupe_wire_Frame& f) { f.state.robots.x._length = 1; }},
+      {"values without rows", [](troupe_wire_Frame& f) { f.state.robots.row._length = 0; }},
+      {"an unknown mode", [](troupe_wire_Frame& f) { f.state.objects.mode._buffer[0] = 4; }},
       {"whole, with numbered rows", [](troupe_wire_Frame& f) { f.whole = true; }},
   };
   for (const BadChanges& bad : cases) {

@@ -163,7 +163,7 @@ TEST(BitmapEditingTest, AnImageThatHasChangedOnDiskIsKept) {
   House house;
   Applied(*house.editor, Stroke("line", {{19, 0}, {19, 19}}));
   house.folder.Write("plan.png", EncodeGreyPng({2, 1, {0, 0}}).value());
-  const Result<Json> refused = house.editor->Apply({{"op", "save"}});
+  const Result<Json> refused = Executed(*house.editor, {{"op", "save"}});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kNoRoom);
   EXPECT_NE(refused.error().ToString().find("plan.png"), std::string::npos);
@@ -236,7 +236,7 @@ TEST(BitmapEditingTest, HostileRequestsAreRefused) {
   Refused(editor, Stroke("frame", {point}));
   Refused(editor, Stroke("circle", {point, point}));
   Refused(editor, {{"op", "draw_bitmap"}, {"name", "house"}});
-  EXPECT_TRUE(editor.Apply(Stroke("filled", {{-100000, -100000}, {100000, 100000}}, 500)).ok());
+  EXPECT_TRUE(Executed(editor, Stroke("filled", {{-100000, -100000}, {100000, 100000}}, 500)).ok());
   Applied(editor, {{"op", "undo"}});
   const auto create = [](const Json& file, const Json& size = {6, 4, 1}, const Json& pixel = 0.05) {
     return Json{{"op", "create_bitmap"}, {"file", file}, {"size", size}, {"pixel", pixel}, {"pose", {0, 0, 0, 0}}};
@@ -269,7 +269,7 @@ TEST(BitmapEditingTest, TheHistoryOfPixelsIsBounded) {
     Applied(*house.editor, stroke);
   }
   int undone = 0;
-  for (; house.editor->Apply({{"op", "undo"}}).ok(); ++undone) EXPECT_LT(undone, 40);
+  for (; Executed(*house.editor, {{"op", "undo"}}).ok(); ++undone) EXPECT_LT(undone, 40);
   EXPECT_GT(undone, 10);
   EXPECT_LT(undone, 17);
 }

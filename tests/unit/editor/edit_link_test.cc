@@ -18,10 +18,10 @@ class Watcher : public ObserverHandler {
     session_ = session;
     ++worlds_;
   }
-  void OnFrame(const FrameMessage& frame) override {
+  void OnFrame(const SharedFrame& frame) override {
     {
       const std::lock_guard lock(mutex_);
-      frame_ = frame;
+      frame_ = *frame;
     }
     changed_.notify_all();
   }
@@ -70,7 +70,10 @@ struct Edited {
   ~Edited() { observation.reset(); }
 
   ControlReply Ask(ControlRequest request) { return link->Ask(request).value(); }
-  Result<std::string> Edit(const nlohmann::json& request) { return link->Edit(request.dump()); }
+  Result<nlohmann::json> Edit(const nlohmann::json& request) {
+    const Result<EditOperation> operation = DecodeEditOperation(request);
+    return operation.ok() ? link->Edit(operation.value()) : operation.error();
+  }
 };
 
 TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
@@ -110,6 +113,19 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
   }
 }
 
+TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
+  Edited edited;
+  ControlRequest step;
+  step.command = ControlCommand::kStep;
+  step.ticks = 1001;
+  const ControlReply refused = edited.Ask(step);
+  EXPECT_FALSE(refused.done);
+  EXPECT_EQ(refused.problem, "found 1001 steps, expected at most 1000 at once");
+  EXPECT_EQ(refused.tick, 0u);
+  step.ticks = 1000;
+  EXPECT_TRUE(edited.Ask(step).done);
+}
+
 TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   Edited edited;
   ControlRequest play;
@@ -131,12 +147,9 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   }));
 }
 
-TEST(EditLinkTest, GarbageIsRefused) {
+TEST(EditLinkTest, ATestOfAnUnknownModelIsRefused) {
   Edited edited;
-  for (const char* text :
-       {"", "[]", "{}", "{\"op\": 5}", "{\"op\": \"test\", \"model\": \"no\"}", "{\"op\": \"set_text\"}"}) {
-    EXPECT_FALSE(edited.link->Edit(text).ok()) << text;
-  }
+  EXPECT_FALSE(edited.Edit({{"op", "test"}, {"model", "no"}}).ok());
   EXPECT_FALSE(edited.link->is_modified());
 }
 

@@ -18,8 +18,21 @@ inline std::unique_ptr<Editor> OpenedEditor(const std::string& path) {
   return editor.ok() ? std::move(editor).value() : nullptr;
 }
 
+inline Result<nlohmann::json> Executed(Editor& editor, const nlohmann::json& request) {
+  const Result<EditOperation> operation = DecodeEditOperation(request);
+  if (!operation.ok()) return operation.error();
+  const auto execute = [&](const auto& each) -> Result<nlohmann::json> {
+    if constexpr (requires { editor.Execute(each); }) {
+      return editor.Execute(each);
+    } else {
+      return Failure("no operation of an editor alone");
+    }
+  };
+  return std::visit(execute, operation.value());
+}
+
 inline nlohmann::json Applied(Editor& editor, const nlohmann::json& request) {
-  Result<nlohmann::json> reply = editor.Apply(request);
+  Result<nlohmann::json> reply = Executed(editor, request);
   EXPECT_TRUE(reply.ok()) << request << ": " << (reply.ok() ? "" : reply.error().ToString());
   return reply.ok() ? std::move(reply).value() : nlohmann::json();
 }
@@ -27,7 +40,7 @@ inline nlohmann::json Applied(Editor& editor, const nlohmann::json& request) {
 // The error; the text stays as it is.
 inline std::string Refused(Editor& editor, const nlohmann::json& request) {
   const std::string before = editor.text();
-  const Result<nlohmann::json> reply = editor.Apply(request);
+  const Result<nlohmann::json> reply = Executed(editor, request);
   EXPECT_FALSE(reply.ok()) << request;
   EXPECT_EQ(editor.text(), before);
   return reply.ok() ? "" : reply.error().ToString();

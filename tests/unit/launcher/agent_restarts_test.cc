@@ -1,4 +1,4 @@
-#include "launcher/supervise/agent_restarts.h"
+#include "launcher/supervise/restarts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,9 +19,9 @@ TEST(AgentRestartsTest, StartsADeadAgentAgainAfterADelay) {
   EXPECT_EQ(restarts.NextDue(), std::nullopt);
   EXPECT_EQ(restarts.OnEnd(7, kKilled, 50.0), 50.1);
   EXPECT_EQ(restarts.NextDue(), 50.1);
-  EXPECT_THAT(restarts.TakeDue(50.05), IsEmpty());
-  EXPECT_THAT(restarts.TakeDue(50.1), ElementsAre(7));
-  EXPECT_THAT(restarts.TakeDue(60.0), IsEmpty());
+  EXPECT_THAT(restarts.DrainDue(50.05), IsEmpty());
+  EXPECT_THAT(restarts.DrainDue(50.1), ElementsAre(7));
+  EXPECT_THAT(restarts.DrainDue(60.0), IsEmpty());
   EXPECT_EQ(restarts.NextDue(), std::nullopt);
 }
 
@@ -64,7 +64,7 @@ TEST(AgentRestartsTest, ReturnsDueAgentsByNumber) {
   for (const std::size_t agent : {5u, 2u, 9u}) restarts.OnEnd(agent, kKilled, 1.0);
   restarts.OnEnd(1, kKilled, 30.0);
   EXPECT_EQ(restarts.NextDue(), 1.1);
-  EXPECT_THAT(restarts.TakeDue(2.0), ElementsAre(2, 5, 9));
+  EXPECT_THAT(restarts.DrainDue(2.0), ElementsAre(2, 5, 9));
   EXPECT_EQ(restarts.NextDue(), 30.1);
 }
 
@@ -76,7 +76,7 @@ TEST(AgentRestartsTest, StartsAgentsThatDiedTogetherOneAfterAnother) {
   while (const std::optional<double> next = restarts.NextDue()) {
     EXPECT_TRUE(started == 0 || *next > now + 0.02) << started;
     now = *next;
-    const std::vector<AgentRestarts::Agent> due = restarts.TakeDue(now);
+    const std::vector<AgentRestarts::Agent> due = restarts.DrainDue(now);
     ASSERT_EQ(due.size(), 1u);
     ++started;
   }
@@ -89,7 +89,7 @@ TEST(AgentRestartsTest, MakesNoRestartOnceTheRunEnds) {
   restarts.OnEnd(0, kKilled, 0.0);
   restarts.Cancel();
   EXPECT_EQ(restarts.NextDue(), std::nullopt);
-  EXPECT_THAT(restarts.TakeDue(100.0), IsEmpty());
+  EXPECT_THAT(restarts.DrainDue(100.0), IsEmpty());
 }
 
 }  // namespace

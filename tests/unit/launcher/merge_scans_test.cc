@@ -1,5 +1,3 @@
-#include "launcher/supervise/merge_scans.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "launcher/supervise/output_files.h"
 
 namespace troupe {
 namespace {
@@ -72,6 +72,13 @@ TEST_F(MergeScansTest, TreatsAMissingPartAsEmpty) {
   std::string a = Write("a", Line(0, "a"));
   ASSERT_TRUE(MergeScans({Path("none"), a}, Path("out"), LineFile::Space::kKeep).ok());
   EXPECT_EQ(Read(Path("out")), Line(0, "a"));
+}
+
+TEST_F(MergeScansTest, ReportsAPartThatCannotBeRead) {
+  std::string a = Write("a", Line(0, "a"));
+  Status failure = MergeScans({a, "/"}, Path("out"), LineFile::Space::kKeep);
+  ASSERT_FALSE(failure.ok());
+  EXPECT_EQ(failure.error().ToString(), "/: error: cannot read: Is a directory");
 }
 
 TEST_F(MergeScansTest, ReportsAFullDisk) {

@@ -1,6 +1,6 @@
-#include "launcher/supervise/output_failure.h"
-
 #include <gtest/gtest.h>
+
+#include "launcher/supervise/output_files.h"
 
 namespace troupe {
 namespace {

@@ -1,14 +1,17 @@
 #include "launcher/process/process.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/personality.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <system_error>
 #include <thread>
 
 #include "launcher/process/line_pipe.h"
@@ -139,6 +142,85 @@ TEST(Process, ReceivesTheSignalsThatItsParentWatches) {
   Process process = StartShell("sleep 1000", output);
   process.Signal(SIGTERM);
   EXPECT_EQ(WaitForEnd(process).signal, SIGTERM);
+}
+
+TEST(Process, AnEndThatTheSystemDoesNotTellIsNoSuccess) {
+  const auto before = signal(SIGCHLD, SIG_IGN);  // nobody can wait for children then
+  LinePipe output;
+  Process process = StartShell("exit 0", output);
+  const ProcessEnd end = WaitForEnd(process);
+  signal(SIGCHLD, before);
+  EXPECT_FALSE(end.ok());
+  EXPECT_EQ(end.ToString(), "ended in an unknown way (No child processes)");
+}
+
+TEST(Process, EndsAtOnceWithoutItsStreams) {
+  Result<Process> process = Process::Start({"/bin/sh", "-c", "exit 0"}, 9999);
+  ASSERT_TRUE(process.ok());
+  EXPECT_EQ(WaitForEnd(process.value()).exit_code, 127);
+}
+
+// The limit of this process's descriptors; `free` more can be opened.
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(rlim_t free) {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = dup(STDOUT_FILENO);
+    close(next);
+    const rlimit low{static_cast<rlim_t>(next) + free, before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &low);
+  }
+  ~FewDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Process, HasAnEmptyInputAlsoWithoutAFreeDescriptor) {
+  LinePipe output;
+  Result<Process> process = Failure("not started");
+  {
+    const FewDescriptors none(0);
+    process = Process::Start({"/bin/sh", "-c", "readlink /proc/self/fd/0"}, output.writing_end());
+  }
+  ASSERT_TRUE(process.ok());
+  EXPECT_EQ(WaitForLine(output), "/dev/null");
+}
+
+TEST(LinePipe, NeedsDescriptors) {
+  const FewDescriptors one(1);
+  EXPECT_THROW(LinePipe(), std::system_error);
+}
+
+TEST(LineReader, EndsWithWhatCannotBeRead) {
+  const int folder = open("/", O_RDONLY | O_CLOEXEC);
+  LineReader reader(folder);
+  EXPECT_TRUE(reader.Read().empty());
+  EXPECT_TRUE(reader.at_end());
+  close(folder);
+}
+
+TEST(SignalWatch, NeedsADescriptorAndLeavesTheSignalsWithoutOne) {
+  sigset_t blocked;
+  const FewDescriptors none(0);
+  EXPECT_THROW(SignalWatch(), std::system_error);
+  ASSERT_EQ(pthread_sigmask(SIG_SETMASK, nullptr, &blocked), 0);
+  EXPECT_EQ(sigismember(&blocked, SIGTERM), 0);
+}
+
+TEST(SignalWatch, IsToldOfChildrenWhateverItsParentHasIgnored) {
+  const auto before = signal(SIGCHLD, SIG_IGN);
+  {
+    SignalWatch signals;
+    LinePipe output;
+    Process process = StartShell("exit 3", output);
+    pollfd waited{signals.descriptor(), POLLIN, 0};
+    EXPECT_EQ(poll(&waited, 1, 20000), 1);
+    EXPECT_EQ(WaitForEnd(process).exit_code, 3);
+  }
+  signal(SIGCHLD, before);
 }
 
 TEST(Process, IsMissingWhenItIsNotBesideTheRunningProgram) {

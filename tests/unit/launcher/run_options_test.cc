@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "launcher/supervise/check_outputs.h"
+#include "launcher/supervise/output_files.h"
 
 namespace troupe {
 namespace {

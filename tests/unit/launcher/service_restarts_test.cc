@@ -1,6 +1,6 @@
-#include "launcher/supervise/service_restarts.h"
-
 #include <gtest/gtest.h>
+
+#include "launcher/supervise/restarts.h"
 
 namespace troupe {
 namespace {

@@ -59,7 +59,7 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   frame.state.robots[1].stalled = true;
   frame.events = {{0, EventType::kLeft, RobotId(3), {}, {}, {}}};
   top.OnSession(session);
-  top.OnFrame(frame);
+  top.OnFrame(std::make_shared<const FrameMessage>(frame));
   StatusMessage status;
   status.run = 1;
   status.waiting_for = {"c"};
@@ -81,7 +81,7 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   place("stalled");
   EXPECT_THAT(top.Text(8), HasSubstr("and "));
   frame.events = {{0, EventType::kJoined, RobotId(3), {}, {}, {}}};
-  top.OnFrame(frame);
+  top.OnFrame(std::make_shared<const FrameMessage>(frame));
   EXPECT_THAT(top.Text(20), Not(HasSubstr("no agent")));
   top.OnServiceGone();
   EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
@@ -114,13 +114,13 @@ TEST(SessionTop, ARobotThatHasLostItsAgentIsTheSameRobotAfterALoad) {
   top.OnSession(first);
   FrameMessage frame = FrameOf(first);
   frame.events = {{0, EventType::kLeft, RobotId(1), {}, {}, {}}};
-  top.OnFrame(frame);
+  top.OnFrame(std::make_shared<const FrameMessage>(frame));
   EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
   // Until a frame of the second world arrives, the state is that of the first one.
   top.OnSession(second);
   EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
   EXPECT_THAT(top.Text(20), ContainsRegex("\na +idle"));
-  top.OnFrame(FrameOf(second));
+  top.OnFrame(std::make_shared<const FrameMessage>(FrameOf(second)));
   StatusMessage status;
   status.run = 1;
   top.OnStatus(status);
@@ -129,7 +129,7 @@ TEST(SessionTop, ARobotThatHasLostItsAgentIsTheSameRobotAfterALoad) {
   EXPECT_THAT(top.Text(20), HasSubstr(" 1 robots have lost theirs"));
   const SessionMessage third = SessionOf({"c"}, 2);
   top.OnSession(third);
-  top.OnFrame(FrameOf(third));
+  top.OnFrame(std::make_shared<const FrameMessage>(FrameOf(third)));
   EXPECT_THAT(top.Text(20), HasSubstr(" 0 robots have lost theirs"));
 }
 
@@ -188,6 +188,12 @@ TEST(SessionTable, HasALineForEachSession) {
   EXPECT_THAT(table, HasSubstr("312/600  31.2         12.34        99/100         a, b, c, d and 2 more (1.2 s)\n"));
   EXPECT_THAT(table, HasSubstr("lab      lab    host:7"));
   EXPECT_EQ(SessionTable({}).find('\n'), SessionTable({}).size() - 1);
+}
+
+TEST(SessionTable, IsPlainTextWhateverTheNetworkSends) {
+  const SessionInfo hostile{"a\nb", 1, "\x1b[2J", 7, "\xff", 3, std::nullopt};
+  EXPECT_THAT(SessionTable({hostile}), HasSubstr("a b      ?      "));
+  EXPECT_THAT(SessionTable({hostile}), HasSubstr(" [2J:7  "));
 }
 
 TEST(DescribeWorld, DescribesTheContentOfAWorld) {

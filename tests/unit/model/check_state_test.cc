@@ -71,5 +71,29 @@ TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
   }
 }
 
+// A row of each kind, of a world that has them.
+TEST(CheckStateTest, EveryNumberIsFinite) {
+  WorldDescription world = SomeWorld();
+  WorldState state = SomeState();
+  const DeviceCounts devices{.stores = 1, .imus = 1, .lights = 1, .cameras = 1};
+  state.stores.resize(1);
+  state.imus.resize(1);
+  state.lights.resize(1);
+  state.cameras.resize(1);
+  ASSERT_TRUE(CheckState(world, devices, state).ok());
+  int numbers = 0;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    ForEachLeaf<Row>([&]<typename Leaf>(const Leaf& leaf) {
+      if constexpr (std::is_same_v<typename Leaf::Part, double>) {
+        WorldState bad = state;
+        leaf.Of(table.Of(bad).back()) = std::nan("");
+        EXPECT_FALSE(CheckState(world, devices, bad).ok()) << table.name << ": " << leaf.name;
+        ++numbers;
+      }
+    });
+  });
+  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2);
+}
+
 }  // namespace
 }  // namespace troupe

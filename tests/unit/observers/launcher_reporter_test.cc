@@ -40,17 +40,17 @@ class LauncherReporterTest : public testing::Test {
 };
 
 TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
-  LoadedWorld loaded;
-  loaded.settings.robots_per_process = 3;
-  loaded.settings.restart_agents = 5;
+  RunSettings settings;
+  settings.robots_per_process = 3;
+  settings.restart_agents = 5;
   SmallWorld world;
   world.AddRobot("r0", {});
   world.AddRobot("r1", {0.0, 2.0, 0.0, 0.0});
   world.AddRobot("gone", {0.0, 4.0, 0.0, 0.0});
-  loaded.world = world.world();
-  loaded.world.models[loaded.world.robots[2].root.index()].removed = true;
-  loaded.world.robots[1].name = "bad \xff bytes";
-  reporter_->Ready(loaded, {{{7410, "0102030405060708090a0b0c"}, {7430, "0102030405060708090a0b0d"}}});
+  WorldDescription described = world.world();
+  described.models[described.robots[2].root.index()].removed = true;
+  described.robots[1].name = "bad \xff bytes";
+  reporter_->Ready(described, settings, {{{7410, "0102030405060708090a0b0c"}, {7430, "0102030405060708090a0b0d"}}});
   const json report = Next();
   EXPECT_EQ(report["type"], "ready");
   EXPECT_EQ(report["robots"].size(), 2u);

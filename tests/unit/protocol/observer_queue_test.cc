@@ -25,7 +25,7 @@ std::shared_ptr<const SessionMessage> SessionOf(RunId run) {
 class BlockedObserver final : public ObserverHandler {
  public:
   void OnSession(const SessionMessage& session) override { Keep("session " + std::to_string(session.run)); }
-  void OnFrame(const FrameMessage& frame) override { Keep("frame " + std::to_string(frame.state.tick)); }
+  void OnFrame(const SharedFrame& frame) override { Keep("frame " + std::to_string(frame->state.tick)); }
   void OnStatus(const StatusMessage& status) override { Keep("status " + std::to_string(status.tick)); }
   void OnServiceGone() override { Keep("gone"); }
 

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <random>
 #include <string>
+#include <system_error>
 
 #include "recording/mcap/byte_writer.h"
 #include "recording/mcap/reader.h"
@@ -142,6 +144,47 @@ TEST(Mcap, ReadsACutOffFileUpToItsLastWholeChunk) {
     EXPECT_EQ(ReadAll(reader.value(), whole), expected);
     EXPECT_FALSE(whole);
   }
+}
+
+// A file on a disk that cannot read the bytes from `fault` on.
+class FaultySource final : public ByteSource {
+ public:
+  FaultySource(std::span<const std::byte> bytes, std::uint64_t fault)
+      : file_(MakeMemorySource("test.mcap", bytes)), fault_(fault) {}
+  const std::string& name() const override { return file_->name(); }
+  std::uint64_t size() const override { return file_->size(); }
+  void Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+    if (offset + bytes.size() > fault_) throw std::system_error(EIO, std::generic_category(), "cannot read");
+    file_->Read(offset, bytes);
+  }
+
+ private:
+  std::unique_ptr<const ByteSource> file_;
+  std::uint64_t fault_;
+};
+
+TEST(Mcap, WhatTheSystemCannotReadIsNoDamage) {
+  const std::vector<std::byte> whole = Write(Small());
+  const std::vector<std::byte> cut(whole.begin(), whole.end() - 10);  // so that all of it is read at first
+  for (const std::vector<std::byte>& bytes : {whole, cut}) {
+    for (std::uint64_t fault = 0; fault < bytes.size(); ++fault) {
+      const Result<Reader> reader = Reader::Open(std::make_unique<FaultySource>(bytes, fault));
+      ASSERT_FALSE(reader.ok()) << fault;
+      EXPECT_EQ(reader.error().ToString(), "test.mcap: error: cannot read: Input/output error");
+    }
+  }
+}
+
+TEST(Mcap, EveryDamageHasItsOwnName) {
+  std::vector<std::byte> bytes = Write(Small());
+  const std::uint64_t second = std::move(Open(bytes)).value().chunks()[1].offset;
+  const auto problem = [&] { return std::move(Open(bytes)).value().damage().value().problem; };
+  bytes[bytes.size() - 1] ^= std::byte{1};  // so that the summary is not used
+  EXPECT_THAT(problem(), HasSubstr("the summary is missing or damaged"));
+  bytes[second] = std::byte{0x7f};
+  EXPECT_THAT(problem(), HasSubstr("found a record of type 127"));
+  bytes.resize(second + 5);
+  EXPECT_THAT(problem(), HasSubstr("the file is cut off: its " + std::to_string(second + 5) + " bytes end"));
 }
 
 TEST(Mcap, NeverReturnsOtherMessagesAfterAnyChangedBit) {

@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <random>
+#include <regex>
+#include <string>
+#include <vector>
 
+#include "recording/idl_texts.h"
 #include "recording/recording_writer.h"
 #include "recording/tick_reader.h"
 #include "tests/support/small_world.h"
@@ -253,6 +259,49 @@ TEST(Recording, HasCompleteSchemas) {
     EXPECT_THAT(schema.data, testing::Not(HasSubstr("#include")));
   }
   EXPECT_THAT(SchemaOf(kChannelTypes[2]).data, HasSubstr("struct World {"));
+}
+
+// The names of the columns of a struct of frame.idl. Converters match columns by their order and types.
+std::vector<std::string> ColumnsOf(const std::string& type) {
+  const auto* const idl = std::find_if(kIdlTexts, kIdlTexts + kIdlTextCount,
+                                       [](const IdlText& file) { return file.file == std::string("frame.idl"); });
+  const std::string text = idl->text;
+  const std::size_t start = text.find("struct " + type + " {");
+  const std::string body = text.substr(start, text.find("};", start) - start);
+  const std::regex column(R"((?:sequence<[a-z ]+>|\w+Columns) (\w+);)");
+  std::vector<std::string> names;
+  for (std::sregex_iterator found(body.begin(), body.end(), column), end; found != end; ++found) {
+    names.push_back((*found)[1]);
+  }
+  return names;
+}
+
+template <typename Row>
+std::vector<std::string> LeafNames() {
+  std::vector<std::string> names;
+  ForEachLeaf<Row>([&](const auto& leaf) { names.emplace_back(leaf.name); });
+  return names;
+}
+
+TEST(IdlColumnsTest, HaveTheNamesOfTheFields) {
+  std::vector<std::string> tables;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    tables.emplace_back(table.name);
+    std::string type = tables.back();
+    type.front() = static_cast<char>(std::toupper(type.front()));
+    type.pop_back();
+    std::vector<std::string> expected = LeafNames<Row>();
+    if constexpr (std::is_same_v<Row, RadioTransmission>) {
+      expected.insert(expected.end() - 1, "length");  // of the bytes
+    } else {
+      expected.insert(expected.begin(), "row");
+    }
+    EXPECT_EQ(ColumnsOf(type + "Columns"), expected);
+  });
+  EXPECT_EQ(ColumnsOf("StateColumns"), tables);
+  std::vector<std::string> event = LeafNames<Event>();
+  event.erase(event.begin());  // the tick
+  EXPECT_EQ(ColumnsOf("EventColumns"), event);
 }
 
 }  // namespace

@@ -4,35 +4,19 @@
 
 #include <vector>
 
+#include "tests/support/announcement_message.h"
+
 namespace troupe::ros {
 namespace {
 
 using Datagram = std::vector<std::uint8_t>;
 
-void Append(Datagram& to, const Datagram& bytes) {
-  to.insert(to.end(), bytes.begin(), bytes.end());
-}
-
-// The content of an announcement: a vendor, and the locator of discovery at port 0x1cf2.
-Datagram Content() {
-  Datagram content = {0x00, 0x03, 0x00, 0x00, 0x16, 0x00, 0x04, 0x00, 0x01, 0x10, 0x00, 0x00, 0x32, 0x00, 0x18, 0x00};
-  Append(content, {0x01, 0x00, 0x00, 0x00, 0xf2, 0x1c, 0x00, 0x00});
-  Append(content, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 127, 0, 0, 1});
-  Append(content, {0x01, 0x00, 0x00, 0x00});
-  return content;
-}
-
-Datagram Message(std::uint8_t writer, const Datagram& content) {
-  Datagram message = {'R', 'T', 'P', 'S', 2, 1, 1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
-  Append(message, {0x09, 0x01, 0x08, 0x00, 0, 0, 0, 0, 0, 0, 0, 0});  // a time stamp
-  Append(message, {0x15, 0x05, static_cast<std::uint8_t>(20 + content.size()), 0x00});
-  Append(message, {0, 0, 0x10, 0x00, 0, 0, 0, 0, 0x00, 0x01, 0x00, writer, 0, 0, 0, 0, 1, 0, 0, 0});
-  Append(message, content);
-  return message;
+Datagram Message(std::uint8_t writer) {
+  return test::AnnouncementMessage({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, 0x1cf2, writer);
 }
 
 TEST(ParseAnnouncement, FindsTheParticipantAndItsPort) {
-  const auto announcement = ParseAnnouncement(Message(0xc2, Content()));
+  const auto announcement = ParseAnnouncement(Message(0xc2));
   ASSERT_TRUE(announcement.has_value());
   EXPECT_EQ(announcement->prefix.front(), 1);
   EXPECT_EQ(announcement->prefix.back(), 12);
@@ -40,13 +24,13 @@ TEST(ParseAnnouncement, FindsTheParticipantAndItsPort) {
 }
 
 TEST(ParseAnnouncement, SkipsOtherMessages) {
-  EXPECT_FALSE(ParseAnnouncement(Message(0xc7, Content())).has_value());
+  EXPECT_FALSE(ParseAnnouncement(Message(0xc7)).has_value());
   EXPECT_FALSE(ParseAnnouncement({}).has_value());
   EXPECT_FALSE(ParseAnnouncement(Datagram(100, 0x15)).has_value());
 }
 
 TEST(ParseAnnouncement, ReadsNothingBehindTheEndOfADatagram) {
-  const Datagram whole = Message(0xc2, Content());
+  const Datagram whole = Message(0xc2);
   for (std::size_t length = 0; length < whole.size(); ++length) {
     const Datagram part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
     EXPECT_FALSE(ParseAnnouncement(part).has_value()) << length;

@@ -1,5 +1,3 @@
-#include "world-service/observers/ros/entity_filter.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "transport/dds/binding/wire.h"
+#include "world-service/observers/ros/entity_filter.h"
 
 namespace troupe {
 namespace {

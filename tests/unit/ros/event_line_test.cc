@@ -1,8 +1,7 @@
-#include "world-service/observers/ros/event_line.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/support/small_world.h"
+#include "world-service/service/event_text.h"
 
 namespace troupe {
 namespace {

@@ -1,5 +1,10 @@
 // Quiet participants on a network of this test's own: the loopback interface would deliver all their announcements.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <memory>
 #include <set>
@@ -11,6 +16,7 @@
 #include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_qos.h"
+#include "tests/support/announcement_message.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
@@ -86,6 +92,72 @@ TEST(DiscoveryRelay, LetsToolsAndAgentsDiscoverEachOtherOnTheLoopbackInterface) 
     EXPECT_TRUE(test::Eventually([&] { return quiet->heard().size() == 3; }));
     EXPECT_FALSE(quiet->heard().contains(quiet == &robot ? "other" : "robot"));
   }
+}
+
+// A socket that agents of this test name as the place of their discovery.
+class AgentSocket {
+ public:
+  AgentSocket() : handle_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), address_(Loopback(0)) {
+    socklen_t size = sizeof address_;
+    EXPECT_EQ(bind(handle_, reinterpret_cast<const sockaddr*>(&address_), size), 0);
+    EXPECT_EQ(getsockname(handle_, reinterpret_cast<sockaddr*>(&address_), &size), 0);
+  }
+  ~AgentSocket() { close(handle_); }
+  AgentSocket(const AgentSocket&) = delete;
+  AgentSocket& operator=(const AgentSocket&) = delete;
+
+  // Announces agent `number` at this socket.
+  void Announce(std::size_t number, const ros::DiscoveryRelay& relay) const {
+    const auto low = static_cast<std::uint8_t>(number % 256);
+    const auto high = static_cast<std::uint8_t>(number / 256);
+    const std::vector<std::uint8_t> message =
+        test::AnnouncementMessage({0xee, low, high, 3, 4, 5, 6, 7, 8, 9, 10, 11}, ntohs(address_.sin_port));
+    const sockaddr_in to = Loopback(relay.port());
+    EXPECT_GT(sendto(handle_, message.data(), message.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  // Whether an announcement of another participant comes within some seconds, 0: has come.
+  bool Receives(double seconds) const {
+    pollfd waited{handle_, POLLIN, 0};
+    std::uint8_t byte = 0;
+    return poll(&waited, 1, static_cast<int>(seconds * 1000.0)) == 1 && recv(handle_, &byte, sizeof byte, 0) > 0;
+  }
+
+ private:
+  static sockaddr_in Loopback(std::uint16_t port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    return address;
+  }
+
+  int handle_;
+  sockaddr_in address_;
+};
+
+TEST(DiscoveryRelay, KnowsABoundedNumberOfAgents) {
+  const ros::RosOptions options = OnLoopback();
+  const ros::DiscoveryRelay relay(options.domain, ros::IndicesSearched(options.distribution));
+  const Speaker tool("tool", options);
+  const AgentSocket known;
+  const AgentSocket moved;
+  const AgentSocket surplus;
+  // A new agent receives the announcement of the tool at once, if the relay has it.
+  ASSERT_TRUE(test::Eventually([&] {
+    moved.Announce(0, relay);
+    known.Announce(0, relay);
+    return known.Receives(0.1);
+  }));
+  for (std::size_t i = 1; i < ros::DiscoveryRelay::kMost; ++i) {
+    known.Announce(i, relay);
+    ASSERT_TRUE(known.Receives(10.0)) << i;
+  }
+  while (moved.Receives(0.0)) {
+  }
+  surplus.Announce(ros::DiscoveryRelay::kMost, relay);
+  moved.Announce(0, relay);
+  EXPECT_TRUE(moved.Receives(10.0)) << "an agent that is known has moved";
+  EXPECT_FALSE(surplus.Receives(0.0));
 }
 
 }  // namespace

@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
+#include "world-service/service/event_log.h"
+
 namespace troupe {
 namespace {
 
@@ -21,6 +26,13 @@ TEST(EventLog, OrdersEventsBetweenFramesByRobotBeforeThoseOfTheStep) {
                           Event{5, EventType::kJoined, RobotId(0), std::nullopt, "a"},
                           Event{5, EventType::kJoined, RobotId(2), std::nullopt, "b"}, stall));
   EXPECT_THAT(log.CompleteFrame(6, {}), IsEmpty());
+}
+
+TEST(NoticeList, NoticesOfPeersAreShortPlainLines) {
+  NoticeList notices;
+  notices.AddFromPeer("robot r: \xff\x1b[2J\n");
+  notices.AddFromPeer(std::string(999, 'x') + "\u00e4");
+  EXPECT_EQ(notices.Drain(), (std::vector<std::string>{"robot r: ? [2J ", std::string(999, 'x')}));
 }
 
 TEST(EventLog, ReportsEachEventOnceInOrder) {

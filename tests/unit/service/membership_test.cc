@@ -56,6 +56,15 @@ TEST_F(MembershipTest, AReplacementOfAnAgentThatAnsweredBeforeAResetIsNotRefused
   EXPECT_EQ(join(2, 1.0), Outcome::kRefused);
 }
 
+TEST_F(MembershipTest, TheHostOfAPeerIsAPlainLine) {
+  JoinMessage join = JoinOf(1, {"r0"});
+  join.host = "a\x1b[2J\n" + std::string(1000, 'x');
+  const JoinDecision decision = members_.Join(join, 1, 0.0);
+  ASSERT_EQ(decision.outcome, Outcome::kAdmitted);
+  EXPECT_EQ(decision.member->host.substr(0, 8), "a [2J xx");
+  EXPECT_EQ(decision.member->host.size(), kLongestHost);
+}
+
 TEST_F(MembershipTest, RefusesInvalidJoins) {
   Join(1, {"r0"});
   const auto refusal = [&](const JoinMessage& join) {

@@ -1,4 +1,4 @@
-#include "world-service/service/proposal_collector.h"
+#include "world-service/service/tick_inputs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,3 @@
-#include "world-service/service/resend_timer.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 
 #include "tests/unit/service/coordinator_fixture.h"
 #include "troupe/random.h"
+#include "world-service/service/tick_timing.h"
 
 namespace troupe {
 namespace {

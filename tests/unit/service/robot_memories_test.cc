@@ -1,10 +1,9 @@
 // Agents whose robots do not remember the run: they are sent its history before they are admitted.
-#include "world-service/service/robot_memories.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 namespace {
@@ -93,18 +92,18 @@ TEST_F(MemoryTest, AnAgentThatIsBehindIsSentHistoryAndNotAdmitted) {
   JoinWithMemory(7, {});
   JoinWithMemory(8, {});
   EXPECT_THAT(endpoint.admissions, IsEmpty());
-  EXPECT_THAT(coordinator->TakeHistoryDemands(now), IsEmpty()) << "others may ask for the same";
+  EXPECT_THAT(coordinator->DrainHistoryDemands(now), IsEmpty()) << "others may ask for the same";
   EXPECT_LE(coordinator->NextPoll(), now + 0.02);
   now += 0.02;
-  const auto demands = coordinator->TakeHistoryDemands(now);
+  const auto demands = coordinator->DrainHistoryDemands(now);
   ASSERT_THAT(demands, SizeIs(1));
   EXPECT_EQ(demands[0].request, HistoryRequest());
   EXPECT_THAT(demands[0].agents, ElementsAre(7, 8));
-  EXPECT_THAT(coordinator->TakeHistoryDemands(now + 1.0), IsEmpty());
+  EXPECT_THAT(coordinator->DrainHistoryDemands(now + 1.0), IsEmpty());
 
   JoinWithMemory(7, MemoryPlace{0, 1, true});
   now += 0.02;
-  const auto next = coordinator->TakeHistoryDemands(now);
+  const auto next = coordinator->DrainHistoryDemands(now);
   ASSERT_THAT(next, SizeIs(1));
   EXPECT_EQ(next[0].after, (MemoryPlace{0, 1, true}));
   JoinWithMemory(7, MemoryPlace{0, 2, true});
@@ -143,7 +142,7 @@ TEST_F(MemoryTest, AnAgentThatMayNotJoinIsRefusedAtOnce) {
   coordinator->OnJoin(join, now);
   ASSERT_THAT(endpoint.admissions, SizeIs(1));
   EXPECT_FALSE(endpoint.admissions[0].admitted);
-  EXPECT_THAT(coordinator->TakeHistoryDemands(now + 1.0), IsEmpty());
+  EXPECT_THAT(coordinator->DrainHistoryDemands(now + 1.0), IsEmpty());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <set>
@@ -16,7 +17,6 @@
 
 #include "tests/support/memory_maps.h"
 #include "transport/shared_memory/agent_segment.h"
-#include "transport/shared_memory/proposal_words.h"
 #include "transport/shared_memory/service_segment.h"
 
 namespace troupe {
@@ -79,6 +79,8 @@ class Process {
     kill(pid_, SIGKILL);
     waitpid(std::exchange(pid_, 0), nullptr, 0);
   }
+  // For a process that ends by itself.
+  void Await() { waitpid(std::exchange(pid_, 0), nullptr, 0); }
   pid_t pid() const { return pid_; }
 
  private:
@@ -197,6 +199,72 @@ TEST(SegmentTest, OnlyAgentsWithASlotSend) {
   service->Bind(kSecond);  // the same slot
   EXPECT_EQ(agent->Send(Proposal(kFirst, 2)), AgentSegment::Sent::kNotJoined);
   EXPECT_TRUE(service->Collect().empty());
+}
+
+// It is stopped anywhere, often in the middle of a message, which it completes later.
+TEST(SegmentTest, AStoppedAgentDoesNotWriteIntoTheSlotOfAnother) {
+  for (int round = 0; round < 50; ++round) {
+    const auto service = MakeService();
+    service->Bind(kFirst);
+    Process stopped([&] {
+      const auto own = OpenFor(*service);
+      ProposalMessage message = Proposal(kFirst, 1, 500);
+      for (::troupe::Proposal& proposal : message.proposals) proposal.twist = {2.0, 0.0, 0.0};
+      while (own->Send(message) == AgentSegment::Sent::kYes) ++message.tick;
+      _exit(0);
+    });
+    const auto answers = SharedMemory::Open(service->address().process, service->address().answers, kAnswersBytes,
+                                            SharedMemory::Peers::kMayWrite);
+    const auto slot = answers.value().Map(SlotOffset(0), kSlotBytes);
+    while (slot.value().At<SlotHeader>(0).message.sequence < 3) std::this_thread::yield();
+    kill(stopped.pid(), SIGSTOP);
+    ASSERT_EQ(waitpid(stopped.pid(), nullptr, WUNTRACED), stopped.pid());
+    service->Unbind(kFirst);
+    service->Bind(kSecond);
+    const auto agent = OpenFor(*service);
+    ASSERT_EQ(agent->Send(Proposal(kSecond, 1, 500)), AgentSegment::Sent::kYes);
+    kill(stopped.pid(), SIGCONT);
+    stopped.Await();
+    const auto collected = service->Collect();
+    ASSERT_EQ(collected.size(), 1u);
+    ASSERT_TRUE(collected.front().malformed.ok());
+    ASSERT_EQ(collected.front().proposal, Proposal(kSecond, 1, 500));
+  }
+}
+
+TEST(SegmentTest, ASlotIsUsedAgainWhenItsAgentHasLeftItOrHasEnded) {
+  const auto service = MakeService();
+  const auto slot_of = [&](AgentId id) {
+    const auto frames = SharedMemory::Open(service->address().process, service->address().frames, kFramesBytes,
+                                           SharedMemory::Peers::kMayRead);
+    const auto memory = frames.value().Map(0, kFramesHeaderBytes);
+    const auto& agents = memory.value().At<const FramesHeader>(0).agents;
+    return std::find(agents.begin(), agents.end(), id) - agents.begin();
+  };
+  auto first = OpenFor(*service);
+  service->Bind(kFirst);
+  ASSERT_EQ(first->Send(Proposal(kFirst, 1)), AgentSegment::Sent::kYes);
+  service->Unbind(kFirst);
+  service->Bind(kSecond);
+  EXPECT_EQ(slot_of(kSecond), 1) << "the first agent does not know yet";
+  EXPECT_EQ(first->Send(Proposal(kFirst, 2)), AgentSegment::Sent::kNotJoined);
+  service->Bind(kFirst);
+  EXPECT_EQ(slot_of(kFirst), 0);
+  ASSERT_EQ(first->Send(Proposal(kFirst, 3)), AgentSegment::Sent::kYes);
+  service->Unbind(kFirst);
+  first.reset();  // as the end of its process
+  service->Bind(kSecond + 1);
+  EXPECT_EQ(slot_of(kSecond + 1), 0);
+}
+
+TEST(SegmentTest, WithoutASlotThatIsLeftAnAgentUsesTheNetwork) {
+  const auto service = MakeService();
+  const auto answers = SharedMemory::Open(service->address().process, service->address().answers, kAnswersBytes,
+                                          SharedMemory::Peers::kMayWrite);
+  ASSERT_TRUE(answers.value().Claim(SlotOffset(0), kSlots * kSlotBytes).value());
+  service->Bind(kFirst);
+  const auto agent = OpenFor(*service);
+  EXPECT_EQ(agent->Send(Proposal(kFirst, 1)), AgentSegment::Sent::kImpossible);
 }
 
 TEST(SegmentTest, MessagesOfEverySizeTravelOrAreRefused) {

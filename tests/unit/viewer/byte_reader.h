@@ -5,10 +5,12 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "troupe/pose.h"
+#include "troupe/world_state.h"
 
 namespace troupe::test {
 
@@ -44,6 +46,27 @@ class ByteReader {
     pose.z = ReadDouble();
     pose.heading = ReadDouble();
     return pose;
+  }
+  void ReadInto(Pose& pose) { pose = ReadPose(); }
+  void ReadInto(Twist& twist) { twist = {ReadFloat(), ReadFloat(), ReadFloat()}; }
+  void ReadInto(double& number) { number = ReadDouble(); }
+  void ReadInto(bool& flag) { flag = ReadByte() != 0; }
+  void ReadInto(ObjectMode& mode) { mode = static_cast<ObjectMode>(ReadByte()); }
+  template <typename Tag>
+  void ReadInto(std::optional<Id<Tag>>& id) {
+    const std::int32_t index = ReadIndex();
+    id = index < 0 ? std::nullopt : std::optional(Id<Tag>(static_cast<std::size_t>(index)));
+  }
+  // The rows that have changed, behind their numbers, which it returns.
+  template <typename Row>
+  std::vector<std::uint32_t> ReadRows(std::vector<Row>& rows) {
+    std::vector<std::uint32_t> numbers(ReadCount());
+    for (std::uint32_t& number : numbers) {
+      number = ReadCount();
+      if (number >= rows.size()) rows.resize(number + 1);
+      ForEachField<Row>([&](const auto& field) { ReadInto(field.Of(rows[number])); });
+    }
+    return numbers;
   }
   bool at_end() const { return rest_.empty(); }
 

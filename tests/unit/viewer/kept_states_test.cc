@@ -7,8 +7,10 @@ namespace {
 
 ViewedState StateAt(Tick tick) {
   ViewedState past;
-  past.state.robots.resize(100);
-  past.state.tick = tick;
+  WorldState state;
+  state.robots.resize(100);
+  state.tick = tick;
+  past.state = std::make_shared<const WorldState>(std::move(state));
   past.state_hash = 1000 + tick;
   return past;
 }

@@ -146,10 +146,11 @@ TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
   reply.tick = 12;
   reply.entities.push_back({"can\xff\"", "model"});
   EXPECT_EQ(
-      PageReplyText(3, reply),
+      ReplyToControl(3, reply).text,
       "{\"done\":true,\"entities\":[{\"name\":\"can\xEF\xBF\xBD\\\"\",\"type\":\"model\"}],\"id\":3,\"problem\":\"\","
       "\"state\":\"paused\",\"tick\":12,\"type\":\"reply\"}");
-  EXPECT_EQ(PageReplyText(4, Failure("no \"run\"")), R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
+  EXPECT_EQ(ReplyToControl(4, Failure("no \"run\"")).text,
+            R"({"done":false,"id":4,"problem":"no \"run\"","type":"reply"})");
 }
 
 TEST(PageRequestTest, AsksForTheAgentOfARobot) {
@@ -163,7 +164,7 @@ TEST(PageRequestTest, AsksForTheAgentOfARobot) {
   ControlReply reply;
   reply.entities.push_back({"r0", "position"});
   reply.entities[0].agent = AgentReport{"bench7", 4711, true, 0.25, 3};
-  EXPECT_THAT(PageReplyText(4, reply),
+  EXPECT_THAT(ReplyToControl(4, reply).text,
               testing::HasSubstr(R"("agent":{"answer_seconds":0.25,"host":"bench7","pid":4711,"present":true,)"
                                  R"("times_last":3})"));
 }
@@ -174,7 +175,9 @@ TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   EXPECT_FALSE(ParsePageRequest(edit).ok());
   const Result<PageRequest> request = ParsePageRequest(edit, kLongestEditRequest);
   ASSERT_TRUE(request.ok());
-  EXPECT_EQ(std::get<EditRequest>(request.value()), (EditRequest{3, "set_text", edit}));
+  const PageEdit& parsed = std::get<PageEdit>(request.value());
+  EXPECT_EQ(parsed.id, 3U);
+  EXPECT_EQ(std::get<edit::SetText>(parsed.operation.value()).text.size(), 20'000U);
   const std::string select = R"({"type": "select", "robots": [")" + std::string(20'000, 'x') + "\"]}";
   EXPECT_FALSE(ParsePageRequest(select, kLongestEditRequest).ok());
   for (const char* bad : {R"({"type": "edit", "op": "undo"})", R"({"type": "edit", "id": 1})",
@@ -183,21 +186,89 @@ TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   }
 }
 
+// Of a request of the editor; its error.
+std::string EditError(const std::string& members) {
+  const Result<PageRequest> request = ParsePageRequest(R"({"type": "edit", "id": 7, "op": )" + members + "}");
+  if (!request.ok()) return "no request";
+  const PageEdit& edit = std::get<PageEdit>(request.value());
+  EXPECT_EQ(edit.id, 7U);
+  return edit.operation.ok() ? "" : edit.operation.error().message;
+}
+
 TEST(PageRequestTest, ViewersAskOnlyQuestionsOfAFile) {
-  for (const char* op : {"document", "text", "palette", "help", "entity", "model"}) {
-    EXPECT_TRUE(IsQuestion(EditRequest{1, op, ""})) << op;
+  const auto is_question = [](const char* op) {
+    const Result<EditOperation> operation = DecodeEditOperation({{"op", op}, {"text", ""}});
+    EXPECT_TRUE(operation.ok()) << op;
+    return operation.ok() && IsQuestion(operation.value());
+  };
+  for (const char* op : {"document", "text", "palette", "help", "bitmaps", "entity", "model"}) {
+    EXPECT_TRUE(is_question(op)) << op;
   }
-  for (const char* op : {"set_text", "save", "reload", "undo", "redo", "test", "delete", "", "anything"}) {
-    EXPECT_FALSE(IsQuestion(EditRequest{1, op, ""})) << op;
+  for (const char* op : {"set_text", "save", "reload", "undo", "redo", "test", "end_test", "delete"}) {
+    EXPECT_FALSE(is_question(op)) << op;
+  }
+}
+
+TEST(PageRequestTest, EditsBecomeTypedOperations) {
+  const Result<EditOperation> pose =
+      DecodeEditOperation({{"op", "set_pose"}, {"name", "a"}, {"pose", {1, 2, 0, -3.5}}});
+  ASSERT_TRUE(pose.ok());
+  EXPECT_EQ(std::get<edit::SetPose>(pose.value()).pose, (Pose{1.0, 2.0, 0.0, -3.5}));
+  const Result<EditOperation> part = DecodeEditOperation(
+      {{"op", "change_part"}, {"model", "m"}, {"part", {0, 2}}, {"action", "shape"}, {"shape", {{"limits", {0, 1}}}}});
+  ASSERT_TRUE(part.ok());
+  const auto& shape = std::get<edit::ShapePart>(part.value());
+  EXPECT_EQ(shape.model, "m");
+  EXPECT_EQ(shape.part, (PartPath{0, 2}));
+  EXPECT_EQ(shape.shape.limits, (std::vector<double>{0.0, 1.0}));
+  EXPECT_FALSE(shape.shape.is_only_pose());
+  const Result<EditOperation> region = DecodeEditOperation(
+      {{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}});
+  ASSERT_TRUE(region.ok());
+  std::string members;
+  for (const auto& [key, value] : *std::get<edit::SetRegion>(region.value()).rule) members += key + "=" + value + ";";
+  EXPECT_EQ(members, "model=\"m\";count=2;region=[0, 0, 1, 1];seed=3;");
+}
+
+// They are answered, unlike a text that is no request.
+TEST(PageRequestTest, MalformedEditsHaveTheirReason) {
+  for (
+      const auto& [members, reason] : std::vector<std::pair<const char*, const char*>>{
+          {R"("undo")", ""},
+          {R"("fly")", "found the operation 'fly', expected one of the editor"},
+          {R"("set_text", "text": 5)", "found no text"},
+          {R"("set_pose", "name": "a", "pose": [1, 2, 3])", "found no pose, expected four finite numbers"},
+          {R"("set_pose", "name": "a", "pose": [1, 2, 3, 2e6])", "found no pose, expected four finite numbers"},
+          {R"("set_property", "property": "1x", "value": "1")", "found the property '1x', expected a name"},
+          {R"("set_property", "property": "x", "value": "1 2")",
+           "found '1 2', expected a number, a text in double quotes, or several in [ ]"},
+          {R"("rename", "name": "a", "to": "\"")", "found the name '\"', expected 1 to 100 characters without quotes"},
+          {R"("add_model", "name": "a", "pose": [0, 0, 0, 0], "blocks": [])", "found no pose or no blocks"},
+          {R"("add_model", "name": "a", "pose": [0, 0, 0, 0], "blocks": [{"outline": [[0, 0], [1, 0], [1, 1]], "z": [1, 1]}])",
+           "found a block without height, expected its top above its underside"},
+          {R"("set_model", "name": "a b")", "found the name 'a b', expected a letter, then letters, digits, . - _"},
+          {R"("change_part", "model": "m", "action": "turn")",
+           "found the action 'turn', expected set, add, remove, shape or roles"},
+          {R"("change_part", "model": "m", "action": "remove", "part": [-1])", "found no part of that number"},
+          {R"("change_part", "model": "m", "action": "shape", "shape": {"wings": 2})",
+           "found another shape, expected pose, size, paddle, axis, limits or blocks"},
+          {R"("draw_bitmap", "name": "a", "tool": "spray")", "found the tool 'spray', expected line, frame or filled"},
+          {R"("create_bitmap", "file": "a.png", "size": [1, 1, 1], "pixel": 0, "pose": [0, 0, 0, 0])",
+           "found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m"},
+          {R"("set_region", "rule": null)", "found no rule"}}) {
+    EXPECT_EQ(EditError(members), reason) << members;
   }
 }
 
 TEST(PageRequestTest, AReplyToAnEditHasItsContentOrItsProblem) {
-  EXPECT_EQ(nlohmann::json::parse(EditReplyText(4, Result<std::string>(R"({"name": "wall1"})"))),
+  const PageReply done = ReplyToEdit(4, nlohmann::json{{"name", "wall1"}});
+  EXPECT_TRUE(done.done);
+  EXPECT_EQ(nlohmann::json::parse(done.text),
             nlohmann::json::parse(R"({"type": "reply", "id": 4, "done": true, "problem": "", "name": "wall1"})"));
-  const auto refused = nlohmann::json::parse(EditReplyText(5, Error{{}, "changed", ErrorCode::kNoRoom}));
-  EXPECT_EQ(refused["done"], false);
-  EXPECT_EQ(refused["conflict"], true);
+  const PageReply refused = ReplyToEdit(5, Error{{}, "changed", ErrorCode::kNoRoom});
+  EXPECT_FALSE(refused.done);
+  EXPECT_EQ(refused.problem, "changed");
+  EXPECT_EQ(nlohmann::json::parse(refused.text)["conflict"], true);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
 #include "common/model/state_hash.h"
 #include "tests/support/small_world.h"
 
@@ -19,7 +22,7 @@ SessionMessage Session(RunId run = 1, Edition edition = 0) {
   return session;
 }
 
-FrameMessage Frame(const SessionMessage& session, Tick tick, std::size_t events = 0) {
+SharedFrame Frame(const SessionMessage& session, Tick tick, std::size_t events = 0, bool is_last = false) {
   FrameMessage frame;
   frame.run = session.run;
   frame.state = PlacedState(session.world);
@@ -29,7 +32,8 @@ FrameMessage Frame(const SessionMessage& session, Tick tick, std::size_t events 
   frame.world_edition = session.world_edition;
   for (std::size_t i = 0; i < events; ++i)
     frame.events.push_back({tick, EventType::kStallBegan, RobotId(0), {}, {}, {}});
-  return frame;
+  frame.last = is_last;
+  return std::make_shared<const FrameMessage>(std::move(frame));
 }
 
 TEST(RunFeedTest, HasNothingBeforeTheFirstFrame) {
@@ -51,8 +55,36 @@ TEST(RunFeedTest, HasTheNewestStateWithItsWorld) {
   feed.OnFrame(Frame(session, 2));  // late
   feed.Read(content);
   ASSERT_NE(content.state, nullptr);
-  EXPECT_EQ(content.state->state.tick, 3u);
+  EXPECT_EQ(content.state->state->tick, 3u);
   EXPECT_EQ(content.state->world->description(), session.world);
+}
+
+TEST(RunFeedTest, TheStateOfAFrameIsNotCopied) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage session = Session();
+  const SharedFrame frame = Frame(session, 3);
+  feed.OnSession(session);
+  feed.OnFrame(frame);
+  feed.Read(content);
+  EXPECT_EQ(content.state->state.get(), &frame->state);
+  EXPECT_EQ(feed.history().At(content.state->position).value()->state.get(), &frame->state);
+}
+
+TEST(RunFeedTest, AStateThatTheWorldCannotHaveIsNotShown) {
+  RunFeed feed;
+  FeedContent content;
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  feed.OnFrame(Frame(session, 3));
+  FrameMessage bad = *Frame(session, 4);
+  bad.state.robots.clear();
+  feed.OnFrame(std::make_shared<const FrameMessage>(bad));
+  bad = *Frame(session, 4);
+  bad.state.robots[0].X_WR.x = std::nan("");
+  feed.OnFrame(std::make_shared<const FrameMessage>(bad));
+  feed.Read(content);
+  EXPECT_EQ(content.state->state->tick, 3u);
 }
 
 TEST(RunFeedTest, AFrameOfAnotherEditionWaitsForItsWorld) {
@@ -64,14 +96,14 @@ TEST(RunFeedTest, AFrameOfAnotherEditionWaitsForItsWorld) {
   feed.OnFrame(Frame(first, 3));
   feed.OnFrame(Frame(second, 0));  // its world is not known yet
   feed.Read(content);
-  EXPECT_EQ(content.state->state.tick, 3u);
+  EXPECT_EQ(content.state->state->tick, 3u);
   feed.OnSession(second);
   feed.Read(content);
   EXPECT_EQ(content.state->world->number, 1u);  // the state is still the one of the first world
   feed.OnFrame(Frame(second, 0));
   feed.Read(content);
   EXPECT_EQ(content.state->world->number, 2u);
-  EXPECT_EQ(content.state->state.tick, 0u);
+  EXPECT_EQ(content.state->state->tick, 0u);
 }
 
 TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
@@ -110,9 +142,7 @@ TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   FeedContent content;
   const SessionMessage session = Session();
   feed.OnSession(session);
-  FrameMessage last = Frame(session, 9);
-  last.last = true;
-  feed.OnFrame(last);
+  feed.OnFrame(Frame(session, 9, 0, true));
   feed.OnServiceGone();
   feed.Read(content);
   EXPECT_NE(content.state, nullptr);

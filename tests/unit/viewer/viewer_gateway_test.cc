@@ -39,6 +39,9 @@ class ScriptedLink : public RunLink {
     reply.problem = reply.done ? "" : "in a wall";
     return reply;
   }
+  Result<nlohmann::json> Edit(const EditOperation& operation) override {
+    return nlohmann::json{{"is_text", std::holds_alternative<edit::Text>(operation)}};
+  }
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
@@ -86,7 +89,7 @@ SessionMessage LaserWorld(Edition edition = 0) {
   return session;
 }
 
-FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
+SharedFrame FrameAt(const SessionMessage& session, Tick tick) {
   FrameMessage frame;
   frame.run = session.run;
   frame.edition = frame.world_edition = session.world_edition;
@@ -94,7 +97,7 @@ FrameMessage FrameAt(const SessionMessage& session, Tick tick) {
   frame.state.tick = tick;
   frame.state.robots[0].X_WR.x = 0.001 * static_cast<double>(tick);
   frame.state_hash = 1000 + tick;
-  return frame;
+  return std::make_shared<const FrameMessage>(std::move(frame));
 }
 
 // Robot r0 with a camera.
@@ -122,15 +125,12 @@ struct ParsedUpdate {
     position = reader.Read<std::uint64_t>();
     first = reader.Read<std::uint64_t>();
     last = reader.Read<std::uint64_t>();
-    const std::uint32_t robots = reader.ReadCount();
-    for (std::uint32_t i = 0; i < robots; ++i) {
-      rows.push_back(reader.ReadCount());
-      poses.push_back(reader.ReadPose());
-      for (int k = 0; k < 3; ++k) reader.ReadFloat();
-      reader.ReadByte();
-    }
-    // Joints, grippers, objects, stores, lights, events.
-    for (int kind = 0; kind < 6; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
+    rows = reader.ReadRows(robots);
+    // Joints, grippers, objects, stores, lights.
+    for (int kind = 0; kind < 5; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
+    std::vector<CameraState> cameras;
+    reader.ReadRows(cameras);
+    EXPECT_EQ(reader.ReadCount(), 0u);  // events
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
     const std::uint32_t measured = reader.ReadCount();
@@ -174,7 +174,7 @@ struct ParsedUpdate {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
   std::vector<std::uint32_t> rows;
-  std::vector<Pose> poses;
+  std::vector<RobotState> robots;
   std::vector<std::uint32_t> readings;  // robots
   Tick reading_tick = 0;
   std::vector<std::vector<double>> scans;
@@ -186,8 +186,9 @@ struct ParsedUpdate {
 
 class ViewerGatewayTest : public testing::Test {
  protected:
-  void Start(bool view_only = false, const std::string& token = "") {
+  void Start(bool view_only = false, const std::string& token = "", bool editor = false) {
     ViewerGatewayOptions options;
+    options.editor = editor;
     options.session = "s";
     options.port = 0;
     options.view_only = view_only;
@@ -262,7 +263,7 @@ TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
   const ParsedUpdate difference(ReadBinary(*client));
   EXPECT_EQ(difference.tick, 2u);
   EXPECT_THAT(difference.rows, testing::ElementsAre(0));
-  EXPECT_EQ(difference.poses[0].x, 0.002);
+  EXPECT_EQ(difference.robots[0].X_WR.x, 0.002);
 
   auto late = Connect();
   EXPECT_EQ(ReadBinary(*late)[0], 1);
@@ -334,7 +335,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
 
   const Scene scene(world.world);
   BodyIndex bodies(scene);
-  bodies.Assign(FrameAt(world, 7).state);
+  bodies.Assign(FrameAt(world, 7)->state);
   for (std::size_t robot = 0; robot < 2; ++robot) {
     SensorSuite suite(scene, RobotId(robot));
     const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
@@ -345,7 +346,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
 std::string PictureAt(const SessionMessage& world, Tick tick) {
   const Scene scene(world.world);
   BodyIndex bodies(scene);
-  const WorldState state = FrameAt(world, tick).state;
+  const WorldState state = FrameAt(world, tick)->state;
   bodies.Assign(state);
   SensorSuite suite(scene, RobotId(0));
   const auto& colors = suite.Measure(1, {scene, bodies, &state}, tick).As<CameraReading>()->colors;
@@ -429,7 +430,7 @@ TEST_F(ViewerGatewayTest, AViewerGoesBackToAPastStateAndReturns) {
   EXPECT_EQ(past.hash, 1005u);
   EXPECT_EQ(past.position, 4u);
   EXPECT_THAT(past.rows, testing::ElementsAre(0, 1));
-  EXPECT_EQ(past.poses[0].x, 0.005);
+  EXPECT_EQ(past.robots[0].X_WR.x, 0.005);
   EXPECT_EQ(past.reading_tick, 5u);
   run.OnFrame(FrameAt(world, 21));
   AwaitUpdate(*other, [](const ParsedUpdate& update) { return update.tick == 21; });
@@ -450,8 +451,9 @@ class ScriptedRecording : public Recorded {
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
   Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
     if (position == 8) return Failure("the chunk is damaged");
-    const FrameMessage frame = FrameAt(session, position);
-    return std::make_shared<const ViewedState>(ViewedState{position, world, frame.state, frame.state_hash, 0});
+    const SharedFrame frame = FrameAt(session, position);
+    return std::make_shared<const ViewedState>(
+        ViewedState{position, world, {frame, &frame->state}, frame->state_hash, 0});
   }
   std::vector<NumberedEvent> Events() const override { return {}; }
 
@@ -514,6 +516,26 @@ TEST_F(ViewerGatewayTest, ATextThatIsNoRequestEndsTheConnection) {
   EXPECT_EQ(message->close_status(), 1008);
 }
 
+TEST_F(ViewerGatewayTest, AMalformedEditIsAnsweredAndKeepsTheConnection) {
+  Start(false, "", true);
+  auto client = Connect();
+  const auto await_reply = [&]() -> nlohmann::json {
+    for (;;) {
+      nlohmann::json text = ReadText(*client);
+      if (text.is_null() || text["type"] == "reply") return text;
+    }
+  };
+  client->SendText(R"({"type": "edit", "id": 5, "op": "set_pose", "name": "a"})");
+  const nlohmann::json refused = await_reply();
+  EXPECT_EQ(refused["id"], 5);
+  EXPECT_EQ(refused["done"], false);
+  EXPECT_EQ(refused["problem"], "found no pose, expected four finite numbers");
+  client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
+  const nlohmann::json done = await_reply();
+  EXPECT_EQ(done["id"], 6);
+  EXPECT_EQ(done["is_text"], true);
+}
+
 TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
   Start();
   auto sleeping = Connect();
@@ -527,7 +549,7 @@ TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
     AwaitUpdate(*watching, [&](const ParsedUpdate& update) { return update.tick == tick; });
   }
   const ParsedUpdate newest = AwaitUpdate(*sleeping, [&](const ParsedUpdate& update) { return update.tick == kTicks; });
-  EXPECT_EQ(newest.poses[0].x, 0.001 * static_cast<double>(kTicks));
+  EXPECT_EQ(newest.robots[0].X_WR.x, 0.001 * static_cast<double>(kTicks));
 }
 
 TEST_F(ViewerGatewayTest, ThePageThatIsLoadedStartsTheObservationForItsViewer) {

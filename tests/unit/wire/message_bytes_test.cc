@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "common/base/hash.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/random_messages.h"
 #include "transport/dds/binding/data_reader.h"
@@ -203,6 +204,63 @@ TEST(WireBytesTest, TheyAreThoseThatTravelOverDds) {
     }));
     EXPECT_EQ(received, ToBytes(message)) << "seed " << seed;
   }
+}
+
+// With a value of its own in each field.
+FrameMessage FrameWithEveryField() {
+  FrameMessage frame;
+  frame.run = 1;
+  frame.state.tick = 2;
+  frame.state_hash = 3;
+  frame.last = true;
+  frame.awaited = {4, 5};
+  frame.edition = 6;
+  frame.world_edition = 7;
+  frame.fresh_edition = 8;
+  frame.incarnation = 9;
+  frame.remembered = true;
+  frame.state.robots = {{{1.0, 2.0, 3.0, 0.25}, {4.0, 5.0, 6.0}, true}, {}};
+  frame.state.joints = {{0.5, -0.125, true}};
+  frame.state.grippers = {{ModelId(3), std::nullopt, ObjectId(0)}};
+  frame.state.objects = {{{1.5, 2.5, 3.5, -0.5}, ObjectMode::kHeld, 0.75, GripperId(0), ModelId(9)}};
+  frame.state.stores = {{12.5, 7.5}};
+  frame.state.imus = {{8.0, 9.0, 10.0}};
+  frame.state.lights = {{false}, {true}};
+  frame.state.cameras = {{0.5, -0.25}};
+  frame.state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {}};
+  frame.events = {{2, EventType::kGripped, RobotId(1), ModelId(5), "text", ModelId(6)}};
+  frame.commands = {{.robot = RobotId(1), .twist = Twist{0.5, 1.0, 1.5}, .grippers = {{0, 50.0, std::nullopt}}}};
+  return frame;
+}
+
+ProposalMessage ProposalWithEveryField() {
+  ProposalMessage message;
+  message.run = 1;
+  message.agent = 2;
+  message.tick = 3;
+  message.proposals = {{.robot = RobotId(4), .twist = {1.0, 2.0, 3.0}, .joint_velocities = {0.5, 0.25}},
+                       {.robot = RobotId(5),
+                        .twist = {},
+                        .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
+                        .lights = {{0, true}, {3, false}},
+                        .cameras = {{4, 0.5, -0.5}},
+                        .say = "hello"}};
+  message.reports = {"a report"};
+  message.edition = 6;
+  message.incarnation = 7;
+  return message;
+}
+
+std::uint64_t HashOf(const std::vector<std::byte>& bytes) {
+  Hasher hasher;
+  for (const std::byte byte : bytes) hasher.Add(std::to_integer<std::uint64_t>(byte));
+  return hasher.value();
+}
+
+// Recordings of earlier versions stay readable: the bytes of a message never change.
+TEST(MessageBytesLayoutTest, IsThatOfEarlierRecordings) {
+  EXPECT_EQ(HashOf(ToBytes(FrameWithEveryField())), 0xa6d2ea2fbdb2275a);
+  EXPECT_EQ(HashOf(ToBytes(ProposalWithEveryField())), 0x42f0f5e8c3e4d472);
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ const Statement& Entry(const StageTree& syntax, std::size_t index) {
   return syntax.statements.front();
 }
 
-WrittenValue Value(const std::string& text) {
-  Result<WrittenValue> value = ReadValueText(text);
+Value ValueOf(const std::string& text) {
+  Result<Value> value = ReadValueText(text);
   EXPECT_TRUE(value.ok()) << text;
   return value.ok() ? value.value() : Text("");
 }
@@ -62,28 +62,28 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 TEST(StageEditTest, OneTokenOfATupleChangesAlone) {
   const StageTree syntax = Read(kYard);
-  const std::string moved = WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2.5 0.0 30]"));
+  const std::string moved = WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", ValueOf("[1 2.5 0.0 30]"));
   EXPECT_EQ(moved, Replaced(kYard, "[ 1.0 2.000 0 30 ]", "[ 1.0 2.5 0 30 ]"));
 }
 
 TEST(StageEditTest, AValueThatIsTheSameChangesNothing) {
   const StageTree syntax = Read(kYard);
-  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", Value("[1 2 0 30.0]")), kYard);
-  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "name", Value("\"left\"")), kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "pose", ValueOf("[1 2 0 30.0]")), kYard);
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 0)), "name", ValueOf("\"left\"")), kYard);
 }
 
 TEST(StageEditTest, ANewPropertyFollowsTheOthersOfItsLine) {
   const StageTree syntax = Read(kYard);
-  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 1)), "name", Value("\"right\"")),
+  EXPECT_EQ(WithProperty(kYard, BodyOf(Entry(syntax, 1)), "name", ValueOf("\"right\"")),
             Replaced(kYard, "color \"blue\" )", "color \"blue\" name \"right\" )"));
 }
 
 TEST(StageEditTest, ANewPropertyOfSeveralLinesHasALineOfItsOwnBehindTheComment) {
   const StageTree syntax = Read(kYard);
-  EXPECT_EQ(WithProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "gripper_return", Value("1")),
+  EXPECT_EQ(WithProperty(kYard, BodyOf(*FindDefine(syntax, "crate")), "gripper_return", ValueOf("1")),
             Replaced(kYard, "  color \"brown\"\n", "  color \"brown\"\n  gripper_return 1\n"));
   const std::string commented = "model\n(\n  size [1 1 1] # big\n)\n";
-  EXPECT_EQ(WithProperty(commented, BodyOf(Entry(Read(commented), 0)), "color", Value("\"red\"")),
+  EXPECT_EQ(WithProperty(commented, BodyOf(Entry(Read(commented), 0)), "color", ValueOf("\"red\"")),
             "model\n(\n  size [1 1 1] # big\n  color \"red\"\n)\n");
 }
 
@@ -94,13 +94,13 @@ TEST(StageEditTest, AnEmptyBodyReceivesItsFirstProperty) {
            {"model\n(\n)\n", "model\n(\n  color \"red\"\n)\n"},
            {"model\r\n(\r\n)\r\n", "model\r\n(\r\n  color \"red\"\r\n)\r\n"},
            {"model( # nothing\n)\n", "model( # nothing\n  color \"red\"\n)\n"}}) {
-    EXPECT_EQ(WithProperty(before, BodyOf(Entry(Read(before), 0)), "color", Value("\"red\"")), after);
+    EXPECT_EQ(WithProperty(before, BodyOf(Entry(Read(before), 0)), "color", ValueOf("\"red\"")), after);
   }
 }
 
 TEST(StageEditTest, TheLastOfTwoPropertiesCounts) {
   const std::string twice = "model( size [1 1 1] size [2 2 2] )\n";
-  EXPECT_EQ(WithProperty(twice, BodyOf(Entry(Read(twice), 0)), "size", Value("[2 2 3]")),
+  EXPECT_EQ(WithProperty(twice, BodyOf(Entry(Read(twice), 0)), "size", ValueOf("[2 2 3]")),
             "model( size [1 1 1] size [2 2 3] )\n");
 }
 
@@ -172,7 +172,7 @@ TEST(StageEditTest, ValuesAreOneValue) {
   for (const char* bad : {"", "red", "1 2", "[1 2] 3", "1 # c", "1\nname \"x\"", "( )", "\"a\" ) model(", "1e5"}) {
     EXPECT_FALSE(ReadValueText(bad).ok()) << bad;
   }
-  EXPECT_EQ(ToJson(Value("[.5 +1 -.25 \"a\"]")), "[0.5, 1, -0.25, \"a\"]");
+  EXPECT_EQ(ToJson(ValueOf("[.5 +1 -.25 \"a\"]")), "[0.5, 1, -0.25, \"a\"]");
 }
 
 // Files that people have written: each is read to its end, and one pose that changes is one token that changes.
@@ -195,7 +195,7 @@ TEST(StageEditTest, StageWorldsChangeByOneToken) {
       std::string tuple = "[";
       for (std::size_t i = 0; i < 4; ++i)
         tuple += " " + (i == 1 ? "123.5" : std::string(pose->elements[i].span.Of(text)));
-      const std::string after = WithProperty(text, BodyOf(statement), "pose", Value(tuple + " ]"));
+      const std::string after = WithProperty(text, BodyOf(statement), "pose", ValueOf(tuple + " ]"));
       const TextSpan& token = pose->elements[1].span;
       EXPECT_EQ(after, text.substr(0, token.begin) + "123.5" + text.substr(token.end)) << file.path();
       EXPECT_TRUE(ParseStage(after, "after").ok());

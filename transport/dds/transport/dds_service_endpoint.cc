@@ -16,9 +16,6 @@ using Clock = std::chrono::steady_clock;
 // Agents that may join through one writer: an agent that rejoins as another one is a new agent.
 constexpr std::size_t kAgentsOfWriter = 64;
 
-// Lost agents whose proposals are still accepted: the run asks them to join again.
-constexpr std::size_t kLostAgentsKept = 1024;
-
 std::unique_ptr<ServiceSegment> MakeSegment(const DdsConnection& connection, bool data_sharing) {
   if (!data_sharing) return nullptr;
   Result<std::unique_ptr<ServiceSegment>> segment = ServiceSegment::Create();
@@ -148,7 +145,7 @@ bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
   if (of_writer.size() >= kAgentsOfWriter) return false;
   of_writer.insert(agent);
   agents_.emplace(agent, sender);
-  lost_agents_.erase(agent);
+  lost_agents_.Remove(agent);
   if (segment_) segment_->Bind(agent);
   return true;
 }
@@ -179,11 +176,8 @@ void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
   if (lost.empty()) return;
   for (const AgentId agent : lost.mapped()) {
     agents_.erase(agent);
-    if (lost_agents_.size() == kLostAgentsKept) {
-      if (segment_) segment_->Unbind(lost_agents_.begin()->first);
-      lost_agents_.erase(lost_agents_.begin());
-    }
-    lost_agents_[agent] = ended.participant;
+    const std::optional<AgentId> forgotten = lost_agents_.Add(agent, ended.participant);
+    if (forgotten && segment_) segment_->Unbind(*forgotten);
     handler_->OnAgentGone(agent);
   }
 }
@@ -194,8 +188,7 @@ bool DdsServiceEndpoint::IsFromAgent(AgentGroup& group, AgentId agent, const Sen
     group.proposals.Refuse(sender, "another participant is this agent");
     return false;
   }
-  const auto lost = lost_agents_.find(agent);
-  return lost != lost_agents_.end() && lost->second == sender.participant;
+  return lost_agents_.Contains(agent, sender.participant);
 }
 
 void DdsServiceEndpoint::DrainProposals(AgentGroup& group) {

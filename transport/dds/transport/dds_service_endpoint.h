@@ -15,6 +15,7 @@
 #include "transport/dds/transport/agent_group.h"
 #include "transport/dds/transport/dds_connection.h"
 #include "transport/dds/transport/frame_stream.h"
+#include "transport/dds/transport/lost_agents.h"
 #include "transport/protocol/transport.h"
 #include "transport/shared_memory/service_segment.h"
 
@@ -81,7 +82,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
   std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
   std::map<dds_instance_handle_t, std::set<AgentId>> agents_of_writer_;  // the same, by the writer
-  std::map<AgentId, GuidPrefix> lost_agents_;                            // some of those that were
+  LostAgents lost_agents_;
   std::thread collector_;
 };
 

@@ -53,9 +53,9 @@ export class EntityPanel {
     setText(badge, state === 'lost' ? 'no agent' : state);
     const facts: Array<[string, string]> = [
       ...this.poseFacts(pose),
-      ['speed', `${fixed(row.vx, 3)} m/s`],
-      ...(row.vy !== 0 ? [['sideways', `${fixed(row.vy, 3)} m/s`] as [string, string]] : []),
-      ['turning', `${fixed(degrees(row.wz), 1)} °/s`],
+      ['speed', `${fixed(row.twist.vx, 3)} m/s`],
+      ...(row.twist.vy !== 0 ? [['sideways', `${fixed(row.twist.vy, 3)} m/s`] as [string, string]] : []),
+      ['turning', `${fixed(degrees(row.twist.wz), 1)} °/s`],
       ['controller', description.controller],
     ];
     if (agent) facts.push(['agent', agentText(agent)]);

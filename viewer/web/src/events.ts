@@ -1,6 +1,7 @@
 // The list of events, the newest first.
 import {byId, fixed, make} from './dom';
-import {EventType, type RunEvent} from './protocol';
+import {EventType} from '../generated/rows';
+import type {RunEvent} from './protocol';
 import type {Run} from './run';
 
 const MOST_SHOWN = 100;

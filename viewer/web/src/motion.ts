@@ -1,6 +1,7 @@
 // Motion: the poses at which bodies are drawn between two updates, so that a run of ten ticks a second does not jerk. A
 // body moves from where it is drawn to its newest pose, in the time that passed between the last two updates.
-import type {JointRow, ObjectRow, Pose, RobotRow} from './protocol';
+import type {JointRow, ObjectRow, RobotRow} from '../generated/rows';
+import type {Pose} from './protocol';
 import type {Run} from './run';
 
 const LONGEST = 250;  // ms; a slower run is shown as it is

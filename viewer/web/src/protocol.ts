@@ -1,13 +1,21 @@
 // The messages of the gateway: viewer/gateway/world_message.cc, page_viewer.cc and robot_readings.cc write them. Numbers are
-// little-endian; metres and radians, in the world frame unless the name says otherwise.
+// little-endian; metres and radians, in the world frame unless the name says otherwise. The build makes the rows of the
+// state and their readers (generated/rows.ts, by write_rows.cc).
+import {readStateRows, type EventType, type StateRows} from '../generated/rows';
 
-export const PROTOCOL = 4;
+export const PROTOCOL = 5;
 
 export interface Pose {
   x: number;
   y: number;
   z: number;
   heading: number;
+}
+
+export interface Twist {
+  vx: number;
+  vy: number;
+  wz: number;
 }
 
 export interface Block {
@@ -107,36 +115,7 @@ export interface World {
   lights: Light[];
 }
 
-export interface RobotRow {
-  pose: Pose;
-  vx: number;
-  vy: number;
-  wz: number;
-  stalled: boolean;
-}
-
-export interface JointRow {
-  position: number;
-  blocked: boolean;
-}
-
-export interface ObjectRow {
-  pose: Pose;
-  mode: number;  // OBJECT_MODES
-  holder: number;  // gripper; -1: none
-}
-
-export interface StoreRow {
-  joules: number;
-  chargeWatts: number;
-}
-
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
-
-// As EventType of troupe/event.h.
-export const enum EventType {
-  StallBegan, StallEnded, Joined, Left, ProposalRejected, Blocked, Gripped, Released, Landed, Unstable, OutOfEnergy, Said,
-}
 
 export interface RunEvent {
   position: number;  // of its state on the timeline
@@ -274,7 +253,7 @@ export interface RobotReadings {
   readings: Reading[];
 }
 
-export interface Update {
+export interface Update extends StateRows {
   world: number;
   past: boolean;  // of a past state, or a recording
   paused: boolean;
@@ -285,17 +264,11 @@ export interface Update {
   position: number;  // on the timeline; the next are its ends
   first: number;
   lastPosition: number;
-  robots: Array<[number, RobotRow]>;
-  joints: Array<[number, JointRow]>;
-  grippers: Array<[number, number]>;
-  objects: Array<[number, ObjectRow]>;
-  stores: Array<[number, StoreRow]>;
-  lights: Array<[number, boolean]>;  // switched on
   events: RunEvent[];
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
-class Reader {
+export class Reader {
   private at = 0;
   private readonly view: DataView;
 
@@ -338,6 +311,9 @@ class Reader {
   }
   pose(): Pose {
     return {x: this.f64(), y: this.f64(), z: this.f64(), heading: this.f64()};
+  }
+  twist(): Twist {
+    return {vx: this.f32(), vy: this.f32(), wz: this.f32()};
   }
   floats(count: number): Float32Array {
     return new Float32Array(this.bytes(4 * count).buffer);
@@ -483,14 +459,7 @@ function readUpdate(r: Reader): Update {
     position: Number(r.u64()),
     first: Number(r.u64()),
     lastPosition: Number(r.u64()),
-    robots: r.list((): [number, RobotRow] => [
-      r.u32(), {pose: r.pose(), vx: r.f32(), vy: r.f32(), wz: r.f32(), stalled: r.flag()},
-    ]),
-    joints: r.list((): [number, JointRow] => [r.u32(), {position: r.f64(), blocked: r.flag()}]),
-    grippers: r.list((): [number, number] => [r.u32(), r.i32()]),
-    objects: r.list((): [number, ObjectRow] => [r.u32(), {pose: r.pose(), mode: r.u8(), holder: r.i32()}]),
-    stores: r.list((): [number, StoreRow] => [r.u32(), {joules: r.f64(), chargeWatts: r.f64()}]),
-    lights: r.list((): [number, boolean] => [r.u32(), r.flag()]),
+    ...readStateRows(r),
     events: r.list((): RunEvent => ({
       position: Number(r.u64()), tick: Number(r.u64()), type: r.u8(), robot: r.text(), other: r.text(), object: r.text(),
       detail: r.text(),

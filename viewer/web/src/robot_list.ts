@@ -12,7 +12,8 @@ export function robotState(run: Run, robot: number, holding: boolean): RobotStat
   if (!row) return 'idle';
   if (row.stalled) return 'stalled';
   if (holding) return 'holding';
-  return row.vx !== 0 || row.vy !== 0 || row.wz !== 0 ? 'moving' : 'idle';
+  const {vx, vy, wz} = row.twist;
+  return vx !== 0 || vy !== 0 || wz !== 0 ? 'moving' : 'idle';
 }
 
 interface Row {
@@ -46,7 +47,7 @@ export class RobotList {
     const holders = new Set(run.objects.filter(o => o.holder >= 0).map(o => run.world.grippers[o.holder].robot));
     for (const [i, row] of this.rows) {
       const state = robotState(run, i, holders.has(i));
-      const speed = run.robots[i] ? Math.hypot(run.robots[i].vx, run.robots[i].vy) : 0;
+      const speed = run.robots[i] ? Math.hypot(run.robots[i].twist.vx, run.robots[i].twist.vy) : 0;
       if (row.dot.className !== `dot ${state}`) row.dot.className = `dot ${state}`;
       setText(row.state, state === 'moving' ? `${fixed(speed, 2)} m/s` : state);
       row.element.classList.toggle('selected', i === selected);

@@ -1,18 +1,10 @@
 // Run: the newest state of the run, as the updates of the gateway add up.
-import type {
-  JointRow, Light, ObjectRow, Pose, Reading, RobotReadings, RobotRow, RunEvent, RunStatus, StoreRow, Update, World,
-} from './protocol';
-import {EventType} from './protocol';
+import {EventType, StateTables} from '../generated/rows';
+import type {Light, Pose, Reading, RobotReadings, RunEvent, RunStatus, Update, World} from './protocol';
 
 const MOST_EVENTS = 500;
 
-export class Run {
-  robots: RobotRow[] = [];
-  joints: JointRow[] = [];
-  grippers: number[] = [];  // the object between the pads; -1: none
-  objects: ObjectRow[] = [];
-  stores: StoreRow[] = [];
-  lights: boolean[] = [];  // switched on
+export class Run extends StateTables {
   events: RunEvent[] = [];
   status: RunStatus | null = null;
   readings = new Map<number, RobotReadings>();  // by robot
@@ -29,6 +21,7 @@ export class Run {
   lostAgents = new Set<string>();  // of robots, by name
 
   constructor(public readonly world: World, before: Run | null) {
+    super();
     if (before?.world.run !== world.run) return;
     this.events = before.events;
     this.lostAgents = before.lostAgents;
@@ -39,12 +32,7 @@ export class Run {
   }
 
   apply(update: Update): void {
-    for (const [i, row] of update.robots) this.robots[i] = row;
-    for (const [i, row] of update.joints) this.joints[i] = row;
-    for (const [i, row] of update.grippers) this.grippers[i] = row;
-    for (const [i, row] of update.objects) this.objects[i] = row;
-    for (const [i, row] of update.stores) this.stores[i] = row;
-    for (const [i, row] of update.lights) this.lights[i] = row;
+    this.applyRows(update);
     for (const event of update.events) {
       if (event.type === EventType.Left) this.lostAgents.add(event.robot);
       if (event.type === EventType.Joined) this.lostAgents.delete(event.robot);
@@ -65,7 +53,7 @@ export class Run {
   }
 
   isSwitchedOn(light: Light): boolean {
-    return light.row >= 0 ? this.lights[light.row] ?? light.switchedOn : light.switchedOn;
+    return light.row >= 0 ? this.lights[light.row]?.switchedOn ?? light.switchedOn : light.switchedOn;
   }
 
   // Blinking follows simulated time.

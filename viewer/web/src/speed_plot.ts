@@ -19,7 +19,7 @@ export class SpeedPlot {
     this.key = key;
     const row = run.robots[robot];
     if (!row || (last && this.samples.length > 0 && run.seconds === last[0])) return;
-    this.samples.push([run.seconds, Math.hypot(row.vx, row.vy)]);
+    this.samples.push([run.seconds, Math.hypot(row.twist.vx, row.twist.vy)]);
     const first = this.samples.findIndex(([time]) => time >= run.seconds - SECONDS);
     if (first > 0 || this.samples.length > MOST) this.samples.splice(0, Math.max(first, this.samples.length - MOST));
   }

@@ -65,7 +65,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
         pose: run.robots[i].pose,
         drawn: scene.bodies?.drawnPose({kind: 'robot', index: i}) ?? null,
         stalled: run.robots[i].stalled,
-        twist: [run.robots[i].vx, run.robots[i].vy, run.robots[i].wz] as [number, number, number],
+        twist: [run.robots[i].twist.vx, run.robots[i].twist.vy, run.robots[i].twist.wz] as [number, number, number],
       }] : []);
     },
     readings: name => {

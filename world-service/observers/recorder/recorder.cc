@@ -5,7 +5,7 @@
 #include "common/base/json_text.h"
 #include "common/base/version.h"
 #include "common/model/model_poses.h"
-#include "world-service/service/event_json.h"
+#include "world-service/service/event_text.h"
 
 namespace troupe {
 namespace {

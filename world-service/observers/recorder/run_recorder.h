@@ -16,7 +16,7 @@
 #include "recording/recording.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/recording_thread.h"
-#include "world-service/service/resumed_run.h"
+#include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

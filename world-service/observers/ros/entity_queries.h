@@ -7,7 +7,6 @@
 
 #include "ros/messages/ros_options.h"
 #include "world-service/observers/ros/service_group.h"
-#include "world-service/observers/ros/service_slot.h"
 
 namespace troupe {
 

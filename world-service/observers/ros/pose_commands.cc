@@ -10,7 +10,7 @@
 #include "ros/connection/user_data.h"
 #include "ros/messages/robot_in_ros.h"
 #include "transport/dds/binding/data_reader.h"
-#include "world-service/observers/ros/entity_pose.h"
+#include "world-service/observers/ros/request_values.h"
 
 namespace troupe {
 namespace {

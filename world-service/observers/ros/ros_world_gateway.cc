@@ -12,21 +12,59 @@
 #include "ros/connection/parameter_services.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_log.h"
+#include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/type_description_service.h"
+#include "ros/connection/user_data.h"
 #include "ros/messages/convert.h"
 #include "ros/messages/convert_world.h"
-#include "world-service/observers/ros/event_line.h"
+#include "ros/messages/messages.h"
+#include "ros/messages/robot_list.h"
+#include "transport/dds/binding/data_writer.h"
+#include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
-#include "world-service/observers/ros/robot_list_output.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
+#include "world-service/service/event_text.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::int32_t kEventDepth = 100;
 constexpr const char* kNodeName = "world";
+
+// Writes the list of the run's robots for the ros-service-bridge, in the partition of the run, at the start and after
+// each edit that changes it.
+class RobotListOutput {
+ public:
+  // REQUIRES: UsesBridge(options).
+  RobotListOutput(ros::RosParticipant& participant, const ros::RosOptions& options);
+
+  void ChangeWorld(const WorldDescription& world);
+
+ private:
+  const ros::RosOptions options_;
+  ros::RosParticipant& participant_;
+  dds::Topic<ros::String> topic_;
+  dds::DataWriter<ros::String> writer_;
+  std::optional<ros::RobotList> written_;
+};
+
+RobotListOutput::RobotListOutput(ros::RosParticipant& participant, const ros::RosOptions& options)
+    : options_(options),
+      participant_(participant),
+      topic_(participant.participant(), ros::kRobotListTopic),
+      writer_(participant.service_publisher(), topic_,
+              ros::ToDds(ros::Latched()) << ros::TypeUserData<ros::String>(options.distribution)) {}
+
+void RobotListOutput::ChangeWorld(const WorldDescription& world) {
+  const ros::RobotList list = RobotListOf(world, options_);
+  if (list == written_) return;
+  written_ = list;
+  dds::WireArena arena;
+  const ros::String text{arena.Copy(ToText(list))};
+  if (dds_write(writer_.handle(), &text) != DDS_RETCODE_OK) participant_.CountLost();
+}
 
 class RosWorldGateway final : public RunObserver {
  public:

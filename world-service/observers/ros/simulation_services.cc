@@ -2,10 +2,8 @@
 
 #include "world-service/observers/ros/entity_edits.h"
 #include "world-service/observers/ros/entity_queries.h"
-#include "world-service/observers/ros/entity_spawns.h"
 #include "world-service/observers/ros/run_services.h"
-#include "world-service/observers/ros/simulation_context.h"
-#include "world-service/observers/ros/world_queries.h"
+#include "world-service/observers/ros/service_group.h"
 #include "world-service/observers/ros/world_services.h"
 
 namespace troupe {

@@ -9,7 +9,7 @@
 #include "ros/connection/ros_participant.h"
 #include "ros/messages/ros_options.h"
 #include "world-service/observers/ros/step_action.h"
-#include "world-service/service/world_control.h"
+#include "world-service/service/run_observer.h"
 
 namespace troupe {
 

@@ -12,8 +12,8 @@ constexpr std::uint32_t kStatusesPerLine = 10;  // while no robot begins or ends
 
 class ConsoleReporter final : public Reporter {
  public:
-  void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
-    fmt::print(stderr, "{}: {} robots; waiting for their agents", loaded.world.name, loaded.world.robots.size());
+  void Ready(const WorldDescription& world, const RunSettings&, const ServiceContact& contact) override {
+    fmt::print(stderr, "{}: {} robots; waiting for their agents", world.name, world.robots.size());
     if (!contact.participants.empty()) fmt::print(stderr, " (port {})", contact.participants.front().port);
     fmt::print(stderr, "\n");
   }

@@ -17,13 +17,13 @@ using Json = nlohmann::json;
 
 class LauncherReporter final : public Reporter {
  public:
-  // A service that was killed may have left the begin of a line on the descriptor: an empty line ends it.
+  // A service that was killed may have left the start of a line on the descriptor: an empty line ends it.
   explicit LauncherReporter(int descriptor) : descriptor_(descriptor) { Write("\n"); }
 
-  void Ready(const LoadedWorld& loaded, const ServiceContact& contact) override {
+  void Ready(const WorldDescription& world, const RunSettings& settings, const ServiceContact& contact) override {
     Json robots = Json::array();
-    for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
-      if (IsThere(loaded.world, RobotId(i))) robots.push_back(loaded.world.robots[i].name);
+    for (std::size_t i = 0; i < world.robots.size(); ++i) {
+      if (IsThere(world, RobotId(i))) robots.push_back(world.robots[i].name);
     }
     Json participants = Json::array();
     for (const ServiceParticipant& of_group : contact.participants) {
@@ -31,15 +31,15 @@ class LauncherReporter final : public Reporter {
     }
     Send({{"type", "ready"},
           {"robots", std::move(robots)},
-          {"libraries", LibrariesOf(loaded.world)},
-          {"robots_per_process", loaded.settings.robots_per_process},
-          {"restart_agents", loaded.settings.restart_agents},
-          {"aborts_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kAbort},
-          {"rebuilds_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kRebuild},
+          {"libraries", LibrariesOf(world)},
+          {"robots_per_process", settings.robots_per_process},
+          {"restart_agents", settings.restart_agents},
+          {"aborts_on_loss", settings.on_agent_loss == OnAgentLoss::kAbort},
+          {"rebuilds_on_loss", settings.on_agent_loss == OnAgentLoss::kRebuild},
           {"participants", std::move(participants)},
-          {"ros", loaded.settings.ros},
+          {"ros", settings.ros},
           {"ros_relay", contact.ros_relay},
-          {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
+          {"ros_infinite_ranges", settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {

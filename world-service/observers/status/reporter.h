@@ -10,7 +10,6 @@
 #include "troupe/result.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/run_summary.h"
-#include "worldfile/load_world.h"
 
 namespace troupe {
 
@@ -23,7 +22,7 @@ struct ServiceContact {
 class Reporter : public RunObserver {
  public:
   // The world is loaded, and agents may join.
-  virtual void Ready(const LoadedWorld& loaded, const ServiceContact& contact) = 0;
+  virtual void Ready(const WorldDescription& world, const RunSettings& settings, const ServiceContact& contact) = 0;
   virtual void Ended(const RunSummary& summary) = 0;
   virtual void Failed(const Error& error) = 0;
 };

@@ -1,19 +1,44 @@
 // BuildContext: the world being built, and the input that all readers need.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "troupe/world_description.h"
 #include "worldfile/map/bitmap_rectangles.h"
-#include "worldfile/models/properties/model_names.h"
 #include "worldfile/models/properties/property_reader.h"
-#include "worldfile/models/properties/shape_store.h"
 #include "worldfile/stage/world_tree.h"
 #include "worldfile/text/diagnostics.h"
 
 namespace troupe {
+
+// The full names of a world's models, and where each was given.
+class ModelNames {
+ public:
+  // Adds the full name `name` of a model that `node` makes. A name that is empty, too long or not new is an error.
+  void Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics);
+
+ private:
+  std::map<std::string, SourceLocation> places_;
+};
+
+// Keeps each geometry once, so that models made from one macro share their shape.
+class ShapeStore {
+ public:
+  // `shapes` must outlive the store.
+  explicit ShapeStore(std::vector<Shape>& shapes) : shapes_(shapes) {}
+
+  // The id of a shape equal to this one, which is added if there is none.
+  ShapeId Add(Shape shape);
+
+ private:
+  std::vector<Shape>& shapes_;
+  std::multimap<std::uint64_t, ShapeId> by_hash_;
+};
 
 struct BuildContext {
   BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed, const ImageSource& images)

@@ -2,15 +2,108 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "common/geometry/limits.h"
-#include "worldfile/models/types/break_beams.h"
+#include "common/model/model_poses.h"
+#include "troupe/world_description.h"
 #include "worldfile/models/types/model_type.h"
 #include "worldfile/stage/world_tree.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
+namespace {
+
+// The box around a pad of an open gripper, frame G.
+struct PadBox {
+  Rectangle area = Rectangle::Nothing();
+  ZRange z;
+};
+
+class BeamMaker {
+ public:
+  BeamMaker(const WorldDescription& world, const GripperDescription& gripper) : world_(world), gripper_(gripper) {
+    for (const JointDescription& joint : world.joints) joints_.emplace(joint.model, &joint);
+  }
+
+  PadBox BoxOf(ModelId pad) const {
+    Pose X_GM;
+    for (ModelId at = pad; at != gripper_.model; at = *world_.model(at).parent) {
+      Pose X_PM = world_.model(at).X_PM;
+      if (const auto found = joints_.find(at); found != joints_.end()) {
+        const bool is_finger = at == world_.joint(gripper_.left).model || at == world_.joint(gripper_.right).model;
+        X_PM = X_PM * JointMotion(*found->second, is_finger ? found->second->position.min : found->second->start);
+      }
+      X_GM = X_PM * X_GM;
+    }
+    const Transform2 move(X_GM);
+    const Shape& shape = world_.shape(world_.model(pad).shape);
+    PadBox box;
+    bool is_first = true;
+    const auto extend = [&](const Polygon& outline, const ZRange& z) {
+      for (const Vec2& corner : outline) box.area.Extend(move * corner);
+      const ZRange z_G = z + X_GM.z;
+      box.z = is_first ? z_G : ZRange{std::min(box.z.min, z_G.min), std::max(box.z.max, z_G.max)};
+      is_first = false;
+    };
+    for (const Block& block : shape.blocks) extend(block.outline, block.z);
+    for (const Rectangle& r : shape.rectangles) {
+      extend({{r.min_x, r.min_y}, {r.max_x, r.min_y}, {r.max_x, r.max_y}, {r.min_x, r.max_y}}, shape.rectangles_z);
+    }
+    return box;
+  }
+
+ private:
+  const WorldDescription& world_;
+  const GripperDescription& gripper_;
+  std::map<ModelId, const JointDescription*> joints_;
+};
+
+double Middle(double min, double max) {
+  return 0.5 * (min + max);
+}
+
+// Between two intervals: from where `a` ends towards `b`, to where `b` ends towards `a`.
+struct Gap {
+  double from = 0.0;
+  double to = 0.0;
+  double width = 0.0;  // negative where they overlap
+};
+
+Gap GapBetween(const Interval& a, const Interval& b) {
+  if (Middle(a.min, a.max) > Middle(b.min, b.max)) return {a.min, b.max, a.min - b.max};
+  return {a.max, b.min, b.min - a.max};
+}
+
+// Two beams between the open pads, at a quarter and three quarters of their common length, at half their height.
+std::vector<BreakBeam> BreakBeamsOf(const WorldDescription& world, const GripperDescription& gripper) {
+  const BeamMaker maker(world, gripper);
+  const PadBox left = maker.BoxOf(gripper.left_pad);
+  const PadBox right = maker.BoxOf(gripper.right_pad);
+  const Gap gap_x = GapBetween({left.area.min_x, left.area.max_x}, {right.area.min_x, right.area.max_x});
+  const Gap gap_y = GapBetween({left.area.min_y, left.area.max_y}, {right.area.min_y, right.area.max_y});
+  const double z = Middle(std::max(left.z.min, right.z.min), std::min(left.z.max, right.z.max));
+  const bool along_y = gap_y.width >= gap_x.width;  // the pads face each other
+  std::vector<BreakBeam> beams;
+  for (const double part : {0.25, 0.75}) {
+    if (along_y) {
+      const double min = std::max(left.area.min_x, right.area.min_x);
+      const double max = std::min(left.area.max_x, right.area.max_x);
+      const double x = min + part * (max - min);
+      beams.push_back({{x, gap_y.from}, {x, gap_y.to}, z});
+    } else {
+      const double min = std::max(left.area.min_y, right.area.min_y);
+      const double max = std::min(left.area.max_y, right.area.max_y);
+      const double y = min + part * (max - min);
+      beams.push_back({{gap_x.from, y}, {gap_x.to, y}, z});
+    }
+  }
+  return beams;
+}
+
+}  // namespace
 
 void GripperBuilder::Describe(const GripperDraft& draft) {
   if (context_.diagnostics.failed()) return;
@@ -127,6 +220,92 @@ std::vector<std::string> GripperBuilder::NamesBelow(const GripperDraft& draft) c
     names.push_back(name.starts_with(prefix) ? name.substr(prefix.size()) : "/" + name);
   }
   return names;
+}
+
+namespace {
+
+class PaddleBuilder {
+ public:
+  PaddleBuilder(const SourceLocation& where, ModelId gripper, RobotId robot, BuildContext& context)
+      : where_(where), gripper_(gripper), robot_(robot), context_(context) {}
+
+  // A model like the gripper, a box or without a body. It must not be beyond 1000 km.
+  ModelId AddModel(const std::string& name, ModelId parent, const Pose& X_PM, const Size& size, bool has_body) {
+    if (!IsWithinReach(X_PM)) {
+      context_.diagnostics.Fail(where_, "found a gripper with a paddle beyond 1000 km, expected it nearer");
+    }
+    WorldDescription& world = context_.world;
+    const ModelDescription& gripper = world.model(gripper_);
+    ModelDescription model;
+    model.name = gripper.name + "." + name;
+    model.type = "actuator";
+    model.parent = parent;
+    model.X_PM = X_PM;
+    model.size_x = size.x;
+    model.size_y = size.y;
+    model.size_z = size.z;
+    model.color = gripper.color;
+    model.obstacle_return = gripper.obstacle_return;
+    model.ranger_return = gripper.ranger_return;
+    Shape shape;
+    if (has_body) {
+      shape.blocks.push_back(BoxBlock({-0.5 * size.x, -0.5 * size.y, 0.5 * size.x, 0.5 * size.y}, {0.0, size.z}));
+    }
+    model.shape = context_.shapes.Add(std::move(shape));
+    const ModelId id(world.models.size());
+    world.models.push_back(std::move(model));
+    return id;
+  }
+
+  // It starts at one end or the other of its travel.
+  JointId AddJoint(ModelId model, const Vec2& axis_xy, double axis_z, double travel, double speed, bool at_end) {
+    WorldDescription& world = context_.world;
+    JointDescription joint;
+    joint.name = NameOnRobot(world, robot_, world.model(model).name);
+    joint.robot = robot_;
+    joint.model = model;
+    joint.axis_xy = axis_xy;
+    joint.axis_z = axis_z;
+    joint.position = {0.0, travel};
+    joint.start = at_end ? travel : 0.0;
+    joint.max_speed = speed;
+    const JointId id(world.joints.size());
+    world.joints.push_back(std::move(joint));
+    return id;
+  }
+
+ private:
+  const SourceLocation& where_;
+  ModelId gripper_;
+  RobotId robot_;
+  BuildContext& context_;
+};
+
+}  // namespace
+
+OwnParts AddPaddles(const PaddleSettings& settings, const Size& size, const Pose& X_MD, const SourceLocation& where,
+                    ModelId gripper, RobotId robot, BuildContext& context) {
+  PaddleBuilder builder(where, gripper, robot, context);
+  OwnParts parts;
+  ModelId mount = gripper;
+  Pose X_ML = X_MD;  // L: the mount of the paddles
+  if (settings.height) {
+    X_ML.z += settings.height->min;
+    mount = builder.AddModel("lift", gripper, X_ML, {settings.size.x, size.y, settings.size.z}, false);
+    parts.lift = builder.AddJoint(mount, {0.0, 0.0}, 1.0, settings.height->max - settings.height->min,
+                                  settings.lift_speed, settings.up);
+    parts.models.push_back(mount);
+    X_ML = Pose{};
+  }
+  const double x = 0.5 * (size.x - settings.size.x);
+  const double y = 0.5 * (size.y - settings.size.y);
+  const ModelId left = builder.AddModel("left_paddle", mount, X_ML * Pose{x, y, 0.0, 0.0}, settings.size, true);
+  parts.left = builder.AddJoint(left, {0.0, -1.0}, 0.0, settings.travel, settings.speed, settings.closed);
+  const ModelId right = builder.AddModel("right_paddle", mount, X_ML * Pose{x, -y, 0.0, 0.0}, settings.size, true);
+  parts.right = builder.AddJoint(right, {0.0, 1.0}, 0.0, settings.travel, settings.speed, settings.closed);
+  parts.models.push_back(left);
+  parts.models.push_back(right);
+  return parts;
 }
 
 }  // namespace troupe

@@ -2,7 +2,6 @@
 #include "worldfile/models/types/built_in_types.h"
 #include "worldfile/models/types/gripper_builder.h"
 #include "worldfile/models/types/gripper_settings.h"
-#include "worldfile/models/types/paddles.h"
 
 namespace troupe {
 namespace {

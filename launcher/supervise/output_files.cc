@@ -1,0 +1,280 @@
+#include "launcher/supervise/output_files.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/output_file.h"
+
+namespace troupe {
+namespace {
+
+// For `count` parts that are open here, and once more while they are merged.
+void AllowOpenFiles(std::size_t count) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, std::max<rlim_t>(limit.rlim_cur, 2 * count + 64));
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// The number after `start`, for instance after {"tick":
+std::optional<std::uint64_t> NumberAfter(std::string_view start, const std::string& line) {
+  if (!line.starts_with(start)) return std::nullopt;
+  std::uint64_t number = 0;
+  auto [end, failure] = std::from_chars(line.data() + start.size(), line.data() + line.size(), number);
+  return failure == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+// The time of a line: the edition of the world, and the tick.
+using When = std::pair<std::uint64_t, std::uint64_t>;
+
+// One part and a position in it.
+class Part {
+ public:
+  explicit Part(LineFile file) : file_(std::move(file)) { Next(); }
+
+  bool done() const { return done_; }
+  // Once it is done.
+  const Status& status() const { return file_.status(); }
+  const When& when() const { return when_; }
+  const std::string& line() const { return line_; }
+
+  void Next() {
+    for (;;) {
+      done_ = !file_.Next(line_);
+      if (done_) return;
+      const std::optional<std::uint64_t> edition = NumberAfter("{\"edition\":", line_);
+      if (!edition) break;
+      when_ = {*edition, 0};
+    }
+    const std::optional<std::uint64_t> tick = NumberAfter("{\"tick\":", line_);
+    done_ = !tick;
+    if (tick) when_.second = *tick;
+  }
+
+ private:
+  LineFile file_;
+  std::string line_;
+  When when_ = {0, 0};
+  bool done_ = false;
+};
+
+// Writes the lines of `part` of one tick. A restarted agent may write a tick that its predecessor has written, in whole
+// or in part: the repeated lines are omitted.
+Status WriteTick(Part& part, const When& when, OutputFile& file) {
+  const std::string first = part.line();
+  std::size_t written = 0;
+  std::size_t position = 0;
+  for (; !part.done() && part.when() == when; part.Next(), ++position) {
+    if (part.line() == first) position = 0;
+    if (position < written) continue;
+    file.Append(part.line());
+    if (Status failure = file.EndLine(); !failure.ok()) return failure;
+    ++written;
+  }
+  return Status();
+}
+
+namespace fs = std::filesystem;
+
+using NamedFile = std::pair<const char*, const std::string*>;
+
+std::vector<NamedFile> OutputsOf(const RunOptions& options) {
+  std::vector<NamedFile> outputs = {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},
+                                    {"--scans", &options.scans},       {"--summary", &options.summary},
+                                    {"--record", &options.record},     {"--trace", &options.trace.file},
+                                    {"--journal", &options.journal}};
+  std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
+  return outputs;
+}
+
+Status CheckWritable(const NamedFile& output) {
+  const int file = open(output.second->c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) {
+    return Error{{}, std::string(output.first) + ": cannot write " + *output.second + ": " + strerror(errno)};
+  }
+  close(file);
+  return Status();
+}
+
+// Of existing files also by another link.
+bool IsSameFile(const std::string& a, const std::string& b) {
+  std::error_code failure;
+  if (fs::equivalent(a, b, failure)) return true;
+  const fs::path resolved_a = fs::weakly_canonical(fs::absolute(a, failure), failure);
+  const fs::path resolved_b = fs::weakly_canonical(fs::absolute(b, failure), failure);
+  return !resolved_a.empty() && resolved_a == resolved_b;
+}
+
+bool IsDevice(const std::string& path) {
+  std::error_code failure;
+  return fs::exists(path, failure) && !fs::is_regular_file(path, failure);
+}
+
+// Two outputs in one file would be mixed up. Devices may be shared.
+Status CheckDistinct(const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = i + 1; j < outputs.size(); ++j) {
+      const std::string& path = *outputs[i].second;
+      if (IsDevice(path) || !IsSameFile(path, *outputs[j].second)) continue;
+      return Error{{}, std::string(outputs[i].first) + " and " + outputs[j].first + " name the same file, " + path};
+    }
+  }
+  return Status();
+}
+
+// The files that the run reads. Only those of the world file if that is faulty: the run reports the fault.
+std::vector<std::string> InputsOf(const RunOptions& options) {
+  std::vector<std::string> inputs = {options.file};
+  if (options.load.controller) inputs.push_back(*options.load.controller);
+  const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
+  if (!loaded.ok()) return inputs;
+  inputs.insert(inputs.end(), loaded.value().files.begin(), loaded.value().files.end());
+  const std::vector<std::string> libraries = LibrariesOf(loaded.value().world);
+  inputs.insert(inputs.end(), libraries.begin(), libraries.end());
+  return inputs;
+}
+
+Status CheckNotRead(const RunOptions& options, std::vector<NamedFile> outputs) {
+  // A file that does not exist, or is empty, is no input; mostly there is no other, and the world need not be read.
+  std::erase_if(outputs, [](const NamedFile& output) {
+    std::error_code failure;
+    return !fs::is_regular_file(*output.second, failure) || fs::file_size(*output.second, failure) == 0;
+  });
+  if (outputs.empty()) return Status();
+  for (const std::string& input : InputsOf(options)) {
+    for (const NamedFile& output : outputs) {
+      if (!IsSameFile(*output.second, input)) continue;
+      return Error{{},
+                   std::string(output.first) + ": found " + *output.second + ", which the run reads" +
+                       (input == *output.second ? "" : " as " + input) + ", expected another file"};
+    }
+  }
+  return Status();
+}
+
+}  // namespace
+
+OutputParts::OutputParts(const std::string& output, const std::string& option) : option_(option) {
+  std::error_code ignored;
+  folder_ = std::filesystem::is_regular_file(output, ignored)
+                ? std::filesystem::absolute(output, ignored).parent_path().string()
+                : std::filesystem::temp_directory_path(ignored).string();
+}
+
+OutputParts::~OutputParts() {
+  for (int descriptor : descriptors_) close(descriptor);
+}
+
+Result<std::string> OutputParts::Add() {
+  AllowOpenFiles(descriptors_.size() + 1);
+  std::string name = folder_ + "/troupe-part-XXXXXX";
+  int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) return Failure(option_ + ": cannot make a file in " + folder_ + ": " + strerror(errno));
+  unlink(name.c_str());
+  descriptors_.push_back(descriptor);
+  return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(descriptor);
+}
+
+std::optional<Error> OutputFailure(const std::string& line, const std::string& path, const std::string& output) {
+  const std::string start = path + ": error: ";
+  const std::size_t at = line.find(start);
+  if (path.empty() || at == std::string::npos || (at > 0 && line[at - 1] != ' ')) return std::nullopt;
+  return Error{{output}, line.substr(at + start.size()), ErrorCode::kFailure};
+}
+
+Status MergeScans(const std::vector<std::string>& parts, const std::string& output, LineFile::Space space) {
+  std::vector<std::unique_ptr<Part>> open;
+  for (const std::string& path : parts) {
+    if (!std::filesystem::exists(path)) continue;
+    Result<LineFile> part = LineFile::Open(path, space);
+    if (!part.ok()) return part.error();
+    open.push_back(std::make_unique<Part>(std::move(part).value()));
+  }
+  Result<OutputFile> file = OutputFile::Create(output);
+  if (!file.ok()) return file.error();
+  Status failure;
+  std::uint64_t edition = 0;
+  for (;;) {
+    std::erase_if(open, [&failure](const auto& part) {
+      if (part->done() && failure.ok()) failure = part->status();
+      return part->done();
+    });
+    if (open.empty() || !failure.ok()) break;
+    const When when = (*std::min_element(open.begin(), open.end(), [](const auto& a, const auto& b) {
+                        return a->when() < b->when();
+                      }))->when();
+    if (when.first != edition) {
+      edition = when.first;
+      file.value().Append("{\"edition\":" + std::to_string(edition) + "}");
+      failure = file.value().EndLine();
+    }
+    for (const auto& part : open) {
+      if (failure.ok() && part->when() == when) failure = WriteTick(*part, when, file.value());
+    }
+  }
+  const Status closed = file.value().Close();
+  return failure.ok() ? closed : failure;
+}
+
+Status CheckOutputs(const RunOptions& options) {
+  if (!options.journal.empty() && options.record.ends_with(".mcap")) {
+    return Error{{}, "found --journal and a recording (--record), expected one of them: a recording is a journal, too"};
+  }
+  const std::vector<NamedFile> outputs = OutputsOf(options);
+  if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
+  if (Status failure = CheckNotRead(options, outputs); !failure.ok()) return failure;
+  for (const NamedFile& output : outputs) {
+    if (Status failure = CheckWritable(output); !failure.ok()) return failure;
+  }
+  return Status();
+}
+
+AgentOutput::AgentOutput(const std::string& option, const std::string& output)
+    : option_(option), output_(output), parts_(output, option) {}
+
+Status AgentOutput::AddParts(std::size_t count) {
+  if (output_.empty()) return Status();
+  for (std::size_t i = 0; i < count; ++i) {
+    Result<std::string> file = parts_.Add();
+    if (!file.ok()) return file.error();
+    files_.push_back(std::move(file).value());
+  }
+  return Status();
+}
+
+std::string AgentOutput::PathOn(const Host& host, std::size_t part) const {
+  if (host.folder().empty()) return files_[part];
+  return host.folder() + "/agent" + option_ + "-" + std::to_string(part);
+}
+
+std::optional<Error> AgentOutput::FailureIn(const std::string& line, const Host& host) const {
+  for (std::size_t part = 0; part < files_.size(); ++part) {
+    std::optional<Error> failure = OutputFailure(line, PathOn(host, part), output_);
+    if (failure && !host.name().empty()) failure->message = "on host " + host.name() + ": " + failure->message;
+    if (failure) return failure;
+  }
+  return std::nullopt;
+}
+
+Status AgentOutput::Fetch(Host& host, std::size_t part) const {
+  if (host.folder().empty()) return Status();
+  const Status fetched = host.Fetch(PathOn(host, part), files_[part]);
+  return fetched.ok() ? fetched : Error{{output_}, fetched.error().message, ErrorCode::kFailure};
+}
+
+}  // namespace troupe

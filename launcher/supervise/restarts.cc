@@ -1,0 +1,81 @@
+#include "launcher/supervise/restarts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "command_line/exit_status.h"
+
+namespace troupe {
+namespace {
+
+// s. The first one is far below the lease, so that the robot mostly continues without a lost tick.
+constexpr double kFirstDelay = 0.1;
+constexpr double kLongestDelay = 10.0;
+constexpr int kMostDoublings = 20;
+// s, between two restarts: a hundred agents that die together, on an overloaded host, are not all started together.
+constexpr double kSpacing = 0.025;
+
+// An agent that ended for another reason died: by a signal, or by a failure that may not return.
+bool MayBeRestarted(int exit_status) {
+  return exit_status != kExitDone && exit_status != kExitBadInput && exit_status != kExitOutputFailed &&
+         exit_status != kExitInterrupted;
+}
+
+double DelayBefore(std::uint32_t restart) {
+  const int doublings = static_cast<int>(std::min<std::uint32_t>(restart - 1, kMostDoublings));
+  return std::min(kLongestDelay, std::ldexp(kFirstDelay, doublings));
+}
+
+constexpr std::uint32_t kMostWithoutProgress = 8;
+constexpr double kSecondDelay = 0.1;  // s, before the second restart at one tick
+
+}  // namespace
+
+std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double now) {
+  if (!MayBeRestarted(exit_status) || CountOf(agent) >= limit_) return std::nullopt;
+  due_.erase(agent);
+  const double due = FreeTime(now + DelayBefore(++counts_[agent]));
+  due_[agent] = due;
+  return due;
+}
+
+double AgentRestarts::FreeTime(double from) const {
+  std::vector<double> taken;
+  for (const auto& [agent, due] : due_) taken.push_back(due);
+  std::sort(taken.begin(), taken.end());
+  for (const double due : taken) {
+    if (std::abs(due - from) < kSpacing) from = due + kSpacing;
+  }
+  return from;
+}
+
+std::vector<AgentRestarts::Agent> AgentRestarts::DrainDue(double now) {
+  std::vector<Agent> agents;
+  for (const auto& [agent, due] : due_) {
+    if (due <= now) agents.push_back(agent);
+  }
+  for (const Agent agent : agents) due_.erase(agent);
+  return agents;
+}
+
+std::optional<double> AgentRestarts::NextDue() const {
+  std::optional<double> next;
+  for (const auto& [agent, due] : due_) next = std::min(next.value_or(due), due);
+  return next;
+}
+
+std::uint32_t AgentRestarts::CountOf(Agent agent) const {
+  const auto count = counts_.find(agent);
+  return count == counts_.end() ? 0 : count->second;
+}
+
+std::optional<double> ServiceRestarts::OnDeath(Tick tick, double now) {
+  without_progress_ = tick_ == tick ? without_progress_ + 1 : 0;
+  tick_ = tick;
+  if (without_progress_ >= kMostWithoutProgress) return std::nullopt;
+  const double delay = without_progress_ == 0 ? 0.0 : std::ldexp(kSecondDelay, static_cast<int>(without_progress_) - 1);
+  due_ = now + delay;
+  return due_;
+}
+
+}  // namespace troupe

@@ -1,0 +1,212 @@
+// Rows (troupe/fields.h) between their lists and columns of idl/: structs of sequences, one for each leaf of the row
+// type, in its order. A column that is missing, that is none of the leaves or that has another type does not compile.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "transport/dds/binding/wire.h"
+#include "troupe/fields.h"
+#include "troupe/ids.h"
+#include "troupe/result.h"
+
+namespace troupe::dds {
+
+// The members of a struct of idlc, in their order.
+template <typename Struct>
+auto MembersOf(Struct& s) {
+  constexpr std::size_t count = kMemberCount<std::remove_const_t<Struct>>;
+  static_assert(count >= 2 && count <= 12, "add the struct's number of members here");
+  if constexpr (count == 2) {
+    auto& [a, b] = s;
+    return std::tie(a, b);
+  } else if constexpr (count == 3) {
+    auto& [a, b, c] = s;
+    return std::tie(a, b, c);
+  } else if constexpr (count == 4) {
+    auto& [a, b, c, d] = s;
+    return std::tie(a, b, c, d);
+  } else if constexpr (count == 5) {
+    auto& [a, b, c, d, e] = s;
+    return std::tie(a, b, c, d, e);
+  } else if constexpr (count == 6) {
+    auto& [a, b, c, d, e, f] = s;
+    return std::tie(a, b, c, d, e, f);
+  } else if constexpr (count == 7) {
+    auto& [a, b, c, d, e, f, g] = s;
+    return std::tie(a, b, c, d, e, f, g);
+  } else if constexpr (count == 8) {
+    auto& [a, b, c, d, e, f, g, h] = s;
+    return std::tie(a, b, c, d, e, f, g, h);
+  } else if constexpr (count == 9) {
+    auto& [a, b, c, d, e, f, g, h, i] = s;
+    return std::tie(a, b, c, d, e, f, g, h, i);
+  } else if constexpr (count == 10) {
+    auto& [a, b, c, d, e, f, g, h, i, j] = s;
+    return std::tie(a, b, c, d, e, f, g, h, i, j);
+  } else if constexpr (count == 11) {
+    auto& [a, b, c, d, e, f, g, h, i, j, k] = s;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k);
+  } else {
+    auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
+  }
+}
+
+template <typename... All>
+constexpr auto WithoutFirst(const std::tuple<All...>& all) {
+  return std::apply([](const auto&, auto&... others) { return std::tuple<decltype(others)...>(others...); }, all);
+}
+
+template <typename Value>
+inline constexpr bool kIsOptionalId = false;
+template <typename Tag>
+inline constexpr bool kIsOptionalId<std::optional<Id<Tag>>> = true;
+template <typename Value>
+inline constexpr bool kIsId = false;
+template <typename Tag>
+inline constexpr bool kIsId<Id<Tag>> = true;
+
+// Whether a cell of a column has the type for a field.
+template <typename Cell, typename Part>
+constexpr bool IsCellOf() {
+  if constexpr (kIsOptionalId<Part>) return std::is_same_v<Cell, std::int32_t>;
+  if constexpr (kIsId<Part>) return std::is_same_v<Cell, std::uint32_t>;
+  if constexpr (std::is_same_v<Part, std::string>) return std::is_same_v<Cell, char*>;
+  if constexpr (std::is_same_v<Part, bool> || std::is_enum_v<Part>) return std::is_same_v<Cell, std::uint8_t>;
+  if constexpr (std::is_same_v<Part, std::uint64_t>) {
+    return std::is_same_v<Cell, std::uint32_t> || std::is_same_v<Cell, std::uint64_t>;
+  }
+  return std::is_same_v<Cell, Part>;
+}
+
+template <typename Cell, typename Part>
+Cell ToCell(const Part& part, WireArena& arena) {
+  static_assert(IsCellOf<Cell, Part>(), "a column has another type than its field");
+  if constexpr (kIsOptionalId<Part>) {
+    return part ? static_cast<Cell>(part->index()) : Cell{-1};
+  } else if constexpr (kIsId<Part>) {
+    return static_cast<Cell>(part.index());
+  } else if constexpr (std::is_same_v<Part, std::string>) {
+    return arena.Copy(part);
+  } else {
+    return static_cast<Cell>(part);
+  }
+}
+
+// False if the value is not one of the type: an unknown enumerator, another flag than 0 and 1, an id below -1. Numbers
+// that are not finite and ids that no world has pass.
+template <typename Cell, typename Part>
+bool FromCell(Cell cell, Part& part) {
+  static_assert(IsCellOf<std::remove_const_t<Cell>, Part>(), "a column has another type than its field");
+  if constexpr (kIsOptionalId<Part>) {
+    if (cell >= 0) {
+      part.emplace(static_cast<std::size_t>(cell));
+    } else {
+      part.reset();
+    }
+    return cell >= -1;
+  } else if constexpr (kIsId<Part>) {
+    part = Part(cell);
+  } else if constexpr (std::is_same_v<Part, std::string>) {
+    part = Text(cell);
+  } else {
+    part = static_cast<Part>(cell);
+    if constexpr (std::is_same_v<Part, bool>) return cell <= 1;
+    if constexpr (std::is_enum_v<Part>) return part <= LastOf(Part());
+  }
+  return true;
+}
+
+namespace columns_internal {
+
+template <typename Leaf>
+inline constexpr bool kIsBytes = std::is_same_v<typename Leaf::Part, std::vector<std::uint8_t>>;
+
+template <std::size_t leaf, std::size_t column, typename Leaves, typename Columns, typename Visit>
+void VisitColumns(const Leaves& leaves, const Columns& columns, Visit& visit) {
+  if constexpr (leaf < std::tuple_size_v<Leaves>) {
+    static_assert(column < std::tuple_size_v<Columns>, "a field has no column");
+    const auto& field = std::get<leaf>(leaves);
+    if constexpr (kIsBytes<std::remove_cvref_t<decltype(field)>>) {
+      visit(field, std::get<column>(columns), std::get<column + 1>(columns));
+      VisitColumns<leaf + 1, column + 2>(leaves, columns, visit);
+    } else {
+      visit(field, std::get<column>(columns));
+      VisitColumns<leaf + 1, column + 1>(leaves, columns, visit);
+    }
+  } else {
+    static_assert(column == std::tuple_size_v<Columns>, "a column is not one of a field");
+  }
+}
+
+}  // namespace columns_internal
+
+// Calls visit(leaf, column) for each leaf of a row type; visit(leaf, lengths, bytes) for bytes, which have two columns:
+// the numbers of them in each row, and those of all rows.
+template <typename Leaves, typename Columns, typename Visit>
+void ForEachColumn(const Leaves& leaves, const Columns& columns, Visit&& visit) {
+  columns_internal::VisitColumns<0, 0>(leaves, columns, visit);
+}
+
+template <typename Sequence>
+using CellOf = std::remove_cvref_t<decltype(*std::declval<Sequence&>()._buffer)>;
+
+// Fills columns. `for_each_row(use)` calls use(row) for each of the `count` rows.
+template <typename Leaves, typename Columns, typename ForEachRow>
+void ListToColumns(std::size_t count, const ForEachRow& for_each_row, const Leaves& leaves, const Columns& columns,
+                   WireArena& arena) {
+  if (count == 0) return;
+  ForEachColumn(leaves, columns, [&]<typename Column>(const auto& leaf, Column& column, auto&... bytes) {
+    auto* out = arena.Fill(column, count);
+    if constexpr (sizeof...(bytes) == 0) {
+      for_each_row([&](const auto& row) { *out++ = ToCell<CellOf<Column>>(leaf.Of(row), arena); });
+    } else {
+      std::size_t size = 0;
+      for_each_row([&](const auto& row) { size += leaf.Of(row).size(); });
+      std::uint8_t* content = arena.Fill(bytes..., size);
+      for_each_row([&](const auto& row) {
+        *out++ = static_cast<CellOf<Column>>(leaf.Of(row).size());
+        content = std::copy(leaf.Of(row).begin(), leaf.Of(row).end(), content);
+      });
+    }
+  });
+}
+
+// The inverse. The error is that of columns that are not those of one list, or have a value that is not of its type.
+template <typename Row, typename Leaves, typename Columns>
+Status ListFromColumns(std::string_view what, const Leaves& leaves, const Columns& columns, std::vector<Row>& rows) {
+  rows.resize(Elements(std::get<0>(columns)).size());
+  const char* problem = nullptr;
+  ForEachColumn(leaves, columns, [&](const auto& leaf, const auto& column, const auto&... bytes) {
+    const auto cells = Elements(column);
+    if (cells.size() != rows.size()) {
+      problem = "columns of different lengths";
+    } else if (problem != nullptr) {
+      return;
+    } else if constexpr (sizeof...(bytes) == 0) {
+      bool is_fine = true;
+      for (std::size_t i = 0; i < rows.size(); ++i) is_fine &= FromCell(cells[i], leaf.Of(rows[i]));
+      if (!is_fine) problem = "a value that is not known";
+    } else {
+      auto content = Elements(bytes...);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto own = content.first(std::min<std::size_t>(cells[i], content.size()));
+        if (own.size() < cells[i]) problem = "fewer bytes than their lengths say";
+        content = content.subspan(own.size());
+        leaf.Of(rows[i]).assign(own.begin(), own.end());
+      }
+      if (!content.empty()) problem = "more bytes than their lengths say";
+    }
+  });
+  if (problem == nullptr) return {};
+  return Error{{}, std::string(what) + " with " + problem};
+}
+
+}  // namespace troupe::dds

@@ -1,0 +1,113 @@
+#include "world-service/service/tick_inputs.h"
+
+#include <iterator>
+
+#include "world-service/core/validate_proposal.h"
+
+namespace troupe {
+
+ProposalCollector::ProposalCollector(const WorldDescription& world, Mode mode)
+    : world_(&world), mode_(mode), newest_(world.robots.size()) {}
+
+void ProposalCollector::ChangeWorld(const WorldDescription& world) {
+  world_ = &world;
+  newest_.assign(world.robots.size(), {});
+}
+
+std::span<const Rejection> ProposalCollector::Collect(const Member& member, const ProposalMessage& message,
+                                                      const WorldState& state) {
+  rejections_.clear();
+  // Both are in robot-id order, so that one pass finds missing and surplus proposals.
+  auto proposal = message.proposals.begin();
+  const auto end = message.proposals.end();
+  const auto reject_surplus = [&] {
+    const bool known = proposal->robot.index() < newest_.size();
+    rejections_.push_back({known ? std::optional(proposal->robot) : std::nullopt,
+                           "robot " + std::to_string(proposal->robot.index()) + " in a message of " + Describe(member) +
+                               " is not one of its robots, or is repeated or out of order"});
+    ++proposal;
+  };
+  for (RobotId robot : member.robots) {
+    while (proposal != end && proposal->robot < robot) reject_surplus();
+    if (proposal == end || proposal->robot != robot) {
+      rejections_.push_back({robot, "the message of " + Describe(member) + " has no proposal for it"});
+      continue;
+    }
+    if (const Status valid = ValidateProposal(*world_, state, *proposal); valid.ok()) {
+      newest_[robot.index()] = {*proposal, message.tick};
+    } else {
+      rejections_.push_back({robot, valid.error().message});
+    }
+    ++proposal;
+  }
+  while (proposal != end) reject_surplus();
+  return rejections_;
+}
+
+std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
+  const Tick next = state.tick + 1;
+  for_step_.clear();
+  for (const Newest& newest : newest_) {
+    const bool in_time = newest.tick == next;
+    // A proposal within the limits of a tick ago need not be now: the robot may have stalled.
+    const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
+    if (in_time || (kept && ValidateProposal(*world_, state, newest.proposal).ok())) {
+      for_step_.push_back(newest.proposal);
+      if (!in_time) for_step_.back().messages.clear();  // they were sent in the tick before
+    }
+  }
+  return for_step_;
+}
+
+void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
+  OfRobot& robot = robots_[command.robot];
+  if (command.twist) robot.twist = Timed<Twist>{*command.twist, ticks};
+  for (const GripperOrder& order : command.grippers) {
+    Timed<GripperOrder>& timed = robot.grippers[order.gripper];
+    GripperOrder merged = order;  // fingers and lift are told apart
+    if (!merged.opening) merged.opening = timed.value.opening;
+    if (!merged.lift) merged.lift = timed.value.lift;
+    timed = Timed<GripperOrder>{merged, ticks};
+  }
+  if (command.goal) {
+    robot.goal.reset();
+    if (!command.goal->waypoints.empty()) {
+      robot.goal = Timed<Goal>{*command.goal, ticks};
+      robot.goal->value.number = ++goals_;
+    }
+  }
+  if (robot.empty()) robots_.erase(command.robot);
+}
+
+std::vector<RobotCommand> RobotCommands::ForNextTick(const WorldDescription& world) {
+  std::erase_if(robots_, [&](const auto& entry) {
+    return entry.first.index() >= world.robots.size() || !IsThere(world, entry.first);
+  });
+  std::vector<RobotCommand> commands;
+  for (auto& [robot, of_robot] : robots_) {
+    RobotCommand& command = commands.emplace_back();
+    command.robot = robot;
+    const auto send = [](auto& timed) {
+      timed.sent = true;
+      return timed.value;
+    };
+    if (of_robot.twist) command.twist = send(*of_robot.twist);
+    for (auto& [gripper, timed] : of_robot.grippers) command.grippers.push_back(send(timed));
+    if (of_robot.goal) command.goal = send(*of_robot.goal);
+  }
+  return commands;
+}
+
+void RobotCommands::Elapse() {
+  const auto expires = [](auto& timed) { return timed.sent && --timed.ticks == 0; };
+  for (auto& [robot, of_robot] : robots_) {
+    if (of_robot.twist && expires(*of_robot.twist)) of_robot.twist.reset();
+    for (auto entry = of_robot.grippers.begin(); entry != of_robot.grippers.end();) {
+      entry = expires(entry->second) ? of_robot.grippers.erase(entry) : std::next(entry);
+    }
+    if (of_robot.goal && expires(*of_robot.goal)) of_robot.goal.reset();
+  }
+  std::erase_if(robots_, [](const auto& entry) { return entry.second.empty(); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,124 @@
+// When a tick may be committed, and when its frame is resent. Times in s, of any clock.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "troupe/ids.h"
+
+namespace troupe {
+
+// So that simulated time keeps a fixed speed.
+class Pacer {
+ public:
+  // `speed`: multiple of real time; nothing: no pacing. `interval`: length of a tick in simulated s.
+  Pacer(std::optional<double> speed, double interval) : speed_(speed) { SetInterval(interval); }
+
+  void SetInterval(double interval) { period_ = speed_ ? interval / *speed_ : 0.0; }
+  // The next tick is due after its period at the new speed.
+  void SetSpeed(std::optional<double> speed, double interval, Tick tick, double now) {
+    speed_ = speed;
+    SetInterval(interval);
+    Resume(tick, now);
+  }
+  const std::optional<double>& speed() const { return speed_; }
+  void Start(double now) { start_ = now; }
+  // Time continues after a pause, which is not caught up.
+  void Resume(Tick tick, double now) { start_ = now - static_cast<double>(tick) * period_; }
+
+  double Due(Tick tick) const {
+    if (period_ == 0.0) return -std::numeric_limits<double>::infinity();
+    return start_ + static_cast<double>(tick) * period_;
+  }
+
+  // Call when a tick was committed. A short delay is caught up; a long one shifts the later ticks.
+  void Committed(Tick tick, double now) {
+    const double late = now - Due(tick);
+    if (period_ > 0.0 && late > kCatchUp) start_ += late;
+  }
+
+ private:
+  static constexpr double kCatchUp = 0.5;  // s
+
+  std::optional<double> speed_;
+  double period_ = 0.0;  // wall time of a tick
+  double start_ = 0.0;
+};
+
+// When to resend a frame that an agent seems to have missed. It learns the delay of answers from those that arrived
+// before a resend.
+class ResendTimer {
+ public:
+  static constexpr double kShortestWait = 0.004;
+  static constexpr double kLongestFirstWait = 0.05;  // also before anything was learned
+  static constexpr double kLongestWait = 1.0;
+  // An agent that does not answer within the deadline is lost. With these many resends in that time the loss of
+  // messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with 3e-16.
+  static constexpr double kResendsInDeadline = 100.0;
+  // Answers of other agents postpone a resend up to this many times the longest wait.
+  static constexpr double kMostPostponed = 10.0;
+
+  // `deadline`: of an agent for its answer; 0: none.
+  explicit ResendTimer(double deadline = 0.0)
+      : longest_wait_(deadline > 0.0 ? std::clamp(deadline / kResendsInDeadline, kShortestWait, kLongestWait)
+                                     : kLongestWait) {}
+
+  // A frame was sent for the first time; the one before is answered. The first resend is due after the wait that was
+  // learned, each later one after twice the wait before.
+  void Start(double now) {
+    if (heard_) Learn(longest_);
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, kLongestFirstWait));
+  }
+  // The same with a wait of the caller's choice; nothing is learned from it.
+  void Start(double now, double first_wait) {
+    heard_ = resent_ = false;
+    longest_ = 0.0;
+    last_ = now;
+    Wait(now, first_wait);
+  }
+  // An answer arrived. While answers arrive, the other agents are probably busy, and more frames would delay them.
+  void Answered(double now) {
+    if (!resent_) {
+      heard_ = true;
+      longest_ = std::max(longest_, now - last_);
+      last_ = now;
+    }
+    due_ = std::min(now + wait_, latest_);
+  }
+  void Resent(double now) {
+    resent_ = true;
+    Wait(now, 2.0 * wait_);
+  }
+  // An answer arrived twice: a resend was needless, so answers need longer than was learned.
+  void AnsweredTwice() { mean_ = std::min(1.25 * mean_ + 0.001, kLongestFirstWait); }
+  double due() const { return due_; }
+
+ private:
+  void Wait(double now, double wait) {
+    wait_ = std::min(wait, longest_wait_);
+    due_ = now + wait_;
+    latest_ = now + kMostPostponed * longest_wait_;
+  }
+  // As TCP learns its round-trip time.
+  void Learn(double longest) {
+    const double surprise = longest - mean_;
+    mean_ += surprise / 8.0;
+    deviation_ += (std::abs(surprise) - deviation_) / 4.0;
+  }
+
+  double longest_wait_;
+  double mean_ = kLongestFirstWait;  // of the longest silence in a tick
+  double deviation_ = 0.0;
+  double wait_ = 0.0;
+  double due_ = 0.0;
+  double latest_ = 0.0;  // that due_ may be postponed to
+  // Of the tick that is open.
+  double last_ = 0.0;     // time of the newest answer, or the begin
+  double longest_ = 0.0;  // silence
+  bool heard_ = false;
+  bool resent_ = false;
+};
+
+}  // namespace troupe
