@@ -12,7 +12,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-MAKE_HOSTS = "ip link add name host type veth peer name end && ip link add name bridge type bridge"
+MAKE_HOSTS = ("ip link add name host type veth peer name end && ip link add name bridge type bridge && "
+              "ip netns add check-$$ && ip netns del check-$$")
 
 
 def cannot(*command):
