@@ -59,6 +59,7 @@ void BM_BuildScene(benchmark::State& state) {
   WorldDescription world;
   ModelDescription map;
   map.name = "map";
+  map.shape = ShapeId(0);
   world.models = {map};
   world.shapes.resize(1);
   const auto width = static_cast<std::int64_t>(std::sqrt(static_cast<double>(state.range(0))));

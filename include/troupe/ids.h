@@ -11,13 +11,17 @@ namespace troupe {
 template <typename Tag>
 class Id {
  public:
+  // An id that is still to be set: its index is beyond every array.
   constexpr Id() = default;
-  constexpr explicit Id(std::size_t index) : index_(static_cast<std::uint32_t>(index)) {}
+  // An index of 2^32 - 1 or more, which no array has, gives such an id, and never that of something else.
+  constexpr explicit Id(std::size_t index) : index_(index < kUnset ? static_cast<std::uint32_t>(index) : kUnset) {}
   constexpr std::size_t index() const { return index_; }
   constexpr auto operator<=>(const Id&) const = default;
 
  private:
-  std::uint32_t index_ = 0;
+  static constexpr std::uint32_t kUnset = 0xffffffff;
+
+  std::uint32_t index_ = kUnset;
 };
 
 using ModelId = Id<struct ModelTag>;      // in WorldDescription::models

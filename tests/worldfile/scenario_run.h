@@ -39,7 +39,7 @@ class ScenarioRun {
   RobotId Find(const std::string& name) const {
     const std::optional<RobotId> robot = FindRobot(scene_.world(), name);
     EXPECT_TRUE(robot.has_value()) << name;
-    return robot.value_or(RobotId());
+    return robot.value_or(RobotId(0));
   }
   const RobotState& operator[](const std::string& name) const { return state().robots[Find(name).index()]; }
   bool EverStalled(const std::string& name) const { return ever_stalled_[Find(name).index()]; }

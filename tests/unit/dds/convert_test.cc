@@ -198,7 +198,9 @@ SessionMessage SomeSession() {
   session.world.models[1].parent = ModelId(0);
   session.world.robots.resize(1);
   session.world.robots[0].name = "robot";
+  session.world.robots[0].root = ModelId(0);
   session.world.robots[0].sensors.resize(1);
+  session.world.robots[0].sensors[0].model = ModelId(0);
   for (const char* name : {"robot.lift", "robot.left", "robot.right", "box"}) {
     session.world.models.emplace_back().name = name;
     session.world.models.back().parent = ModelId(0);
@@ -206,8 +208,10 @@ SessionMessage SomeSession() {
   for (std::size_t model : {2u, 3u, 4u}) {
     JointDescription& joint = session.world.joints.emplace_back();
     joint.name = session.world.models[model].name;
+    joint.robot = RobotId(0);
     joint.model = ModelId(model);
   }
+  for (ModelDescription& model : session.world.models) model.shape = ShapeId(0);
   session.world.models[3].parent = session.world.models[4].parent = ModelId(2);
   session.world.grippers.resize(1);
   GripperDescription& gripper = session.world.grippers[0];

@@ -23,15 +23,18 @@ class Hand {
     for (const char* name : {"r0", "r0.lift", "r0.left", "r0.right", "r0.arm", "box", "wall"}) {
       world.models.emplace_back().name = name;
       world.models.back().parent = ModelId(0);
+      world.models.back().shape = ShapeId(0);
     }
     for (std::size_t root : {0u, 5u, 6u}) world.models[root].parent.reset();
     world.models[2].parent = world.models[3].parent = ModelId(1);
     world.models[5].gripper_return = true;
     world.objects = {ModelId(5)};
     world.robots.emplace_back().name = "r0";
+    world.robots.back().root = ModelId(0);
     for (std::size_t i = 0; i < 4; ++i) {
       JointDescription& joint = world.joints.emplace_back();
       joint.name = world.models[i + 1].name.substr(3);
+      joint.robot = RobotId(0);
       joint.model = ModelId(i + 1);
       joint.position = i == kLift ? Interval{0.25, 1.25} : i == kArm ? Interval{-2.0, 2.0} : Interval{0.0, 0.5};
       joint.start = i == kArm ? 0.0 : joint.position.min;
@@ -40,6 +43,7 @@ class Hand {
     }
     GripperDescription& gripper = world.grippers.emplace_back();
     gripper.name = "lift";
+    gripper.robot = RobotId(0);
     gripper.model = ModelId(1);
     gripper.left = JointId(kLeft);
     gripper.right = JointId(kRight);

@@ -42,6 +42,7 @@ class ManipulatorTest : public testing::Test {
 
 TEST_F(ManipulatorTest, DescribesJointsAndGrippersOfItsRobotOnly) {
   hand_.world.robots.emplace_back().name = "r1";
+  hand_.world.robots.back().root = ModelId(6);
   hand_.world.joints[Hand::kArm].robot = RobotId(1);
   Restart();
   EXPECT_EQ(manipulator_->joints().size(), 3u);

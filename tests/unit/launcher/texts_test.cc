@@ -202,10 +202,13 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   loaded.world.shapes.resize(1);
   loaded.world.shapes[0].rectangles.resize(12);
   loaded.world.models.resize(2);
+  for (ModelDescription& model : loaded.world.models) model.shape = ShapeId(0);
   RobotDescription robot;
+  robot.root = ModelId(0);
   robot.name = "r0";
   SensorDescription ranger;
   ranger.name = "ranger:0";
+  ranger.model = ModelId(0);
   RaySensors(ranger).resize(2);
   RaySensors(ranger)[1].samples = 180;
   robot.sensors.push_back(ranger);
@@ -213,6 +216,7 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   for (const char* name : {"lift", "left", "right"}) {
     JointDescription joint;
     joint.name = name;
+    joint.robot = RobotId(0);
     joint.position = {0.0, 0.25};
     joint.max_speed = 0.5;
     loaded.world.joints.push_back(joint);
@@ -220,6 +224,7 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   loaded.world.joints[2].type = JointType::kRevolute;
   GripperDescription gripper;
   gripper.name = "hand";
+  gripper.robot = RobotId(0);
   gripper.left = JointId(1);
   gripper.right = JointId(2);
   gripper.beams.resize(2);

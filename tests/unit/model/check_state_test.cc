@@ -13,6 +13,7 @@ WorldDescription SomeWorld() {
   WorldDescription world;
   world.models.resize(4);
   world.robots.resize(1);
+  world.robots[0].root = ModelId(0);
   world.joints.resize(2);
   world.grippers.resize(1);
   world.objects.resize(2);

@@ -114,7 +114,10 @@ class ManipulationRecorderTest : public RecorderTest {
     joint.model = ModelId(2);
     world_.joints = {joint};
     GripperDescription gripper;
+    gripper.robot = RobotId(0);
     gripper.model = ModelId(2);
+    gripper.left = gripper.right = JointId(0);
+    gripper.left_pad = gripper.right_pad = ModelId(2);
     world_.grippers = {gripper};
     world_.objects = {ModelId(3), ModelId(4)};
     state_ = PlacedState(world_);

@@ -35,7 +35,8 @@ FrameMessage SomeFrame() {
   frame.state.imus = {{0.5, -0.0, 1e-300}, {}};
   frame.state.lights = {{true}, {false}};
   frame.state.cameras = {{0.5, -0.25}};
-  frame.state.transmissions = {{RobotId(1), 5, 9, 3, {2, RobotId(0), {1, 2, 3, 4, 5, 6, 7, 8, 9}}}, {}};
+  frame.state.transmissions = {{RobotId(1), 5, 9, 3, {2, RobotId(0), {1, 2, 3, 4, 5, 6, 7, 8, 9}}},
+                               {RobotId(0), 0, 0, 0, {}}};
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
   frame.incarnation = 4;
