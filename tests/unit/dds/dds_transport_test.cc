@@ -498,7 +498,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
   double numbers[] = {1.0, 2.0};
   troupe_wire_Frame frame{};
   frame.whole = true;
-  frame.x = {2, 2, numbers, false};
+  frame.state.robots.x = {2, 2, numbers, false};
   const auto count = [&] {
     const std::lock_guard lock(mutex);
     return problems.size();
@@ -512,7 +512,7 @@ TEST_F(DdsTransportTest, MalformedMessagesAreReportedAndIgnored) {
     EXPECT_EQ("troupe/frame: ignored: frame with columns of different lengths, for its robots", problems[0]);
   }
   EXPECT_TRUE(agent.Heard(agent.frames).empty());
-  frame.x = {0, 0, nullptr, false};
+  frame.state.robots.x = {0, 0, nullptr, false};
   ASSERT_TRUE(Eventually([&] {
     writer.write(frame);
     return !agent.Heard(agent.frames).empty();

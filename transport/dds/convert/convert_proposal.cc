@@ -38,6 +38,8 @@ template <typename RowsOf, typename Columns>
 Status RowsFromWire(std::string_view what, const Columns& columns, const RowsOf& rows_of,
                     std::vector<Proposal>& proposals) {
   const auto members = MembersOf(columns);
+  const bool is_empty = std::apply([](const auto&... column) { return (... && Elements(column).empty()); }, members);
+  if (is_empty) return {};
   const auto robots = Elements(std::get<0>(members));
   std::remove_cvref_t<decltype(rows_of(proposals[0]))> rows;
   using Row = typename decltype(rows)::value_type;
