@@ -53,8 +53,8 @@ std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, c
 
 // The number of groups into which the service divides its agents (transport/dds/transport/agent_group.h): more than one
 // if a launcher has started it, because only a launcher assigns agents to groups, on the loopback interface with data
-// sharing and without DDS Security: elsewhere a frame is written once for each group. A service that continues a run has
-// at least as many as the one before it, whose ports are given.
+// sharing and without DDS Security: elsewhere a frame is written once for each group. A service that continues a run
+// has at least as many as the one before it, whose ports are given.
 std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& run, bool secured) {
   // docs/performance.md has the trials. A group costs the service a participant with its threads.
   constexpr std::size_t kAgentsOfGroup = 64;

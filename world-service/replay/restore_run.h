@@ -11,9 +11,9 @@
 namespace troupe {
 
 // Steps from the last keyframe to the newest tick, and compares every state hash. With observers it steps from the
-// start of the run, and reports each tick to them: they then have written the same as if the run had not been interrupted.
-// Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage, or the error
-// of an observer.
+// start of the run, and reports each tick to them: they then have written the same as if the run had not been
+// interrupted. Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage,
+// or the error of an observer.
 Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);
 
 // The state before a recorded one; nothing: there is none.

@@ -1,10 +1,9 @@
-#include "launcher/supervise/restarts.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include "command_line/exit_status.h"
+#include "launcher/supervise/restarts.h"
 
 namespace troupe {
 namespace {

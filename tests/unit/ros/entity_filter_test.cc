@@ -1,3 +1,5 @@
+#include "world-service/observers/ros/entity_filter.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "transport/dds/binding/wire.h"
-#include "world-service/observers/ros/entity_filter.h"
 
 namespace troupe {
 namespace {

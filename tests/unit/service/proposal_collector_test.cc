@@ -1,8 +1,7 @@
-#include "world-service/service/tick_inputs.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/tick_inputs.h"
 
 namespace troupe::test {
 namespace {

@@ -19,8 +19,8 @@
 
 namespace troupe {
 
-// By bounds in the world: a box along its axes, a sphere, or the convex hull of points, as a prism over the hull of their
-// positions on the ground.
+// By bounds in the world: a box along its axes, a sphere, or the convex hull of points, as a prism over the hull of
+// their positions on the ground.
 class BoundsFilter {
  public:
   // The error is an unknown type, another number of points than the type has, or one that is not finite.

@@ -38,8 +38,8 @@ class WorldServices : public ServiceGroup<WorldServices> {
   ServiceSlot<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> plain_reset_;
 };
 
-// The services of package simulation_interfaces that report the loaded world, its named poses and the worlds that can be
-// loaded.
+// The services of package simulation_interfaces that report the loaded world, its named poses and the worlds that can
+// be loaded.
 class WorldQueries : public ServiceGroup<WorldQueries> {
  public:
   explicit WorldQueries(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
