@@ -109,6 +109,11 @@ class Decoder {
     return std::isfinite(number) && std::abs(number) <= kLargest ? std::optional(number) : std::nullopt;
   }
 
+  double NumberOr(const char* key, double otherwise) const {
+    const auto member = request_.find(key);
+    return member != request_.end() ? Number(*member).value_or(otherwise) : otherwise;
+  }
+
   static std::optional<std::vector<double>> Numbers(const Json& object, const char* key, std::size_t count) {
     const auto member = object.find(key);
     if (member == object.end() || !member->is_array() || member->size() != count) return std::nullopt;
@@ -411,15 +416,16 @@ class Decoder {
   }
 
   EditOperation CreateBitmap() {
-    auto size = Numbers(request_, "size", 3);
-    const auto member = request_.find("pixel");
-    const std::optional<double> pixel = member != request_.end() ? Number(*member) : std::nullopt;
+    edit::CreateBitmap operation;
+    operation.file = Text("file");
+    operation.size = Numbers(request_, "size", 3).value_or(std::vector<double>(3));
+    operation.pixel = NumberOr("pixel", 0.0);
     const std::optional<Pose> pose = PoseIn(request_);
-    if (!size || !pixel || !pose || !(*pixel >= kSmallestPixel) || !((*size)[2] > 0.0)) {
+    if (!pose || !(operation.pixel >= kSmallestPixel) || !(operation.size[2] > 0.0)) {
       Fail("found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m");
     }
-    return edit::CreateBitmap{Text("file"), std::move(size).value_or(std::vector<double>(3)), pixel.value_or(0.0),
-                              pose.value_or(Pose())};
+    operation.pose = pose.value_or(Pose());
+    return operation;
   }
   EditOperation DrawBitmap() { return edit::DrawBitmap{Text("name"), ValueOf(ReadStroke())}; }
 
@@ -455,9 +461,7 @@ class Decoder {
   EditOperation Test() {
     edit::Test operation;
     operation.model = Text("model");
-    if (const auto height = request_.find("probe_height"); height != request_.end()) {
-      operation.probe_height = Number(*height).value_or(operation.probe_height);
-    }
+    operation.probe_height = NumberOr("probe_height", operation.probe_height);
     return operation;
   }
 

@@ -151,9 +151,10 @@ std::string Viewers::Refusal(const PageControl& control) const {
 
 std::string Viewers::Refusal(const PageEdit& edit) const {
   if (!changes_ || !options_.editor) return "this page shows a run; troupe edit FILE edits a file";
-  if (!edit.operation.ok()) return edit.operation.error().message;
-  const bool may = !options_.view_only || IsQuestion(edit.operation.value());
-  return may ? "" : "this page only shows the file (--view-only)";
+  const Result<EditOperation>& operation = edit.operation;
+  const bool may = !options_.view_only || (operation.ok() && IsQuestion(operation.value()));
+  if (!may) return "this page only shows the file (--view-only)";
+  return operation.ok() ? "" : operation.error().message;
 }
 
 PageReply Viewers::Executed(RunLink& link, const Change& change) {

@@ -517,23 +517,26 @@ TEST_F(ViewerGatewayTest, ATextThatIsNoRequestEndsTheConnection) {
 }
 
 TEST_F(ViewerGatewayTest, AMalformedEditIsAnsweredAndKeepsTheConnection) {
-  Start(false, "", true);
-  auto client = Connect();
-  const auto await_reply = [&]() -> nlohmann::json {
-    for (;;) {
-      nlohmann::json text = ReadText(*client);
-      if (text.is_null() || text["type"] == "reply") return text;
-    }
-  };
-  client->SendText(R"({"type": "edit", "id": 5, "op": "set_pose", "name": "a"})");
-  const nlohmann::json refused = await_reply();
-  EXPECT_EQ(refused["id"], 5);
-  EXPECT_EQ(refused["done"], false);
-  EXPECT_EQ(refused["problem"], "found no pose, expected four finite numbers");
-  client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
-  const nlohmann::json done = await_reply();
-  EXPECT_EQ(done["id"], 6);
-  EXPECT_EQ(done["is_text"], true);
+  for (const bool view_only : {false, true}) {
+    Start(view_only, "", true);
+    auto client = Connect();
+    const auto await_reply = [&]() -> nlohmann::json {
+      for (;;) {
+        nlohmann::json text = ReadText(*client);
+        if (text.is_null() || text["type"] == "reply") return text;
+      }
+    };
+    client->SendText(R"({"type": "edit", "id": 5, "op": "set_pose", "name": "a"})");
+    const nlohmann::json refused = await_reply();
+    EXPECT_EQ(refused["id"], 5);
+    EXPECT_EQ(refused["done"], false);
+    EXPECT_EQ(refused["problem"], view_only ? "this page only shows the file (--view-only)"
+                                            : "found no pose, expected four finite numbers");
+    client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
+    const nlohmann::json done = await_reply();
+    EXPECT_EQ(done["id"], 6);
+    EXPECT_EQ(done["is_text"], true);
+  }
 }
 
 TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
