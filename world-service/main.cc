@@ -5,10 +5,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <optional>
 
 #include "common/base/stop_signals.h"
-#include "ros/connection/discovery_relay.h"
-#include "ros/connection/ros_network.h"
+#include "ros/link/host_program.h"
 #include "ros/messages/robot_in_ros.h"
 #include "ros/messages/ros_security.h"
 #include "transport/dds/binding/network_log.h"
@@ -38,20 +38,6 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
   return own_keys.path();
 }
 
-// For agents with participants of their own that are too many to discover each other on the loopback interface; null
-// where it is not needed. Without it the run is the same, but its start takes longer.
-std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const LoadedWorld& loaded) {
-  const std::size_t processes = ros::ProcessesOf(loaded.world.robots.size(), loaded.settings.robots_per_process);
-  if (!loaded.settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
-  if (ros::UsesHostParticipants(options, processes)) return {};
-  try {
-    return std::make_unique<ros::DiscoveryRelay>(options.domain, ros::IndicesSearched(options.distribution));
-  } catch (const std::exception& exception) {
-    fmt::print(stderr, "warning: ROS: {}\n", exception.what());
-    return {};
-  }
-}
-
 int Run(const ServiceCommandLine& line, Reporter& reporter) {
   const auto fail = [&reporter](const Error& error) {
     reporter.Failed(error);
@@ -65,11 +51,11 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
     run.options.check_world = [&line](const WorldDescription& world) {
-      return ros::CheckDomains(world, line.ros, line.network.domain);
+      return ros::CheckDomains(world, line.ros.network.domain, line.ros.names, line.network.domain);
     };
     const Status domains = options.check_world(run.loaded.world);
     if (!domains.ok()) return fail(domains.error());
-    const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
+    const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.network.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
     if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
   }
@@ -95,12 +81,18 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run.loaded);
-  reporter.Ready(run.loaded, {participants, relay ? relay->port() : std::uint16_t{0}});
+  ros::RosOptions ros_options = line.ros;
+  std::optional<ros::HostProgram> ros_program;
+  if (options.settings.ros && ros_options.socket.empty()) {
+    const Status started = ros::StartForSession(line.network.domain, line.network.session, ros::kWorldEnclave,
+                                                ros_options, ros_program, dds.on_problem);
+    if (!started.ok()) return fail(started.error());
+  }
+  reporter.Ready(run.loaded, {participants});
   RunObservers observers;
   std::unique_ptr<RunObserver> ros;
   if (options.settings.ros) {
-    ros = MakeRosWorldGateway(line.ros, run.scene);
+    ros = MakeRosWorldGateway(ros_options, run.scene);
     observers.push_back(ros.get());
   }
   if (const Status failure = MakeRecordersOf(run, line); !failure.ok()) return fail(failure.error());

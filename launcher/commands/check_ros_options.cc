@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,14 @@ std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld
 }  // namespace
 
 Status CheckRosOptions(const RunOptions& options) {
-  const ros::RosSecurity& security = options.ros.security;
+  const ros::RosSecurity& security = options.ros.network.security;
   const ros::EnvironmentFaults& faults = options.ros.faults;
+  const std::optional<ros::ServiceClients>& clients = options.ros.network.service_clients;
+  if (clients && *clients != ros::ServiceClients::kCyclone && !ros::HasFastDds()) {
+    return Error{{},
+                 fmt::format("--ros-services: found '{}', expected cyclone: Troupe was built without Fast DDS",
+                             ros::ToString(*clients))};
+  }
   const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
   if (is_open && faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty()) return Status();
   const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);

@@ -7,10 +7,10 @@
 
 namespace troupe {
 
-// Fails for a run with ROS whose environment is not valid, and with the first enclave whose keys are required and
-// missing; prints a warning where ROS itself would continue, and a warning for each that a run in one process
-// does without. Looks at the keystore of this host only, so not for the processes of remote hosts, which look
-// themselves. Other faults of the file are left to the run.
+// Fails for clients of services that this build cannot answer, for a run with ROS whose environment is not valid, and
+// with the first enclave whose keys are required and missing; prints a warning where ROS itself would continue, and a
+// warning for each that a run in one process does without. Looks at the keystore of this host only, so not for the
+// processes of remote hosts, which look themselves. Other faults of the file are left to the run.
 Status CheckRosOptions(const RunOptions& options);
 
 }  // namespace troupe

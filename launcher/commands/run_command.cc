@@ -11,7 +11,6 @@
 #include "launcher/commands/check_ros_options.h"
 #include "launcher/commands/command_failure.h"
 #include "launcher/commands/in_process_viewer.h"
-#include "launcher/supervise/bridge_process.h"
 #include "launcher/supervise/check_outputs.h"
 #include "launcher/supervise/distributed_run.h"
 #include "launcher/supervise/in_process_run.h"
@@ -34,7 +33,6 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
-  if (const Status status = ChooseServiceClients(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());
@@ -48,7 +46,8 @@ int RunCommand(RunOptions options) {
     }
   }
   // Cyclone does not keep two identities in one process apart that are in one domain.
-  if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;
+  std::string& enclave = options.ros.network.security.enclave;
+  if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
   const MakeViewer make_viewer = [&options](Transport& transport) {
     return MakeInProcessViewer(transport, options.network.session);

@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/agent_restarts.h"
-#include "launcher/supervise/bridge_process.h"
-#include "launcher/supervise/host_participants.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/progress.h"
 #include "launcher/supervise/run_hosts.h"
@@ -22,6 +22,7 @@
 #include "launcher/supervise/service_report.h"
 #include "launcher/supervise/service_restarts.h"
 #include "launcher/supervise/viewer_process.h"
+#include "ros/link/host_program.h"
 
 namespace troupe {
 namespace {
@@ -50,8 +51,7 @@ class DistributedRun {
  private:
   void SuperviseUntilServiceEnds();
   void StartViewer();
-  void StartBridge(const ReadyReport& ready);
-  void StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites);
+  Status StartRosProgram(const ReadyReport& ready);
   void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
@@ -91,9 +91,10 @@ class DistributedRun {
   ServiceProcess service_;
   AgentFleet agents_;
   ViewerProcess viewer_;
-  BridgeProcess bridge_;
-  HostParticipants participants_;
-  AgentRestarts restarts_;  // none before the world service is ready
+  std::mutex ros_mutex_;                         // guards the lines
+  std::vector<std::string> ros_lines_;           // about the program below, to be told
+  std::optional<ros::HostProgram> ros_program_;  // of this host
+  AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
   std::vector<std::uint16_t> service_ports_;  // by group of agents, once it is ready
@@ -116,9 +117,6 @@ void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
-  for (const std::optional<double>& due : {bridge_.NextDue(), participants_.NextDue()}) {
-    if (due) wake = std::min(wake.value_or(*due), *due);
-  }
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
@@ -140,11 +138,11 @@ void DistributedRun::ProcessEvents() {
   std::vector<std::size_t> ended;
   if (signals_.ReadChildEnd() || !options_.hosts.empty()) ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
-  const std::optional<std::string> bridge = bridge_.Poll(Seconds(Clock::now()));
-  const std::vector<std::string> participants = participants_.Poll(Seconds(Clock::now()));
   PrintOutput();
-  if (bridge) progress_.Tell(*bridge);
-  for (const std::string& line : participants) progress_.Tell(line);
+  {
+    const std::lock_guard lock(ros_mutex_);
+    for (const std::string& line : std::exchange(ros_lines_, {})) progress_.Tell(line);
+  }
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
@@ -155,8 +153,6 @@ void DistributedRun::ProcessEvents() {
     service_.process().Kill();
     agents_.Kill();
     viewer_.Kill();
-    bridge_.Kill();
-    participants_.Kill();
   }
 }
 
@@ -209,12 +205,10 @@ void DistributedRun::React(const ReadyReport& ready) {
   }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
-  std::vector<AgentSite> agent_sites = hosts_.AgentSites();
-  StartHostParticipants(ready, agent_sites);
-  const Status started = agents_.Start(ready, addresses, agent_sites, sites.value());
+  Status started = agents_.Start(ready, addresses, hosts_.AgentSites(), sites.value());
+  if (started.ok()) started = StartRosProgram(ready);
   if (!started.ok()) return Fail(FailedRun(started.error()));
   StartViewer();
-  StartBridge(ready);
 }
 
 // The agents that live find the service by themselves.
@@ -230,24 +224,16 @@ void DistributedRun::StartViewer() {
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 
-// The services of a secured run answer clients on rmw_cyclonedds, as without a bridge.
-void DistributedRun::StartBridge(const ReadyReport& ready) {
-  if (!ready.ros) return;
-  if (options_.ros.security.strategy != ros::SecurityStrategy::kOff) {
-    return progress_.Tell("ROS services answer clients on rmw_cyclonedds only: their bridge to others has no keys");
-  }
-  const Status started = bridge_.Start(*hosts_.all().front(), options_);
-  if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
-}
-
-// Before the agents, so that these find them.
-void DistributedRun::StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites) {
-  const std::size_t processes = ros::ProcessesOf(ready.robots.size(), ready.robots_per_process);
-  if (!ready.ros || !ros::UsesHostParticipants(options_.ros, processes)) return;
-  const Status started = participants_.Start(sites, options_);
-  if (!started.ok())
-    progress_.Tell("cannot start the ROS participant of a host, so that its agents have their own: " +
-                   started.error().message);
+// While the agents start. Those on other hosts, and those with keys, start a program themselves.
+Status DistributedRun::StartRosProgram(const ReadyReport& ready) {
+  const bool is_needed_here = options_.hosts.empty() || hosts_.service_settings() == nullptr;
+  if (!ready.ros || options_.ros.socket.empty() || !is_needed_here) return Status();
+  ros_program_.emplace(options_.ros.socket, options_.ros.network, ros::HostProgram::AtEnd::kAwait,
+                       [this](const std::string& line) {
+                         const std::lock_guard lock(ros_mutex_);
+                         ros_lines_.push_back(line);
+                       });
+  return ros_program_->Start();
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -380,11 +366,9 @@ void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
   viewer_.Stop();
-  bridge_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running() || bridge_.running()) ProcessEvents();
-  participants_.Stop();  // after the agents, whose last samples it passes on
-  while (participants_.running()) ProcessEvents();
+  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
+  ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
 }
 

@@ -22,13 +22,13 @@
 #include "common/spatial/scene.h"
 #include "common/trace/trace_file.h"
 #include "launcher/process/signal_watch.h"
-#include "launcher/supervise/in_process_bridge.h"
 #include "launcher/supervise/merge_scans.h"
 #include "launcher/supervise/output_parts.h"
 #include "launcher/supervise/progress.h"
 #include "recording/recording.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/ros/ros_gateway.h"
+#include "ros/link/host_program.h"
 #include "ros/messages/robot_in_ros.h"
 #include "transport/protocol/faulty_transport.h"
 #include "transport/protocol/memory_transport.h"
@@ -158,12 +158,10 @@ std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
 }
 
 // Waits until `done` is readable. The first stop request sets `stop`, the second ends the process.
-void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop, InProcessBridge& bridge) {
+void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
   std::vector<pollfd> waited = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
-  for (const int descriptor : bridge.descriptors()) waited.push_back({descriptor, POLLIN, 0});
   while (waited[1].revents == 0) {
-    poll(waited.data(), waited.size(), bridge.WaitMilliseconds());
-    bridge.Process();
+    poll(waited.data(), waited.size(), -1);
     if (!signals.ReadStopRequest()) continue;
     if (stop) std::_Exit(kExitInterrupted);
     stop = true;
@@ -204,7 +202,7 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   agent.libraries = service.libraries;
   if (service.settings.ros) {
     ros::RosOptions ros = options.ros;
-    ros.infinite_ranges = ros.infinite_ranges.value_or(service.settings.ros_infinite_ranges);
+    ros.robots.infinite_ranges = ros.robots.infinite_ranges.value_or(service.settings.ros_infinite_ranges);
     agent.make_gateway = MakeRosGateway(ros);
   }
   return agent;
@@ -229,7 +227,7 @@ class InProcessRun {
   }
 
   // Runs until service and agents have ended, and merges the scans.
-  Result<RunSummary> Run(SignalWatch& signals, InProcessBridge& bridge) {
+  Result<RunSummary> Run(SignalWatch& signals) {
     const WakeEvent done;
     std::stop_source agent_stop;
     Result<RunSummary> summary = Failure("the run did not end");
@@ -250,7 +248,7 @@ class InProcessRun {
         if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
-    WaitForEnd(done.descriptor(), signals, stop_, bridge);
+    WaitForEnd(done.descriptor(), signals, stop_);
     service_thread.join();
     if (!summary.ok()) agent_stop.request_stop();
     if (agent_thread.joinable()) agent_thread.join();
@@ -325,25 +323,26 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   if (!recorders.ok()) return FailedRun(recorders.error());
   const auto history = MakeRunHistory(recorders.value().recording, recorders.value().recording_path);
   service.history = history.get();
+  ros::HostProgram ros_program(options.ros.socket, options.ros.network, ros::HostProgram::AtEnd::kAwait,
+                               [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
   std::unique_ptr<RunObserver> gateway;
-  InProcessBridge bridge;
   RunObservers observers;
   if (service.settings.ros) {
     service.check_world = [&ros = options.ros](const WorldDescription& world) {
-      return ros::CheckDomains(world, ros, std::nullopt);
+      return ros::CheckDomains(world, ros.network.domain, ros.names, std::nullopt);
     };
     const Status domains = service.check_world(scene->world());
     if (!domains.ok()) return FailedRun(domains.error());
+    const Status started = ros_program.Start();
+    if (!started.ok()) return FailedRun(started.error());
     gateway = MakeRosWorldGateway(options.ros, scene);
     observers.push_back(gateway.get());
-    bridge.Start(options);
   }
   for (const auto& recorder : recorders.value().observers) observers.push_back(recorder.get());
 
   InProcessRun run(scene, options.faults, std::move(service), std::move(agent), std::move(observers));
   if (!options.headless) run.AddViewer(make_viewer);
-  const Result<RunSummary> summary = run.Run(signals, bridge);
-  bridge.Stop(signals);
+  const Result<RunSummary> summary = run.Run(signals);
   const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
   if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));
   if (!merged.ok()) return FailedRun(merged.error());

@@ -45,7 +45,6 @@ ReadyReport ParseReady(const Json& json) {
   }
   if (report.participants.empty()) report.participants.emplace_back();
   Get(json, "ros", report.ros);
-  Get(json, "ros_relay", report.ros_relay);
   Get(json, "ros_infinite_ranges", report.ros_infinite_ranges);
   return report;
 }

@@ -24,7 +24,7 @@ using testing::ElementsAre;
 constexpr double kSeconds = 60.0;  // timeout of a response, for the slowest machine
 
 std::string RosDomain() {
-  return std::to_string(TestRosOptions().domain);
+  return std::to_string(TestRosNetwork().domain);
 }
 
 // A run in the ROS domain of this test, with additional arguments.

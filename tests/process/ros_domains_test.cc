@@ -26,8 +26,8 @@ constexpr std::uint32_t kFirstDomain = 1;
 constexpr std::uint32_t kRunDomain = 90;
 constexpr std::uint32_t kSimulationDomain = 95;
 
-ros::RosOptions InDomain(std::uint32_t domain) {
-  ros::RosOptions options;
+ros::RosNetwork InDomain(std::uint32_t domain) {
+  ros::RosNetwork options;
   options.domain = domain;
   options.network_interface = "lo";
   return options;

@@ -31,7 +31,7 @@ Tick TickOf(const ros::Time& stamp) {
 }
 
 std::vector<std::string> RosArguments(std::vector<std::string> more) {
-  const ros::RosOptions options = TestRosOptions();
+  const ros::RosNetwork options = TestRosNetwork();
   std::vector<std::string> arguments = {"--ros", "--ros-interface", "lo", "--ros-domain",
                                         std::to_string(options.domain)};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -78,7 +78,7 @@ class Reader {
     return robots;
   }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "reader");
   std::vector<Robot> robots_ = MakeRobots();
   ros::RosReader<ros::Clock> clock_{node_, "/clock", ros::Stream(1000)};
@@ -124,7 +124,7 @@ TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
 // Drives r0 by hand, stepping from a pause, and returns the hash after each step.
 std::vector<std::string> StepByService(int steps) {
   OutputFolder folder;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::LaserScan> scans(node, "/r0/scan", ros::Stream(1000));
   Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
@@ -254,7 +254,7 @@ class WorldServices {
   }
 
  private:
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "editor");
   Client<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
       spawn_{participant_, "/world/spawn_entity"};
@@ -286,7 +286,7 @@ TEST(RosRun, EditsTheWorldByService) {
   constexpr std::uint8_t kNotFound = 2;
   constexpr std::uint8_t kFailed = 4;
   WorldServices world;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::OdometryMessage> truth(node, "/late/ground_truth", ros::Stream(1000));
   OutputFolder folder;
@@ -344,10 +344,10 @@ TEST(RosRun, EditsTheWorldByService) {
 }
 
 TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::Clock> clock(node, "/clock", ros::Stream(10));
-  const std::string domain = std::to_string(TestRosOptions().domain);
+  const std::string domain = std::to_string(TestRosNetwork().domain);
   Finished run = Finish(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
   ASSERT_EQ(run.exit_status, 0) << run.output;
   clock.Drain([](const ros::Clock&) { FAIL() << "a clock without --ros"; });

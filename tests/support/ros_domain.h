@@ -6,12 +6,14 @@
 
 namespace troupe::test {
 
-inline ros::RosOptions TestRosOptions() {
-  ros::RosOptions options;
+// For clients of services on Cyclone DDS.
+inline ros::RosNetwork TestRosNetwork() {
+  ros::RosNetwork network;
   static const std::uint32_t domain = ReserveDomain();
-  options.domain = domain;
-  options.network_interface = "lo";
-  return options;
+  network.domain = domain;
+  network.network_interface = "lo";
+  network.service_clients = ros::ServiceClients::kCyclone;
+  return network;
 }
 
 }  // namespace troupe::test

@@ -14,11 +14,11 @@
 #include "ros/connection/ros_log.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/type_description_service.h"
+#include "ros/link/host_connection.h"
 #include "ros/messages/convert.h"
 #include "ros/messages/convert_world.h"
 #include "world-service/observers/ros/event_line.h"
 #include "world-service/observers/ros/pose_commands.h"
-#include "world-service/observers/ros/robot_list_output.h"
 #include "world-service/observers/ros/simulation_services.h"
 #include "world-service/observers/ros/world_pictures.h"
 
@@ -33,26 +33,24 @@ class RosWorldGateway final : public RunObserver {
   RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene)
       : options_(options),
         scene_(std::move(scene)),
-        participant_(options, ros::kWorldEnclave),
-        node_(ros::MakeNode(participant_, "/", kNodeName)),
-        clock_(node_, options),
+        connection_(options.network.distribution, options.socket, options.network.domain,
+                    ros::HostConnection::Sending::kAtOnce),
+        node_(ros::MakeNode(connection_, "/", kNodeName)),
+        clock_(node_, options.world.clock_rate),
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
         pictures_(node_, options, scene_),
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
         type_descriptions_(node_, kNodeName),
         log_(node_) {
-    participant_.Announce();
-    if (!UsesBridge(options)) return;
-    robots_.emplace(participant_, options);
-    robots_->ChangeWorld(scene_->world());
+    connection_.Announce();
   }
 
   Status OnBegin(const RunStart& start) override {
-    ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
-    participant_.Announce();
-    if (options_.goal_poses || options_.initial_poses) {
-      poses_.emplace(participant_, options_, scene_, start.control, [this](const std::string& text) {
+    ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, scene_, start.control));
+    connection_.Announce();
+    if (options_.pose_topics.goals || options_.pose_topics.poses) {
+      poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) {
         fmt::print(stderr, "ROS: {}\n", text);
         const std::lock_guard lock(log_mutex_);
         log_.Write(ros::LogLevel::kWarning, "/world", text);
@@ -71,7 +69,6 @@ class RosWorldGateway final : public RunObserver {
     shown_objects_.clear();
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
-    if (robots_) robots_->ChangeWorld(scene->world());
     if (poses_) poses_->ChangeWorld(scene);
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
@@ -117,7 +114,7 @@ class RosWorldGateway final : public RunObserver {
 
   const ros::RosOptions options_;
   std::shared_ptr<const Scene> scene_;
-  ros::RosParticipant participant_;
+  ros::HostConnection connection_;
   ros::RosNode node_;
   ros::ClockOutput clock_;
   ros::RosWriter<ros::String> events_;
@@ -129,7 +126,6 @@ class RosWorldGateway final : public RunObserver {
   ros::TypeDescriptionService type_descriptions_;
   std::mutex log_mutex_;
   ros::RosLog log_;
-  std::optional<RobotListOutput> robots_;           // none: no bridge
   std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd

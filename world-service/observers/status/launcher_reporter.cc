@@ -37,7 +37,6 @@ class LauncherReporter final : public Reporter {
           {"rebuilds_on_loss", loaded.settings.on_agent_loss == OnAgentLoss::kRebuild},
           {"participants", std::move(participants)},
           {"ros", loaded.settings.ros},
-          {"ros_relay", contact.ros_relay},
           {"ros_infinite_ranges", loaded.settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
