@@ -4,9 +4,6 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS troupe world-service robot-agent ros-participant RUNTIME)
-if(TARGET ros-service-bridge)
-  install(TARGETS ros-service-bridge RUNTIME)
-endif()
 install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 
 # The test public_headers_test compiles each of them without the tree.
@@ -53,17 +50,11 @@ endforeach()
 troupe_manual_page(world-service "")
 troupe_manual_page(robot-agent "")
 troupe_manual_page(ros-participant "")
-if(TARGET ros-service-bridge)
-  troupe_manual_page(ros-service-bridge "")
-endif()
 add_custom_target(manual_pages ALL DEPENDS ${pages})
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
-# The programs of a run, and no tests: for scripts/run. The bridge is there where Fast DDS is.
+# The programs of a run, and no tests: for scripts/run.
 add_custom_target(programs DEPENDS troupe world-service robot-agent ros-participant)
-if(TARGET ros-service-bridge)
-  add_dependencies(programs ros-service-bridge)
-endif()
 # All that is installed, and no tests: for scripts/package.
 add_custom_target(installed DEPENDS libtroupe troupe_controller_support manual_pages)
 add_dependencies(installed programs)

@@ -21,27 +21,6 @@ CommandType ParseCommandType(const std::string& word) {
   return word == "stamped" ? CommandType::kTwistStamped : CommandType::kTwist;
 }
 
-void AddRosMapFlags(CLI::App& app, ros::RosOptions& options, const std::string& group) {
-  app.add_option("--ros-map-resolution", options.map_resolution,
-                 fmt::format("Side of a cell of /map in metres (default: {})", options.map_resolution))
-      ->check(PositiveNumber())
-      ->type_name("METRES")
-      ->group(group);
-  app.add_option("--ros-map-height", options.map_height,
-                 "Height of the horizontal section that /map shows, in metres (default: that of the lowest ranger)")
-      ->check(NumberFromZero())
-      ->type_name("METRES")
-      ->group(group);
-  app.add_flag_callback(
-         "--no-ros-map-odom", [&options] { options.map_to_odom = false; },
-         "Leave the transform from map to odom to a localization node")
-      ->group(group);
-  app.add_flag_callback(
-         "--no-ros-odom-base", [&options] { options.odom_to_base = false; },
-         "Leave the transform from odom to base_link to a node that filters odometry")
-      ->group(group);
-}
-
 void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::string& group) {
   AddText(app, group, "--ros-security",
           "Security in ROS: off, permissive or enforce (default: by ROS_SECURITY_ENABLE and ROS_SECURITY_STRATEGY)",
@@ -62,7 +41,65 @@ void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::s
       ->group(group);
 }
 
+template <typename... Lists>
+std::vector<std::string> Joined(Lists... lists) {
+  std::vector<std::string> all;
+  (all.insert(all.end(), lists.begin(), lists.end()), ...);
+  return all;
+}
+
+std::vector<std::string> NameArguments(const ros::RosOptions& options) {
+  std::vector<std::string> arguments = {std::string("--ros-tf=") +
+                                        (options.names.namespaced_tf ? "namespaced" : "shared")};
+  if (options.names.plain) arguments.emplace_back("--ros-names=plain");
+  if (!options.socket.empty()) arguments.push_back("--ros-participant-socket=" + options.socket);
+  return arguments;
+}
+
+std::vector<std::string> WorldTopicArguments(const ros::WorldTopics& world) {
+  std::vector<std::string> arguments = {"--ros-clock-rate=" + CLI::detail::to_string(world.clock_rate),
+                                        "--ros-map-resolution=" + CLI::detail::to_string(world.map_resolution)};
+  if (world.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*world.map_height));
+  return arguments;
+}
+
 }  // namespace
+
+void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::EnvironmentFaults& faults,
+                        const std::string& group) {
+  app.add_option("--ros-domain", network.domain, "ROS domain (default: ROS_DOMAIN_ID, or 0)")
+      ->check(DdsDomain())
+      ->each([&faults](const std::string&) { faults.domain.clear(); })
+      ->type_name("D")
+      ->group(group);
+  app.add_option("--ros-interface", network.network_interface,
+                 "Network interface to ROS 2; auto: chosen by DDS (default), or lo if Humble stays on this host")
+      ->type_name("NAME")
+      ->group(group);
+  AddText(app, group, "--ros-discovery",
+          "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
+          "or ROS_LOCALHOST_ONLY says, or subnet)",
+          {"off", "localhost", "subnet", "system-default"}, [&network, &faults](const std::string& word) {
+            network.discovery = *ros::ParseDiscoveryRange(word);
+            faults.discovery.clear();
+          });
+  app.add_option("--ros-peers", network.static_peers,
+                 "Other hosts to look for ROS 2 on, separated by commas (default: ROS_STATIC_PEERS)")
+      ->delimiter(',')
+      ->type_name("HOSTS")
+      ->group(group);
+  AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
+          {"humble", "iron", "jazzy", "kilted", "rolling"}, [&network, &faults](const std::string& word) {
+            network.distribution = *ros::ParseDistribution(word);
+            faults.distribution.clear();
+          });
+  AddText(app, group, "--ros-services",
+          "Programs whose service calls are answered, by their RMW: cyclone, fastrtps or both (default: both where "
+          "Troupe was built with Fast DDS, else cyclone)",
+          {"cyclone", "fastrtps", "both"},
+          [&network](const std::string& word) { network.service_clients = *ros::ParseServiceClients(word); });
+  AddRosSecurityFlags(app, network.security, group);
+}
 
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group) {
   app.add_flag_callback(
@@ -71,126 +108,96 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
   app.add_flag_callback(
          "--no-ros", [&on] { on = false; }, "Do not use ROS 2 (default)")
       ->group(group);
-  app.add_option("--ros-domain", options.domain, "ROS domain (default: ROS_DOMAIN_ID, or 0)")
-      ->check(DdsDomain())
-      ->each([&options](const std::string&) { options.faults.domain.clear(); })
-      ->type_name("D")
-      ->group(group);
-  app.add_option("--ros-interface", options.network_interface,
-                 "Network interface to ROS 2; auto: chosen by DDS (default), or lo if Humble stays on this host")
+  AddRosNetworkFlags(app, options.network, options.faults, group);
+  AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
+          {"shared", "namespaced"},
+          [&names = options.names](const std::string& word) { names.namespaced_tf = word == "namespaced"; });
+  AddText(app, group, "--ros-names", "robot (default): topics below /ROBOT; plain: /odom, /scan ... of a single robot",
+          {"robot", "plain"}, [&names = options.names](const std::string& word) { names.plain = word == "plain"; });
+  app.add_option("--ros-participant-socket", options.socket,
+                 "Name of the socket at which the ros-participant of this host listens")
       ->type_name("NAME")
-      ->group(group);
-  AddText(app, group, "--ros-discovery",
-          "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
-          "or ROS_LOCALHOST_ONLY says, or subnet)",
-          {"off", "localhost", "subnet", "system-default"}, [&options](const std::string& word) {
-            options.discovery = *ros::ParseDiscoveryRange(word);
-            options.faults.discovery.clear();
-          });
-  app.add_option("--ros-peers", options.static_peers,
-                 "Other hosts to look for ROS 2 on, separated by commas (default: ROS_STATIC_PEERS)")
-      ->delimiter(',')
-      ->type_name("HOSTS")
-      ->group(group);
-  AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
-          {"humble", "iron", "jazzy", "kilted", "rolling"}, [&options](const std::string& word) {
-            options.distribution = *ros::ParseDistribution(word);
-            options.faults.distribution.clear();
-          });
+      ->group("");
+}
+
+void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group) {
   AddText(app, group, "--ros-cmd-vel", "Message types accepted on cmd_vel: twist (default), stamped or both",
           {"twist", "stamped", "both"},
-          [&options](const std::string& word) { options.command_type = ParseCommandType(word); });
-  app.add_flag("--ros-reliable-commands", options.reliable_commands,
+          [&robots](const std::string& word) { robots.command_type = ParseCommandType(word); });
+  app.add_flag("--ros-reliable-commands", robots.reliable_commands,
                "Accept commands of reliable writers only, which can wait for acknowledgement")
       ->group(group);
-  app.add_option("--ros-command-timeout", options.command_timeout,
+  app.add_option("--ros-command-timeout", robots.command_timeout,
                  fmt::format("Simulated seconds for which a command is valid; 0: no limit (default: {})",
-                             options.command_timeout))
+                             robots.command_timeout))
       ->check(NumberFromZero())
       ->type_name("SECONDS")
       ->group(group);
-  app.add_option("--ros-clock-rate", options.clock_rate,
+  AddText(app, group, "--ros-no-hit",
+          "What a ray of a scan without a hit reads: inf or range-max (default: as the scenario says, or inf)",
+          {"inf", "range-max"}, [&robots](const std::string& word) { robots.infinite_ranges = word == "inf"; });
+  app.add_flag_callback(
+         "--no-ros-map-odom", [&robots] { robots.map_to_odom = false; },
+         "Leave the transform from map to odom to a localization node")
+      ->group(group);
+  app.add_flag_callback(
+         "--no-ros-odom-base", [&robots] { robots.odom_to_base = false; },
+         "Leave the transform from odom to base_link to a node that filters odometry")
+      ->group(group);
+}
+
+void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group) {
+  app.add_option("--ros-clock-rate", world.clock_rate,
                  "Rate of /clock in Hz of wall time, between the ticks; 0: each tick (default)")
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
+  app.add_option("--ros-map-resolution", world.map_resolution,
+                 fmt::format("Side of a cell of /map in metres (default: {})", world.map_resolution))
+      ->check(PositiveNumber())
+      ->type_name("METRES")
+      ->group(group);
+  app.add_option("--ros-map-height", world.map_height,
+                 "Height of the horizontal section that /map shows, in metres (default: that of the lowest ranger)")
+      ->check(NumberFromZero())
+      ->type_name("METRES")
+      ->group(group);
+}
+
+void AddPoseTopicFlags(CLI::App& app, ros::PoseTopics& topics, const std::string& group) {
   AddText(app, group, "--ros-rviz",
           "Topics of RViz that command robots: none (default); goal: goal_pose, the goal of the controller; pose: "
           "initialpose, the robot's pose in the world; both",
-          {"none", "goal", "pose", "both"}, [&options](const std::string& word) {
-            options.goal_poses = word == "goal" || word == "both";
-            options.initial_poses = word == "pose" || word == "both";
+          {"none", "goal", "pose", "both"}, [&topics](const std::string& word) {
+            topics.goals = word == "goal" || word == "both";
+            topics.poses = word == "pose" || word == "both";
           });
-  AddText(app, group, "--ros-no-hit",
-          "What a ray of a scan without a hit reads: inf or range-max (default: as the scenario says, or inf)",
-          {"inf", "range-max"}, [&options](const std::string& word) { options.infinite_ranges = word == "inf"; });
-  AddText(app, group, "--ros-tf", "shared (default): /tf for all robots; namespaced: /ROBOT/tf for each robot",
-          {"shared", "namespaced"},
-          [&options](const std::string& word) { options.namespaced_tf = word == "namespaced"; });
-  AddText(app, group, "--ros-names", "robot (default): topics below /ROBOT; plain: /odom, /scan ... of a single robot",
-          {"robot", "plain"}, [&options](const std::string& word) { options.plain_names = word == "plain"; });
-  AddText(app, group, "--ros-services",
-          "Programs whose service calls are answered, by their RMW: cyclone, fastrtps or both (default: both where "
-          "ros-service-bridge is installed, else cyclone)",
-          {"cyclone", "fastrtps", "both"},
-          [&options](const std::string& word) { options.service_clients = *ros::ParseServiceClients(word); });
-  AddText(app, group, "--ros-participants",
-          fmt::format("Participants of the robots in the ROS domain: one for each process or for each host (default: "
-                      "process for up to {} processes, and with security; else host)",
-                      ros::kMostMutualProcesses),
-          {"process", "host"}, [&options](const std::string& word) {
-            options.participants = word == "host" ? ros::ParticipantScope::kHost : ros::ParticipantScope::kProcess;
-          });
-  app.add_option("--ros-participant-socket", options.participant_socket,
-                 "Name of the socket at which the ros-participant of this host listens")
-      ->type_name("NAME")
-      ->group("");
-  app.add_option("--ros-relay", options.relay_port, "Port of the world service's relay of discovery")
-      ->type_name("PORT")
-      ->group("");
-  AddRosMapFlags(app, options, group);
-  AddRosSecurityFlags(app, options.security, group);
 }
 
-std::vector<std::string> RosArguments(const ros::RosOptions& options) {
-  std::vector<std::string> arguments = {
-      "--ros-domain=" + std::to_string(options.domain),
-      "--ros-interface=" + options.network_interface,
-      std::string("--ros-discovery=") + ToString(options.discovery),
-      std::string("--ros-distro=") + ToString(options.distribution),
-      std::string("--ros-cmd-vel=") + ToString(options.command_type),
-      "--ros-command-timeout=" + CLI::detail::to_string(options.command_timeout),
-      "--ros-clock-rate=" + CLI::detail::to_string(options.clock_rate),
-      std::string("--ros-tf=") + (options.namespaced_tf ? "namespaced" : "shared"),
+std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options) {
+  std::vector<std::string> poses;
+  if (options.pose_topics.goals || options.pose_topics.poses) {
+    const bool both = options.pose_topics.goals && options.pose_topics.poses;
+    poses.emplace_back(both ? "--ros-rviz=both" : options.pose_topics.goals ? "--ros-rviz=goal" : "--ros-rviz=pose");
+  }
+  return Joined(ros::NetworkArguments(options.network), NameArguments(options), WorldTopicArguments(options.world),
+                poses);
+}
+
+std::vector<std::string> AgentRosArguments(const ros::RosOptions& options) {
+  const ros::RobotTopics& robots = options.robots;
+  std::vector<std::string> of_robots = {
+      std::string("--ros-cmd-vel=") + ToString(robots.command_type),
+      "--ros-command-timeout=" + CLI::detail::to_string(robots.command_timeout),
   };
-  arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(options.map_resolution));
-  if (options.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*options.map_height));
-  if (options.reliable_commands) arguments.emplace_back("--ros-reliable-commands");
-  arguments.push_back(std::string("--ros-security=") + ToString(options.security.strategy));
-  if (!options.security.keystore.empty()) arguments.push_back("--ros-keystore=" + options.security.keystore);
-  if (!options.security.enclave.empty()) arguments.push_back("--ros-enclave=" + options.security.enclave);
-  for (const std::string& peer : options.static_peers) arguments.push_back("--ros-peers=" + peer);
-  if (options.infinite_ranges) {
-    arguments.emplace_back(*options.infinite_ranges ? "--ros-no-hit=inf" : "--ros-no-hit=range-max");
+  if (robots.reliable_commands) of_robots.emplace_back("--ros-reliable-commands");
+  if (robots.infinite_ranges) {
+    of_robots.emplace_back(*robots.infinite_ranges ? "--ros-no-hit=inf" : "--ros-no-hit=range-max");
   }
-  if (options.service_clients) {
-    arguments.push_back(std::string("--ros-services=") + ToString(*options.service_clients));
-  }
-  if (options.participants) {
-    arguments.push_back(std::string("--ros-participants=") + ToString(*options.participants));
-  }
-  if (!options.participant_socket.empty()) {
-    arguments.push_back("--ros-participant-socket=" + options.participant_socket);
-  }
-  if (options.relay_port != 0) arguments.push_back("--ros-relay=" + std::to_string(options.relay_port));
-  if (options.goal_poses || options.initial_poses) {
-    const bool both = options.goal_poses && options.initial_poses;
-    arguments.emplace_back(both ? "--ros-rviz=both" : options.goal_poses ? "--ros-rviz=goal" : "--ros-rviz=pose");
-  }
-  if (options.plain_names) arguments.emplace_back("--ros-names=plain");
-  if (!options.map_to_odom) arguments.emplace_back("--no-ros-map-odom");
-  if (!options.odom_to_base) arguments.emplace_back("--no-ros-odom-base");
-  return arguments;
+  if (!robots.map_to_odom) of_robots.emplace_back("--no-ros-map-odom");
+  if (!robots.odom_to_base) of_robots.emplace_back("--no-ros-odom-base");
+  return Joined(ros::NetworkArguments(options.network), NameArguments(options), WorldTopicArguments(options.world),
+                of_robots);
 }
 
 }  // namespace troupe

@@ -1,4 +1,4 @@
-// The options about ROS 2, the same for all programs.
+// The options about ROS 2. Each program has those of the settings that it uses; `troupe run` has all.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,18 @@ class App;
 
 namespace troupe {
 
-// --ros, --no-ros and --ros-...; without --ros and --no-ros `on` keeps its value. The variables must outlive the
-// parsing.
+// The variables must outlive the parsing, as those of the functions below.
+void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::EnvironmentFaults& faults,
+                        const std::string& group);
+// Of a process with nodes in ROS: --ros, --no-ros, and the options of the network and of names. Without --ros and
+// --no-ros `on` keeps its value.
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group);
+void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group);
+void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group);
+void AddPoseTopicFlags(CLI::App& app, ros::PoseTopics& topics, const std::string& group);
 
-// The arguments that give another program of Troupe the same options, without --ros.
-std::vector<std::string> RosArguments(const ros::RosOptions& options);
+// The arguments that give the same options to a world service and an agent, without --ros.
+std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options);
+std::vector<std::string> AgentRosArguments(const ros::RosOptions& options);
 
 }  // namespace troupe

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <stop_token>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "common/base/stop_signals.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
+#include "ros/link/host_program.h"
 #include "ros/messages/names.h"
 #include "ros/messages/ros_security.h"
 #include "transport/dds/binding/network_log.h"
@@ -92,13 +94,19 @@ int Run(const AgentCommandLine& line) {
   options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);
   options.on_notice = [&line](const std::string& text) { Report(line, text); };
+  std::optional<ros::HostProgram> ros_program;
   if (line.ros_on.value_or(false)) {
-    // The name in ROS can differ where two robots' names are alike; then the participant reports the lack of keys.
     const std::string name = "/" + ros::RosName(line.agent.robots.front());
-    const Result<ros::Enclave> keys = ros::FindEnclave(line.ros.security, name);
+    const Result<ros::Enclave> keys = ros::FindEnclave(line.ros.network.security, name);
     if (!keys.ok()) return FailedAgent(line, keys.error());
     if (!keys.value().warning.empty()) Report(line, keys.value().warning);
-    options.make_gateway = MakeRosGateway(line.ros);
+    ros::RosOptions ros_options = line.ros;
+    if (ros_options.socket.empty()) {
+      const Status started = ros::StartForSession(line.network.domain, line.network.session, name, ros_options,
+                                                  ros_program, options.on_notice);
+      if (!started.ok()) return FailedAgent(line, started.error());
+    }
+    options.make_gateway = MakeRosGateway(ros_options);
   }
   const Result<AgentEnd> end = RunWithKeys(line, options, stop.get_token());
   if (end.ok()) return end.value() == AgentEnd::kRunOver ? kExitDone : kExitInterrupted;

@@ -84,13 +84,13 @@ set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
-  ros/connection world-service/service)
+  ros/connection ros/link world-service/service)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/messages common/run common/spatial
   worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
   world-service/service)
 set(may_include_world-service
-  common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/connection common/run transport/security common/spatial
+  common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
   world-service/program world-service/observers/status world-service/service)
 
 set(may_include_robot-agent/navigation common/base common/geometry common/model include/troupe/controller.h include/troupe/sensor.h)
@@ -110,15 +110,13 @@ set(may_include_robot-agent/ros
 set(may_include_robot-agent/program
   common/base command_line transport/protocol ros/messages common/run robot-agent/agent)
 set(may_include_robot-agent
-  common/base command_line transport/dds/binding transport/dds/transport transport/protocol ros/messages common/run transport/security
+  common/base command_line transport/dds/binding transport/dds/transport transport/protocol ros/messages ros/link common/run transport/security
   robot-agent/program robot-agent/ros)
 
-set(may_include_ros/participant
-  common/base command_line transport/dds/binding ros/messages ros/connection ros/link common/run transport/wire)
-
 # For ROS clients on Fast DDS, which only this folder includes.
-set(may_include_ros/service_bridge
-  common/base command_line ros/messages ros/connection common/run)
+set(may_include_ros/fast_dds common/base ros/messages ros/connection ros/link)
+set(may_include_ros/participant
+  common/base command_line transport/dds/binding ros/messages ros/connection ros/link ros/fast_dds common/run transport/wire)
 
 # The other public headers, each with a rule of its own: folders on all levels include one.
 set(may_include_include/troupe/version.h "")
@@ -151,7 +149,7 @@ set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run worldfile/scenario launcher/process)
 set(may_include_launcher/supervise
-  common/base command_line transport/dds/binding common/model transport/protocol recording ros/messages common/run
+  common/base command_line transport/dds/binding common/model transport/protocol recording ros/messages ros/link common/run
   transport/security common/spatial
   common/trace
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
@@ -177,7 +175,7 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   transport/dds/binding transport/dds/convert transport/dds/transport transport/dds/tools recording transport/wire
-  ros/messages ros/connection ros/link robot-agent/ros ros/participant ros/service_bridge world-service/observers/ros)
+  ros/messages ros/connection ros/link robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)
@@ -201,8 +199,8 @@ foreach(file IN LISTS files)
   file(STRINGS ${ROOT}/${file} lines REGEX "^#include ")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^#include [\"<]([^\">]*)[\">].*" "\\1" header "${line}")
-    if(header MATCHES "^fast(dds|rtps)/" AND NOT folder STREQUAL "ros/service_bridge")
-      list(APPEND failures "${file} includes ${header}: Fast DDS stays in ros/service_bridge")
+    if(header MATCHES "^fast(dds|rtps)/" AND NOT folder STREQUAL "ros/fast_dds")
+      list(APPEND failures "${file} includes ${header}: Fast DDS stays in ros/fast_dds")
     elseif(header MATCHES "^dds/" AND NOT folder IN_LIST dds_folders)
       list(APPEND failures "${file} includes ${header}: DDS stays in transport/dds")
     elseif(line MATCHES "\"")

@@ -5,11 +5,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <optional>
 
 #include "common/base/stop_signals.h"
-#include "ros/connection/discovery_relay.h"
-#include "ros/connection/ros_network.h"
-#include "ros/messages/robot_in_ros.h"
+#include "ros/link/host_program.h"
 #include "ros/messages/ros_security.h"
 #include "transport/dds/binding/network_log.h"
 #include "transport/dds/transport/dds_transport.h"
@@ -36,21 +35,6 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
   return own_keys.path();
 }
 
-// For agents with participants of their own that are too many to discover each other on the loopback interface; null
-// where it is not needed. Without it the run is the same, but its start takes longer.
-std::unique_ptr<ros::DiscoveryRelay> MakeRelay(const ros::RosOptions& options, const PreparedRun& run) {
-  const RunSettings& settings = run.options.settings;
-  const std::size_t processes = ros::ProcessesOf(run.world().robots.size(), settings.robots_per_process);
-  if (!settings.ros || processes <= ros::kMostMutualProcesses || !ros::AnnouncesOnLoopback(options)) return {};
-  if (ros::UsesHostParticipants(options, processes)) return {};
-  try {
-    return std::make_unique<ros::DiscoveryRelay>(options.domain, ros::IndicesSearched(options.distribution));
-  } catch (const std::exception& exception) {
-    fmt::print(stderr, "warning: ROS: {}\n", exception.what());
-    return {};
-  }
-}
-
 // The number of groups into which the service divides its agents (transport/dds/transport/agent_group.h): more than one
 // if a launcher has started it, because only a launcher assigns agents to groups, on the loopback interface with data
 // sharing and without DDS Security: elsewhere a frame is written once for each group. A service that continues a run
@@ -68,19 +52,20 @@ std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& 
   return std::clamp(wanted, std::max(std::size_t{1}, line.ports.size()), std::max(kMostGroups, line.ports.size()));
 }
 
-int Run(const ServiceCommandLine& line, Reporter& reporter) {
+int Run(ServiceCommandLine line, Reporter& reporter) {
   const auto fail = [&reporter](const Error& error) {
     reporter.Failed(error);
     return ExitStatusOf(error);
   };
   const Result<SessionLock> lock = SessionLock::Acquire(line.network.domain, line.network.session);
   if (!lock.ok()) return fail(lock.error());
+  std::optional<ros::HostProgram> ros_program;  // outlives the connection of the run to it
   Result<PreparedRun> prepared = PrepareRun(line);
   if (!prepared.ok()) return fail(prepared.error());
   PreparedRun& run = prepared.value();
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
-    const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.security, ros::kWorldEnclave);
+    const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.network.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
     if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
   }
@@ -106,8 +91,12 @@ int Run(const ServiceCommandLine& line, Reporter& reporter) {
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
   std::unique_ptr<ServiceEndpoint> endpoint = transport->MakeServiceEndpoint();
 
-  const std::unique_ptr<ros::DiscoveryRelay> relay = MakeRelay(line.ros, run);
-  reporter.Ready(run.world(), options.settings, {participants, relay ? relay->port() : std::uint16_t{0}});
+  if (options.settings.ros && line.ros.socket.empty()) {
+    const Status started = ros::StartForSession(line.network.domain, line.network.session, ros::kWorldEnclave, line.ros,
+                                                ros_program, dds.on_problem);
+    if (!started.ok()) return fail(started.error());
+  }
+  reporter.Ready(run.world(), options.settings, {participants});
   Result<RunObservers> observers = MakeObservers(run, line);
   if (!observers.ok()) return fail(observers.error());
   observers.value().push_back(&reporter);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,7 +19,6 @@
 #include "launcher/supervise/in_process_run.h"
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/run_options.h"
-#include "launcher/supervise/side_programs.h"
 #include "launcher/supervise/summary.h"
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
@@ -44,13 +44,19 @@ std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld
 }
 
 // Whether ROS's environment is valid, and the participants of a run have their keys for ROS 2, before any process is
-// started. Fails for a run with ROS whose environment is not valid, and with the first enclave whose keys are required
-// and missing; prints a warning where ROS itself would continue, and a warning for each that a run in one process does
-// without. Looks at the keystore of this host only, so not for the processes of remote hosts, which look themselves.
-// Other faults of the file are left to the run.
+// started. Fails for clients of services that this build cannot answer, for a run with ROS whose environment is not
+// valid, and with the first enclave whose keys are required and missing; prints a warning where ROS itself would
+// continue, and a warning for each that a run in one process does without. Looks at the keystore of this host only, so
+// not for the processes of remote hosts, which look themselves. Other faults of the file are left to the run.
 Status CheckRosOptions(const RunOptions& options) {
-  const ros::RosSecurity& security = options.ros.security;
+  const ros::RosSecurity& security = options.ros.network.security;
   const ros::EnvironmentFaults& faults = options.ros.faults;
+  const std::optional<ros::ServiceClients>& clients = options.ros.network.service_clients;
+  if (clients && *clients != ros::ServiceClients::kCyclone && !ros::HasFastDds()) {
+    return Error{{},
+                 fmt::format("--ros-services: found '{}', expected cyclone: Troupe was built without Fast DDS",
+                             ros::ToString(*clients))};
+  }
   const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
   if (is_open && faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty()) return Status();
   const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
@@ -145,7 +151,6 @@ Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
 
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
-  if (const Status status = ChooseServiceClients(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
     return Fail(status.error());
@@ -159,7 +164,8 @@ int RunCommand(RunOptions options) {
     }
   }
   // Cyclone does not keep two identities in one process apart that are in one domain.
-  if (options.in_process && options.ros.security.enclave.empty()) options.ros.security.enclave = ros::kWorldEnclave;
+  std::string& enclave = options.ros.network.security.enclave;
+  if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
   const MakeViewer make_viewer = [&options](Transport& transport) {
     return std::make_unique<InProcessViewer>(transport, options.network.session);

@@ -113,9 +113,9 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   // In turn, so that of those that start at a time few are in one group.
   const std::size_t group = agent.group % ready_.participants.size();
   options.network.service_participant = ready_.participants[group].participant;
-  if (options_.hosts.empty()) options.ros.relay_port = ready_.ros_relay;
-  options.ros.participant_socket = site.ros_participant;
-  options.ros.infinite_ranges = options.ros.infinite_ranges.value_or(ready_.ros_infinite_ranges);
+  if (!options_.hosts.empty()) options.ros.socket.clear();  // agents on other hosts start their own ros-participant
+  std::optional<bool>& infinite_ranges = options.ros.robots.infinite_ranges;
+  infinite_ranges = infinite_ranges.value_or(ready_.ros_infinite_ranges);
   Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
   if (!security.ok()) return security.error();
   options.network.security = std::move(security).value();

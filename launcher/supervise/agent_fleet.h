@@ -30,7 +30,6 @@ struct AgentProcess {
 struct AgentSite {
   Host* host;
   std::string network_interface;
-  std::string ros_participant = {};  // the socket of the host's ros-participant; empty: there is none
 };
 
 class AgentFleet {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "common/trace/trace_file.h"
@@ -18,7 +20,7 @@
 #include "launcher/supervise/run_hosts.h"
 #include "launcher/supervise/service_process.h"
 #include "launcher/supervise/service_report.h"
-#include "launcher/supervise/side_programs.h"
+#include "ros/link/host_program.h"
 
 namespace troupe {
 namespace {
@@ -37,6 +39,54 @@ double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+// `troupe view` as a process of its own, on the launcher's host.
+class ViewerProcess {
+ public:
+  // `service_address` is "host:port". The error is for people; without a viewer the run is the same.
+  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys);
+
+  // Checks for its end. The error, once, is an end that was not asked for.
+  Status Poll();
+  bool running() const { return process_ && process_->running(); }
+  // Asks it to end. No effect without a viewer, as below.
+  void Stop();
+  void Kill();
+
+ private:
+  std::unique_ptr<Child> process_;  // null: none
+  bool stopped_ = false;
+};
+
+Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
+                            const RunKeys& keys) {
+  const NetworkSettings& network = options.network;
+  const std::vector<std::string> arguments = {"view",
+                                              network.session,
+                                              "--domain=" + std::to_string(network.domain),
+                                              "--interface=" + network.network_interface,
+                                              "--service=" + service_address,
+                                              "--security=" + keys.ForTools()};
+  Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);
+  if (!process.ok()) return process.error();
+  process_ = std::move(process).value();
+  return Status();
+}
+
+Status ViewerProcess::Poll() {
+  if (!process_ || !process_->Poll() || stopped_) return Status();
+  return Failure("the viewer " + process_->end()->ToString() + "; to start another one: troupe view");
+}
+
+void ViewerProcess::Stop() {
+  stopped_ = true;
+  if (process_) process_->Signal(SIGTERM);
+}
+
+void ViewerProcess::Kill() {
+  stopped_ = true;
+  if (process_) process_->Kill();
+}
+
 class DistributedRun {
  public:
   explicit DistributedRun(const RunOptions& options)
@@ -47,8 +97,7 @@ class DistributedRun {
  private:
   void SuperviseUntilServiceEnds();
   void StartViewer();
-  void StartBridge(const ReadyReport& ready);
-  void StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites);
+  Status StartRosProgram(const ReadyReport& ready);
   void AwaitProcesses();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
@@ -88,9 +137,10 @@ class DistributedRun {
   ServiceProcess service_;
   AgentFleet agents_;
   ViewerProcess viewer_;
-  BridgeProcess bridge_;
-  HostParticipants participants_;
-  AgentRestarts restarts_;  // none before the world service is ready
+  std::mutex ros_mutex_;                         // guards the lines
+  std::vector<std::string> ros_lines_;           // about the program below, to be told
+  std::optional<ros::HostProgram> ros_program_;  // of this host
+  AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
   std::vector<std::uint16_t> service_ports_;  // by group of agents, once it is ready
@@ -113,9 +163,6 @@ void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
-  for (const std::optional<double>& due : {bridge_.NextDue(), participants_.NextDue()}) {
-    if (due) wake = std::min(wake.value_or(*due), *due);
-  }
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
@@ -137,11 +184,11 @@ void DistributedRun::ProcessEvents() {
   std::vector<std::size_t> ended;
   if (signals_.ReadChildEnd() || !options_.hosts.empty()) ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
-  const std::optional<std::string> bridge = bridge_.Poll(Seconds(Clock::now()));
-  const std::vector<std::string> participants = participants_.Poll(Seconds(Clock::now()));
   PrintOutput();
-  if (bridge) progress_.Tell(*bridge);
-  for (const std::string& line : participants) progress_.Tell(line);
+  {
+    const std::lock_guard lock(ros_mutex_);
+    for (const std::string& line : std::exchange(ros_lines_, {})) progress_.Tell(line);
+  }
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
@@ -152,8 +199,6 @@ void DistributedRun::ProcessEvents() {
     service_.process().Kill();
     agents_.Kill();
     viewer_.Kill();
-    bridge_.Kill();
-    participants_.Kill();
   }
 }
 
@@ -206,12 +251,10 @@ void DistributedRun::React(const ReadyReport& ready) {
   }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
   if (!sites.ok()) return Fail(FailedRun(sites.error()));
-  std::vector<AgentSite> agent_sites = hosts_.AgentSites();
-  StartHostParticipants(ready, agent_sites);
-  const Status started = agents_.Start(ready, addresses, agent_sites, sites.value());
+  Status started = agents_.Start(ready, addresses, hosts_.AgentSites(), sites.value());
+  if (started.ok()) started = StartRosProgram(ready);
   if (!started.ok()) return Fail(FailedRun(started.error()));
   StartViewer();
-  StartBridge(ready);
 }
 
 // The agents that live find the service by themselves.
@@ -227,24 +270,16 @@ void DistributedRun::StartViewer() {
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 
-// The services of a secured run answer clients on rmw_cyclonedds, as without a bridge.
-void DistributedRun::StartBridge(const ReadyReport& ready) {
-  if (!ready.ros) return;
-  if (options_.ros.security.strategy != ros::SecurityStrategy::kOff) {
-    return progress_.Tell("ROS services answer clients on rmw_cyclonedds only: their bridge to others has no keys");
-  }
-  const Status started = bridge_.Start(*hosts_.all().front(), options_);
-  if (!started.ok()) progress_.Tell("cannot start the bridge of ROS services: " + started.error().message);
-}
-
-// Before the agents, so that these find them.
-void DistributedRun::StartHostParticipants(const ReadyReport& ready, std::vector<AgentSite>& sites) {
-  const std::size_t processes = ros::ProcessesOf(ready.robots.size(), ready.robots_per_process);
-  if (!ready.ros || !ros::UsesHostParticipants(options_.ros, processes)) return;
-  const Status started = participants_.Start(sites, options_);
-  if (!started.ok())
-    progress_.Tell("cannot start the ROS participant of a host, so that its agents have their own: " +
-                   started.error().message);
+// While the agents start. Those on other hosts, and those with keys, start a program themselves.
+Status DistributedRun::StartRosProgram(const ReadyReport& ready) {
+  const bool is_needed_here = options_.hosts.empty() || hosts_.service_settings() == nullptr;
+  if (!ready.ros || options_.ros.socket.empty() || !is_needed_here) return Status();
+  ros_program_.emplace(options_.ros.socket, options_.ros.network, ros::HostProgram::AtEnd::kAwait,
+                       [this](const std::string& line) {
+                         const std::lock_guard lock(ros_mutex_);
+                         ros_lines_.push_back(line);
+                       });
+  return ros_program_->Start();
 }
 
 // An error here does not end the run: the service waits for the agents, and reports those that do not join.
@@ -377,11 +412,9 @@ void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
   viewer_.Stop();
-  bridge_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running() || bridge_.running()) ProcessEvents();
-  participants_.Stop();  // after the agents, whose last samples it passes on
-  while (participants_.running()) ProcessEvents();
+  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
+  ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
 }
 

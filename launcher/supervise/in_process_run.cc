@@ -24,9 +24,9 @@
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/progress.h"
-#include "launcher/supervise/side_programs.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/ros/ros_gateway.h"
+#include "ros/link/host_program.h"
 #include "transport/protocol/faulty_transport.h"
 #include "transport/protocol/memory_transport.h"
 #include "world-service/program/prepared_run.h"
@@ -141,12 +141,10 @@ std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
 }
 
 // Waits until `done` is readable. The first stop request sets `stop`, the second ends the process.
-void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop, InProcessBridge& bridge) {
+void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
   std::vector<pollfd> waited = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
-  for (const int descriptor : bridge.descriptors()) waited.push_back({descriptor, POLLIN, 0});
   while (waited[1].revents == 0) {
-    poll(waited.data(), waited.size(), bridge.WaitMilliseconds());
-    bridge.Process();
+    poll(waited.data(), waited.size(), -1);
     if (!signals.ReadStopRequest()) continue;
     if (stop) std::_Exit(kExitInterrupted);
     stop = true;
@@ -190,7 +188,7 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   agent.libraries = service.libraries;
   if (service.settings.ros) {
     ros::RosOptions ros = options.ros;
-    ros.infinite_ranges = ros.infinite_ranges.value_or(service.settings.ros_infinite_ranges);
+    ros.robots.infinite_ranges = ros.robots.infinite_ranges.value_or(service.settings.ros_infinite_ranges);
     agent.make_gateway = MakeRosGateway(ros);
   }
   return agent;
@@ -213,7 +211,7 @@ class InProcessRun {
   }
 
   // Runs until service and agents have ended, and merges the scans.
-  Result<RunSummary> Run(SignalWatch& signals, InProcessBridge& bridge) {
+  Result<RunSummary> Run(SignalWatch& signals) {
     const WakeEvent done;
     std::stop_source agent_stop;
     Result<RunSummary> summary = Failure("the run did not end");
@@ -234,7 +232,7 @@ class InProcessRun {
         if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
       });
     }
-    WaitForEnd(done.descriptor(), signals, stop_, bridge);
+    WaitForEnd(done.descriptor(), signals, stop_);
     service_thread.join();
     if (!summary.ok()) agent_stop.request_stop();
     if (agent_thread.joinable()) agent_thread.join();
@@ -285,20 +283,24 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   OutputParts trace_parts(options.trace.file, "--trace");
   const auto trace_files = SplitTrace(options.trace, trace_parts, source.service.trace, agent_trace);
   if (!trace_files.ok()) return FailedRun(trace_files.error());
+  // Outlives the connections of the run to it, and so awaits its end.
+  ros::HostProgram ros_program(options.ros.socket, options.ros.network, ros::HostProgram::AtEnd::kAwait,
+                               [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
   Result<PreparedRun> prepared = PrepareRun(source);
   if (!prepared.ok()) return FailedRun(prepared.error());
   AgentOptions agent = MakeAgentOptions(options, prepared.value().options);
   agent.trace = agent_trace;
   SignalWatch signals;
+  if (prepared.value().options.settings.ros) {
+    const Status started = ros_program.Start();
+    if (!started.ok()) return FailedRun(started.error());
+  }
   Result<RunObservers> observers = MakeObservers(prepared.value(), source);
   if (!observers.ok()) return FailedRun(observers.error());
-  InProcessBridge bridge;
-  if (prepared.value().gateway) bridge.Start(options);
 
   InProcessRun run(prepared.value(), options.faults, std::move(agent), std::move(observers).value());
   if (!options.headless) run.AddViewer(make_viewer);
-  const Result<RunSummary> summary = run.Run(signals, bridge);
-  bridge.Stop(signals);
+  const Result<RunSummary> summary = run.Run(signals);
   const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
   if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));
   if (!merged.ok()) return FailedRun(merged.error());

@@ -13,6 +13,7 @@
 #include "command_line/ros_flags.h"
 #include "command_line/run_flags.h"
 #include "command_line/trace_flags.h"
+#include "ros/link/host_program.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {
@@ -119,7 +120,15 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
   command.add_flag("--headless", options.headless, "Start no viewer (see 'troupe view')")->group(processes);
 
-  AddRosFlags(command, options.run.ros, options.ros, "ROS 2");
+  const char* ros = "ROS 2";
+  AddRosFlags(command, options.run.ros, options.ros, ros);
+  AddRobotTopicFlags(command, options.ros.robots, ros);
+  AddWorldTopicFlags(command, options.ros.world, ros);
+  AddPoseTopicFlags(command, options.ros.pose_topics, ros);
+  command.add_option("--ros-participants", "Without effect: the processes of a host share the program ros-participant")
+      ->check(OneOf({"process", "host"}))
+      ->type_name("NAME")
+      ->group(ros);
   AddOutputFlags(command, options);
 
   AddFaultsFlag(command, options.faults);
@@ -143,6 +152,9 @@ Status CompleteRunOptions(RunOptions& options) {
     options.hosts = std::move(hosts.value().hosts);
     if (network.network_profile.empty()) network.network_profile = hosts.value().network;
   }
+  // With security each process starts a program of its own, with its keys.
+  const bool is_secured = options.ros.network.security.strategy != ros::SecurityStrategy::kOff;
+  if ((options.in_process || !is_secured) && options.ros.socket.empty()) options.ros.socket = ros::NewSocketName();
   if (network.network_interface.empty()) {
     network.network_interface = options.hosts.empty() ? kLoopbackInterface : kAutomaticInterface;
   }
@@ -174,7 +186,7 @@ std::vector<std::string> ServiceArguments(const RunOptions& options) {
   if (!options.trace.file.empty()) Append(arguments, TraceArguments(options.trace, options.trace.file));
   if (options.paused) arguments.emplace_back("--paused");
   if (options.threads) Append(arguments, "--threads", std::to_string(*options.threads));
-  Append(arguments, RosArguments(options.ros));
+  Append(arguments, ServiceRosArguments(options.ros));
   return arguments;
 }
 
@@ -192,7 +204,7 @@ std::vector<std::string> AgentArguments(const RunOptions& options, const std::st
   for (const std::string& path : options.permissions.controllers) Append(arguments, "--allow-controllers", path);
   if (!ros) return arguments;
   arguments.emplace_back("--ros");
-  Append(arguments, RosArguments(options.ros));
+  Append(arguments, AgentRosArguments(options.ros));
   return arguments;
 }
 

@@ -16,6 +16,7 @@ RunOptions ServiceProcess::OptionsThere() const {
   const HostSettings* settings = hosts_.service_settings();
   if (settings == nullptr) return options;
   options.network.network_interface = InterfaceOf(*settings);
+  options.ros.socket.clear();  // it starts the ros-participant of its host
   options.file = std::filesystem::absolute(options.file).lexically_normal().string();
   const std::string folder = hosts_.service_host().folder() + "/service-";
   if (!options.hash_log.empty()) options.hash_log = folder + "hashes";

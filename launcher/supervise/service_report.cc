@@ -32,7 +32,6 @@ ReadyReport ParseReady(const Json& json) {
   }
   if (report.participants.empty()) report.participants.emplace_back();
   ReadMember(json, "ros", report.ros);
-  ReadMember(json, "ros_relay", report.ros_relay);
   ReadMember(json, "ros_infinite_ranges", report.ros_infinite_ranges);
   return report;
 }

@@ -25,7 +25,6 @@ struct ReadyReport {
   std::vector<ServiceParticipant> participants;  // of the service, by group of agents; at least one
   bool ros = false;                              // the run uses ROS 2
   bool ros_infinite_ranges = true;
-  std::uint16_t ros_relay = 0;  // RosOptions::relay_port of the agents on the host of the service
 };
 
 // "robots": an edit has added robots that need agents.

@@ -44,6 +44,8 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
                "Leave out the robots that were deleted, for an agent that is started again");
   AddTraceFlags(app, line.agent.trace);
   AddRosFlags(app, line.ros_on, line.ros, "ROS 2");
+  AddRobotTopicFlags(app, line.ros.robots, "ROS 2");
+  AddWorldTopicFlags(app, line.ros.world, "ROS 2");
   AddFaultsFlag(app, faults);
   app.add_option("--start-delay", line.start_delay_seconds, "Seconds to wait before joining (default: 0)")
       ->check(NumberFromZero())
@@ -61,7 +63,6 @@ std::variant<AgentCommandLine, int> ParseAgentCommandLine(int argc, const char* 
   AddOptions(app, line, faults);
   if (const std::optional<int> exit_status = ParseCommandLine(app, argc, argv)) return *exit_status;
   line.faults = ParseFaults(faults).value();
-  line.ros.session = line.network.session;
   NetworkSettings& network = line.network;
   if (network.network_interface.empty()) {
     network.network_interface = network.service_address.empty() ? kLoopbackInterface : kAutomaticInterface;

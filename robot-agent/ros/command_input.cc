@@ -26,11 +26,11 @@ void CommandInput::Readers<T>::OpenMissing() {
   node_.connection->Announce();
 }
 
-CommandInput::CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
+CommandInput::CommandInput(const ros::RosNode& node, const ros::RobotTopics& topics, const RobotDescription& robot,
                            double interval_seconds)
-    : robot_(&robot), timeout_ticks_(options.command_timeout / interval_seconds) {
-  if (options.command_type != ros::CommandType::kTwistStamped) twists_.Open(node, options.reliable_commands);
-  if (options.command_type != ros::CommandType::kTwist) stamped_twists_.Open(node, options.reliable_commands);
+    : robot_(&robot), timeout_ticks_(topics.command_timeout / interval_seconds) {
+  if (topics.command_type != ros::CommandType::kTwistStamped) twists_.Open(node, topics.reliable_commands);
+  if (topics.command_type != ros::CommandType::kTwist) stamped_twists_.Open(node, topics.reliable_commands);
 }
 
 std::optional<Command> CommandInput::CommandAt(Tick tick) {

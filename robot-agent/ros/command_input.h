@@ -16,7 +16,7 @@ namespace troupe {
 class CommandInput {
  public:
   // REQUIRES: the robot's description outlives the input.
-  CommandInput(const ros::RosNode& node, const ros::RosOptions& options, const RobotDescription& robot,
+  CommandInput(const ros::RosNode& node, const ros::RobotTopics& topics, const RobotDescription& robot,
                double interval_seconds);
 
   // The newest command, unless its timeout has passed. The timeout counts simulated time, so that a run behaves the

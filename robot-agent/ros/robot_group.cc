@@ -2,9 +2,7 @@
 
 #include <utility>
 
-#include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_qos.h"
-#include "ros/link/host_connection.h"
 #include "ros/messages/convert.h"
 
 namespace troupe {
@@ -14,18 +12,6 @@ constexpr std::int32_t kTransformDepth = 100;
 // In a domain with more robots, their nodes have no parameter services, which are twelve endpoints each.
 constexpr std::size_t kMostRobotsWithParameters = 10;
 constexpr const char* kNodeName = "robot";
-
-// The enclave of the participant is that of its first robot.
-std::string EnclaveOf(const RobotInGroup& robot) {
-  return "/" + robot.in_ros.name;
-}
-
-std::unique_ptr<ros::RosConnection> Connect(const ros::RosOptions& options, const RobotInGroup& first) {
-  if (options.participant_socket.empty() || first.in_ros.alone) {
-    return std::make_unique<ros::RosParticipant>(options, EnclaveOf(first));
-  }
-  return std::make_unique<ros::HostConnection>(options.distribution, options.participant_socket);
-}
 
 }  // namespace
 
@@ -72,16 +58,16 @@ struct RobotGroup::Member {
   Member(const ros::RosNode& node_of_robot, const ros::RosOptions& options, const Scene& scene,
          const RobotInGroup& robot)
       : node(node_of_robot),
-        input(node, options, scene.world().robot(robot.id), scene.world().interval_seconds()),
-        output(node, options, scene, robot.id, robot.in_ros),
+        input(node, options.robots, scene.world().robot(robot.id), scene.world().interval_seconds()),
+        output(node, options.robots, scene, robot.id, robot.in_ros),
         manipulator(node, scene, robot.id),
         radios(node, scene, robot.id) {
-    if (options.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
+    if (options.names.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
     if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
     parameters =
         std::make_unique<ros::ParameterServices>(node, kNodeName,
                                                  ros::Parameters{{"use_sim_time", true},
-                                                                 {"command_timeout", options.command_timeout},
+                                                                 {"command_timeout", options.robots.command_timeout},
                                                                  {"robot", scene.world().robot(robot.id).name}});
     type_descriptions = std::make_unique<ros::TypeDescriptionService>(node, kNodeName);
   }
@@ -98,15 +84,15 @@ struct RobotGroup::Member {
 };
 
 RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots)
-    : connection_(Connect(options, robots.front())),
+    : connection_(options.network.distribution, options.socket, robots.front().in_ros.domain,
+                  ros::HostConnection::Sending::kByFlush),
       by_id_(scene.world().robots.size()),
       interval_ns_(scene.world().interval_ns) {
-  connection_->WatchWriters();
   // Not by each process of a domain, because all would report the same.
   const bool alone = robots.front().in_ros.alone;
-  if (alone || robots.front().id.index() == 0) connection_->WatchDistributions();
+  if (alone || robots.front().id.index() == 0) connection_.WatchDistributions();
   for (const RobotInGroup& robot : robots) {
-    const ros::RosNode node = ros::MakeNode(*connection_, robot.in_ros.node_namespace, kNodeName);
+    const ros::RosNode node = ros::MakeNode(connection_, robot.in_ros.node_namespace, kNodeName);
     members_.push_back(std::make_unique<Member>(node, options, scene, robot));
     by_id_[robot.id.index()] = members_.back().get();
     if (log_) {
@@ -116,13 +102,13 @@ RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const
     }
   }
   const ros::RosNode& first = members_.front()->node;
-  if (!options.namespaced_tf) shared_transforms_ = std::make_unique<Transforms>(first, "/");
+  if (!options.names.namespaced_tf) shared_transforms_ = std::make_unique<Transforms>(first, "/");
   if (alone) {
-    clock_.emplace(first, options);
-    map_.emplace(first, options);
+    clock_.emplace(first, options.world.clock_rate);
+    map_.emplace(first, options.world);
     map_->ChangeWorld(scene);
   }
-  connection_->Announce();
+  connection_.Announce();
 }
 
 RobotGroup::~RobotGroup() = default;
@@ -132,7 +118,7 @@ RobotGroup::Member* RobotGroup::Find(RobotId id) {
 }
 
 ExternalCommand RobotGroup::CommandFor(RobotId id, Tick tick) {
-  connection_->Receive();
+  connection_.Receive();
   Member& robot = *Find(id);
   ExternalCommand external;
   if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
@@ -152,10 +138,10 @@ void RobotGroup::PublishActions(const RobotView& robot) {
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
   // Until the first reader comes: to ask all writers in vain would take an agent among many a quarter of its time,
   // because each has a place of its own in memory. The first call writes the static transforms.
-  if (!std::exchange(shown_, true) || connection_->reader_count() > 0) ShowRobots(tick, robots);
+  if (!std::exchange(shown_, true) || connection_.reader_count() > 0) ShowRobots(tick, robots);
   if (clock_) clock_->Show(tick, interval_ns_, false);
   if (map_) map_->Poll();
-  connection_->Flush();
+  connection_.Flush();
 }
 
 void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots) {
@@ -192,7 +178,7 @@ void RobotGroup::Restart() {
 }
 
 std::vector<std::string> RobotGroup::DrainReports() {
-  std::vector<std::string> reports = connection_->DrainMismatches();
+  std::vector<std::string> reports = connection_.DrainMismatches();
   Log(*members_.front(), reports, 0);
   for (const auto& robot : members_) {
     const std::size_t logged = reports.size();
@@ -201,7 +187,7 @@ std::vector<std::string> RobotGroup::DrainReports() {
     for (std::string& report : robot->radios.DrainReports()) reports.push_back(std::move(report));
     Log(*robot, reports, logged);
   }
-  connection_->Flush();
+  connection_.Flush();
   return reports;
 }
 
@@ -212,7 +198,7 @@ void RobotGroup::Log(const Member& robot, const std::vector<std::string>& report
 }
 
 bool RobotGroup::HasNewReader() {
-  const std::uint64_t count = connection_->reader_count();
+  const std::uint64_t count = connection_.reader_count();
   return count != std::exchange(readers_seen_, count);
 }
 

@@ -18,6 +18,7 @@
 #include "ros/connection/parameter_services.h"
 #include "ros/connection/ros_log.h"
 #include "ros/connection/type_description_service.h"
+#include "ros/link/host_connection.h"
 #include "ros/messages/robot_in_ros.h"
 
 namespace troupe {
@@ -29,9 +30,7 @@ struct RobotInGroup {
 
 class RobotGroup {
  public:
-  // `options`: with the group's domain. The connection leads through the participant of the host, where options name
-  // its socket and the robots have no domain of their own. REQUIRES: `robots` is not empty; the scene outlives the
-  // group.
+  // REQUIRES: `robots` is not empty, all in one domain; the scene outlives the group.
   RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots);
   ~RobotGroup();
 
@@ -56,7 +55,7 @@ class RobotGroup {
   // Those from the index `first` on, as lines of the robot's node.
   void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
 
-  std::unique_ptr<ros::RosConnection> connection_;
+  ros::HostConnection connection_;
   std::uint64_t readers_seen_ = 0;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<Member*> by_id_;  // null for all other robots of the world

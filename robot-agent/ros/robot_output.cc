@@ -16,13 +16,13 @@ const std::vector<RangeScan>& ScansOf(const RobotView& robot, std::size_t ranger
 
 }  // namespace
 
-RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
+RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RobotTopics& settings, const Scene& scene, RobotId robot,
                          const ros::RobotInRos& in_ros)
     : scene_(&scene),
       id_(robot),
-      map_to_odom_(options.map_to_odom),
-      odom_to_base_(options.odom_to_base),
-      infinite_ranges_(options.infinite_ranges.value_or(true)),
+      map_to_odom_(settings.map_to_odom),
+      odom_to_base_(settings.odom_to_base),
+      infinite_ranges_(settings.infinite_ranges.value_or(true)),
       frames_(in_ros.frames),
       tree_(ros::RobotFramesOf(scene, robot, frames_)),
       odometry_error_(description().localization),
@@ -51,7 +51,7 @@ RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RosOptions& option
     Sonar sonar{topic, nullptr, nullptr, nullptr};
     sonar.points =
         std::make_unique<ros::RosWriter<ros::PointCloud2>>(node, topic.topic + "/points", ros::Stream(kOutputDepth));
-    if (options.distribution == ros::Distribution::kHumble) {
+    if (node.connection->distribution() == ros::Distribution::kHumble) {
       sonar.humble_writer = std::make_unique<ros::RosWriter<ros::HumbleRangeMessage>>(node, topic.topic, qos);
     } else {
       sonar.writer = std::make_unique<ros::RosWriter<ros::RangeMessage>>(node, topic.topic, qos);

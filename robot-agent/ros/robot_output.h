@@ -20,7 +20,7 @@ namespace troupe {
 class RobotOutput {
  public:
   // REQUIRES: the scene outlives the output.
-  RobotOutput(const ros::RosNode& node, const ros::RosOptions& options, const Scene& scene, RobotId robot,
+  RobotOutput(const ros::RosNode& node, const ros::RobotTopics& settings, const Scene& scene, RobotId robot,
               const ros::RobotInRos& in_ros);
 
   // Adds the motion of a tick to the error of odometry. Once for each tick.
@@ -30,7 +30,7 @@ class RobotOutput {
 
   // Of the robot in its odometry frame, and of the links that its joints move.
   std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
-  // Of the sensors on their links; with plain names, of base_footprint; if the options ask for it, of the odometry
+  // Of the sensors on their links; with plain names, of base_footprint; if the settings ask for it, of the odometry
   // frame in the map. `robot`: at the first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
 

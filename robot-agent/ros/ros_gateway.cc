@@ -11,29 +11,17 @@ namespace {
 
 constexpr int kRepeats = 5;  // in a pause, after a reader has come
 
-// Of the robots of this process in the ROS domain of the run. Assumes that all processes have as many.
-ros::RosOptions OptionsFor(ros::RosOptions options, const Scene& scene, std::size_t robots_of_process) {
-  options.quiet = scene.world().robots.size() > ros::kMostMutualProcesses * robots_of_process;
-  return options;
-}
-
 class RosGateway final : public Gateway {
  public:
   RosGateway(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotId>& robots)
       : group_of_(scene.world().robots.size(), nullptr) {
     std::map<std::uint32_t, std::vector<RobotInGroup>> by_domain;
     for (const RobotId robot : robots) {
-      const ros::RobotInRos in_ros = ros::FindRobotInRos(scene.world(), robot, options);
+      const ros::RobotInRos in_ros = ros::FindRobotInRos(scene.world(), robot, options.network.domain, options.names);
       by_domain[in_ros.domain].push_back({robot, in_ros});
     }
     for (const auto& [domain, members] : by_domain) {
-      ros::RosOptions own = options;
-      if (members.front().in_ros.alone) {
-        own.domain = domain;
-      } else {
-        own = OptionsFor(options, scene, robots.size());
-      }
-      groups_.push_back(std::make_unique<RobotGroup>(own, scene, members));
+      groups_.push_back(std::make_unique<RobotGroup>(options, scene, members));
       for (const RobotInGroup& member : members) group_of_[member.id.index()] = groups_.back().get();
     }
   }

@@ -1,5 +1,5 @@
-// The gateway of an agent's robots to ROS 2: one participant for the process in the ROS domain of the run, and one in
-// each domain of a robot's own; a node for each robot. docs/ros2.md lists the topics.
+// The gateway of an agent's robots to ROS 2: one connection to the participant of the host in the ROS domain of the
+// run, and one for each domain of a robot's own; a node for each robot. docs/ros2.md lists the topics.
 #pragma once
 
 #include "robot-agent/agent/gateway.h"

@@ -14,8 +14,11 @@ constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 }  // namespace
 
-ClockOutput::ClockOutput(const RosNode& node, const RosOptions& options)
-    : rate_(options.clock_rate), writer_(node, "/clock", Stream(kClockDepth)), thread_([this] { Run(); }) {}
+ClockOutput::ClockOutput(const RosNode& node, double rate)
+    : connection_(*node.connection),
+      rate_(rate),
+      writer_(node, "/clock", Stream(kClockDepth)),
+      thread_([this] { Run(); }) {}
 
 ClockOutput::~ClockOutput() {
   {
@@ -55,6 +58,7 @@ void ClockOutput::Run() {
     }
     if (const auto now = WallClock::now(); now >= NextWrite()) {
       Write(TimeAt(now), now);
+      connection_.Flush();
     } else {
       changed_.wait_until(lock, NextWrite());
     }

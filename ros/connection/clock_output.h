@@ -1,5 +1,5 @@
 // ClockOutput: the topic /clock. A thread of its own writes the time of each tick, repeats it while no tick follows, as
-// in a pause, and, if the options ask for it, writes the times between two ticks. It takes the speed of the run from
+// in a pause, and, with a rate, writes the times between two ticks. It takes the speed of the run from
 // the instants at which ticks arrive, because an agent is not told it.
 #pragma once
 
@@ -18,7 +18,8 @@ namespace troupe::ros {
 
 class ClockOutput {
  public:
-  ClockOutput(const RosNode& node, const RosOptions& options);
+  // `rate`: Hz of wall time; 0: only the ticks.
+  ClockOutput(const RosNode& node, double rate);
   ~ClockOutput();
 
   // Writes the time of a committed tick. Time never decreases, unless the tick is an earlier one than that before.
@@ -36,7 +37,8 @@ class ClockOutput {
   // `speed`: as of speed_.
   bool Advances(bool stays, std::optional<double> speed) const { return !stays && speed && rate_ > 0.0; }
 
-  const double rate_;  // Hz of wall time; 0: only the ticks
+  RosConnection& connection_;
+  const double rate_;
   RosWriter<Clock> writer_;
   std::mutex mutex_;  // guards all below
   std::condition_variable changed_;

@@ -1,6 +1,6 @@
 // DdsService: a service of a RosParticipant, as rmw_cyclonedds lays it out: two topics, whose types begin with the id
 // of the caller and the number of its call. Callers on rmw_fastrtps send these two beside the message, where Cyclone's
-// interface gives no access; the program ros-service-bridge passes their calls on.
+// interface gives no access; their calls come from the side of ros-participant on Fast DDS.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,6 @@
 
 #include "ros/connection/ros_connection.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/messages/bridge_call.h"
 #include "transport/dds/binding/entity.h"
 #include "transport/dds/binding/listener.h"
 #include "transport/dds/binding/loaned_samples.h"
@@ -46,8 +45,7 @@ class DdsService final : public ServiceServer {
   const std::string id_;
   dds::Entity request_topic_;
   dds::Entity response_topic_;
-  std::mutex mutex_;  // guards recent_ and waiting_
-  RecentBridgeCalls recent_;
+  std::mutex mutex_;  // guards waiting_
   dds::DataWriterListener writer_listener_;
   dds::DataReaderListener reader_listener_;
   dds::Entity writer_;

@@ -1,38 +1,39 @@
 #include "ros/connection/find_topic_type.h"
 
+#include <initializer_list>
 #include <map>
 
-#include "ros/connection/topic_types.h"
+#include "ros/connection/simulation_types.h"
 
 namespace troupe::ros {
 namespace {
 
 using Types = std::map<std::string, const dds_topic_descriptor_t*>;
 
-Types UsualTypes() {
+// With the layouts of a distribution in place of the usual ones.
+Types TypesWith(std::initializer_list<const dds_topic_descriptor_t*> others) {
   Types types;
-#define TROUPE_ROS_TYPE(type) types[type##_desc.m_typename] = dds::TopicTraits<type>::descriptor();
-  TROUPE_ROS_TYPES(TROUPE_ROS_TYPE)
-#undef TROUPE_ROS_TYPE
-  return types;
-}
-
-Types HumbleTypes() {
-  Types types = UsualTypes();
-  for (const dds_topic_descriptor_t* type :
-       {dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor(),
-        dds::TopicTraits<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>::descriptor()}) {
-    types[type->m_typename] = type;
-  }
+#define TROUPE_TYPE(type) types[type##_desc.m_typename] = dds::TopicTraits<type>::descriptor();
+  TROUPE_ROS_TYPES(TROUPE_TYPE)
+  TROUPE_SIMULATION_TYPES(TROUPE_TYPE)
+#undef TROUPE_TYPE
+  for (const dds_topic_descriptor_t* type : others) types[type->m_typename] = type;
   return types;
 }
 
 }  // namespace
 
 const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distribution distribution) {
-  static const Types usual = UsualTypes();
-  static const Types humble = HumbleTypes();
-  const Types& types = distribution == Distribution::kHumble ? humble : usual;
+  static const Types usual = TypesWith({});
+  static const Types humble =
+      TypesWith({dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor(),
+                 dds::TopicTraits<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>::descriptor()});
+  static const Types rolling =
+      TypesWith({dds::TopicTraits<rolling_simulation_interfaces_srv_dds__SetEntityState_Request_>::descriptor(),
+                 dds::TopicTraits<rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_>::descriptor()});
+  const Types& types = distribution == Distribution::kHumble    ? humble
+                       : distribution == Distribution::kRolling ? rolling
+                                                                : usual;
   const auto found = types.find(name);
   return found != types.end() ? found->second : nullptr;
 }

@@ -6,15 +6,15 @@
 
 namespace troupe::ros {
 
-void WriteMap(RosWriter<OccupancyGridMessage>& writer, const Scene& scene, const RosOptions& options) {
+void WriteMap(RosWriter<OccupancyGridMessage>& writer, const Scene& scene, const WorldTopics& topics) {
   const OccupancyGrid grid =
-      MakeOccupancyGrid(scene, options.map_resolution, options.map_height.value_or(UsualMapHeight(scene)));
+      MakeOccupancyGrid(scene, topics.map_resolution, topics.map_height.value_or(UsualMapHeight(scene)));
   dds::WireArena arena;
   writer.Write(MakeMap(grid, arena));
 }
 
-MapOutput::MapOutput(const RosNode& node, const RosOptions& options)
-    : options_(options), map_(node, "/map", Latched()) {}
+MapOutput::MapOutput(const RosNode& node, const WorldTopics& topics)
+    : connection_(*node.connection), topics_(topics), map_(node, "/map", Latched()) {}
 
 MapOutput::~MapOutput() {
   Join();
@@ -34,7 +34,10 @@ void MapOutput::Poll() {
   if (written_ || scene_ == nullptr || !map_.wanted()) return;
   written_ = true;
   Join();
-  thread_ = std::thread([this] { WriteMap(map_, *scene_, options_); });
+  thread_ = std::thread([this] {
+    WriteMap(map_, *scene_, topics_);
+    connection_.Flush();
+  });
 }
 
 }  // namespace troupe::ros

@@ -10,12 +10,12 @@
 
 namespace troupe::ros {
 
-// Writes the section of the static bodies that the options ask for.
-void WriteMap(RosWriter<OccupancyGridMessage>& writer, const Scene& scene, const RosOptions& options);
+// Writes the section of the static bodies that the topics ask for.
+void WriteMap(RosWriter<OccupancyGridMessage>& writer, const Scene& scene, const WorldTopics& topics);
 
 class MapOutput {
  public:
-  MapOutput(const RosNode& node, const RosOptions& options);
+  MapOutput(const RosNode& node, const WorldTopics& topics);
   ~MapOutput();
 
   // The static bodies have changed. REQUIRES: the scene outlives the output, or the next call.
@@ -26,7 +26,8 @@ class MapOutput {
  private:
   void Join();
 
-  const RosOptions options_;
+  RosConnection& connection_;
+  const WorldTopics topics_;
   RosWriter<OccupancyGridMessage> map_;
   const Scene* scene_ = nullptr;
   bool written_ = false;

@@ -1,5 +1,5 @@
-// RosConnection: the way of a process into a ROS 2 domain. A RosParticipant is a DDS participant of the process' own; a
-// HostConnection (ros/link) leads through the participant that the agents of a host share. Nodes have writers,
+// RosConnection: the way of a process into a ROS 2 domain. A HostConnection (ros/link) leads to the program
+// ros-participant of the host; the RosParticipant is that program's own, a participant of DDS. Nodes have writers,
 // readers and services on it: ros_endpoints.h, ros_service.h.
 #pragma once
 
@@ -96,6 +96,8 @@ class TopicReader {
 struct CallHeader {
   std::uint64_t client_guid = 0;
   std::int64_t sequence_number = 0;
+
+  friend bool operator==(const CallHeader&, const CallHeader&) = default;
 };
 
 class ServiceServer {
@@ -129,7 +131,9 @@ class RosConnection {
   // The endpoints of a node, which match others from Announce on, or before. Throw dds::Exception. The connection must
   // outlive them.
   virtual std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) = 0;
-  virtual std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) = 0;
+  // `on_arrival`: called when a sample has arrived, on a thread of the connection; it calls no function of the reader.
+  virtual std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part,
+                                                  std::function<void()> on_arrival) = 0;
   virtual std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                                      ServiceServer::Handler handler) = 0;
   // Lists a writer of the connection as one of another node, too.
@@ -138,12 +142,9 @@ class RosConnection {
   // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   virtual void Announce() = 0;
 
-  // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
-  // now and then, because all writers of the domain are kept for it.
-  virtual void WatchWriters() = 0;
-  // Reports, once, a participant of a distribution with another layout of the list of nodes, too. After WatchWriters.
+  // Reports, once, a participant of a distribution with another layout of the list of nodes, too.
   virtual void WatchDistributions() = 0;
-  // A line for each writer, found since the last call, that does not match.
+  // A line for each writer, found since the last call, that does not match the readers.
   virtual std::vector<std::string> DrainMismatches() = 0;
 
   // Brings the samples to the readers that have arrived by now.
@@ -164,6 +165,9 @@ class RosConnection {
   std::atomic<std::uint64_t> readers_ = 0;
   std::atomic<std::uint64_t> lost_ = 0;
 };
+
+// In place of the index of a node, for endpoints that are listed as those of no node.
+inline constexpr std::size_t kNoNode = 0xffffffff;
 
 // A node of a connection.
 struct RosNode {

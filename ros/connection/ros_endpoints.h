@@ -2,8 +2,10 @@
 // call throws: a sample that cannot be written is counted (RosConnection::lost) and dropped.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "ros/connection/ros_connection.h"
 #include "ros/connection/topic_types.h"
@@ -35,9 +37,12 @@ class RosWriter {
 template <typename T>
 class RosReader {
  public:
-  RosReader(const RosNode& node, const std::string& name, const TopicQos& qos, Part part = Part::kOnlyReader)
-      : reader_(node.connection->MakeReader(
-            node.index, {"rt" + node.Resolve(name), dds::TopicTraits<T>::descriptor(), qos}, part)) {}
+  // `on_arrival`: as in RosConnection::MakeReader.
+  RosReader(const RosNode& node, const std::string& name, const TopicQos& qos, Part part = Part::kOnlyReader,
+            std::function<void()> on_arrival = {})
+      : reader_(node.connection->MakeReader(node.index,
+                                            {"rt" + node.Resolve(name), dds::TopicTraits<T>::descriptor(), qos}, part,
+                                            std::move(on_arrival))) {}
 
   // A writer has come that needs a best-effort reader. For the part kReliableReader.
   bool missed_writer() const { return reader_->missed_writer(); }

@@ -54,10 +54,10 @@ void AddPeer(dds::DomainConfig& config, const std::string& address, std::uint32_
 }
 
 // Tools may have no multicast here: they announce themselves at the ports of the first indices. A process without an
-// index answers none of that, so it announces itself often, unless there are many.
-void DiscoverOnThisMachine(dds::DomainConfig& config, const RosOptions& options) {
-  AddPeer(config, "127.0.0.1", IndicesSearched(options.distribution));
-  if (!options.quiet) config.announce_seconds = kLocalAnnouncement;
+// index answers none of that, so it announces itself often.
+void DiscoverOnThisMachine(dds::DomainConfig& config, const RosNetwork& network) {
+  AddPeer(config, "127.0.0.1", IndicesSearched(network.distribution));
+  config.announce_seconds = kLocalAnnouncement;
 }
 
 }  // namespace
@@ -66,26 +66,25 @@ std::uint32_t IndicesSearched(Distribution distribution) {
   return distribution == Distribution::kHumble ? 10 : 33;
 }
 
-bool AnnouncesOnLoopback(const RosOptions& options) {
-  return options.discovery == DiscoveryRange::kLocalhost ||
-         (options.discovery != DiscoveryRange::kOff && IsLoopback(options.network_interface));
+bool AnnouncesOnLoopback(const RosNetwork& network) {
+  return network.discovery == DiscoveryRange::kLocalhost ||
+         (network.discovery != DiscoveryRange::kOff && IsLoopback(network.network_interface));
 }
 
-bool UsesLoopbackOnly(const RosOptions& options) {
-  return IsLoopback(options.network_interface) ||
-         (options.discovery == DiscoveryRange::kLocalhost && options.distribution == Distribution::kHumble);
+bool UsesLoopbackOnly(const RosNetwork& network) {
+  return IsLoopback(network.network_interface) ||
+         (network.discovery == DiscoveryRange::kLocalhost && network.distribution == Distribution::kHumble);
 }
 
-dds::DomainConfig RosNetwork(const RosOptions& options) {
+dds::DomainConfig NetworkConfig(const RosNetwork& network) {
   dds::DomainConfig config;
-  config.domain = options.domain;
-  config.network_interface = options.network_interface;
+  config.domain = network.domain;
+  config.network_interface = network.network_interface;
   config.data_multicast = false;  // as ROS by default: not every network has multicast
-  config.heard_on_own_machine = !options.quiet;
   config.key_hashes = true;
-  const bool is_humble = options.distribution == Distribution::kHumble;
-  const std::uint32_t indices = IndicesSearched(options.distribution);
-  switch (options.discovery) {
+  const bool is_humble = network.distribution == Distribution::kHumble;
+  const std::uint32_t indices = IndicesSearched(network.distribution);
+  switch (network.discovery) {
     case DiscoveryRange::kOff:
       config.network = "unicast";
       config.discovery_multicast = false;
@@ -100,19 +99,14 @@ dds::DomainConfig RosNetwork(const RosOptions& options) {
       }
       // From Iron on, tools use their usual interface here, so that localhost is a peer and not an interface.
       config.adds_loopback = !IsLoopback(config.network_interface);
-      DiscoverOnThisMachine(config, options);
+      DiscoverOnThisMachine(config, network);
       break;
     case DiscoveryRange::kSubnet:
-      if (IsLoopback(config.network_interface)) DiscoverOnThisMachine(config, options);
+      if (IsLoopback(config.network_interface)) DiscoverOnThisMachine(config, network);
       break;
   }
-  if (options.quiet && options.relay_port != 0) {
-    config.discovery_multicast = false;
-    config.peers = {"127.0.0.1:" + std::to_string(options.relay_port)};
-    return config;
-  }
-  if (options.discovery != DiscoveryRange::kSystemDefault) {
-    for (const std::string& peer : options.static_peers) AddPeer(config, AddressOf(peer), indices);
+  if (network.discovery != DiscoveryRange::kSystemDefault) {
+    for (const std::string& peer : network.static_peers) AddPeer(config, AddressOf(peer), indices);
     // Half of them, so that tools find free ones too. With multicast, Humble's tools need none.
     if (!is_humble || !config.peers.empty()) config.indices_tried = indices / 2;
   }

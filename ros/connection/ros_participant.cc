@@ -23,27 +23,23 @@ namespace {
 constexpr const char* kDiscoveryTopic = "ros_discovery_info";
 constexpr std::size_t kLongestName = 256;
 
-Enclave EnclaveOf(const RosOptions& options, const std::string& name) {
-  Result<Enclave> enclave = FindEnclave(options.security, name);
+Enclave EnclaveOf(const RosNetwork& network, const std::string& name) {
+  Result<Enclave> enclave = FindEnclave(network.security, name);
   if (!enclave.ok()) throw dds::Exception(DDS_RETCODE_BAD_PARAMETER, "starting ROS: " + enclave.error().ToString());
   return std::move(enclave).value();
 }
 
-dds::DomainConfig ConfigOf(const RosOptions& options, const Enclave& enclave) {
-  dds::DomainConfig config = RosNetwork(options);
+dds::DomainConfig ConfigOf(const RosNetwork& network, const Enclave& enclave) {
+  dds::DomainConfig config = NetworkConfig(network);
   config.security_enclave = enclave.folder;
   config.numbered_as_on_network = !enclave.folder.empty();  // permissions of ROS name its domain
   return config;
 }
 
-// Clients on Cyclone DDS are in no partition: for Cyclone they match "*", but not for Fast DDS, whose clients would
-// send requests here that have no number of the call; so these discover the bridge alone.
-dds::Qos ServicePartitions(const RosOptions& options) {
-  dds::Qos qos;
-  if (!UsesBridge(options)) return qos;
-  dds::Partitions partitions = {{BridgePartition(options.session)}};
-  if (options.service_clients == ServiceClients::kBoth) partitions.names.emplace_back("*");
-  return qos << partitions;
+// Clients are in no partition: those on Cyclone DDS match "*", and those on Fast DDS, whose requests have no number of
+// the call here, do not.
+dds::Qos ServicePartitions(const RosNetwork& network) {
+  return UsesFastDds(network) ? dds::Qos() << dds::Partitions{{"*"}} : dds::Qos();
 }
 
 using Guid = std::array<std::uint8_t, sizeof(dds_guid_t)>;
@@ -84,6 +80,7 @@ class RosParticipant::Announcer {
 
   // REQUIRES of these two: the mutex is held.
   void List(std::size_t node, const Guid& endpoint, std::vector<Guid> Node::*endpoints) {
+    if (node == kNoNode) return;
     (nodes.at(node).*endpoints).push_back(endpoint);
     nodes_of[endpoint].push_back(node);
   }
@@ -143,17 +140,17 @@ class InfoWriter final : public Base {
 
 }  // namespace
 
-RosParticipant::RosParticipant(const RosOptions& options, const std::string& enclave)
-    : RosParticipant(options, EnclaveOf(options, enclave)) {}
+RosParticipant::RosParticipant(const RosNetwork& network, const std::string& enclave)
+    : RosParticipant(network, EnclaveOf(network, enclave)) {}
 
-RosParticipant::RosParticipant(const RosOptions& options, const Enclave& enclave)
-    : RosConnection(options.distribution),
-      participant_(ConfigOf(options, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
+RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave)
+    : RosConnection(network.distribution),
+      participant_(ConfigOf(network, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
       publisher_(participant_),
       subscriber_(participant_),
-      service_publisher_(participant_, ServicePartitions(options)),
-      service_subscriber_(participant_, ServicePartitions(options)) {
-  if (options.distribution == Distribution::kHumble) {
+      service_publisher_(participant_, ServicePartitions(network)),
+      service_subscriber_(participant_, ServicePartitions(network)) {
+  if (network.distribution == Distribution::kHumble) {
     announcer_ =
         std::make_unique<InfoWriter<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
   } else {
@@ -196,8 +193,9 @@ std::unique_ptr<TopicWriter> RosParticipant::MakeWriter(std::size_t node, const 
   return writer;
 }
 
-std::unique_ptr<TopicReader> RosParticipant::MakeReader(std::size_t node, const TopicSpec& spec, Part part) {
-  auto reader = std::make_unique<DdsTopicReader>(*this, spec, part);
+std::unique_ptr<TopicReader> RosParticipant::MakeReader(std::size_t node, const TopicSpec& spec, Part part,
+                                                        std::function<void()> on_arrival) {
+  auto reader = std::make_unique<DdsTopicReader>(*this, spec, part, DdsTopicReader::Notices{std::move(on_arrival), {}});
   AddReader(node, reader->handle(), part == Part::kReliableReader);
   return reader;
 }

@@ -1,4 +1,4 @@
-// RosParticipant: the DDS participant of a process in a ROS 2 domain, and its nodes. Readers and writers
+// RosParticipant: a DDS participant in a ROS 2 domain, and its nodes. Readers and writers
 // (ros_endpoints.h) belong to a node; Announce publishes the nodes and their endpoints, as the ROS graph needs.
 #pragma once
 
@@ -17,22 +17,23 @@ namespace troupe::ros {
 
 class RosParticipant final : public RosConnection {
  public:
-  // `enclave`: whose keys it has if the options ask for security: kWorldEnclave, "/<robot>", or "/" of other programs.
-  // Throws dds::Exception when DDS cannot start, or where FindEnclave fails.
-  explicit RosParticipant(const RosOptions& options, const std::string& enclave = "/");
+  // `enclave`: whose keys it has if the network asks for security and names none. Throws dds::Exception when DDS cannot
+  // start, or where FindEnclave fails.
+  explicit RosParticipant(const RosNetwork& network, const std::string& enclave = "/");
   ~RosParticipant() override;
 
   const dds::DomainParticipant& participant() const { return participant_; }
   const dds::Publisher& publisher() const { return publisher_; }
   const dds::Subscriber& subscriber() const { return subscriber_; }
-  // Of services. With a bridge they are in its partition.
+  // Of services. Those that Fast DDS serves too are in a partition that its clients do not match.
   const dds::Publisher& service_publisher() const { return service_publisher_; }
   const dds::Subscriber& service_subscriber() const { return service_subscriber_; }
 
   std::size_t AddNode(const std::string& node_namespace, const std::string& name) override;
   void RemoveNode(std::size_t node);
   std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) override;
-  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) override;
+  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part,
+                                          std::function<void()> on_arrival) override;
   std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                              ServiceServer::Handler handler) override;
   // REQUIRES: `writer` is of MakeWriter.
@@ -45,7 +46,10 @@ class RosParticipant final : public RosConnection {
   void RemoveEndpoint(dds_entity_t endpoint);
   void Announce() override;
 
-  void WatchWriters() override;
+  // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
+  // now and then, because all writers of the domain are kept for it.
+  void WatchWriters();
+  // REQUIRES: WatchWriters was called.
   void WatchDistributions() override;
   // The writers that were found before the newest readers were added are compared with these, too.
   void WatchKnownWriters();
@@ -56,7 +60,7 @@ class RosParticipant final : public RosConnection {
  private:
   class Announcer;
 
-  RosParticipant(const RosOptions& options, const Enclave& enclave);
+  RosParticipant(const RosNetwork& network, const Enclave& enclave);
 
   dds::DomainParticipant participant_;
   dds::Publisher publisher_;

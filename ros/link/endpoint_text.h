@@ -10,6 +10,12 @@
 
 namespace troupe::ros {
 
+// The first text of an agent.
+struct HelloText {
+  std::string version;
+  std::uint32_t domain = 0;  // of its nodes and endpoints
+};
+
 struct NodeText {
   std::string node_namespace;
   std::string name;
@@ -25,10 +31,22 @@ struct EndpointText {
   Part part = Part::kOnlyReader;  // of a reader
 };
 
+// Of a service that Fast DDS serves.
+struct ServiceText {
+  std::uint32_t domain = 0;
+  std::string name;  // "/anna/robot/get_parameters"
+  std::string request_type;
+  std::string response_type;
+};
+
+std::string ToText(const HelloText& hello);
 std::string ToText(const NodeText& node);
 std::string ToText(const EndpointText& endpoint);
+std::string ToText(const ServiceText& service);
 // Any text is safe.
+Result<HelloText> ParseHello(std::string_view text);
 Result<NodeText> ParseNode(std::string_view text);
 Result<EndpointText> ParseEndpoint(std::string_view text);
+Result<ServiceText> ParseService(std::string_view text);
 
 }  // namespace troupe::ros

@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // ms between two attempts to connect.
-constexpr int kFirstDelay = 10;
+constexpr int kFirstDelay = 5;
 constexpr int kLongestDelay = 500;
 constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin anew
 
@@ -55,6 +55,7 @@ class HostConnection::Writer final : public TopicWriter {
       owner_.held_.erase(id_);
       owner_.Send(LinkKind::kWrite, id_, bytes);
       if (is_latched_) owner_.latched_[id_] = std::move(bytes);
+      if (owner_.sending_ == Sending::kAtOnce) owner_.FlushNow();
       return true;
     } catch (const std::bad_alloc&) {
       return false;
@@ -76,8 +77,9 @@ class HostConnection::Writer final : public TopicWriter {
 
 class HostConnection::Reader final : public TopicReader {
  public:
-  Reader(HostConnection& owner, std::size_t node, const TopicSpec& spec, Part part)
+  Reader(HostConnection& owner, std::size_t node, const TopicSpec& spec, Part part, std::function<void()> on_arrival)
       : owner_(owner),
+        on_arrival_(std::move(on_arrival)),
         type_(*spec.type),
         depth_(static_cast<std::size_t>(spec.qos.depth)),
         id_(owner.AddEndpoint(LinkKind::kMakeReader,
@@ -90,6 +92,7 @@ class HostConnection::Reader final : public TopicReader {
     waiting_.emplace_back(bytes.begin(), bytes.end());
     if (waiting_.size() > depth_) waiting_.pop_front();
     SetArrived();
+    if (on_arrival_) on_arrival_();
   }
   void Miss() { SetMissedWriter(); }
 
@@ -107,6 +110,7 @@ class HostConnection::Reader final : public TopicReader {
   }
 
   HostConnection& owner_;
+  const std::function<void()> on_arrival_;
   const dds_topic_descriptor_t& type_;
   const std::size_t depth_;
   std::deque<Bytes> waiting_;  // guarded by the owner's mutex
@@ -163,8 +167,10 @@ class HostConnection::Service final : public ServiceServer {
   const std::uint32_t id_;
 };
 
-HostConnection::HostConnection(Distribution distribution, std::string socket)
-    : RosConnection(distribution), socket_(std::move(socket)), thread_([this] { Run(); }) {}
+HostConnection::HostConnection(Distribution distribution, std::string socket, std::uint32_t domain, Sending sending)
+    : RosConnection(distribution), socket_(std::move(socket)), domain_(domain), sending_(sending), thread_([this] {
+        Run();
+      }) {}
 
 HostConnection::~HostConnection() {
   stop_ = true;
@@ -182,8 +188,9 @@ std::unique_ptr<TopicWriter> HostConnection::MakeWriter(std::size_t node, const 
   return std::make_unique<Writer>(*this, node, spec);
 }
 
-std::unique_ptr<TopicReader> HostConnection::MakeReader(std::size_t node, const TopicSpec& spec, Part part) {
-  return std::make_unique<Reader>(*this, node, spec, part);
+std::unique_ptr<TopicReader> HostConnection::MakeReader(std::size_t node, const TopicSpec& spec, Part part,
+                                                        std::function<void()> on_arrival) {
+  return std::make_unique<Reader>(*this, node, spec, part, std::move(on_arrival));
 }
 
 std::unique_ptr<ServiceServer> HostConnection::MakeService(std::size_t node, const ServiceSpec& spec,
@@ -269,7 +276,7 @@ bool HostConnection::Open() {
   const std::lock_guard lock(mutex_);
   link_ = std::move(link);
   broken_ = false;
-  Send(LinkKind::kHello, 0, BytesOf(VersionText()));
+  Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_})));
   for (const Setup& setup : setups_) Send(setup.kind, setup.id, setup.content);
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);

@@ -1,5 +1,5 @@
-// HostConnection: a connection to ROS through the participant that the agents of a host share, the program
-// ros-participant. Tools discover one participant for each host in place of one for each agent.
+// HostConnection: the connection of a process to ROS, through the participant of its host in a domain, which the
+// program ros-participant has. Tools discover one participant for each host in place of one for each process.
 //
 // The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
 // made anew in the next one, with the last samples of latched topics. Writers never wait for it: beyond a limit of
@@ -28,19 +28,22 @@ namespace troupe::ros {
 
 class HostConnection final : public RosConnection {
  public:
+  // Whether a sample is sent at once, or by Flush with all others that were written since the last one.
+  enum class Sending : std::uint8_t { kAtOnce, kByFlush };
+
   // `socket`: the name at which the program listens, or will. Throws std::system_error without resources.
-  HostConnection(Distribution distribution, std::string socket);
+  HostConnection(Distribution distribution, std::string socket, std::uint32_t domain, Sending sending);
   ~HostConnection() override;
 
   std::size_t AddNode(const std::string& node_namespace, const std::string& name) override;
   std::unique_ptr<TopicWriter> MakeWriter(std::size_t node, const TopicSpec& spec) override;
-  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part) override;
+  std::unique_ptr<TopicReader> MakeReader(std::size_t node, const TopicSpec& spec, Part part,
+                                          std::function<void()> on_arrival) override;
   std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                              ServiceServer::Handler handler) override;
   // REQUIRES: `writer` is of MakeWriter.
   void ShareWriter(std::size_t node, const TopicWriter& writer) override;
   void Announce() override;
-  void WatchWriters() override {}  // the participant does from its start on
   void WatchDistributions() override;
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
@@ -79,6 +82,8 @@ class HostConnection final : public RosConnection {
   void Remove(std::uint32_t id);
 
   const std::string socket_;
+  const std::uint32_t domain_;
+  const Sending sending_;
   const WakeEvent wake_;
   std::atomic<bool> stop_ = false;
   std::mutex handling_;         // held while a handler runs, and by the end of a service

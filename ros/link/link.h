@@ -1,5 +1,7 @@
-// Link: the messages between an agent and the program ros-participant of its host, over a connected Unix socket. Both
-// are of one build, which the first message states.
+// Link: the messages between a process with nodes in ROS, here called an agent, and the program
+// ros-participant of its host, over a connected Unix socket; both are of one build, which the first message states. And
+// those between that program and its side on Fast DDS, which uses kHello (with the GUID of the client in its calls),
+// kMakeService (a ServiceText), kRemove, kRequest and kRespond.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +15,7 @@ namespace troupe::ros {
 
 enum class LinkKind : std::uint8_t {
   // To the participant. `id` is that of a node, or of an endpoint; the agent chooses both.
-  kHello,         // the version, as text; the first message
+  kHello,         // a HelloText; the first message
   kAddNode,       // a NodeText
   kMakeWriter,    // an EndpointText, as those below
   kMakeReader,    //

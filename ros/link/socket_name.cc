@@ -32,14 +32,12 @@ bool IsOfThisUser(int connection) {
 
 }  // namespace
 
-Result<int> Listen(const std::string& name) {
+Result<int> Bind(const std::string& name) {
   const std::optional<LocalAddress> address = MakeLocalAddress(name);
   if (!address) return BadName(name);
   const int descriptor = MakeSocket();
-  if (descriptor >= 0 && bind(descriptor, address->get(), address->length) == 0 && listen(descriptor, SOMAXCONN) == 0) {
-    return descriptor;
-  }
-  const Error failure = SocketFailure("listen at socket", name);
+  if (descriptor >= 0 && bind(descriptor, address->get(), address->length) == 0) return descriptor;
+  const Error failure = SocketFailure("bind socket", name);
   if (descriptor >= 0) close(descriptor);
   return failure;
 }

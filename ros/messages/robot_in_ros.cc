@@ -17,19 +17,19 @@ std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
 
 // `name`: of the robot, as in RobotNames.
 RobotInRos Find(const WorldDescription& world, RobotId robot, const std::string& name, bool is_first_of_run,
-                const RosOptions& options) {
+                std::uint32_t run_domain, const RosNames& names) {
   const RosIdentity& identity = world.robot(robot).ros;
   RobotInRos found;
-  found.domain = identity.domain.value_or(options.domain);
-  found.alone = found.domain != options.domain;
+  found.domain = identity.domain.value_or(run_domain);
+  found.alone = found.domain != run_domain;
   found.name = name;
-  const bool is_plain = identity.domain || (options.plain_names && is_first_of_run);
+  const bool is_plain = identity.domain || (names.plain && is_first_of_run);
   if (is_plain) {
     found.node_namespace = "/";
   } else {
     found.node_namespace = IsNamespace(identity.name_space) ? identity.name_space : "/" + found.name;
   }
-  found.frames = FramesOf(found.node_namespace.substr(1), !options.namespaced_tf && !is_plain);
+  found.frames = FramesOf(found.node_namespace.substr(1), !names.namespaced_tf && !is_plain);
   return found;
 }
 
@@ -46,13 +46,13 @@ bool IsNamespace(const std::string& text) {
   return text.size() > 1;
 }
 
-Status CheckDomains(const WorldDescription& world, const RosOptions& options,
+Status CheckDomains(const WorldDescription& world, std::uint32_t run_domain, const RosNames& names,
                     std::optional<std::uint32_t> simulation_domain) {
-  if (simulation_domain == options.domain) {
+  if (simulation_domain == run_domain) {
     return Error{{},
                  fmt::format("found {} as the domain of the run and as its ROS domain, expected two: see --domain and "
                              "--ros-domain",
-                             options.domain)};
+                             run_domain)};
   }
   std::size_t of_run = 0;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
@@ -66,24 +66,27 @@ Status CheckDomains(const WorldDescription& world, const RosOptions& options,
                                *robot.ros.domain, robot.name)};
     }
   }
-  if (!options.plain_names || of_run <= 1) return Status();
+  if (!names.plain || of_run <= 1) return Status();
   return Error{{},
                fmt::format("found --ros-names plain for {} robots in one ROS domain, expected one robot, or a "
                            "ros_domain for each",
                            of_run)};
 }
 
-RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options) {
-  return Find(world, robot, RobotNames(world)[robot.index()], FirstOfRun(world) == robot, options);
+RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, std::uint32_t run_domain,
+                          const RosNames& names) {
+  return Find(world, robot, RobotNames(world)[robot.index()], FirstOfRun(world) == robot, run_domain, names);
 }
 
-std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options) {
-  const std::vector<std::string> names = RobotNames(world);
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, std::uint32_t run_domain,
+                                                            const RosNames& names) {
+  const std::vector<std::string> robot_names = RobotNames(world);
   const std::optional<RobotId> first = FirstOfRun(world);
   std::vector<std::pair<RobotId, RobotInRos>> found;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const RobotId robot(i);
-    if (IsThere(world, robot)) found.emplace_back(robot, Find(world, robot, names[i], first == robot, options));
+    if (!IsThere(world, robot)) continue;
+    found.emplace_back(robot, Find(world, robot, robot_names[i], first == robot, run_domain, names));
   }
   return found;
 }

@@ -22,15 +22,17 @@ struct RobotInRos {
   FrameNames frames;
 };
 
-// A robot with a ROS domain has plain names, and so has the first robot of the run's domain if the options ask for it.
-RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, const RosOptions& options);
+// A robot with a ROS domain has plain names, and so has the first robot of the run's domain if `names` asks for it.
+RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, std::uint32_t run_domain,
+                          const RosNames& names);
 
 // All robots that are there.
-std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, const RosOptions& options);
+std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, std::uint32_t run_domain,
+                                                            const RosNames& names);
 
 // The error is a robot in the domain of the simulation (nothing: the run uses no network), or plain names for several
 // robots of one domain.
-Status CheckDomains(const WorldDescription& world, const RosOptions& options,
+Status CheckDomains(const WorldDescription& world, std::uint32_t run_domain, const RosNames& names,
                     std::optional<std::uint32_t> simulation_domain);
 
 // True for "/fleet/anna": a slash before each part, which begins with a letter and has letters, digits and single

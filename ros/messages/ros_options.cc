@@ -59,43 +59,62 @@ std::optional<std::uint32_t> ParseDomain(std::string_view text) {
 }
 
 // The older variable prevails, as in ROS.
-void SetDiscovery(RosOptions& options) {
+void SetDiscovery(RosNetwork& network, EnvironmentFaults& faults) {
   if (Environment("ROS_LOCALHOST_ONLY") == "1") {
-    options.discovery = DiscoveryRange::kLocalhost;
+    network.discovery = DiscoveryRange::kLocalhost;
     return;
   }
   const std::string_view range = Environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
   if (!range.empty()) {
     const std::optional<DiscoveryRange> parsed = ParseDiscoveryRange(OptionWord(range));
-    options.discovery = parsed.value_or(DiscoveryRange::kLocalhost);
+    network.discovery = parsed.value_or(DiscoveryRange::kLocalhost);
     if (!parsed) {
-      options.faults.discovery =
+      faults.discovery =
           Found("ROS_AUTOMATIC_DISCOVERY_RANGE", range, "OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT; using LOCALHOST");
     }
   }
-  options.static_peers = SplitAtSemicolons(Environment("ROS_STATIC_PEERS"));
+  network.static_peers = SplitAtSemicolons(Environment("ROS_STATIC_PEERS"));
 }
 
 }  // namespace
 
 RosOptions OptionsFromEnvironment() {
   RosOptions options;
+  RosNetwork& network = options.network;
+  EnvironmentFaults& faults = options.faults;
   const std::string_view domain = Environment("ROS_DOMAIN_ID");
   if (const std::optional<std::uint32_t> number = ParseDomain(domain)) {
-    options.domain = *number;
+    network.domain = *number;
   } else if (!domain.empty()) {
-    options.faults.domain = Found("ROS_DOMAIN_ID", domain, "a number from 0 to 230");
+    faults.domain = Found("ROS_DOMAIN_ID", domain, "a number from 0 to 230");
   }
   const std::string_view name = Environment("ROS_DISTRO");
   if (const auto distribution = ParseDistribution(std::string(name))) {
-    options.distribution = *distribution;
+    network.distribution = *distribution;
   } else if (!name.empty()) {
-    options.faults.distribution =
+    faults.distribution =
         Found("ROS_DISTRO", name, "humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
   }
-  SetDiscovery(options);
-  options.security = SecurityFromEnvironment();
+  SetDiscovery(network, faults);
+  network.security = SecurityFromEnvironment();
   return options;
+}
+
+std::vector<std::string> NetworkArguments(const RosNetwork& network) {
+  std::vector<std::string> arguments = {
+      "--ros-domain=" + std::to_string(network.domain),
+      "--ros-interface=" + network.network_interface,
+      std::string("--ros-discovery=") + ToString(network.discovery),
+      std::string("--ros-distro=") + ToString(network.distribution),
+      std::string("--ros-security=") + ToString(network.security.strategy),
+  };
+  if (!network.security.keystore.empty()) arguments.push_back("--ros-keystore=" + network.security.keystore);
+  if (!network.security.enclave.empty()) arguments.push_back("--ros-enclave=" + network.security.enclave);
+  for (const std::string& peer : network.static_peers) arguments.push_back("--ros-peers=" + peer);
+  if (network.service_clients) {
+    arguments.push_back(std::string("--ros-services=") + ToString(*network.service_clients));
+  }
+  return arguments;
 }
 
 std::optional<Distribution> ParseDistribution(const std::string& name) {
@@ -173,29 +192,13 @@ const char* ToString(ServiceClients clients) {
   return "";
 }
 
-const char* ToString(ParticipantScope scope) {
-  return scope == ParticipantScope::kProcess ? "process" : "host";
+bool HasFastDds() {
+  return TROUPE_HAS_FAST_DDS;
 }
 
-std::size_t ProcessesOf(std::size_t robots, std::size_t robots_per_process) {
-  const std::size_t in_each = std::max<std::size_t>(1, robots_per_process);
-  return (robots + in_each - 1) / in_each;
-}
-
-bool UsesHostParticipants(const RosOptions& options, std::size_t processes) {
-  if (options.security.strategy != SecurityStrategy::kOff) return false;
-  if (options.participants) return *options.participants == ParticipantScope::kHost;
-  return processes > kMostMutualProcesses;
-}
-
-bool UsesBridge(const RosOptions& options) {
-  return options.service_clients.value_or(ServiceClients::kCyclone) != ServiceClients::kCyclone &&
-         !options.session.empty() && options.security.strategy == SecurityStrategy::kOff &&
-         options.discovery != DiscoveryRange::kOff;
-}
-
-std::string BridgePartition(const std::string& session) {
-  return "troupe/" + session;
+bool UsesFastDds(const RosNetwork& network) {
+  return HasFastDds() && network.service_clients != ServiceClients::kCyclone &&
+         network.security.strategy == SecurityStrategy::kOff && network.discovery != DiscoveryRange::kOff;
 }
 
 }  // namespace troupe::ros

@@ -52,15 +52,16 @@ std::string TextOf(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-AgentEndpoints::AgentEndpoints(RosParticipant& participant, EndpointPools& pools, int connection,
-                               std::function<void()> wake)
-    : participant_(participant), pools_(pools), link_(connection), wake_(std::move(wake)) {}
+AgentEndpoints::AgentEndpoints(Join join, int connection, std::function<void()> wake)
+    : join_(std::move(join)), link_(connection), wake_(std::move(wake)) {}
 
 AgentEndpoints::~AgentEndpoints() {
-  RetireAll(writers_, pools_.writers);
-  RetireAll(readers_, pools_.readers);
-  RetireAll(services_, pools_.services);
-  for (const auto& [id, node] : nodes_) participant_.RemoveNode(node);
+  if (domain_ == nullptr) return;
+  RetireAll(writers_, domain_->pools.writers);
+  RetireAll(readers_, domain_->pools.readers);
+  RetireAll(services_, domain_->pools.services);
+  for (const auto& [id, node] : nodes_) domain_->participant.RemoveNode(node);
+  --domain_->agents;
 }
 
 bool AgentEndpoints::Process() {
@@ -89,19 +90,26 @@ void AgentEndpoints::Report(const std::string& line) {
 }
 
 void AgentEndpoints::Perform(const LinkMessage& message) {
-  if (!greeted_ && message.kind != LinkKind::kHello) return Refuse("found no version, expected one");
+  if ((domain_ == nullptr) != (message.kind == LinkKind::kHello)) {
+    return Refuse("found no version, or two, expected one first");
+  }
   switch (message.kind) {
     case LinkKind::kHello: {
-      const std::string version = TextOf(message.content);
-      greeted_ = version == VersionText();
-      if (!greeted_) Refuse(fmt::format("found version '{}', expected '{}'", PlainLine(version, 100), VersionText()));
+      const Result<HelloText> hello = ParseHello(TextOf(message.content));
+      if (!hello.ok()) return Refuse(hello.error().message);
+      const std::string& version = hello.value().version;
+      if (version != VersionText()) {
+        return Refuse(fmt::format("found version '{}', expected '{}'", PlainLine(version, 100), VersionText()));
+      }
+      domain_ = &join_(hello.value().domain);
+      ++domain_->agents;
       return;
     }
     case LinkKind::kAddNode: {
       const Result<NodeText> node = ParseNode(TextOf(message.content));
       if (!node.ok()) return Refuse(node.error().message);
       if (nodes_.contains(message.id)) return Refuse("found a node a second time");
-      nodes_[message.id] = participant_.AddNode(node.value().node_namespace, node.value().name);
+      nodes_[message.id] = domain_->participant.AddNode(node.value().node_namespace, node.value().name);
       return;
     }
     case LinkKind::kMakeWriter:
@@ -117,16 +125,16 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
     case LinkKind::kShareWriter:
       return ShareWriter(message.id, TextOf(message.content));
     case LinkKind::kRemove:
-      RetireOne(writers_, message.id, pools_.writers);
-      RetireOne(readers_, message.id, pools_.readers);
-      RetireOne(services_, message.id, pools_.services);
+      RetireOne(writers_, message.id, domain_->pools.writers);
+      RetireOne(readers_, message.id, domain_->pools.readers);
+      RetireOne(services_, message.id, domain_->pools.services);
       return;
     case LinkKind::kAnnounce:
       announces_ = true;
       return;
     case LinkKind::kWatchDistributions:
       watches_distributions_ = true;
-      return participant_.WatchDistributions();
+      return domain_->participant.WatchDistributions();
     case LinkKind::kWrite:
       return Write(message);
     case LinkKind::kRespond:
@@ -137,22 +145,27 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
 }
 
 void AgentEndpoints::Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint) {
-  const auto node = nodes_.find(endpoint.node);
-  if (node == nodes_.end()) return Refuse(fmt::format("found node {}, expected one of this agent", endpoint.node));
+  std::size_t node = kNoNode;
+  if (endpoint.node != kNoNode) {
+    const auto found = nodes_.find(endpoint.node);
+    if (found == nodes_.end()) return Refuse(fmt::format("found node {}, expected one of this agent", endpoint.node));
+    node = found->second;
+  }
   if (writers_.contains(id) || readers_.contains(id) || services_.contains(id)) {
     return Refuse("found an endpoint a second time");
   }
-  if (kind == LinkKind::kMakeWriter) return MakeWriter(id, node->second, endpoint);
-  if (kind == LinkKind::kMakeReader) return MakeReader(id, node->second, endpoint);
-  MakeService(id, node->second, endpoint);
+  if (kind == LinkKind::kMakeWriter) return MakeWriter(id, node, endpoint);
+  if (kind == LinkKind::kMakeReader) return MakeReader(id, node, endpoint);
+  MakeService(id, node, endpoint);
 }
 
 void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
   const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
   if (type == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableWriter> writer = pools_.writers.Take(text);
-  if (!writer) writer = std::make_unique<ReusableWriter>(participant_, TopicSpec{endpoint.name, type, endpoint.qos});
+  std::unique_ptr<ReusableWriter> writer = domain_->pools.writers.Take(text);
+  if (!writer)
+    writer = std::make_unique<ReusableWriter>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos});
   writer->Attach(node, [this, id](bool wanted, bool is_new) {
     const WantedContent content = {wanted, is_new};
     Send(LinkKind::kWanted, id, std::as_bytes(std::span(&content, 1)));
@@ -164,10 +177,10 @@ void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const Endpoi
   const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
   if (type == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableReader> reader = pools_.readers.Take(text);
+  std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Take(text);
   if (!reader) {
-    reader =
-        std::make_unique<ReusableReader>(participant_, TopicSpec{endpoint.name, type, endpoint.qos}, endpoint.part);
+    reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos},
+                                              endpoint.part);
   }
   reader->Attach(
       node, {[this, id, type](const void* sample) { Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type)); },
@@ -180,10 +193,11 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const Endpo
   const dds_topic_descriptor_t* const response = TypeOf(endpoint.response_type);
   if (request == nullptr || response == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableService> service = pools_.services.Take(text);
+  std::unique_ptr<ReusableService> service = domain_->pools.services.Take(text);
   if (!service) {
-    service =
-        std::make_unique<ReusableService>(participant_, ServiceSpec{endpoint.name, request, response, endpoint.qos});
+    service = std::make_unique<ReusableService>(domain_->participant,
+                                                ServiceSpec{endpoint.name, request, response, endpoint.qos},
+                                                domain_->number, domain_->fast_dds, domain_->on_cyclone);
   }
   service->Attach(node, [this, id](std::span<const std::byte> bytes) { Send(LinkKind::kRequest, id, bytes); });
   services_[id] = {std::move(text), std::move(service)};
@@ -196,7 +210,7 @@ void AgentEndpoints::Write(const LinkMessage& message) {
   const wire::UntypedSample sample(writer.type());
   const Status decoded = wire::SampleFromCdr(message.content, writer.type(), sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
-  if (!writer.writer().Write(sample.data())) participant_.CountLost();
+  if (!writer.writer().Write(sample.data())) domain_->participant.CountLost();
 }
 
 void AgentEndpoints::Respond(const LinkMessage& message) {
@@ -206,7 +220,7 @@ void AgentEndpoints::Respond(const LinkMessage& message) {
   const wire::UntypedSample sample(service.response());
   const Status decoded = wire::SampleFromCdr(message.content, service.response(), sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
-  if (!service.service().Respond(sample.data())) participant_.CountLost();
+  if (!service.Respond(sample.data(), message.content)) domain_->participant.CountLost();
 }
 
 void AgentEndpoints::ShareWriter(std::uint32_t writer, const std::string& node) {
@@ -214,11 +228,11 @@ void AgentEndpoints::ShareWriter(std::uint32_t writer, const std::string& node) 
   const auto of_agent = std::find_if(nodes_.begin(), nodes_.end(),
                                      [&node](const auto& entry) { return std::to_string(entry.first) == node; });
   if (found == writers_.end() || of_agent == nodes_.end()) return Refuse("found no writer and node to share it with");
-  participant_.ShareWriter(of_agent->second, found->second.endpoint->writer());
+  domain_->participant.ShareWriter(of_agent->second, found->second.endpoint->writer());
 }
 
 const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
-  const dds_topic_descriptor_t* const type = FindTopicType(name, participant_.distribution());
+  const dds_topic_descriptor_t* const type = FindTopicType(name, domain_->participant.distribution());
   if (type == nullptr) Refuse(fmt::format("found type '{}', expected one of ROS that robots use", name));
   return type;
 }

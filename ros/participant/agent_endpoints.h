@@ -1,4 +1,5 @@
-// AgentEndpoints: the nodes and endpoints of one agent on the participant, as its messages ask for them.
+// HostDomain: the participant of the host in one ROS domain. AgentEndpoints: the nodes and endpoints of one agent on
+// it, as its messages ask for them.
 #pragma once
 
 #include <chrono>
@@ -7,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -31,11 +33,35 @@ struct EndpointPools {
   }
 };
 
+struct HostDomain {
+  // `side`: null if no clients on Fast DDS are served. Throws dds::Exception when DDS cannot start.
+  HostDomain(const RosNetwork& network, FastDdsSide* side)
+      : number(network.domain),
+        on_cyclone(side == nullptr || network.service_clients != ServiceClients::kFastDds),
+        fast_dds(side),
+        participant(network) {
+    participant.WatchWriters();
+  }
+
+  using Time = std::chrono::steady_clock::time_point;
+  const std::uint32_t number;
+  const bool on_cyclone;  // services answer clients on Cyclone DDS
+  FastDdsSide* const fast_dds;
+  RosParticipant participant;
+  EndpointPools pools;
+  std::size_t agents = 0;
+  bool has_new_readers = false;           // since the last check
+  Time announce_at = Time::max();         // the nodes have changed
+  std::optional<Time> unused_until = {};  // it ends then; none: it has agents
+};
+
 class AgentEndpoints {
  public:
-  // Owns the descriptor of the connection. `wake` is called on any thread when Process has something to send. The
-  // participant and the pools must outlive this.
-  AgentEndpoints(RosParticipant& participant, EndpointPools& pools, int connection, std::function<void()> wake);
+  // Returns the domain of an agent, which outlives it. May throw dds::Exception.
+  using Join = std::function<HostDomain&(std::uint32_t domain)>;
+
+  // Owns the descriptor of the connection. `wake` is called on any thread when Process has something to send.
+  AgentEndpoints(Join join, int connection, std::function<void()> wake);
   ~AgentEndpoints();
   AgentEndpoints(const AgentEndpoints&) = delete;
   AgentEndpoints& operator=(const AgentEndpoints&) = delete;
@@ -46,6 +72,8 @@ class AgentEndpoints {
   // Empty: the agent has ended.
   const std::string& problem() const { return problem_; }
   bool has_output() const { return link_.pending() > 0; }
+  // Null before the agent has named it.
+  HostDomain* domain() const { return domain_; }
   // Whether its nodes are to be announced since the last call.
   bool TakeAnnouncement();
   // Whether it has a node.
@@ -80,12 +108,11 @@ class AgentEndpoints {
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
   void Refuse(const std::string& problem);
 
-  RosParticipant& participant_;
-  EndpointPools& pools_;
+  const Join join_;
+  HostDomain* domain_ = nullptr;
   Link link_;
   const std::function<void()> wake_;
   std::string problem_;
-  bool greeted_ = false;
   bool announces_ = false;
   bool watches_distributions_ = false;
   std::map<std::uint32_t, std::size_t> nodes_;  // of the participant

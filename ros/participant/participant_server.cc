@@ -1,6 +1,7 @@
 #include "ros/participant/participant_server.h"
 
 #include <sys/epoll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +21,10 @@ namespace {
 constexpr auto kAnnounceDelay = std::chrono::milliseconds(20);
 constexpr auto kAnnounceDelayOfAgent = std::chrono::microseconds(200);
 constexpr auto kCheckInterval = std::chrono::milliseconds(500);
+// In which an agent that starts a program connects to it.
+constexpr auto kFirstConnection = std::chrono::seconds(10);
+// For which a domain without agents waits for the next one: longer than its endpoints.
+constexpr auto kUnusedTime = std::chrono::seconds(3);
 constexpr int kLastReads = 10;  // of an agent: more than a socket holds
 
 [[noreturn]] void Throw(const std::string& doing) {
@@ -28,16 +33,18 @@ constexpr int kLastReads = 10;  // of an agent: more than a socket holds
 
 }  // namespace
 
-ParticipantServer::ParticipantServer(const RosOptions& options, int listening, const WakeEvent& stop,
+ParticipantServer::ParticipantServer(const RosNetwork& network, int listening, Serving serving, const WakeEvent& stop,
                                      std::function<void(const std::string&)> report)
     : stop_(stop),
       report_(std::move(report)),
+      network_(network),
+      serving_(serving),
       listening_(listening),
-      participant_(options),
       check_at_(Clock::now() + kCheckInterval) {
-  participant_.WatchWriters();
+  if (UsesFastDds(network)) fast_dds_ = std::make_unique<FastDdsSide>(network, report_);
+  domains_.try_emplace(network.domain, network, fast_dds_.get());
   events_ = epoll_create1(EPOLL_CLOEXEC);
-  if (events_ < 0) Throw("waiting for agents");
+  if (events_ < 0 || listen(listening_, SOMAXCONN) != 0) Throw("waiting for agents");
   for (const int descriptor : {listening_, wake_.descriptor(), stop_.descriptor()}) {
     if (!Watch(EPOLL_CTL_ADD, descriptor, EPOLLIN)) Throw("waiting for agents");
   }
@@ -45,6 +52,7 @@ ParticipantServer::ParticipantServer(const RosOptions& options, int listening, c
 
 ParticipantServer::~ParticipantServer() {
   agents_.clear();
+  domains_.clear();  // its services end on the other side, too
   for (const int descriptor : {listening_, events_}) {
     if (descriptor >= 0) close(descriptor);
   }
@@ -70,7 +78,34 @@ void ParticipantServer::Run() {
     }
     AnnounceIfDue();
     CheckIfDue();
+    ProcessFastDds();
+    if (serving_ == Serving::kWhileUsed && IsUnused()) return;
   }
+}
+
+bool ParticipantServer::IsUnused() const {
+  return agents_.empty() && (had_agents_ || Clock::now() - started_ > kFirstConnection);
+}
+
+void ParticipantServer::ProcessFastDds() {
+  if (!fast_dds_) return;
+  fast_dds_->Process();
+  const int descriptor = fast_dds_->descriptor();  // that of an ended process is closed, and watched no more
+  if (descriptor < 0) {
+    watched_side_ = -1;
+    return;
+  }
+  Watch(watched_side_ == descriptor ? EPOLL_CTL_MOD : EPOLL_CTL_ADD, descriptor,
+        fast_dds_->has_output() ? EPOLLIN | EPOLLOUT : EPOLLIN);
+  watched_side_ = descriptor;
+}
+
+HostDomain& ParticipantServer::Join(std::uint32_t number) {
+  RosNetwork network = network_;
+  network.domain = number;
+  HostDomain& domain = domains_.try_emplace(number, network, fast_dds_.get()).first->second;
+  domain.unused_until.reset();
+  return domain;
 }
 
 void ParticipantServer::AcceptAgents() {
@@ -81,8 +116,9 @@ void ParticipantServer::AcceptAgents() {
       return;
     }
     lacks_descriptors_ = false;
-    agents_[connection] =
-        std::make_unique<AgentEndpoints>(participant_, pools_, connection, [this] { wake_.Signal(); });
+    had_agents_ = true;
+    agents_[connection] = std::make_unique<AgentEndpoints>(
+        [this](std::uint32_t domain) -> HostDomain& { return Join(domain); }, connection, [this] { wake_.Signal(); });
     if (!Watch(EPOLL_CTL_ADD, connection, EPOLLIN)) Throw("waiting for an agent");
   }
 }
@@ -99,6 +135,7 @@ void ParticipantServer::Process(int connection) {
   if (found == agents_.end()) return;
   AgentEndpoints& agent = *found->second;
   const bool goes_on = agent.Process();
+  HostDomain* const domain = agent.domain();
   bool changed = agent.TakeAnnouncement();
   if (goes_on) {
     WatchOutput(connection, agent);
@@ -106,10 +143,11 @@ void ParticipantServer::Process(int connection) {
     if (!agent.problem().empty()) report_("a connection was closed: " + agent.problem());
     changed = changed || agent.has_nodes();
     agents_.erase(found);
+    if (domain != nullptr && domain->agents == 0) domain->unused_until = Clock::now() + kUnusedTime;
   }
-  if (!changed) return;
-  const auto delay = kAnnounceDelay + static_cast<int>(agents_.size()) * kAnnounceDelayOfAgent;
-  announce_at_ = std::min(announce_at_, Clock::now() + delay);
+  if (!changed || domain == nullptr) return;
+  const auto delay = kAnnounceDelay + static_cast<int>(domain->agents) * kAnnounceDelayOfAgent;
+  domain->announce_at = std::min(domain->announce_at, Clock::now() + delay);
 }
 
 bool ParticipantServer::Watch(int operation, int descriptor, std::uint32_t events) const {
@@ -124,14 +162,16 @@ void ParticipantServer::WatchOutput(int connection, const AgentEndpoints& agent)
 }
 
 void ParticipantServer::AnnounceIfDue() {
-  if (Clock::now() < announce_at_) return;
-  try {
-    participant_.Announce();
-    announce_at_ = Clock::time_point::max();
-  } catch (const dds::Exception&) {  // a tool that does not read has filled the cache
-    announce_at_ = Clock::now() + kAnnounceDelay;
+  for (auto& [number, domain] : domains_) {
+    if (Clock::now() < domain.announce_at) continue;
+    try {
+      domain.participant.Announce();
+      domain.announce_at = Clock::time_point::max();
+    } catch (const dds::Exception&) {  // a tool that does not read has filled the cache
+      domain.announce_at = Clock::now() + kAnnounceDelay;
+    }
+    domain.has_new_readers = true;
   }
-  has_new_readers_ = true;
 }
 
 // The agents have written them, and ended.
@@ -145,16 +185,22 @@ void ParticipantServer::PassLastSamples() {
 void ParticipantServer::CheckIfDue() {
   if (Clock::now() < check_at_) return;
   check_at_ = Clock::now() + kCheckInterval;
-  if (std::exchange(has_new_readers_, false)) participant_.WatchKnownWriters();
   if (lacks_descriptors_) Watch(EPOLL_CTL_MOD, listening_, EPOLLIN);
-  PassMismatches();
-  pools_.EndThoseUntil(Clock::now());
+  for (auto& [number, domain] : domains_) {
+    if (std::exchange(domain.has_new_readers, false)) domain.participant.WatchKnownWriters();
+    PassMismatches(domain);
+    domain.pools.EndThoseUntil(Clock::now());
+  }
+  std::erase_if(domains_, [this](const auto& entry) {
+    return entry.first != network_.domain && entry.second.unused_until && *entry.second.unused_until <= Clock::now();
+  });
 }
 
 // To the agent that reads the topic; of another distribution, to the one that asked.
-void ParticipantServer::PassMismatches() {
-  for (const Mismatch& mismatch : participant_.DrainMismatchesOfTopics()) {
+void ParticipantServer::PassMismatches(HostDomain& domain) {
+  for (const Mismatch& mismatch : domain.participant.DrainMismatchesOfTopics()) {
     for (const auto& [connection, agent] : agents_) {
+      if (agent->domain() != &domain) continue;
       const bool is_of_topic = mismatch.topic.empty() ? agent->watches_distributions() : agent->Reads(mismatch.topic);
       if (!is_of_topic) continue;
       agent->Report(mismatch.report);
@@ -164,7 +210,10 @@ void ParticipantServer::PassMismatches() {
 }
 
 int ParticipantServer::WaitMilliseconds() const {
-  const auto left = std::min(announce_at_, check_at_) - Clock::now();
+  Clock::time_point next = check_at_;
+  if (fast_dds_ && fast_dds_->due()) next = std::min(next, *fast_dds_->due());
+  for (const auto& [number, domain] : domains_) next = std::min(next, domain.announce_at);
+  const auto left = next - Clock::now();
   return std::max(0, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(left).count()) + 1);
 }
 

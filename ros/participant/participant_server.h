@@ -1,4 +1,5 @@
-// ParticipantServer: the participant of a host in a ROS domain, and the agents that use it, each over a connection.
+// ParticipantServer: the participants of a host in ROS domains, one in each, and the agents that use them, each over a
+// connection.
 #pragma once
 
 #include <chrono>
@@ -18,20 +19,26 @@ namespace troupe::ros {
 
 class ParticipantServer {
  public:
-  // Owns the listening socket. `stop` ends Run from any thread. `report`: receives problems, one line each. Throws
-  // dds::Exception when DDS cannot start, and std::runtime_error without other resources.
-  ParticipantServer(const RosOptions& options, int listening, const WakeEvent& stop,
+  // `kWhileUsed`: Run returns as soon as the last connection has ended, or without a first one after some seconds.
+  enum class Serving : std::uint8_t { kAlways, kWhileUsed };
+
+  // Makes the participant in the domain of the network, which it keeps; those in other domains last as long as agents
+  // use them. Listens at the bound socket as
+  // soon as that is made, and owns it. `stop` ends Run from any thread. `report`: receives problems, one line each.
+  // Throws dds::Exception when DDS cannot start, and std::runtime_error without other resources.
+  ParticipantServer(const RosNetwork& network, int listening, Serving serving, const WakeEvent& stop,
                     std::function<void(const std::string&)> report);
   ~ParticipantServer();
   ParticipantServer(const ParticipantServer&) = delete;
   ParticipantServer& operator=(const ParticipantServer&) = delete;
 
-  // Serves agents until the stop event.
+  // Serves agents until the stop event, or as `serving` says.
   void Run();
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  HostDomain& Join(std::uint32_t domain);
   void AcceptAgents();
   void AwaitDescriptors();
   void Process(int connection);
@@ -41,22 +48,27 @@ class ParticipantServer {
   void WatchOutput(int connection, const AgentEndpoints& agent) const;
   void AnnounceIfDue();
   void CheckIfDue();
-  void PassMismatches();
+  void PassMismatches(HostDomain& domain);
+  void ProcessFastDds();
+  bool IsUnused() const;
   void PassLastSamples();
   int WaitMilliseconds() const;
 
   const WakeEvent& stop_;
   const WakeEvent wake_;  // an agent has output
   const std::function<void(const std::string&)> report_;
+  const RosNetwork network_;
+  std::unique_ptr<FastDdsSide> fast_dds_;  // null: no clients on Fast DDS are served
+  int watched_side_ = -1;                  // its descriptor
+  const Serving serving_;
   const int listening_;
-  RosParticipant participant_;
-  int events_ = -1;  // of epoll
-  EndpointPools pools_;
-  bool has_new_readers_ = false;                              // since the last check
-  bool lacks_descriptors_ = false;                            // no agent can be accepted before the next check
-  std::map<int, std::unique_ptr<AgentEndpoints>> agents_;     // by descriptor
-  Clock::time_point announce_at_ = Clock::time_point::max();  // the nodes have changed
-  Clock::time_point check_at_;                                // for mismatches and endpoints without an agent
+  const Clock::time_point started_ = Clock::now();
+  bool had_agents_ = false;
+  int events_ = -1;                                        // of epoll
+  bool lacks_descriptors_ = false;                         // no agent can be accepted before the next check
+  std::map<std::uint32_t, HostDomain> domains_;            // by number
+  std::map<int, std::unique_ptr<AgentEndpoints>> agents_;  // by descriptor
+  Clock::time_point check_at_;                             // for mismatches, and for what no agent uses
 };
 
 }  // namespace troupe::ros

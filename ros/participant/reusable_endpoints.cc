@@ -71,33 +71,57 @@ void ReusableReader::Pass() {
   if (sink_) reader_.Drain(sink_->on_sample);
 }
 
-ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec& spec)
-    : participant_(participant),
-      request_(*spec.request),
-      response_(*spec.response),
-      service_(participant, spec, [this](const void* request) { Pass(request); }) {}
+ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain,
+                                 FastDdsSide* fast_dds, bool on_cyclone)
+    : participant_(participant), request_(*spec.request), response_(*spec.response), fast_dds_(fast_dds) {
+  if (on_cyclone) {
+    cyclone_.emplace(participant, spec, [this](const void* request) { Pass(wire::SampleToCdr(request, request_)); });
+  }
+  if (fast_dds_ == nullptr) return;
+  fast_id_ = fast_dds_->Add({domain, spec.name, request_.m_typename, response_.m_typename},
+                            [this](std::span<const std::byte> request) { PassOfFastDds(request); });
+}
+
+ReusableService::~ReusableService() {
+  if (fast_dds_ != nullptr) fast_dds_->Remove(fast_id_);
+}
 
 void ReusableService::Attach(std::size_t node, Sink sink) {
-  participant_.AddReader(node, service_.request_reader());
-  participant_.AddWriter(node, service_.response_writer());
+  if (cyclone_) {
+    participant_.AddReader(node, cyclone_->request_reader());
+    participant_.AddWriter(node, cyclone_->response_writer());
+  }
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
 }
 
 void ReusableService::Detach() {
-  participant_.RemoveEndpoint(service_.request_reader());
-  participant_.RemoveEndpoint(service_.response_writer());
+  if (cyclone_) {
+    participant_.RemoveEndpoint(cyclone_->request_reader());
+    participant_.RemoveEndpoint(cyclone_->response_writer());
+  }
   const std::lock_guard lock(mutex_);
   passes_ = false;
   sink_ = {};
 }
 
-void ReusableService::Pass(const void* request) {
-  std::vector<std::byte> bytes = wire::SampleToCdr(request, request_);
+void ReusableService::Pass(std::span<const std::byte> request) {
   const std::lock_guard lock(mutex_);
-  if (passes_) return sink_(bytes);
-  waiting_.push_back(std::move(bytes));
+  if (passes_) return sink_(request);
+  waiting_.emplace_back(request.begin(), request.end());
   if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+}
+
+// Fast DDS pads samples to a multiple of 4 bytes, without stating it in their fourth byte. Any bytes are safe.
+void ReusableService::PassOfFastDds(std::span<const std::byte> request) {
+  constexpr std::size_t kPaddingAt = 3;
+  if (request.size() <= kPaddingAt) return;
+  std::vector<std::byte> bytes(request.begin(), request.end());
+  for (unsigned padding = 0; padding <= 3; ++padding) {
+    bytes[kPaddingAt] = static_cast<std::byte>(padding);
+    const wire::UntypedSample sample(request_);
+    if (wire::SampleFromCdr(bytes, request_, sample.data()).ok()) return Pass(bytes);
+  }
 }
 
 void ReusableService::Start() {
@@ -107,7 +131,13 @@ void ReusableService::Start() {
     for (const std::vector<std::byte>& request : waiting_) sink_(request);
     waiting_.clear();
   }
-  if (!std::exchange(started_, true)) service_.Start();
+  if (!std::exchange(started_, true) && cyclone_) cyclone_->Start();
+}
+
+bool ReusableService::Respond(const void* response, std::span<const std::byte> bytes) {
+  const std::uint64_t client = static_cast<const CallHeader*>(response)->client_guid;
+  if (fast_dds_ != nullptr && fast_dds_->Respond(fast_id_, client, bytes)) return true;
+  return !cyclone_ || cyclone_->Respond(response);
 }
 
 }  // namespace troupe::ros

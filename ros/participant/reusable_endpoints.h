@@ -17,6 +17,7 @@
 #include "ros/connection/dds_service.h"
 #include "ros/connection/dds_topic.h"
 #include "ros/connection/ros_participant.h"
+#include "ros/participant/fast_dds_side.h"
 
 namespace troupe::ros {
 
@@ -77,7 +78,12 @@ class ReusableService {
   // Receives a request as its CDR bytes.
   using Sink = std::function<void(std::span<const std::byte> request)>;
 
-  ReusableService(RosParticipant& participant, const ServiceSpec& spec);
+  // `fast_dds`: serves it too; null: there is none.
+  ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain, FastDdsSide* fast_dds,
+                  bool on_cyclone);
+  ~ReusableService();
+  ReusableService(const ReusableService&) = delete;
+  ReusableService& operator=(const ReusableService&) = delete;
 
   void Attach(std::size_t node, Sink sink);
   void Detach();
@@ -85,10 +91,12 @@ class ReusableService {
   void Start();
 
   const dds_topic_descriptor_t& response() const { return response_; }
-  DdsService& service() { return service_; }
+  // `bytes`: CDR of the response. False: it could not be written.
+  bool Respond(const void* response, std::span<const std::byte> bytes);
 
  private:
-  void Pass(const void* request);
+  void Pass(std::span<const std::byte> request);
+  void PassOfFastDds(std::span<const std::byte> request);
 
   RosParticipant& participant_;
   const dds_topic_descriptor_t& request_;
@@ -98,7 +106,9 @@ class ReusableService {
   bool passes_ = false;
   std::deque<std::vector<std::byte>> waiting_;  // requests
   bool started_ = false;
-  DdsService service_;
+  FastDdsSide* const fast_dds_;
+  std::uint32_t fast_id_ = 0;          // with fast_dds_
+  std::optional<DdsService> cyclone_;  // none: for clients on Fast DDS only
 };
 
 }  // namespace troupe::ros

@@ -22,7 +22,7 @@ using nlohmann::json;
 using testing::ElementsAre;
 
 std::string RosDomain() {
-  return std::to_string(TestRosOptions().domain);
+  return std::to_string(TestRosNetwork().domain);
 }
 
 // A run in the ROS domain of this test, with additional arguments.

@@ -41,7 +41,7 @@ class FastDdsPeerTest : public testing::Test {
   // Runs a world with a peer that drives two of its robots.
   void Run(const std::string& world = "pen.world",
            const std::vector<std::string>& drives = {"r0=0.25,0.5", "r1=-0.4,0"}) {
-    const std::string domain = std::to_string(TestRosOptions().domain);
+    const std::string domain = std::to_string(TestRosNetwork().domain);
     Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), drives[0], drives[1]});
     peer.WaitForLine("ready");
     Program run = Troupe({"run",

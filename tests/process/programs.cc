@@ -65,10 +65,13 @@ std::string WorldPath(const std::string& name) {
 }
 
 std::vector<pid_t> ChildrenOf(pid_t process) {
-  std::string id = std::to_string(process);
-  std::istringstream words(ReadFile("/proc/" + id + "/task/" + id + "/children"));
   std::vector<pid_t> children;
-  for (pid_t child = 0; words >> child;) children.push_back(child);
+  std::error_code failure;
+  for (const auto& thread :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", failure)) {
+    std::istringstream words(ReadFile(thread.path() / "children"));
+    for (pid_t child = 0; words >> child;) children.push_back(child);
+  }
   return children;
 }
 

@@ -40,7 +40,7 @@ void ExpectStamp(const ros::RosNode& node, const std::string& topic, Tick tick, 
 TEST(RosClock, ANodeThatStartsInAPauseLearnsTheTimeAndSeesTheRobots) {
   Program run = RunPen(RosArguments({"--paused", "--speed", "1"}));
   {
-    ros::RosParticipant stepper(TestRosOptions());
+    ros::RosParticipant stepper(TestRosNetwork());
     Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
            simulation_interfaces_srv_dds__StepSimulation_Response_>
         step(stepper, "/world/step_simulation");
@@ -48,7 +48,7 @@ TEST(RosClock, ANodeThatStartsInAPauseLearnsTheTimeAndSeesTheRobots) {
     request.steps = 7;
     step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
   }
-  ros::RosParticipant late(TestRosOptions());
+  ros::RosParticipant late(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(late, "/", "late");
   ExpectStamp<ros::Clock>(node, "/clock", 7, [](const auto& message) { return message.clock; });
   for (const char* robot : {"/r0", "/r3"}) {
@@ -71,7 +71,7 @@ TEST(RosClock, ANodeThatStartsInAPauseLearnsTheTimeAndSeesTheRobots) {
 
 TEST(RosClock, AdvancesBetweenTicksIfAskedWithoutChangingTheRun) {
   OutputFolder folder;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   ros::RosReader<ros::Clock> reader(ros::MakeNode(participant, "/", "reader"), "/clock", ros::Stream(10'000));
   Program run = RunPen(
       RosArguments({"--speed", "1", "--ros-clock-rate", "100", "--ticks", "30", "--hash-log", folder.Path("hashes")}));

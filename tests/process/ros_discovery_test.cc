@@ -15,7 +15,7 @@ namespace troupe::test {
 namespace {
 
 void ExpectRunFoundBy(const char* tool_xml) {
-  const std::uint32_t domain = TestRosOptions().domain;
+  const std::uint32_t domain = TestRosNetwork().domain;
   setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
   RosTool early(domain, tool_xml);
   Program run = RunPen({"--ros", "--speed", "1"});
@@ -52,7 +52,7 @@ TEST(RosDiscovery, AnEnvironmentThatIsNotValidIsAnErrorUnlessAnOptionReplacesIt)
     EXPECT_EQ(run.exit_status, 2);
     EXPECT_THAT(run.output, testing::HasSubstr("error: ROS_DOMAIN_ID: found '" + std::string(domain) + "'"));
   }
-  const std::string domain = std::to_string(TestRosOptions().domain);
+  const std::string domain = std::to_string(TestRosNetwork().domain);
   EXPECT_EQ(Finish(RunPen({"--ros", "--ros-domain", domain, "--ticks", "1"})).exit_status, 0);
   EXPECT_EQ(Finish(RunPen({"--no-ros", "--ticks", "1"})).exit_status, 0);
   setenv("ROS_DOMAIN_ID", domain.c_str(), 1);

@@ -71,15 +71,12 @@ class RosDomainsEdit : public testing::Test {
     return Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/robot"}; }) &&
            Eventually([&] { return graph.Topics("/").contains("/scan"); });
   }
-  static bool HasBridgeTools() {
-    return std::filesystem::exists(ProgramPath("ros-service-bridge")) &&
-           std::filesystem::exists(ProgramPath("fastdds_caller"));
-  }
+  static bool HasFastDdsCaller() { return ros::HasFastDds() && std::filesystem::exists(ProgramPath("fastdds_caller")); }
   static Program Caller(std::uint32_t domain, const std::string& what) {
     return Program({ProgramPath("fastdds_caller"), std::to_string(domain), what, "/robot"});
   }
   static void ExpectAnswersFastDds(std::uint32_t domain) {
-    if (!HasBridgeTools()) return;
+    if (!HasFastDdsCaller()) return;
     Program caller = Caller(domain, "parameters");
     EXPECT_EQ(caller.Wait(), 0) << caller.output();
     EXPECT_THAT(caller.output(), HasSubstr("use_sim_time")) << domain;
@@ -173,7 +170,7 @@ TEST_F(RosDomainsEdit, AServiceOfRosSpawnsRobotsWithDomains) {
 
 // Fast DDS learns of the end by a notice, not by the lease of 10 s.
 TEST_F(RosDomainsEdit, TheServicesOfADeletedRobotDisappearAtOnce) {
-  if (!HasBridgeTools()) GTEST_SKIP() << "needs libfastrtps-dev and fastddsgen";
+  if (!HasFastDdsCaller()) GTEST_SKIP() << "needs libfastrtps-dev and fastddsgen";
   for (const bool of_its_own : {false, true}) {
     SCOPED_TRACE(of_its_own ? "in a domain of its own" : "in the domain of the run");
     Start(of_its_own ? std::vector<std::string>() : std::vector<std::string>{"--robots-per-process", "2"});

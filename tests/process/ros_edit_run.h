@@ -99,7 +99,7 @@ class RosEditRun {
                                           "--ros-interface",
                                           "lo",
                                           "--ros-domain",
-                                          std::to_string(TestRosOptions().domain)};
+                                          std::to_string(TestRosNetwork().domain)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -44,7 +44,7 @@ int Main(int argc, const char* const* argv) {
     fmt::print(stderr, "usage: ros_graph DOMAIN INTERFACE ROBOTS TOPIC [SECONDS]\n");
     return 2;
   }
-  ros::RosOptions options;
+  ros::RosNetwork options;
   options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
   options.network_interface = argv[2];
   const auto robots = static_cast<std::size_t>(std::atoi(argv[3]));

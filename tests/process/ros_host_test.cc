@@ -1,4 +1,4 @@
-// Runs whose robots share a participant in ROS for each host, the program ros-participant.
+// The processes of a run on a host share the program ros-participant, with one participant in each ROS domain.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -41,12 +41,12 @@ void ExpectMessages(ros::RosReader<T>& reader) {
   }));
 }
 
-TEST(RosHost, RobotsShareOneParticipantAndReturnWhenItIsKilled) {
-  RosEditRun run(WorldPath("pen.world"), {"--speed", "1", "--ros-services", "cyclone", "--ros-participants", "host"});
+TEST(RosHost, AllShareOneParticipantAndReturnWhenItIsKilled) {
+  RosEditRun run(WorldPath("pen.world"), {"--speed", "1", "--ros-services", "cyclone"});
   const std::vector<std::string> robots = {"r0", "r1", "r2", "r3"};
   run.ExpectRobots(robots);
-  EXPECT_EQ(run.participants(), 2u) << "that of the world, and that of the robots";
-  ros::RosParticipant participant(TestRosOptions());
+  EXPECT_EQ(run.participants(), 1u);
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::OdometryMessage> odometry(node, "/r0/odom", ros::Stream(10));
   ExpectMessages(odometry);
@@ -63,13 +63,13 @@ TEST(RosHost, RobotsShareOneParticipantAndReturnWhenItIsKilled) {
   }
   const std::vector<pid_t> participants = ParticipantsOf(run.program());
   run.End();
-  EXPECT_THAT(run.program().output(), HasSubstr("the ROS participant of the robots (process "));
+  EXPECT_THAT(run.program().output(), HasSubstr("the ROS participant of this host (process "));
   EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); it is started again"));
   for (const pid_t process : participants) EXPECT_TRUE(IsGoneSoon(process));
 }
 
 TEST(RosHost, EditsAndLostAgentsChangeTheGraph) {
-  RosEditRun run(WorldPath("pen.world"), {"--paused", "--ros-participants", "host"});
+  RosEditRun run(WorldPath("pen.world"), {"--paused"});
   run.Step(2);
   run.ExpectRobots({"r0", "r1", "r2", "r3"});
   run.Delete("r1");
@@ -87,32 +87,61 @@ TEST(RosHost, EditsAndLostAgentsChangeTheGraph) {
   EXPECT_EQ(run.program().Wait(), 130);
 }
 
-// More than ten processes share a participant by default.
-TEST(RosHost, IsTheDefaultOfManyProcesses) {
-  const OutputFolder folder;
-  std::ofstream file(folder.Path("fleet.world"));
-  file << "define rover position ( size [0.4 0.4 0.3] )\n";
-  for (int i = 0; i < 12; ++i) file << "rover ( name \"r" << i << "\" pose [" << i << " 0 0 0] )\n";
-  file.close();
-  std::vector<std::string> robots;
-  for (int i = 0; i < 12; ++i) robots.push_back("r" + std::to_string(i));
-  RosEditRun run(folder.Path("fleet.world"), {"--paused", "--ros-services", "cyclone"});
-  run.ExpectRobots(robots);
-  EXPECT_EQ(run.participants(), 2u);
-  EXPECT_EQ(ParticipantsOf(run.program()).size(), 1u);
-  run.End();
+TEST(RosHost, ARunInOneProcessHasTheProgramToo) {
+  RosEditRun run(WorldPath("pen.world"), {"--paused", "--ros-services", "cyclone", "--in-process"});
+  run.ExpectRobots({"r0", "r1", "r2", "r3"});
+  EXPECT_EQ(run.participants(), 1u);
+  const std::vector<pid_t> participants = ParticipantsOf(run.program());
+  ASSERT_EQ(participants.size(), 1u);
+  run.program().Signal(SIGINT);
+  EXPECT_EQ(run.program().Wait(), 130);
+  EXPECT_TRUE(IsGoneSoon(participants.front()));
+}
+
+// The programs of a run that are started by hand find the participant of their session, or start it.
+TEST(RosHost, ProgramsThatAreStartedByHandShareOne) {
+  const std::string session = TestSession("by-hand");
+  const std::vector<std::string> common = {"--session=" + session,
+                                           "--domain=" + std::to_string(TestDomain()),
+                                           "--ros",
+                                           "--ros-interface=lo",
+                                           "--ros-services=cyclone",
+                                           "--ros-domain=" + std::to_string(TestRosNetwork().domain)};
+  RosGraph graph;
+  std::vector<Program> programs;
+  const auto start = [&](std::vector<std::string> command) {
+    command.insert(command.end(), common.begin(), common.end());
+    programs.emplace_back(std::move(command));
+  };
+  for (const char* robot : {"r0", "r1", "r2", "r3"}) {
+    start({ProgramPath("robot-agent"), "--robot", robot});
+  }
+  start({ProgramPath("world-service"), WorldPath("pen.world"), "--speed", "1"});
+  const std::vector<std::string> nodes = {"/r0/robot", "/r1/robot", "/r2/robot", "/r3/robot", "/world"};
+  EXPECT_TRUE(Eventually([&] { return graph.Nodes() == nodes; })) << testing::PrintToString(graph.Nodes());
+  EXPECT_EQ(graph.Participants(), 1u);
+  programs.back().Signal(SIGINT);
+  for (Program& program : programs) program.Wait();
+  EXPECT_TRUE(Eventually([&] { return graph.Participants() == 0u; })) << "it ends with the last of them";
+}
+
+TEST(RosHost, ANetworkThatCannotBeUsedEndsTheRun) {
+  for (const char* mode : {"--headless", "--in-process"}) {
+    const Finished run = Finish(RunPen({"--ticks", "5", "--ros", "--ros-interface", "none0", mode}));
+    EXPECT_NE(run.exit_status, 0) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("network interface 'none0'"));
+  }
 }
 
 // Drives r0 by commands that are acknowledged before each step; returns the hashes.
-std::string CommandAndStep(const std::string& participants) {
+std::string CommandAndStep(const std::string& mode) {
   const OutputFolder folder;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   dds::Topic<ros::TwistMessage> topic(participant.participant(), "rt/r0/cmd_vel");
   dds::DataWriter<ros::TwistMessage> commands(participant.publisher(), topic, ros::ToDds(ros::Stream(1)));
   StepClient step(participant, "/world/step_simulation");
-  Program run =
-      RunPen({"--paused", "--hash-log", folder.Path("hashes"), "--ros", "--ros-interface", "lo", "--ros-domain",
-              std::to_string(TestRosOptions().domain), "--ros-reliable-commands", "--ros-participants", participants});
+  Program run = RunPen({"--paused", "--hash-log", folder.Path("hashes"), "--ros", "--ros-interface", "lo",
+                        "--ros-domain", std::to_string(TestRosNetwork().domain), "--ros-reliable-commands", mode});
   EXPECT_TRUE(Eventually([&] { return commands.publication_matched_status().current_count > 0; }));
   for (int i = 0; i < 8; ++i) {
     ros::TwistMessage twist{};
@@ -130,18 +159,18 @@ std::string CommandAndStep(const std::string& participants) {
 }
 
 TEST(RosHost, ACommandThatIsAcknowledgedCountsFromTheNextStepOn) {
-  const std::string expected = CommandAndStep("process");
+  const std::string expected = CommandAndStep("--in-process");
   EXPECT_FALSE(expected.empty());
-  EXPECT_EQ(CommandAndStep("host"), expected);
+  EXPECT_EQ(CommandAndStep("--headless"), expected);
 }
 
 // The stamp of the last odometry of a run of 30 ticks of 0.1 s.
-double LastStamp(const std::string& participants) {
-  ros::RosParticipant participant(TestRosOptions());
+double LastStamp(const std::string& mode) {
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::OdometryMessage> odometry(node, "/r3/odom", ros::Stream(1000));
   Finished run = Finish(RunPen({"--ticks", "30", "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain",
-                                std::to_string(TestRosOptions().domain), "--ros-participants", participants}));
+                                std::to_string(TestRosNetwork().domain), mode}));
   EXPECT_EQ(run.exit_status, 0) << run.output;
   double last = 0.0;
   odometry.Drain([&](const ros::OdometryMessage& message) {
@@ -151,19 +180,19 @@ double LastStamp(const std::string& participants) {
 }
 
 TEST(RosHost, TheSamplesOfTheLastTicksArrive) {
-  EXPECT_NEAR(LastStamp("process"), 2.95, 0.06);
-  EXPECT_NEAR(LastStamp("host"), 2.95, 0.06);
+  EXPECT_NEAR(LastStamp("--in-process"), 2.95, 0.06);
+  EXPECT_NEAR(LastStamp("--headless"), 2.95, 0.06);
 }
 
-TEST(RosHost, EachHostHasAParticipant) {
+// Those of one machine share it; the world service is on the host of the launcher.
+TEST(RosHost, HostsHaveTheirOwnParticipants) {
   const OutputFolder folder;
   std::ofstream(folder.Path("scenario.json")) << R"({"world": ")" << WorldPath("pen.world") << R"(", "hosts": [
         {"name": "first", "address": "127.0.0.1", "start": "{command}"},
         {"name": "second", "address": "127.0.0.1", "start": "{command}", "robots": ["r1", "r3"]}]})";
-  RosEditRun run(folder.Path("scenario.json"),
-                 {"--speed", "1", "--interface", "lo", "--ros-services", "cyclone", "--ros-participants", "host"});
+  RosEditRun run(folder.Path("scenario.json"), {"--speed", "1", "--interface", "lo", "--ros-services", "cyclone"});
   run.ExpectRobots({"r0", "r1", "r2", "r3"});
-  EXPECT_EQ(run.participants(), 3u) << "that of the world, and one of each host";
+  EXPECT_EQ(run.participants(), 2u);
   run.End();
 }
 

@@ -51,7 +51,7 @@ class RosInterfaces : public testing::Test {
                                           "--ros-interface",
                                           "lo",
                                           "--ros-domain",
-                                          std::to_string(TestRosOptions().domain)};
+                                          std::to_string(TestRosNetwork().domain)};
     run_.emplace(Troupe(std::move(arguments)));
     run_->WaitForLine(", ready");
   }
@@ -132,7 +132,7 @@ class RosInterfaces : public testing::Test {
   }
 
   OutputFolder folder_;
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   TROUPE_TEST_SERVICE(GetCurrentWorld) world_{participant_, "/world/get_current_world"};
   TROUPE_TEST_SERVICE(GetAvailableWorlds) worlds_{participant_, "/world/get_available_worlds"};
   TROUPE_TEST_SERVICE(UnloadWorld) unload_{participant_, "/world/unload_world"};

@@ -57,8 +57,8 @@ class PoseTool {
   }
 
  private:
-  static ros::RosOptions OptionsIn(std::uint32_t domain) {
-    ros::RosOptions options = TestRosOptions();
+  static ros::RosNetwork OptionsIn(std::uint32_t domain) {
+    ros::RosNetwork options = TestRosNetwork();
     options.domain = domain;
     return options;
   }
@@ -94,7 +94,7 @@ class RosPoses : public testing::Test {
                                           "--ros-interface",
                                           "lo",
                                           "--ros-domain",
-                                          std::to_string(TestRosOptions().domain)};
+                                          std::to_string(TestRosNetwork().domain)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     run_.emplace(Troupe(std::move(arguments)));
     run_->WaitForLine(", ready");
@@ -133,7 +133,7 @@ class RosPoses : public testing::Test {
 
 TEST_F(RosPoses, AGoalPoseIsTheGoalOfAController) {
   Start({"--ros-rviz", "goal"});
-  const std::uint32_t domain = TestRosOptions().domain;
+  const std::uint32_t domain = TestRosNetwork().domain;
   const Pose goal{2.0, -1.0, 0.0, 1.0};
   GoalTool of_anna(domain, "/anna/goal_pose");
   of_anna.Write("map", goal);
@@ -153,7 +153,7 @@ TEST_F(RosPoses, AGoalPoseIsTheGoalOfAController) {
 
 TEST_F(RosPoses, AnInitialPoseIsSetInTheWorld) {
   Start({"--ros-rviz", "pose"});
-  const std::uint32_t domain = TestRosOptions().domain;
+  const std::uint32_t domain = TestRosNetwork().domain;
   InitialPoseTool tool(domain, "/bert/initialpose");
   tool.Write("map", {3.0, 4.0, 0.0, -0.5});
   EXPECT_TRUE(Reaches("bert", {3.0, 4.0, 0.0, -0.5})) << run_->output();
@@ -178,12 +178,12 @@ TEST_F(RosPoses, TheTopicsFollowTheRobotsOfTheWorld) {
     EXPECT_TRUE(reply.ok() && reply.value().done) << run_->output();
   };
   edit(ControlCommand::kSpawn, "late", {0.0, -5.0, 0.0, 0.0});
-  InitialPoseTool of_late(TestRosOptions().domain, "/late/initialpose");
+  InitialPoseTool of_late(TestRosNetwork().domain, "/late/initialpose");
   of_late.Write("map", {1.0, -6.0, 0.0, 1.0});
   EXPECT_TRUE(Reaches("late", {1.0, -6.0, 0.0, 1.0})) << run_->output();
   edit(ControlCommand::kDelete, "cleo", {});
   edit(ControlCommand::kDelete, "late", {});
-  InitialPoseTool of_anna(TestRosOptions().domain, "/anna/initialpose");
+  InitialPoseTool of_anna(TestRosNetwork().domain, "/anna/initialpose");
   of_anna.Write("map", {1.0, -6.0, 0.0, 1.0});
   EXPECT_TRUE(Reaches("anna", {1.0, -6.0, 0.0, 1.0})) << run_->output();
 }

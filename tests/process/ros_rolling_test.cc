@@ -73,7 +73,7 @@ class RosRollingTest : public testing::Test {
     return pose;
   }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   Client<rolling_client_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_> spawn_{
       participant_, "/world/spawn_entity"};
   Client<rolling_client_dds__SetEntityState_Request_, simulation_interfaces_srv_dds__SetEntityState_Response_>
@@ -155,7 +155,7 @@ void RosRollingTest::CheckLoad() {
 }
 
 TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
-  const ros::RosOptions options = TestRosOptions();
+  const ros::RosNetwork options = TestRosNetwork();
   Program run = RunPen({"--paused", "--ros", "--ros-distro", "rolling", "--ros-interface", "lo", "--ros-domain",
                         std::to_string(options.domain)});
   run.WaitForLine("ready");

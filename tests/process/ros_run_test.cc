@@ -64,7 +64,7 @@ class Reader {
     return robots;
   }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "reader");
   std::vector<Robot> robots_ = MakeRobots();
   ros::RosReader<ros::Clock> clock_{node_, "/clock", ros::Stream(1000)};
@@ -110,7 +110,7 @@ TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
 // Drives r0 by hand, stepping from a pause, and returns the hash after each step.
 std::vector<std::string> StepByService(int steps) {
   OutputFolder folder;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::LaserScan> scans(node, "/r0/scan", ros::Stream(1000));
   Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
@@ -240,7 +240,7 @@ class WorldServices {
   }
 
  private:
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "editor");
   Client<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
       spawn_{participant_, "/world/spawn_entity"};
@@ -269,7 +269,7 @@ class WorldServices {
 
 TEST(RosRun, EditsTheWorldByService) {
   WorldServices world;
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::OdometryMessage> truth(node, "/late/ground_truth", ros::Stream(1000));
   OutputFolder folder;
@@ -327,10 +327,10 @@ TEST(RosRun, EditsTheWorldByService) {
 }
 
 TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
-  ros::RosParticipant participant(TestRosOptions());
+  ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::Clock> clock(node, "/clock", ros::Stream(10));
-  const std::string domain = std::to_string(TestRosOptions().domain);
+  const std::string domain = std::to_string(TestRosNetwork().domain);
   Finished run = Finish(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
   ASSERT_EQ(run.exit_status, 0) << run.output;
   clock.Drain([](const ros::Clock&) { FAIL() << "a clock without --ros"; });

@@ -22,7 +22,7 @@ using testing::IsEmpty;
 constexpr const char* kNamespaces[] = {"/r0", "/r1", "/r2", "/r3"};
 
 std::vector<std::string> InRosDomain(std::vector<std::string> arguments) {
-  const ros::RosOptions options = TestRosOptions();
+  const ros::RosNetwork options = TestRosNetwork();
   arguments.insert(arguments.end(), {"--ros", "--ros-domain=" + std::to_string(options.domain), "--ros-interface=lo"});
   return arguments;
 }
@@ -40,8 +40,8 @@ class RosSecurity : public testing::Test {
     setenv("ROS_SECURITY_KEYSTORE", keystore.c_str(), 1);
   }
 
-  ros::RosOptions SecuredOptions() const {
-    ros::RosOptions options = TestRosOptions();
+  ros::RosNetwork SecuredOptions() const {
+    ros::RosNetwork options = TestRosNetwork();
     options.security = {ros::SecurityStrategy::kEnforce, keystore_.path(), {}, {}};
     return options;
   }
@@ -68,7 +68,7 @@ class RosSecurity : public testing::Test {
   }
 
   const OutputFolder folder_;
-  const RosKeystore keystore_{folder_.Path(""), TestRosOptions().domain};
+  const RosKeystore keystore_{folder_.Path(""), TestRosNetwork().domain};
 };
 
 TEST_F(RosSecurity, ARunIsVisibleWithKeysOnly) {

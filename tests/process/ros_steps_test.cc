@@ -116,12 +116,12 @@ class RosStepsTest : public testing::Test {
   }
 
   Program RunPenPaused() {
-    const ros::RosOptions options = TestRosOptions();
+    const ros::RosNetwork options = TestRosNetwork();
     return Troupe({"run", WorldPath("pen.world"), "--domain", std::to_string(TestDomain()), "--headless", "--paused",
                    "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain", std::to_string(options.domain)});
   }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "tester");
   ros::RosReader<simulation_interfaces_action_dds__SimulateSteps_FeedbackMessage_> feedback_{
       node_, "/world/simulate_steps/_action/feedback", ros::Stream(1000)};

@@ -1,6 +1,7 @@
 // ROS domains on the loopback interface.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,22 +15,24 @@ inline constexpr std::uint32_t kFirstDomain = 1;  // of robots that each have a 
 inline constexpr std::uint32_t kRunDomain = 90;
 inline constexpr std::uint32_t kSimulationDomain = 95;
 
-inline ros::RosOptions InDomain(std::uint32_t domain) {
-  ros::RosOptions options;
-  options.domain = domain;
-  options.network_interface = "lo";
-  return options;
+inline ros::RosNetwork InDomain(std::uint32_t domain) {
+  ros::RosNetwork network;
+  network.domain = domain;
+  network.network_interface = "lo";
+  return network;
 }
 
-// The domain that only this test process uses.
-inline ros::RosOptions TestRosOptions() {
+// The domain that only this test process uses, for clients of services on Cyclone DDS.
+inline ros::RosNetwork TestRosNetwork() {
   static const std::uint32_t domain = ReserveDomain();
-  return InDomain(domain);
+  ros::RosNetwork network = InDomain(domain);
+  network.service_clients = ros::ServiceClients::kCyclone;
+  return network;
 }
 // For a run in that domain.
 inline std::vector<std::string> RosArguments(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = {"--ros", "--ros-interface", "lo", "--ros-domain",
-                                        std::to_string(TestRosOptions().domain)};
+                                        std::to_string(TestRosNetwork().domain)};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

@@ -20,7 +20,7 @@ namespace troupe::test {
 
 class RosGraph {
  public:
-  explicit RosGraph(const ros::RosOptions& options = TestRosOptions(), const std::string& enclave = "/")
+  explicit RosGraph(const ros::RosNetwork& options = TestRosNetwork(), const std::string& enclave = "/")
       : participant_(options, enclave) {}
 
   // "/r0/robot": the nodes of all participants that are there, one that two of them announce twice.

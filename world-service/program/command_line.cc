@@ -77,6 +77,8 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
       ->check(WholeNumber(0, 1 << 20))
       ->type_name("N");
   AddRosFlags(app, line.run.ros, line.ros, "ROS 2");
+  AddWorldTopicFlags(app, line.ros.world, "ROS 2");
+  AddPoseTopicFlags(app, line.ros.pose_topics, "ROS 2");
   AddFaultsFlag(app, faults);
   app.set_version_flag("--version", std::string("world-service ") + VersionText());
 }
@@ -93,7 +95,6 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   line.faults = ParseFaults(faults).value();
   line.service.pool = std::make_shared<ThreadPool>(line.threads.value_or(1));
   line.service.session = line.network.session;
-  line.ros.session = line.network.session;
   line.domain = line.network.domain;
   line.service.lease_seconds = line.network.lease_seconds;
   return line;

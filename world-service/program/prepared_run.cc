@@ -140,7 +140,7 @@ Result<PreparedRun> PrepareRun(const RunSource& source) {
   RestrictRequests(source.permissions, run.value().world(), run.value().files, options);
   if (!options.settings.ros) return run;
   options.check_world = [ros = source.ros, domain = source.domain](const WorldDescription& world) {
-    return ros::CheckDomains(world, ros, domain);
+    return ros::CheckDomains(world, ros.network.domain, ros.names, domain);
   };
   if (Status domains = options.check_world(run.value().world()); !domains.ok()) return domains.error();
   return run;

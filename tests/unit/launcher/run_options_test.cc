@@ -158,24 +158,46 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
 }
 
 TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
-  RunOptions options =
-      Parse({"w.world", "--ros", "--ros-domain", "7", "--ros-distro", "humble", "--ros-interface", "lo",
-             "--ros-cmd-vel", "both", "--ros-reliable-commands", "--ros-command-timeout", "0.25", "--ros-tf",
-             "namespaced", "--ros-participants", "host", "--no-ros-map-odom", "--no-ros-odom-base"})
-          .options;
-  const std::vector<std::string> words = {"--ros",
-                                          "--ros-domain=7",
-                                          "--ros-distro=humble",
-                                          "--ros-interface=lo",
-                                          "--ros-cmd-vel=both",
-                                          "--ros-reliable-commands",
-                                          "--ros-command-timeout=0.25",
-                                          "--ros-tf=namespaced",
-                                          "--ros-participants=host",
-                                          "--no-ros-map-odom",
-                                          "--no-ros-odom-base"};
-  EXPECT_THAT(ServiceArguments(options), testing::IsSupersetOf(words));
-  EXPECT_THAT(AgentArguments(options, "127.0.0.1:7", {"r"}, {}, true), testing::IsSupersetOf(words));
+  RunOptions options = Parse({"w.world",
+                              "--ros",
+                              "--ros-domain",
+                              "7",
+                              "--ros-distro",
+                              "humble",
+                              "--ros-interface",
+                              "lo",
+                              "--ros-cmd-vel",
+                              "both",
+                              "--ros-reliable-commands",
+                              "--ros-command-timeout",
+                              "0.25",
+                              "--ros-tf",
+                              "namespaced",
+                              "--ros-participants",
+                              "host",
+                              "--ros-clock-rate",
+                              "50",
+                              "--ros-rviz",
+                              "goal",
+                              "--no-ros-map-odom",
+                              "--no-ros-odom-base"})
+                           .options;
+  const std::vector<std::string> common = {"--ros",
+                                           "--ros-domain=7",
+                                           "--ros-distro=humble",
+                                           "--ros-interface=lo",
+                                           "--ros-tf=namespaced",
+                                           "--ros-clock-rate=50"};
+  const std::vector<std::string> of_robots = {"--ros-cmd-vel=both", "--ros-reliable-commands",
+                                              "--ros-command-timeout=0.25", "--no-ros-map-odom", "--no-ros-odom-base"};
+  const std::vector<std::string> service = ServiceArguments(options);
+  EXPECT_THAT(service, testing::IsSupersetOf(common));
+  EXPECT_THAT(service, Contains("--ros-rviz=goal"));
+  for (const std::string& word : of_robots) EXPECT_THAT(service, testing::Not(Contains(word)));
+  const std::vector<std::string> agent = AgentArguments(options, "127.0.0.1:7", {"r"}, {}, true);
+  EXPECT_THAT(agent, testing::IsSupersetOf(common));
+  EXPECT_THAT(agent, testing::IsSupersetOf(of_robots));
+  EXPECT_THAT(agent, testing::Not(Contains("--ros-rviz=goal")));
   RunSettings settings;
   options.run.ApplyTo(settings);
   EXPECT_TRUE(settings.ros);

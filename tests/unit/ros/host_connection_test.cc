@@ -1,5 +1,4 @@
-// The ways in which a connection through the participant of a host differs from a participant of the process' own:
-// either side may end, or send nonsense. All else is tested for both, in the tests with AllScopes.
+// Either side of a connection to the participant of a host may end, or send nonsense.
 #include "ros/link/host_connection.h"
 
 #include <gmock/gmock.h>
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
@@ -50,14 +50,13 @@ std::span<const std::byte> BytesOf(std::string_view text) {
 
 class HostConnectionTest : public testing::Test {
  protected:
-  std::unique_ptr<HostConnection> Connect() const {
-    return std::make_unique<HostConnection>(options_.distribution, host_.socket());
-  }
+  std::unique_ptr<HostConnection> Connect() const { return host_.Connect(); }
   // A connection of a program that may send anything.
   std::unique_ptr<Link> Stranger() const {
     const Result<int> connected = ros::Connect(host_.socket());
     return std::make_unique<Link>(connected.value());
   }
+  std::string Hello() const { return ToText(HelloText{VersionText(), network_.domain}); }
   // Whether the other side ends the connection.
   static bool IsEnded(Link& link) {
     return Eventually([&link] { return !link.Receive([](const LinkMessage&) {}); });
@@ -67,10 +66,10 @@ class HostConnectionTest : public testing::Test {
     return RosReader<T>(peer_, topic, qos);
   }
 
-  RosOptions options_ = test::TestRosOptions();
-  RosParticipant participant_{options_};
+  const RosNetwork network_ = test::TestRosNetwork();
+  RosParticipant participant_{network_};
   RosNode peer_ = MakeNode(participant_, "/", "peer");
-  test::HostParticipant host_{options_};
+  test::HostParticipant host_{network_};
 };
 
 // The newest text of a reader, when there is one.
@@ -112,7 +111,7 @@ TEST_F(HostConnectionTest, EndpointsReturnWithANewParticipant) {
   Write(latched, "first");
   Write(latched, "second");
   connection->Flush();
-  test::RosGraph graph(options_);
+  test::RosGraph graph(network_);
   EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
   RosReader<String> events = Reader<String>("/a/events", Stream(10));
   EXPECT_TRUE(Eventually([&] { return stream.wanted(); }));
@@ -145,7 +144,7 @@ TEST_F(HostConnectionTest, EndpointsReturnWithANewParticipant) {
 }
 
 TEST_F(HostConnectionTest, TheNodesOfAnAgentEndWithIt) {
-  test::RosGraph graph(options_);
+  test::RosGraph graph(network_);
   const std::unique_ptr<HostConnection> stays = Connect();
   const RosNode node = MakeNode(*stays, "/a", "robot");
   RosWriter<String> writer(node, "events", Stream(10));
@@ -162,8 +161,41 @@ TEST_F(HostConnectionTest, TheNodesOfAnAgentEndWithIt) {
   EXPECT_TRUE(graph.HasNode("/a/robot"));
 }
 
+// A domain of a robot's own.
+TEST_F(HostConnectionTest, EachDomainHasAParticipantWhileItIsUsed) {
+  RosNetwork other = network_;
+  other.domain = test::ReserveDomain();
+  test::RosGraph graph(other);
+  auto connection = std::make_unique<HostConnection>(network_.distribution, host_.socket(), other.domain,
+                                                     HostConnection::Sending::kAtOnce);
+  auto writer = std::make_unique<RosWriter<String>>(MakeNode(*connection, "/", "robot"), "text", Latched());
+  connection->Announce();
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/robot"); }));
+  EXPECT_EQ(graph.Participants(), 1u);
+  RosParticipant there(other);
+  RosReader<String> reader(MakeNode(there, "/", "peer"), "/text", Latched());
+  Write(*writer, "sent without a flush");
+  EXPECT_EQ(Next(reader), "sent without a flush");
+  writer.reset();
+  connection.reset();
+  EXPECT_TRUE(Eventually([&] { return graph.Participants() == 1u; })) << "the peer of this test";
+  EXPECT_FALSE(graph.HasNode("/robot"));
+}
+
+TEST_F(HostConnectionTest, AReaderTellsOfItsSamples) {
+  const std::unique_ptr<HostConnection> connection = Connect();
+  std::atomic<int> arrived = 0;
+  RosReader<Float64> commands(MakeNode(*connection, "/a", "robot"), "command", Commands(true), Part::kOnlyReader,
+                              [&] { ++arrived; });
+  connection->Announce();
+  RosWriter<Float64> commander(peer_, "/a/command", Stream(1));
+  EXPECT_TRUE(Eventually([&] { return commander.wanted(); }));
+  commander.Write({0.5});
+  EXPECT_TRUE(Eventually([&] { return arrived > 0; }));
+}
+
 TEST_F(HostConnectionTest, AnEndpointThatEndsIsListedNoMore) {
-  test::RosGraph graph(options_);
+  test::RosGraph graph(network_);
   const std::unique_ptr<HostConnection> connection = Connect();
   const RosNode node = MakeNode(*connection, "/a", "robot");
   const RosWriter<String> stays(node, "stays", Stream(1));
@@ -191,8 +223,9 @@ TEST_F(HostConnectionTest, PassesLargeSamplesOn) {
 // A stream keeps its newest sample meanwhile, and the connection waits without use of the processor.
 TEST_F(HostConnectionTest, AParticipantThatHangsGetsTheNewestSampleLater) {
   host_.End();
-  const Result<int> listening = Listen(host_.socket());
+  const Result<int> listening = Bind(host_.socket());
   ASSERT_TRUE(listening.ok());
+  ASSERT_EQ(listen(listening.value(), 1), 0);
   const std::unique_ptr<HostConnection> connection = Connect();
   RosWriter<String> writer(MakeNode(*connection, "/a", "robot"), "events", Stream(2));
   int accepted = -1;
@@ -266,7 +299,7 @@ TEST_F(HostConnectionTest, ACallDuringAResetIsAnswered) {
                                           },
                                           Service(), Serving::kWhenStarted};
   };
-  test::RosGraph graph(options_);
+  test::RosGraph graph(network_);
   auto server = std::make_unique<Server>(Connect());
   server->service.Start();
   test::Client<Request, Response> client(participant_, "/a/state");
@@ -310,7 +343,7 @@ TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
   ASSERT_TRUE(Eventually([&] { return writer.wanted(); }));
 
   using Messages = std::vector<std::pair<LinkKind, std::string>>;
-  const std::pair<LinkKind, std::string> hello = {LinkKind::kHello, VersionText()};
+  const std::pair<LinkKind, std::string> hello = {LinkKind::kHello, Hello()};
   const std::pair<LinkKind, std::string> node = {LinkKind::kAddNode, R"({"namespace": "/b", "name": "robot"})"};
   const auto writer_of = [](const std::string& type, int depth) {
     return std::pair(LinkKind::kMakeWriter,
@@ -319,13 +352,15 @@ TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
   };
   const std::string string = "std_msgs::msg::dds_::String_";
   const std::pair<Messages, std::string> refused[] = {
-      {{{LinkKind::kHello, "troupe 0.0.1"}}, "found version 'troupe 0.0.1', expected"},
+      {{{LinkKind::kHello, ToText(HelloText{"troupe 0.0.1", 0})}}, "found version 'troupe 0.0.1', expected"},
       {{node}, "found no version"},
-      {{hello, {LinkKind::kAddNode, "{"}}, "found '{', expected a node"},
+      {{hello, hello}, "found no version, or two"},
+      {{{LinkKind::kHello, "troupe"}}, "found 'troupe', expected a version"},
+      {{hello, {LinkKind::kAddNode, "{"}}, "found '{', expected a version, a node or an endpoint"},
       {{hello, node, node}, "a node a second time"},
       {{hello, writer_of(string, 1)}, "found node 0, expected one of this agent"},
       {{hello, node, writer_of("Nothing", 1)}, "found type 'Nothing', expected one of ROS"},
-      {{hello, node, writer_of(string, 0)}, "expected a node or an endpoint"},
+      {{hello, node, writer_of(string, 0)}, "a node or an endpoint"},
       {{hello, node, writer_of(string, 1), writer_of(string, 1)}, "an endpoint a second time"},
       {{hello, node, writer_of(string, 1), {LinkKind::kWrite, "nonsense"}}, "bytes of a std_msgs"},
       {{hello, {LinkKind::kWrite, "nonsense"}}, "a sample of no writer"},
@@ -369,7 +404,7 @@ TEST_F(HostConnectionTest, AnAgentWaitsWhileThereAreNoDescriptors) {
   EXPECT_LT(std::clock() - used, CLOCKS_PER_SEC / 10);
   for (const int descriptor : descriptors) close(descriptor);
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
-  agent->Add(LinkKind::kHello, 0, BytesOf("troupe 0.0.1"));
+  agent->Add(LinkKind::kHello, 0, BytesOf(ToText(HelloText{"troupe 0.0.1", 0})));
   agent->Flush();
   EXPECT_TRUE(IsEnded(*agent));
   host_.End();
@@ -379,7 +414,7 @@ TEST_F(HostConnectionTest, AnAgentWaitsWhileThereAreNoDescriptors) {
 // An agent that is stopped reads nothing: its samples wait up to a limit, and those of others arrive.
 TEST_F(HostConnectionTest, AnAgentThatHangsDelaysNoOther) {
   const std::unique_ptr<Link> hangs = Stranger();
-  hangs->Add(LinkKind::kHello, 0, BytesOf(VersionText()));
+  hangs->Add(LinkKind::kHello, 0, BytesOf(Hello()));
   hangs->Add(LinkKind::kAddNode, 0, BytesOf(R"({"namespace": "/b", "name": "robot"})"));
   hangs->Add(LinkKind::kMakeReader, 1,
              BytesOf(R"({"node": 0, "name": "rt/all", "type": "std_msgs::msg::dds_::String_", "response_type": "",

@@ -49,11 +49,11 @@ GripperWorld MakeWorld() {
   return world;
 }
 
-class ManipulatorPortTest : public testing::TestWithParam<ros::ParticipantScope> {
+class ManipulatorPortTest : public testing::Test {
  protected:
   ManipulatorPortTest() {
-    ros::RosOptions options = TestRosOptions();
-    if (GetParam() == ros::ParticipantScope::kHost) options.participant_socket = host_.emplace(options).socket();
+    ros::RosOptions options = {.network = TestRosNetwork()};
+    options.socket = host_.socket();
     Result<std::unique_ptr<Replica>> replica = Replica::Create(world_.world, {}, {}, {}, MakeRosGateway(options));
     replica_ = std::move(replica).value();
   }
@@ -117,12 +117,12 @@ class ManipulatorPortTest : public testing::TestWithParam<ros::ParticipantScope>
   double position(std::size_t joint) const { return state_.joints[joint].position; }
   double opening() const { return kWidest - position(1) - position(2); }
 
-  ros::RosParticipant participant_{TestRosOptions()};
+  HostParticipant host_;
+  ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode peer_ = ros::MakeNode(participant_, "/", "peer");
   GripperWorld world_ = MakeWorld();
   Scene scene_{world_.world};
   WorldState state_ = PlacedState(world_.world);
-  std::optional<HostParticipant> host_;
   std::unique_ptr<Replica> replica_;
   SendGoal send_goal_{participant_, "/a/gripper/gripper_cmd/_action/send_goal"};
   GetResult get_result_{participant_, "/a/gripper/gripper_cmd/_action/get_result"};
@@ -130,9 +130,7 @@ class ManipulatorPortTest : public testing::TestWithParam<ros::ParticipantScope>
   std::vector<std::string> reports_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Scopes, ManipulatorPortTest, AllScopes(), ScopeName);
-
-TEST_P(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
+TEST_F(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   Command("/a/gripper/command", 0.2, [&] { return opening() < 0.2 + 1e-9; });
   EXPECT_NEAR(opening(), 0.2, 1e-9);
   EXPECT_NEAR(position(1), position(2), 1e-12);
@@ -147,7 +145,7 @@ TEST_P(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   EXPECT_THAT(reports_, testing::IsEmpty());
 }
 
-TEST_P(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
+TEST_F(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
   const double kInfinity = std::numeric_limits<double>::infinity();
   for (const char* topic : {"/a/gripper/command", "/a/gripper/lift/command", "/a/arm/command"}) {
     const std::size_t before = reports_.size();
@@ -160,7 +158,7 @@ TEST_P(ManipulatorPortTest, IgnoresPositionsThatAreNotFiniteAndSaysSo) {
                                              "/a/arm/command: ignored a command that is not finite (1 so far)"));
 }
 
-TEST_P(ManipulatorPortTest, PublishesTheStateOfAGripper) {
+TEST_F(ManipulatorPortTest, PublishesTheStateOfAGripper) {
   ros::RosReader<ros::String> states(peer_, "/a/gripper/state", ros::Stream(10));
   nlohmann::json last;
   Command("/a/gripper/command", 0.0, [&] {
@@ -172,7 +170,7 @@ TEST_P(ManipulatorPortTest, PublishesTheStateOfAGripper) {
   EXPECT_NEAR(opening(), 0.1, 1e-9);
 }
 
-TEST_P(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
+TEST_F(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   ros::RosReader<Feedback> feedback(peer_, "/a/gripper/gripper_cmd/_action/feedback", ros::Stream(100));
   ros::RosReader<Statuses> status(peer_, "/a/gripper/gripper_cmd/_action/status", ros::Latched());
   std::vector<double> positions;
@@ -206,7 +204,7 @@ TEST_P(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   EXPECT_EQ(ResultAfterTicks().status, 0) << "an unknown goal";
 }
 
-TEST_P(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
+TEST_F(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
   ASSERT_TRUE(SendGoalOf(0.0, 1));
   AskForResultOf(1);
   const auto response = ResultAfterTicks();
@@ -217,7 +215,7 @@ TEST_P(ManipulatorPortTest, EndsAGoalOnAnObjectWithSuccess) {
   EXPECT_TRUE(state_.objects[0].holder);
 }
 
-TEST_P(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
+TEST_F(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   for (const double opening : {std::nan(""), -0.1, 0.31, std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(SendGoalOf(opening, 1)) << opening;
   }
@@ -228,7 +226,7 @@ TEST_P(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   EXPECT_EQ(reports_[0], "/a/gripper/gripper_cmd: refused a goal of 0.1 m, expected 0 to 0.3 (5 so far)");
 }
 
-TEST_P(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
+TEST_F(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(3);
   action_msgs_srv_dds__CancelGoal_Request_ request{};
@@ -250,7 +248,7 @@ TEST_P(ManipulatorPortTest, StopsTheFingersWhenAGoalIsCancelled) {
   cancel_goal_.Call(request, [](const auto& answer) { EXPECT_EQ(answer.return_code, 2); });
 }
 
-TEST_P(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
+TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
   Pause();
   ASSERT_TRUE(SendGoalOf(0.28, 1));
   AskForResultOf(1);
@@ -265,7 +263,7 @@ TEST_P(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
       Eventually([&] { return get_result_.Receive([](const auto& response) { EXPECT_EQ(response.status, 4); }); }));
 }
 
-TEST_P(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
+TEST_F(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(2);
   Command("/a/gripper/command", kWidest, [&] { return opening() == kWidest; });

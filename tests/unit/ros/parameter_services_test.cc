@@ -15,17 +15,16 @@ namespace {
 using test::Client;
 using testing::ElementsAre;
 
-class ParameterServicesTest : public testing::TestWithParam<ParticipantScope> {
+class ParameterServicesTest : public testing::Test {
  protected:
-  test::TestConnection server_{GetParam()};
+  test::HostParticipant host_;
+  std::unique_ptr<HostConnection> server_ = host_.Connect();
   RosNode node_ = MakeNode(*server_, "/r0", "robot");
   ParameterServices services_{node_, "robot", {{"use_sim_time", true}, {"speed", 0.5}, {"who", "r0"}}};
-  RosParticipant client_{test::TestRosOptions()};
+  RosParticipant client_{test::TestRosNetwork()};
 };
 
-INSTANTIATE_TEST_SUITE_P(Scopes, ParameterServicesTest, test::AllScopes(), test::ScopeName);
-
-TEST_P(ParameterServicesTest, ListsAndGets) {
+TEST_F(ParameterServicesTest, ListsAndGets) {
   Client<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list(
       client_, "/r0/robot/list_parameters");
   list.Call({}, [](const auto& response) {
@@ -49,7 +48,7 @@ TEST_P(ParameterServicesTest, ListsAndGets) {
   });
 }
 
-TEST_P(ParameterServicesTest, DescribesAndListsTypes) {
+TEST_F(ParameterServicesTest, DescribesAndListsTypes) {
   dds::WireArena arena;
   Client<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_> types(
       client_, "/r0/robot/get_parameter_types");
@@ -67,7 +66,7 @@ TEST_P(ParameterServicesTest, DescribesAndListsTypes) {
   });
 }
 
-TEST_P(ParameterServicesTest, RefusesChanges) {
+TEST_F(ParameterServicesTest, RefusesChanges) {
   Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
       client_, "/r0/robot/set_parameters");
   dds::WireArena arena;
@@ -90,7 +89,7 @@ TEST_P(ParameterServicesTest, RefusesChanges) {
   });
 }
 
-TEST_P(ParameterServicesTest, AnnouncesParametersThatAreSet) {
+TEST_F(ParameterServicesTest, AnnouncesParametersThatAreSet) {
   const RosNode node = MakeNode(client_, "/", "peer");
   RosReader<rcl_interfaces_msg_dds__ParameterEvent_> events(node, "/parameter_events", Stream(100));
   Client<rcl_interfaces_srv_dds__SetParameters_Request_, rcl_interfaces_srv_dds__SetParameters_Response_> set(
@@ -114,7 +113,7 @@ TEST_P(ParameterServicesTest, AnnouncesParametersThatAreSet) {
   EXPECT_EQ(changed.front(), "use_sim_time");
 }
 
-TEST_P(ParameterServicesTest, TypesAreDescribedFromJazzyOn) {
+TEST_F(ParameterServicesTest, TypesAreDescribedFromJazzyOn) {
   const TypeDescriptionService service(node_, "robot");
   using Request = type_description_interfaces_srv_dds__GetTypeDescription_Request_;
   using Response = type_description_interfaces_srv_dds__GetTypeDescription_Response_;

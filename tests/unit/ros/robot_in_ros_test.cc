@@ -14,15 +14,10 @@ WorldDescription ThreeRobots() {
   return world.world();
 }
 
-RosOptions Options(std::uint32_t domain, bool plain = false) {
-  RosOptions options;
-  options.domain = domain;
-  options.plain_names = plain;
-  return options;
-}
+constexpr RosNames kPlain = {.plain = true};
 
 TEST(RobotInRos, HasItsNameInTheDomainOfTheRun) {
-  const RobotInRos robot = FindRobotInRos(ThreeRobots(), RobotId(1), Options(7));
+  const RobotInRos robot = FindRobotInRos(ThreeRobots(), RobotId(1), 7, {});
   EXPECT_EQ(robot.domain, 7u);
   EXPECT_FALSE(robot.alone);
   EXPECT_EQ(robot.node_namespace, "/b");
@@ -32,41 +27,41 @@ TEST(RobotInRos, HasItsNameInTheDomainOfTheRun) {
 TEST(RobotInRos, HasPlainNamesInADomainOfItsOwn) {
   WorldDescription world = ThreeRobots();
   world.robots[1].ros.domain = 9;
-  const RobotInRos robot = FindRobotInRos(world, RobotId(1), Options(7));
+  const RobotInRos robot = FindRobotInRos(world, RobotId(1), 7, {});
   EXPECT_EQ(robot.domain, 9u);
   EXPECT_TRUE(robot.alone);
   EXPECT_EQ(robot.node_namespace, "/");
   EXPECT_EQ(robot.frames.base, "base_link");
-  EXPECT_FALSE(FindRobotInRos(world, RobotId(1), Options(9)).alone) << "the run's domain";
-  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(9)).node_namespace, "/");
+  EXPECT_FALSE(FindRobotInRos(world, RobotId(1), 9, {}).alone) << "the run's domain";
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), 9, {}).node_namespace, "/");
 }
 
 TEST(RobotInRos, OnlyTheFirstOfADomainHasPlainNames) {
   WorldDescription world = ThreeRobots();
   world.robots[0].ros.domain = 9;
-  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(7, true)).node_namespace, "/");
-  EXPECT_EQ(FindRobotInRos(world, RobotId(2), Options(7, true)).node_namespace, "/c");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), 7, kPlain).node_namespace, "/");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(2), 7, kPlain).node_namespace, "/c");
 }
 
 TEST(RobotInRos, HasTheNamespaceOfItsDescriptionIfItIsOne) {
   WorldDescription world = ThreeRobots();
   world.robots[0].ros.name_space = "/fleet/a";
-  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).node_namespace, "/fleet/a");
-  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).frames.odom, "fleet/a/odom");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), 7, {}).node_namespace, "/fleet/a");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), 7, {}).frames.odom, "fleet/a/odom");
   world.robots[0].ros.name_space = "//x";
-  EXPECT_EQ(FindRobotInRos(world, RobotId(0), Options(7)).node_namespace, "/a");
+  EXPECT_EQ(FindRobotInRos(world, RobotId(0), 7, {}).node_namespace, "/a");
 }
 
 TEST(RobotInRos, ARemovedRobotIsNowhere) {
   WorldDescription world = ThreeRobots();
   world.models[world.robots[0].root.index()].removed = true;
-  EXPECT_EQ(FindRobotInRos(world, RobotId(1), Options(7, true)).node_namespace, "/");
-  const auto found = FindRobotsInRos(world, Options(7));
+  EXPECT_EQ(FindRobotInRos(world, RobotId(1), 7, kPlain).node_namespace, "/");
+  const auto found = FindRobotsInRos(world, 7, {});
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].second.node_namespace, "/b");
   EXPECT_EQ(found[1].second.node_namespace, "/c");
   world.robots[0].ros.domain = 42;
-  EXPECT_TRUE(CheckDomains(world, Options(7), 42).ok());
+  EXPECT_TRUE(CheckDomains(world, 7, {}, 42).ok());
 }
 
 TEST(IsNamespace, FollowsTheRulesOfRos) {
@@ -78,21 +73,21 @@ TEST(IsNamespace, FollowsTheRulesOfRos) {
 
 TEST(CheckDomains, RefusesTheDomainOfTheSimulation) {
   WorldDescription world = ThreeRobots();
-  EXPECT_TRUE(CheckDomains(world, Options(7), 42).ok());
-  EXPECT_THAT(CheckDomains(world, Options(42), 42).error().message, testing::HasSubstr("42 as the domain of the run"));
+  EXPECT_TRUE(CheckDomains(world, 7, {}, 42).ok());
+  EXPECT_THAT(CheckDomains(world, 42, {}, 42).error().message, testing::HasSubstr("42 as the domain of the run"));
   world.robots[2].ros.domain = 42;
-  EXPECT_THAT(CheckDomains(world, Options(7), 42).error().message,
+  EXPECT_THAT(CheckDomains(world, 7, {}, 42).error().message,
               testing::HasSubstr("found the ROS domain 42 for robot 'c', which is the domain of the simulation"));
-  EXPECT_TRUE(CheckDomains(world, Options(7), std::nullopt).ok());
+  EXPECT_TRUE(CheckDomains(world, 7, {}, std::nullopt).ok());
 }
 
 TEST(CheckDomains, RefusesPlainNamesForSeveralRobotsOfADomain) {
   WorldDescription world = ThreeRobots();
-  EXPECT_THAT(CheckDomains(world, Options(7, true), 42).error().message,
+  EXPECT_THAT(CheckDomains(world, 7, kPlain, 42).error().message,
               testing::HasSubstr("found --ros-names plain for 3 robots in one ROS domain"));
   world.robots[0].ros.domain = 8;
   world.robots[1].ros.domain = 9;
-  EXPECT_TRUE(CheckDomains(world, Options(7, true), 42).ok());
+  EXPECT_TRUE(CheckDomains(world, 7, kPlain, 42).ok());
 }
 
 }  // namespace

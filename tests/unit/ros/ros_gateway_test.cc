@@ -116,15 +116,13 @@ std::map<std::string, std::string> UserDataOf(dds_entity_t participant, dds_enti
 }
 
 // A ROS node across the network, and an agent's replica that it exchanges messages with.
-class RosGatewayTest : public testing::TestWithParam<ros::ParticipantScope> {
+class RosGatewayTest : public testing::Test {
  protected:
   void MakeReplica(ros::RosOptions options, const WorldDescription& world = TwoRobots()) {
     state_ = PlacedState(world);
     replica_.reset();
     host_.reset();
-    if (GetParam() == ros::ParticipantScope::kHost) {
-      options.participant_socket = host_.emplace(options).socket();
-    }
+    options.socket = host_.emplace(options.network).socket();
     Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, {}, {}, MakeRosGateway(options));
     ASSERT_TRUE(replica.ok());
     replica_ = std::move(replica).value();
@@ -173,15 +171,13 @@ class RosGatewayTest : public testing::TestWithParam<ros::ParticipantScope> {
     return twist;
   }
 
-  ros::RosOptions options_ = test::TestRosOptions();
-  ros::RosParticipant participant_{options_};
+  ros::RosOptions options_ = {.network = test::TestRosNetwork()};
+  ros::RosParticipant participant_{options_.network};
   ros::RosNode peer_ = ros::MakeNode(participant_, "/", "peer");
   WorldState state_;
   std::optional<test::HostParticipant> host_;
   std::unique_ptr<Replica> replica_;
 };
-
-INSTANTIATE_TEST_SUITE_P(Scopes, RosGatewayTest, test::AllScopes(), test::ScopeName);
 
 ros::TwistMessage Twist2(double vx, double wz) {
   ros::TwistMessage twist{};
@@ -190,7 +186,7 @@ ros::TwistMessage Twist2(double vx, double wz) {
   return twist;
 }
 
-TEST_P(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
+TEST_F(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
   MakeReplica(options_);
   state_.robots[1].stalled = true;
   auto odom = Reader<ros::OdometryMessage>("/b/odom");
@@ -213,7 +209,7 @@ TEST_P(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
   TickUntilReceived(stalled, [](const ros::Bool& message) { EXPECT_TRUE(message.data); });
 }
 
-TEST_P(RosGatewayTest, PublishesScansAndRanges) {
+TEST_F(RosGatewayTest, PublishesScansAndRanges) {
   MakeReplica(options_);
   auto scans = Reader<ros::LaserScan>("/a/scan");
   auto ranges = Reader<ros::RangeMessage>("/a/sonar");
@@ -238,7 +234,7 @@ TEST_P(RosGatewayTest, PublishesScansAndRanges) {
   EXPECT_EQ(frames[1], "a/sonar_1");
 }
 
-TEST_P(RosGatewayTest, PublishesCamerasCloudsAndTouches) {
+TEST_F(RosGatewayTest, PublishesCamerasCloudsAndTouches) {
   SmallWorld world;
   const RobotId robot = world.AddRobot("a", {});
   world.AddBox("wall", 0.3, 0.0, 0.2, 4.0, {0.0, 0.3});
@@ -281,8 +277,8 @@ TEST_P(RosGatewayTest, PublishesCamerasCloudsAndTouches) {
   });
 }
 
-TEST_P(RosGatewayTest, SendsTheRangeOfHumbleToHumble) {
-  options_.distribution = ros::Distribution::kHumble;
+TEST_F(RosGatewayTest, SendsTheRangeOfHumbleToHumble) {
+  options_.network.distribution = ros::Distribution::kHumble;
   MakeReplica(options_);
   auto ranges = Reader<ros::HumbleRangeMessage>("/a/sonar");
   TickUntilReceived(ranges, [](const ros::HumbleRangeMessage& range) { EXPECT_FLOAT_EQ(range.range, 2.8F); });
@@ -297,7 +293,7 @@ std::map<std::string, std::string> ParentsOf(const ros::TfMessage& message) {
   return parents;
 }
 
-TEST_P(RosGatewayTest, ConnectsTheTreeOfFrames) {
+TEST_F(RosGatewayTest, ConnectsTheTreeOfFrames) {
   MakeReplica(options_);
   auto moving = Reader<ros::TfMessage>("/tf");
   auto fixed = Reader<ros::TfMessage>("/tf_static", true);
@@ -317,7 +313,7 @@ TEST_P(RosGatewayTest, ConnectsTheTreeOfFrames) {
   EXPECT_EQ(parents["b/base_link"], "b/odom");
 }
 
-TEST_P(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
+TEST_F(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
   MakeReplica(options_, TwoGrippers().world);
   state_.joints[3].position = 0.25;  // of b
   state_.joints[4].position = 0.05;
@@ -352,7 +348,7 @@ TEST_P(RosGatewayTest, MovesTheFramesOfJointsWithTheSensorsOnThem) {
   });
 }
 
-TEST_P(RosGatewayTest, ARobotWithoutJointsHasNoJointStates) {
+TEST_F(RosGatewayTest, ARobotWithoutJointsHasNoJointStates) {
   MakeReplica(options_);
   auto joints = Reader<ros::JointStateMessage>("/a/joint_states");
   auto stalled = Reader<ros::Bool>("/a/stalled");
@@ -362,9 +358,9 @@ TEST_P(RosGatewayTest, ARobotWithoutJointsHasNoJointStates) {
   EXPECT_FALSE(writers.contains("rt/a/joint_states"));
 }
 
-TEST_P(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
-  options_.namespaced_tf = true;
-  options_.map_to_odom = false;
+TEST_F(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
+  options_.names.namespaced_tf = true;
+  options_.robots.map_to_odom = false;
   MakeReplica(options_);
   auto moving = Reader<ros::TfMessage>("/b/tf");
   auto fixed = Reader<ros::TfMessage>("/b/tf_static", true);
@@ -380,7 +376,7 @@ TEST_P(RosGatewayTest, PublishesTransformsPerRobotIfAsked) {
 }
 
 // A node that transforms a scan at its stamp would wait for a transform that arrives later.
-TEST_P(RosGatewayTest, WritesTheTransformsOfATickBeforeItsScans) {
+TEST_F(RosGatewayTest, WritesTheTransformsOfATickBeforeItsScans) {
   MakeReplica(options_);
   const auto stamp = [](const ros::Header& header) { return std::pair(header.stamp.sec, header.stamp.nanosec); };
   using WrittenAt = std::map<std::pair<std::int32_t, std::uint32_t>, dds_time_t>;
@@ -411,8 +407,8 @@ TEST_P(RosGatewayTest, WritesTheTransformsOfATickBeforeItsScans) {
   }));
 }
 
-TEST_P(RosGatewayTest, LeavesTheTransformOfTheBaseToAnotherNodeIfAsked) {
-  options_.odom_to_base = false;
+TEST_F(RosGatewayTest, LeavesTheTransformOfTheBaseToAnotherNodeIfAsked) {
+  options_.robots.odom_to_base = false;
   MakeReplica(options_, TwoGrippers().world);
   auto moving = Reader<ros::TfMessage>("/tf");
   auto odom = Reader<ros::OdometryMessage>("/b/odom");
@@ -433,13 +429,13 @@ WorldDescription TwoDomains(std::uint32_t of_a, std::uint32_t of_b) {
   return world;
 }
 
-ros::RosOptions InDomain(std::uint32_t domain) {
-  ros::RosOptions options = test::TestRosOptions();
-  options.domain = domain;
-  return options;
+ros::RosNetwork InDomain(std::uint32_t domain) {
+  ros::RosNetwork network = test::TestRosNetwork();
+  network.domain = domain;
+  return network;
 }
 
-TEST_P(RosGatewayTest, ARobotInADomainOfItsOwnIsAloneThereWithPlainNames) {
+TEST_F(RosGatewayTest, ARobotInADomainOfItsOwnIsAloneThereWithPlainNames) {
   const std::uint32_t domains[] = {test::ReserveDomain(), test::ReserveDomain()};
   MakeReplica(options_, TwoDomains(domains[0], domains[1]));
   ros::RosParticipant peer_of_b(InDomain(domains[1]));
@@ -469,11 +465,11 @@ TEST_P(RosGatewayTest, ARobotInADomainOfItsOwnIsAloneThereWithPlainNames) {
   const auto topics = graph.Topics("/");
   EXPECT_THAT(topics, testing::IsSupersetOf({"/odom", "/scan", "/sonar", "/rosout", "/parameter_events"}));
   EXPECT_THAT(topics, testing::Not(testing::Contains(testing::HasSubstr("/a/"))));
-  test::RosGraph run(options_);
+  test::RosGraph run(options_.network);
   EXPECT_TRUE(run.Nodes().empty()) << "nothing is in the domain of the run";
 }
 
-TEST_P(RosGatewayTest, ARobotObeysCommandsInItsDomain) {
+TEST_F(RosGatewayTest, ARobotObeysCommandsInItsDomain) {
   const std::uint32_t domains[] = {test::ReserveDomain(), test::ReserveDomain()};
   MakeReplica(options_, TwoDomains(domains[0], domains[1]));
   ros::RosParticipant peer_of_a(InDomain(domains[0]));
@@ -483,19 +479,19 @@ TEST_P(RosGatewayTest, ARobotObeysCommandsInItsDomain) {
   EXPECT_TRUE(Tick().proposals[1].twist.IsZero());
 }
 
-TEST_P(RosGatewayTest, ASingleRobotCanHavePlainNamesInTheDomainOfTheRun) {
-  options_.plain_names = true;
+TEST_F(RosGatewayTest, ASingleRobotCanHavePlainNamesInTheDomainOfTheRun) {
+  options_.names.plain = true;
   MakeReplica(options_);
   auto first = Reader<ros::OdometryMessage>("/odom");
   auto second = Reader<ros::OdometryMessage>("/b/odom");
   TickUntilReceived(first, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "odom"); });
   TickUntilReceived(second, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "b/odom"); });
-  test::RosGraph graph(options_);
+  test::RosGraph graph(options_.network);
   EXPECT_TRUE(Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/b/robot", "/robot"}; }));
   EXPECT_FALSE(graph.Topics("/").contains("/clock")) << "that is the world's";
 }
 
-TEST_P(RosGatewayTest, ARobotHasItsTopicsBelowItsNamespace) {
+TEST_F(RosGatewayTest, ARobotHasItsTopicsBelowItsNamespace) {
   WorldDescription world = TwoRobots();
   world.robots[0].ros.name_space = "/fleet/a";
   MakeReplica(options_, world);
@@ -503,7 +499,7 @@ TEST_P(RosGatewayTest, ARobotHasItsTopicsBelowItsNamespace) {
   TickUntilReceived(odom, [](const auto& message) { EXPECT_STREQ(message.header.frame_id, "fleet/a/odom"); });
 }
 
-TEST_P(RosGatewayTest, LogsRefusedCommands) {
+TEST_F(RosGatewayTest, LogsRefusedCommands) {
   MakeReplica(options_);
   ros::RosReader<rcl_interfaces_msg_dds__Log_> log(peer_, "/rosout", ros::LogLines());
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
@@ -521,7 +517,7 @@ TEST_P(RosGatewayTest, LogsRefusedCommands) {
   EXPECT_THAT(text, testing::StartsWith("a.robot: robot a: cmd_vel: ignored a command"));
 }
 
-TEST_P(RosGatewayTest, ObeysACommandInTheNextProposal) {
+TEST_F(RosGatewayTest, ObeysACommandInTheNextProposal) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, -0.25)), (Twist{0.5, 0.0, -0.25}));
@@ -531,8 +527,8 @@ TEST_P(RosGatewayTest, ObeysACommandInTheNextProposal) {
 }
 
 // Each writer writes as soon as it has discovered a reader, which may not have discovered the writer yet.
-TEST_P(RosGatewayTest, ObeysACommandThatIsSentOnce) {
-  options_.command_timeout = 0.0;
+TEST_F(RosGatewayTest, ObeysACommandThatIsSentOnce) {
+  options_.robots.command_timeout = 0.0;
   MakeReplica(options_);
   for (int i = 1; i <= 20; ++i) {
     auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
@@ -542,16 +538,16 @@ TEST_P(RosGatewayTest, ObeysACommandThatIsSentOnce) {
   }
 }
 
-TEST_P(RosGatewayTest, ReadsCommandsOfBestEffortWriters) {
-  options_.command_timeout = 0.0;
+TEST_F(RosGatewayTest, ReadsCommandsOfBestEffortWriters) {
+  options_.robots.command_timeout = 0.0;
   MakeReplica(options_);
   ros::RosWriter<ros::TwistMessage> commands(peer_, "/a/cmd_vel", ros::Commands(false));
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
 }
 
 // The reader beside a reliable one, which reads the messages of reliable writers.
-TEST_P(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) {
-  ros::RosParticipant here(options_);
+TEST_F(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) {
+  ros::RosParticipant here(options_.network);
   ros::RosReader<ros::Float64> reader(ros::MakeNode(here, "/", "reader"), "/number", ros::Commands(false, 100),
                                       ros::Part::kBestEffortReader);
   auto reliable = Writer<ros::Float64>("/number");
@@ -582,8 +578,8 @@ TEST_P(RosGatewayTest, AReaderForBestEffortWritersLeavesReliableOnesToTheOther) 
   EXPECT_THAT(numbers, testing::Not(testing::Contains(1.0)));
 }
 
-TEST_P(RosGatewayTest, StopsARobotAfterTheCommandTimeout) {
-  options_.command_timeout = 1.0;  // 10 ticks
+TEST_F(RosGatewayTest, StopsARobotAfterTheCommandTimeout) {
+  options_.robots.command_timeout = 1.0;  // 10 ticks
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   CommandUntilMoving(commands, Twist2(0.5, 0.0));
@@ -595,9 +591,9 @@ TEST_P(RosGatewayTest, StopsARobotAfterTheCommandTimeout) {
   EXPECT_GE(ticks, 10);  // more if the last repetition arrived late
 }
 
-TEST_P(RosGatewayTest, ReadsCommandsOfBothTypesIfAsked) {
-  options_.command_type = ros::CommandType::kBoth;
-  options_.command_timeout = 0.0;
+TEST_F(RosGatewayTest, ReadsCommandsOfBothTypesIfAsked) {
+  options_.robots.command_type = ros::CommandType::kBoth;
+  options_.robots.command_timeout = 0.0;
   MakeReplica(options_);
   auto stamped = Writer<ros::TwistStamped>("/a/cmd_vel");
   auto plain = Writer<ros::TwistMessage>("/a/cmd_vel");
@@ -609,7 +605,7 @@ TEST_P(RosGatewayTest, ReadsCommandsOfBothTypesIfAsked) {
   }));
 }
 
-TEST_P(RosGatewayTest, IgnoresCommandsThatAreNotFiniteAndSaysSo) {
+TEST_F(RosGatewayTest, IgnoresCommandsThatAreNotFiniteAndSaysSo) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   std::vector<std::string> reports;
@@ -624,7 +620,7 @@ TEST_P(RosGatewayTest, IgnoresCommandsThatAreNotFiniteAndSaysSo) {
   EXPECT_EQ(CommandUntilMoving(commands, Twist2(0.5, 0.0)).vx, 0.5);
 }
 
-TEST_P(RosGatewayTest, ReportsPublishersOfAnotherType) {
+TEST_F(RosGatewayTest, ReportsPublishersOfAnotherType) {
   MakeReplica(options_);
   auto commands = Writer<ros::Bool>("/a/cmd_vel");
   auto odom = Reader<ros::Bool>("/a/odom");
@@ -645,8 +641,8 @@ TEST_P(RosGatewayTest, ReportsPublishersOfAnotherType) {
   EXPECT_THAT(Tick().reports, IsEmpty()) << "once is enough";
 }
 
-TEST_P(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
-  options_.reliable_commands = true;
+TEST_F(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
+  options_.robots.reliable_commands = true;
   MakeReplica(options_);
   ros::RosWriter<ros::TwistMessage> commands(peer_, "/b/cmd_vel", ros::Commands(false));
   ros::RosWriter<ros::TwistMessage> reliable(peer_, "/a/cmd_vel", ros::Stream(1));
@@ -661,7 +657,7 @@ TEST_P(RosGatewayTest, ReportsUnreliablePublishersIfReliableOnesAreRequired) {
                   "one"));
 }
 
-TEST_P(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
+TEST_F(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
   MakeReplica(options_);
   for (const dds_entity_t discovered : {DDS_BUILTIN_TOPIC_DCPSPUBLICATION, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION}) {
     std::map<std::string, std::string> all;
@@ -677,12 +673,12 @@ TEST_P(RosGatewayTest, EachEndpointHasTheHashOfItsType) {
   }
 }
 
-TEST_P(RosGatewayTest, ReportsAHumbleParticipantInTheDomainOfLaterOnesOnce) {
+TEST_F(RosGatewayTest, ReportsAHumbleParticipantInTheDomainOfLaterOnesOnce) {
   MakeReplica(options_);
   EXPECT_THAT(Tick().reports, IsEmpty());
-  options_.distribution = ros::Distribution::kHumble;
-  const ros::RosParticipant humble(options_);
-  const ros::RosParticipant another(options_);
+  options_.network.distribution = ros::Distribution::kHumble;
+  const ros::RosParticipant humble(options_.network);
+  const ros::RosParticipant another(options_.network);
   std::vector<std::string> reports;
   EXPECT_TRUE(Eventually([&] {
     reports = Tick().reports;
@@ -692,8 +688,8 @@ TEST_P(RosGatewayTest, ReportsAHumbleParticipantInTheDomainOfLaterOnesOnce) {
   EXPECT_THAT(Tick().reports, IsEmpty());
 }
 
-TEST_P(RosGatewayTest, ReportsALaterParticipantInTheDomainOfHumble) {
-  options_.distribution = ros::Distribution::kHumble;
+TEST_F(RosGatewayTest, ReportsALaterParticipantInTheDomainOfHumble) {
+  options_.network.distribution = ros::Distribution::kHumble;
   MakeReplica(options_);  // the peer of this test is of Jazzy
   std::vector<std::string> reports;
   EXPECT_TRUE(Eventually([&] {
@@ -703,7 +699,7 @@ TEST_P(RosGatewayTest, ReportsALaterParticipantInTheDomainOfHumble) {
   EXPECT_THAT(reports, ElementsAre(testing::HasSubstr("is of Iron or later, and this run is for humble")));
 }
 
-TEST_P(RosGatewayTest, SurvivesASpoofedListOfNodes) {
+TEST_F(RosGatewayTest, SurvivesASpoofedListOfNodes) {
   MakeReplica(options_);
   dds::Topic<Spoofed> malformed_name(participant_.participant(), "ros_discovery_info");
   dds::DataWriter<Spoofed> malformed(participant_.publisher(), malformed_name, ros::ToDds(ros::Latched()));
@@ -714,11 +710,11 @@ TEST_P(RosGatewayTest, SurvivesASpoofedListOfNodes) {
 
 // Announcements of participants and writers with random contents, from an unknown sender and in the name of a live
 // peer.
-TEST_P(RosGatewayTest, SurvivesGarbageInDiscovery) {
+TEST_F(RosGatewayTest, SurvivesGarbageInDiscovery) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   CommandUntilMoving(commands, Twist2(0.25, 0.0));
-  test::GarbageSender sender(options_.domain, participant_.participant().handle());
+  test::GarbageSender sender(options_.network.domain, participant_.participant().handle());
   for (std::uint64_t i = 0; i < 3000; ++i) sender.Send(i);
   EXPECT_TRUE(Eventually([&] {
     commands.Write(Twist2(0.5, 0.0));
@@ -727,7 +723,7 @@ TEST_P(RosGatewayTest, SurvivesGarbageInDiscovery) {
 }
 
 // The cost of discovery grows with the number of endpoints.
-TEST_P(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
+TEST_F(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
   SmallWorld world;
   for (int i = 0; i < 100; ++i) {
     const RobotId robot = world.AddRobot("r" + std::to_string(i), {2.0 * i, 0.0, 0.0, 0.0});
@@ -753,7 +749,7 @@ TEST_P(RosGatewayTest, HasADozenEndpointsForEachOfAHundredRobots) {
   EXPECT_EQ(robots, 100u);
 }
 
-TEST_P(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {
+TEST_F(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {
   MakeReplica(options_);
   auto malformed = Writer<Malformed>("/a/cmd_vel");
   ASSERT_TRUE(Eventually([&] { return malformed.wanted(); }));
@@ -763,7 +759,7 @@ TEST_P(RosGatewayTest, SurvivesCommandsOfAnotherLayout) {
   EXPECT_TRUE(Tick().proposals[0].twist.IsZero());
 }
 
-TEST_P(RosGatewayTest, AppliesTheLatestOfManyCommands) {
+TEST_F(RosGatewayTest, AppliesTheLatestOfManyCommands) {
   MakeReplica(options_);
   auto commands = Writer<ros::TwistMessage>("/a/cmd_vel");
   CommandUntilMoving(commands, Twist2(0.5, 0.0));

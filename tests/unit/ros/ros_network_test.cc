@@ -28,8 +28,8 @@ using test::RosTool;
 using testing::Contains;
 using testing::Not;
 
-ros::RosOptions Options(Distribution distribution, DiscoveryRange range) {
-  ros::RosOptions options = test::TestRosOptions();
+ros::RosNetwork Options(Distribution distribution, DiscoveryRange range) {
+  ros::RosNetwork options = test::TestRosNetwork();
   options.network_interface = "auto";
   options.distribution = distribution;
   options.discovery = range;
@@ -39,7 +39,7 @@ ros::RosOptions Options(Distribution distribution, DiscoveryRange range) {
 // A participant that writes one topic.
 class Announcer {
  public:
-  Announcer(const ros::RosOptions& options, const std::string& topic)
+  Announcer(const ros::RosNetwork& options, const std::string& topic)
       : participant_(options), writer_(ros::MakeNode(participant_, "/", "speaker"), topic, ros::Latched()) {}
 
  private:
@@ -59,7 +59,7 @@ class Localhost : public testing::TestWithParam<Range> {
   static bool Finds(RosTool& tool, const std::vector<std::string>& topics) {
     return Eventually([&] { return tool.Topics() == std::set<std::string>(topics.begin(), topics.end()); });
   }
-  ros::RosOptions options_ = Options(GetParam().distribution, DiscoveryRange::kLocalhost);
+  ros::RosNetwork options_ = Options(GetParam().distribution, DiscoveryRange::kLocalhost);
 };
 
 TEST_P(Localhost, AnEarlyToolFindsAParticipant) {
@@ -95,14 +95,14 @@ TEST(RosNetwork, OffHidesAParticipant) {
   test::HasNetworkOfItsOwn();
   const Announcer hidden(Options(Distribution::kJazzy, DiscoveryRange::kOff), "/hidden");
   const Announcer seen(Options(Distribution::kJazzy, DiscoveryRange::kLocalhost), "/seen");
-  RosTool tool(test::TestRosOptions().domain, test::kJazzyLocalhost);
+  RosTool tool(test::TestRosNetwork().domain, test::kJazzyLocalhost);
   EXPECT_TRUE(Eventually([&] { return tool.Topics().contains("/seen"); }));
   EXPECT_THAT(tool.Topics(), Not(Contains("/hidden")));
 }
 
 TEST(RosNetwork, StaticPeersAreFoundWithoutMulticastUnlessTheRangeIgnoresThem) {
   if (!test::HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root, and a kernel with network namespaces and veth";
-  ros::RosOptions options = Options(Distribution::kJazzy, DiscoveryRange::kSystemDefault);
+  ros::RosNetwork options = Options(Distribution::kJazzy, DiscoveryRange::kSystemDefault);
   options.static_peers = {"10.77.0.1"};
   const Announcer ignoring(options, "/ignoring");
   options.discovery = DiscoveryRange::kSubnet;
@@ -113,10 +113,10 @@ TEST(RosNetwork, StaticPeersAreFoundWithoutMulticastUnlessTheRangeIgnoresThem) {
 }
 
 TEST(RosNetwork, AStaticPeerWithoutAnAddressIsAnError) {
-  ros::RosOptions options = Options(Distribution::kJazzy, DiscoveryRange::kSubnet);
+  ros::RosNetwork options = Options(Distribution::kJazzy, DiscoveryRange::kSubnet);
   options.static_peers = {"no such host"};
   try {
-    ros::RosNetwork(options);
+    ros::NetworkConfig(options);
     FAIL() << "expected an exception";
   } catch (const dds::Exception& exception) {
     EXPECT_THAT(exception.what(), testing::HasSubstr("static peer 'no such host'"));
@@ -125,7 +125,7 @@ TEST(RosNetwork, AStaticPeerWithoutAnAddressIsAnError) {
 
 TEST(RosNetwork, MulticastOfOneMachineStaysThere) {
   for (const Distribution distribution : {Distribution::kHumble, Distribution::kJazzy}) {
-    const std::string xml = ToXml(ros::RosNetwork(Options(distribution, DiscoveryRange::kLocalhost)));
+    const std::string xml = ToXml(ros::NetworkConfig(Options(distribution, DiscoveryRange::kLocalhost)));
     EXPECT_THAT(xml, testing::HasSubstr("<MulticastTimeToLive>0<"));
     EXPECT_THAT(xml, testing::HasSubstr("<NetworkInterface name=\"lo\" multicast=\"true\"/>"));
   }

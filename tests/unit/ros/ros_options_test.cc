@@ -24,17 +24,17 @@ class RosEnvironment : public testing::Test {
 };
 
 TEST_F(RosEnvironment, GivesTheDefaultsOfRos) {
-  EXPECT_EQ(OptionsFromEnvironment().domain, 0u);
-  EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kJazzy);
-  EXPECT_EQ(OptionsFromEnvironment().network_interface, "auto");
-  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kSubnet);
+  EXPECT_EQ(OptionsFromEnvironment().network.domain, 0u);
+  EXPECT_EQ(OptionsFromEnvironment().network.distribution, Distribution::kJazzy);
+  EXPECT_EQ(OptionsFromEnvironment().network.network_interface, "auto");
+  EXPECT_EQ(OptionsFromEnvironment().network.discovery, DiscoveryRange::kSubnet);
 }
 
 TEST_F(RosEnvironment, SetsTheOptions) {
   setenv("ROS_DOMAIN_ID", "17", 1);
   setenv("ROS_DISTRO", "humble", 1);
-  EXPECT_EQ(OptionsFromEnvironment().domain, 17u);
-  EXPECT_EQ(OptionsFromEnvironment().distribution, Distribution::kHumble);
+  EXPECT_EQ(OptionsFromEnvironment().network.domain, 17u);
+  EXPECT_EQ(OptionsFromEnvironment().network.distribution, Distribution::kHumble);
 }
 
 TEST_F(RosEnvironment, SetsTheRangeOfDiscovery) {
@@ -48,15 +48,15 @@ TEST_F(RosEnvironment, SetsTheRangeOfDiscovery) {
   setenv("ROS_STATIC_PEERS", "one;;10.0.0.2", 1);
   for (const auto& [name, range] : ranges) {
     setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", name, 1);
-    EXPECT_EQ(OptionsFromEnvironment().discovery, range) << name;
+    EXPECT_EQ(OptionsFromEnvironment().network.discovery, range) << name;
   }
-  EXPECT_EQ(OptionsFromEnvironment().static_peers, (std::vector<std::string>{"one", "10.0.0.2"}));
+  EXPECT_EQ(OptionsFromEnvironment().network.static_peers, (std::vector<std::string>{"one", "10.0.0.2"}));
   setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET", 1);
   setenv("ROS_LOCALHOST_ONLY", "0", 1);
-  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kSubnet);
+  EXPECT_EQ(OptionsFromEnvironment().network.discovery, DiscoveryRange::kSubnet);
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
-  EXPECT_EQ(OptionsFromEnvironment().discovery, DiscoveryRange::kLocalhost);
-  EXPECT_TRUE(OptionsFromEnvironment().static_peers.empty());
+  EXPECT_EQ(OptionsFromEnvironment().network.discovery, DiscoveryRange::kLocalhost);
+  EXPECT_TRUE(OptionsFromEnvironment().network.static_peers.empty());
 }
 
 TEST_F(RosEnvironment, NamesValuesThatAreNotValid) {
@@ -75,18 +75,18 @@ TEST_F(RosEnvironment, NamesValuesThatAreNotValid) {
 TEST_F(RosEnvironment, ReadsADomainAsRosDoes) {
   for (const auto& [text, domain] : {std::pair{"", 0U}, {"0", 0U}, {"230", 230U}, {"0x11", 17U}, {"021", 17U}}) {
     setenv("ROS_DOMAIN_ID", text, 1);
-    EXPECT_EQ(OptionsFromEnvironment().domain, domain) << text;
+    EXPECT_EQ(OptionsFromEnvironment().network.domain, domain) << text;
     EXPECT_EQ(OptionsFromEnvironment().faults.domain, "") << text;
   }
 }
 
 TEST_F(RosEnvironment, HasNoSecurityUnlessItIsEnabled) {
-  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kOff);
+  EXPECT_EQ(OptionsFromEnvironment().network.security.strategy, SecurityStrategy::kOff);
   setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
   setenv("ROS_SECURITY_ENABLE", "false", 1);
-  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kOff);
-  EXPECT_EQ(OptionsFromEnvironment().security.fault, "");
-  const Result<Enclave> none = FindEnclave(OptionsFromEnvironment().security, "/world");
+  EXPECT_EQ(OptionsFromEnvironment().network.security.strategy, SecurityStrategy::kOff);
+  EXPECT_EQ(OptionsFromEnvironment().network.security.fault, "");
+  const Result<Enclave> none = FindEnclave(OptionsFromEnvironment().network.security, "/world");
   ASSERT_TRUE(none.ok());
   EXPECT_EQ(none.value().name, "/");
   EXPECT_EQ(none.value().folder, "");
@@ -95,40 +95,38 @@ TEST_F(RosEnvironment, HasNoSecurityUnlessItIsEnabled) {
 TEST_F(RosEnvironment, SetsTheSecurity) {
   setenv("ROS_SECURITY_ENABLE", "true", 1);
   setenv("ROS_SECURITY_KEYSTORE", "/keys", 1);
-  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kPermissive);
-  EXPECT_EQ(OptionsFromEnvironment().security.keystore, "/keys");
+  EXPECT_EQ(OptionsFromEnvironment().network.security.strategy, SecurityStrategy::kPermissive);
+  EXPECT_EQ(OptionsFromEnvironment().network.security.keystore, "/keys");
   setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", "/swarm", 1);
-  EXPECT_EQ(OptionsFromEnvironment().security.enclave, "/swarm");
-  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/r0").value().name, "/swarm");
+  EXPECT_EQ(OptionsFromEnvironment().network.security.enclave, "/swarm");
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().network.security, "/r0").value().name, "/swarm");
   setenv("ROS_SECURITY_STRATEGY", "Permissive", 1);
-  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kPermissive);
+  EXPECT_EQ(OptionsFromEnvironment().network.security.strategy, SecurityStrategy::kPermissive);
   setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
-  EXPECT_EQ(OptionsFromEnvironment().security.strategy, SecurityStrategy::kEnforce);
+  EXPECT_EQ(OptionsFromEnvironment().network.security.strategy, SecurityStrategy::kEnforce);
 }
 
-TEST(RosOptions, TheRobotsOfMoreThanTenProcessesShareAParticipant) {
-  EXPECT_EQ(ProcessesOf(100, 10), 10u);
-  EXPECT_EQ(ProcessesOf(101, 10), 11u);
-  EXPECT_EQ(ProcessesOf(7, 0), 7u);
-  RosOptions options;
-  EXPECT_FALSE(UsesHostParticipants(options, 10));
-  EXPECT_TRUE(UsesHostParticipants(options, 11));
-  options.participants = ParticipantScope::kHost;
-  EXPECT_TRUE(UsesHostParticipants(options, 1));
-  options.participants = ParticipantScope::kProcess;
-  EXPECT_FALSE(UsesHostParticipants(options, 1000));
-  options.participants = ParticipantScope::kHost;
-  options.security.strategy = SecurityStrategy::kEnforce;
-  EXPECT_FALSE(UsesHostParticipants(options, 1000)) << "each robot has keys of its own";
+TEST(RosNetwork, FastDdsServesNeitherSecuredRunsNorHiddenOnes) {
+  RosNetwork network;
+  EXPECT_EQ(UsesFastDds(network), HasFastDds());
+  network.service_clients = ServiceClients::kCyclone;
+  EXPECT_FALSE(UsesFastDds(network));
+  network.service_clients = ServiceClients::kBoth;
+  EXPECT_EQ(UsesFastDds(network), HasFastDds());
+  network.discovery = DiscoveryRange::kOff;
+  EXPECT_FALSE(UsesFastDds(network));
+  network.discovery = DiscoveryRange::kSubnet;
+  network.security.strategy = SecurityStrategy::kPermissive;
+  EXPECT_FALSE(UsesFastDds(network));
 }
 
 TEST_F(RosEnvironment, ABadValueOfSecurityIsAnError) {
   setenv("ROS_SECURITY_ENABLE", "yes", 1);
-  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/world").error().message,
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().network.security, "/world").error().message,
             "ROS_SECURITY_ENABLE: found 'yes', expected true or false");
   setenv("ROS_SECURITY_ENABLE", "true", 1);
   setenv("ROS_SECURITY_STRATEGY", "enforce", 1);
-  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().security, "/world").error().message,
+  EXPECT_EQ(FindEnclave(OptionsFromEnvironment().network.security, "/world").error().message,
             "ROS_SECURITY_STRATEGY: found 'enforce', expected Enforce or Permissive");
 }
 

@@ -16,10 +16,11 @@ using Request = simulation_interfaces_srv_dds__GetSimulationState_Request_;
 using Response = simulation_interfaces_srv_dds__GetSimulationState_Response_;
 using StateClient = test::Client<Request, Response>;
 
-class RosServiceTest : public testing::TestWithParam<ParticipantScope> {
+class RosServiceTest : public testing::Test {
  protected:
   std::atomic<int> calls_ = 0;
-  test::TestConnection server_{GetParam()};
+  test::HostParticipant host_;
+  std::unique_ptr<HostConnection> server_ = host_.Connect();
   RosNode node_ = MakeNode(*server_, "/", "node");
   RosService<Request, Response> service_{node_, "/state", [this](const RosCaller& caller, const Request&) {
                                            ++calls_;
@@ -30,16 +31,14 @@ class RosServiceTest : public testing::TestWithParam<ParticipantScope> {
                                          }};
 };
 
-INSTANTIATE_TEST_SUITE_P(Scopes, RosServiceTest, test::AllScopes(), test::ScopeName);
-
 void ExpectAnswer(const Response& response) {
   EXPECT_EQ(response.result.result, 1);
 }
 
 // Of a client that shares the service with others: they go on calling meanwhile.
-TEST_P(RosServiceTest, AResponseThatIsLostIsSentAgain) {
-  const RosParticipant unlucky(test::TestRosOptions());
-  const RosParticipant lucky(test::TestRosOptions());
+TEST_F(RosServiceTest, AResponseThatIsLostIsSentAgain) {
+  const RosParticipant unlucky(test::TestRosNetwork());
+  const RosParticipant lucky(test::TestRosNetwork());
   StateClient client(unlucky, "/state");
   StateClient other(lucky, "/state", 4712);
   client.Call({}, ExpectAnswer);

@@ -100,7 +100,6 @@ std::string ToXml(const DomainConfig& config) {
   const std::map<std::string_view, std::string> words = {
       {"INTERFACES", Interfaces(config, profile)},
       {"MULTICAST", Multicast(config)},
-      {"HEARD_HERE", config.heard_on_own_machine ? "true" : "false"},
       {"DOMAIN", std::to_string(config.domain)},
       {"TAG", Escaped(config.tag)},
       {"PARTICIPANT_INDEX", ParticipantIndex(config)},

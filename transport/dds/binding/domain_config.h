@@ -18,12 +18,8 @@ struct DomainConfig {
   std::optional<std::uint32_t> participant_index;
   // Without a number: takes the first free one below this. Without a free one it uses any free port.
   std::uint32_t indices_tried = 0;
-  bool data_multicast = true;       // to many readers at once
-  bool discovery_multicast = true;  // announces itself by multicast; otherwise to the peers only
-  // Its multicast reaches other participants of this machine. Without, these discover it only if they announce
-  // themselves to it, and participants that are all without do not discover each other. The loopback interface ignores
-  // this.
-  bool heard_on_own_machine = true;
+  bool data_multicast = true;                   // to many readers at once
+  bool discovery_multicast = true;              // announces itself by multicast; otherwise to the peers only
   std::vector<std::string> peers;               // "host" or "host:port" of discovery; a host alone: its first ports
   std::uint32_t max_sample_bytes = 0x7fffffff;  // longer samples are dropped before they are put together
   // Participants on Fast DDS learn of the ends of this one and of its endpoints at once, not by the lease.

@@ -212,7 +212,7 @@ Result<std::string> EntitySpawns::NamespaceOf(const std::string& asked, const st
   const WorldDescription& world = context().scene()->world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (!IsThere(world, RobotId(i))) continue;
-    if (ros::FindRobotInRos(world, RobotId(i), {}).node_namespace == name_space) {
+    if (ros::FindRobotInRos(world, RobotId(i), 0, {}).node_namespace == name_space) {
       return Error{{}, "the namespace '" + asked + "' is that of '" + world.robots[i].name + "'"};
     }
   }

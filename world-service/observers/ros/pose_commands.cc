@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/topic_types.h"
-#include "ros/connection/user_data.h"
+#include "ros/link/host_connection.h"
 #include "ros/messages/robot_in_ros.h"
-#include "transport/dds/binding/data_reader.h"
 #include "world-service/observers/ros/request_values.h"
 
 namespace troupe {
@@ -18,54 +18,24 @@ namespace {
 constexpr const char* kGoalTopic = "goal_pose";
 constexpr const char* kPoseTopic = "initialpose";
 
-// A reader that calls `notify` when a sample arrives.
-template <typename T>
-class PoseReader {
- public:
-  PoseReader(const ros::RosParticipant& participant, const std::string& topic, const std::function<void()>& notify)
-      : topic_(participant.participant(), "rt" + topic),
-        reader_(participant.subscriber(), topic_,
-                ros::ToDds(ros::Commands(true)) << ros::TypeUserData<T>(participant.distribution())) {
-    dds::DataReaderListener listener;
-    listener.on_data_available = notify;
-    reader_.set_listener(std::move(listener));
-    notify();  // a sample may have come before
-  }
-  ~PoseReader() { reader_.clear_listener(); }
-  PoseReader(const PoseReader&) = delete;
-  PoseReader& operator=(const PoseReader&) = delete;
-
-  template <typename Consume>
-  void Drain(const Consume& consume) {
-    for (;;) {
-      const dds::LoanedSamples<T> samples = reader_.take();
-      if (samples.empty()) return;
-      for (const auto sample : samples) {
-        if (sample.info().valid()) consume(sample.data());
-      }
-    }
-  }
-
- private:
-  dds::Topic<T> topic_;
-  dds::DataReader<T> reader_;
-};
-
 }  // namespace
 
 // The topics of a robot.
 struct PoseCommands::Inputs {
-  Inputs(const ros::RosParticipant& of_run, ros::RosOptions options, const std::string& robot,
+  Inputs(ros::RosConnection& of_run, const ros::RosOptions& options, const std::string& robot,
          const ros::RobotInRos& in_ros, const std::function<void()>& notify)
       : name(robot), domain(in_ros.domain), name_space(in_ros.node_namespace) {
     if (in_ros.alone) {
-      options.domain = in_ros.domain;
-      own = std::make_unique<ros::RosParticipant>(options, ros::kWorldEnclave);
+      own = std::make_unique<ros::HostConnection>(options.network.distribution, options.socket, in_ros.domain,
+                                                  ros::HostConnection::Sending::kAtOnce);
     }
-    const ros::RosParticipant& participant = own ? *own : of_run;
-    const std::string prefix = name_space == "/" ? "/" : name_space + "/";
-    if (options.goal_poses) goals.emplace(participant, prefix + kGoalTopic, notify);
-    if (options.initial_poses) poses.emplace(participant, prefix + kPoseTopic, notify);
+    ros::RosConnection& connection = own ? *own : of_run;
+    const ros::RosNode node = {&connection, ros::kNoNode, name_space};
+    const auto open = [&](auto& reader, const char* topic) {
+      reader.emplace(node, topic, ros::Commands(true), ros::Part::kOnlyReader, notify);
+    };
+    if (options.pose_topics.goals) open(goals, kGoalTopic);
+    if (options.pose_topics.poses) open(poses, kPoseTopic);
   }
 
   bool IsOf(const std::string& robot, const ros::RobotInRos& in_ros) const {
@@ -75,12 +45,12 @@ struct PoseCommands::Inputs {
   const std::string name;
   const std::uint32_t domain;
   const std::string name_space;
-  std::unique_ptr<ros::RosParticipant> own;  // null: that of the run
-  std::optional<PoseReader<geometry_msgs_msg_dds__PoseStamped_>> goals;
-  std::optional<PoseReader<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> poses;
+  std::unique_ptr<ros::RosConnection> own;  // null: that of the run
+  std::optional<ros::RosReader<geometry_msgs_msg_dds__PoseStamped_>> goals;
+  std::optional<ros::RosReader<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> poses;
 };
 
-PoseCommands::PoseCommands(const ros::RosParticipant& of_run, const ros::RosOptions& options,
+PoseCommands::PoseCommands(ros::RosConnection& of_run, const ros::RosOptions& options,
                            std::shared_ptr<const Scene> scene, WorldControl& control,
                            std::function<void(const std::string&)> report)
     : of_run_(of_run),
@@ -136,7 +106,7 @@ void PoseCommands::Run() {
 
 void PoseCommands::Follow(const Scene& scene) {
   const WorldDescription& world = scene.world();
-  const auto robots = ros::FindRobotsInRos(world, options_);
+  const auto robots = ros::FindRobotsInRos(world, options_.network.domain, options_.names);
   std::erase_if(inputs_, [&](const auto& input) {
     return std::none_of(robots.begin(), robots.end(),
                         [&](const auto& robot) { return input->IsOf(world.robot(robot.first).name, robot.second); });

@@ -1,6 +1,6 @@
 // PoseCommands: the topics of RViz's tools command robots. A pose on <robot>/goal_pose becomes the goal of the robot's
 // controller, and one on <robot>/initialpose the robot's pose in the world. A thread of its own follows the robots of
-// the world, because a participant in the domain of a robot must not be made on a thread of DDS.
+// the world, because a reader must not end on the thread that receives its samples.
 #pragma once
 
 #include <condition_variable>
@@ -13,7 +13,7 @@
 
 #include "common/base/flood_limiter.h"
 #include "common/spatial/scene.h"
-#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_connection.h"
 #include "ros/messages/messages.h"
 #include "ros/messages/ros_options.h"
 #include "world-service/service/run_observer.h"
@@ -22,9 +22,9 @@ namespace troupe {
 
 class PoseCommands {
  public:
-  // `of_run`: the participant in the domain of the run. `report` receives refused poses, one line each, on any thread.
+  // `of_run`: the connection in the domain of the run. `report` receives refused poses, one line each, on any thread.
   // All outlive this; `control` and `report` outlive the replies, too.
-  PoseCommands(const ros::RosParticipant& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
+  PoseCommands(ros::RosConnection& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
                WorldControl& control, std::function<void(const std::string&)> report);
   // After it no call into the control runs.
   ~PoseCommands();
@@ -45,7 +45,7 @@ class PoseCommands {
   void Ask(const ControlRequest& request, const std::string& topic);
   void Refuse(const std::string& robot, const std::string& topic, const std::string& reason);
 
-  const ros::RosParticipant& of_run_;
+  ros::RosConnection& of_run_;
   const ros::RosOptions options_;
   WorldControl& control_;
   const std::shared_ptr<FloodLimiter> reports_;

@@ -12,15 +12,12 @@
 #include "ros/connection/parameter_services.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_log.h"
-#include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/type_description_service.h"
-#include "ros/connection/user_data.h"
+#include "ros/link/host_connection.h"
 #include "ros/messages/convert.h"
 #include "ros/messages/convert_world.h"
 #include "ros/messages/messages.h"
-#include "ros/messages/robot_list.h"
-#include "transport/dds/binding/data_writer.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
 #include "world-service/observers/ros/simulation_services.h"
@@ -33,64 +30,29 @@ namespace {
 constexpr std::int32_t kEventDepth = 100;
 constexpr const char* kNodeName = "world";
 
-// Writes the list of the run's robots for the ros-service-bridge, in the partition of the run, at the start and after
-// each edit that changes it.
-class RobotListOutput {
- public:
-  // REQUIRES: UsesBridge(options).
-  RobotListOutput(ros::RosParticipant& participant, const ros::RosOptions& options);
-
-  void ChangeWorld(const WorldDescription& world);
-
- private:
-  const ros::RosOptions options_;
-  ros::RosParticipant& participant_;
-  dds::Topic<ros::String> topic_;
-  dds::DataWriter<ros::String> writer_;
-  std::optional<ros::RobotList> written_;
-};
-
-RobotListOutput::RobotListOutput(ros::RosParticipant& participant, const ros::RosOptions& options)
-    : options_(options),
-      participant_(participant),
-      topic_(participant.participant(), ros::kRobotListTopic),
-      writer_(participant.service_publisher(), topic_,
-              ros::ToDds(ros::Latched()) << ros::TypeUserData<ros::String>(options.distribution)) {}
-
-void RobotListOutput::ChangeWorld(const WorldDescription& world) {
-  const ros::RobotList list = RobotListOf(world, options_);
-  if (list == written_) return;
-  written_ = list;
-  dds::WireArena arena;
-  const ros::String text{arena.Copy(ToText(list))};
-  if (dds_write(writer_.handle(), &text) != DDS_RETCODE_OK) participant_.CountLost();
-}
-
 class RosWorldGateway final : public RunObserver {
  public:
   RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene)
       : options_(options),
         scene_(std::move(scene)),
-        participant_(options, ros::kWorldEnclave),
-        node_(ros::MakeNode(participant_, "/", kNodeName)),
-        clock_(node_, options),
+        connection_(options.network.distribution, options.socket, options.network.domain,
+                    ros::HostConnection::Sending::kAtOnce),
+        node_(ros::MakeNode(connection_, "/", kNodeName)),
+        clock_(node_, options.world.clock_rate),
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
         pictures_(node_, options, scene_),
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
         type_descriptions_(node_, kNodeName),
         log_(node_) {
-    participant_.Announce();
-    if (!UsesBridge(options)) return;
-    robots_.emplace(participant_, options);
-    robots_->ChangeWorld(scene_->world());
+    connection_.Announce();
   }
 
   Status OnBegin(const RunStart& start) override {
-    ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, options_, scene_, start.control));
-    participant_.Announce();
-    if (options_.goal_poses || options_.initial_poses) {
-      poses_.emplace(participant_, options_, scene_, start.control, [this](const std::string& text) {
+    ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, scene_, start.control));
+    connection_.Announce();
+    if (options_.pose_topics.goals || options_.pose_topics.poses) {
+      poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) {
         fmt::print(stderr, "ROS: {}\n", text);
         const std::lock_guard lock(log_mutex_);
         log_.Write(ros::LogLevel::kWarning, "/world", text);
@@ -109,7 +71,6 @@ class RosWorldGateway final : public RunObserver {
     shown_objects_.clear();
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
-    if (robots_) robots_->ChangeWorld(scene->world());
     if (poses_) poses_->ChangeWorld(scene);
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
@@ -155,7 +116,7 @@ class RosWorldGateway final : public RunObserver {
 
   const ros::RosOptions options_;
   std::shared_ptr<const Scene> scene_;
-  ros::RosParticipant participant_;
+  ros::HostConnection connection_;
   ros::RosNode node_;
   ros::ClockOutput clock_;
   ros::RosWriter<ros::String> events_;
@@ -167,7 +128,6 @@ class RosWorldGateway final : public RunObserver {
   ros::TypeDescriptionService type_descriptions_;
   std::mutex log_mutex_;
   ros::RosLog log_;
-  std::optional<RobotListOutput> robots_;           // none: no bridge
   std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd

@@ -9,8 +9,7 @@
 namespace troupe {
 
 SimulationServices::SimulationServices(const ros::RosNode& node, const std::string& name,
-                                       const ros::RosOptions& options, const std::shared_ptr<const Scene>& scene,
-                                       WorldControl& control)
+                                       const std::shared_ptr<const Scene>& scene, WorldControl& control)
     : context_(std::make_shared<SimulationContext>(scene, control)),
       run_(std::make_shared<RunServices>(context_)),
       world_(std::make_shared<WorldServices>(context_)),
@@ -22,8 +21,8 @@ SimulationServices::SimulationServices(const ros::RosNode& node, const std::stri
   const std::string prefix = name + "/";
   run_->Open(node, prefix);
   world_->Open(node, prefix);
-  queries_->Open(node, prefix, options.distribution);
-  edits_->Open(node, prefix, options.distribution);
+  queries_->Open(node, prefix, node.connection->distribution());
+  edits_->Open(node, prefix, node.connection->distribution());
   spawns_->Open(node, prefix);
   world_queries_->Open(node, prefix);
 }

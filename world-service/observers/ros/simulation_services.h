@@ -7,7 +7,6 @@
 
 #include "common/spatial/scene.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/messages/ros_options.h"
 #include "world-service/observers/ros/step_action.h"
 #include "world-service/service/run_observer.h"
 
@@ -24,8 +23,8 @@ class WorldServices;
 class SimulationServices {
  public:
   // `name`: the node's, in the service names. REQUIRES: the control outlives the services.
-  SimulationServices(const ros::RosNode& node, const std::string& name, const ros::RosOptions& options,
-                     const std::shared_ptr<const Scene>& scene, WorldControl& control);
+  SimulationServices(const ros::RosNode& node, const std::string& name, const std::shared_ptr<const Scene>& scene,
+                     WorldControl& control);
   // After it no call into the control runs; open requests are dropped.
   ~SimulationServices();
 

@@ -51,7 +51,7 @@ void WorldPictures::Run() {
     const bool blocks_due = !std::exchange(blocks_written_, blocks_written_ || blocks_.wanted()) && blocks_written_;
     const bool replaces = blocks_replaced_;
     lock.unlock();
-    if (map_due) ros::WriteMap(map_, *scene, options_);
+    if (map_due) ros::WriteMap(map_, *scene, options_.world);
     if (blocks_due) WriteBlocks(*scene, replaces);
     lock.lock();
     const auto changed = [&] { return stop_ || scene_ != scene; };
@@ -66,12 +66,11 @@ void WorldPictures::Run() {
 void WorldPictures::WriteBlocks(const Scene& scene, bool replaces) {
   std::vector<std::vector<std::string>> frames;
   // Namespaced frames are in separate trees, and so are those in other domains.
-  for (std::size_t i = 0; i < scene.world().robots.size() && !options_.namespaced_tf; ++i) {
-    const ros::RobotInRos robot = ros::FindRobotInRos(scene.world(), RobotId(i), options_);
+  for (std::size_t i = 0; i < scene.world().robots.size() && !options_.names.namespaced_tf; ++i) {
+    const ros::RobotInRos robot =
+        ros::FindRobotInRos(scene.world(), RobotId(i), options_.network.domain, options_.names);
     frames.emplace_back();
-    if (robot.domain == options_.domain) {
-      frames.back() = ros::RobotFramesOf(scene, RobotId(i), robot.frames).links;
-    }
+    if (!robot.alone) frames.back() = ros::RobotFramesOf(scene, RobotId(i), robot.frames).links;
   }
   dds::WireArena arena;
   blocks_.Write(ros::MakeBlockMarkers(scene, frames, arena, replaces));

@@ -38,7 +38,6 @@ class LauncherReporter final : public Reporter {
           {"rebuilds_on_loss", settings.on_agent_loss == OnAgentLoss::kRebuild},
           {"participants", std::move(participants)},
           {"ros", settings.ros},
-          {"ros_relay", contact.ros_relay},
           {"ros_infinite_ranges", settings.ros_infinite_ranges}});
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }

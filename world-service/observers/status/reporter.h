@@ -16,7 +16,6 @@ namespace troupe {
 // How agents find a service and know it from others.
 struct ServiceContact {
   std::vector<ServiceParticipant> participants;  // by group of agents; empty: not known
-  std::uint16_t ros_relay = 0;                   // RosOptions::relay_port of agents on this host
 };
 
 class Reporter : public RunObserver {

@@ -1,0 +1,234 @@
+// The services of whole runs, called by programs on Fast DDS that act like rmw_fastrtps_cpp. They share no code with
+// the side that answers them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros/connection/simulation_types.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/ros_client.h"
+#include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
+
+namespace troupe::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using StateClient = Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
+                           simulation_interfaces_srv_dds__GetSimulationState_Response_>;
+
+std::string Domain() {
+  return std::to_string(TestRosNetwork().domain);
+}
+
+Program Caller(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {ProgramPath("fastdds_caller"), Domain()});
+  return Program(std::move(arguments));
+}
+
+// The lines of a caller on one topic.
+std::vector<json> LinesOn(Program& caller, const std::string& topic) {
+  std::vector<json> found;
+  std::istringstream lines(caller.output());
+  for (std::string text; std::getline(lines, text);) {
+    json line = json::parse(text, nullptr, false);
+    if (line.is_object() && line["topic"] == topic) found.push_back(std::move(line));
+  }
+  return found;
+}
+
+class RosFastDds : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!ros::HasFastDds() || !std::filesystem::exists(ProgramPath("fastdds_caller"))) {
+      GTEST_SKIP() << "needs libfastrtps-dev and fastddsgen";
+    }
+  }
+
+  static Program Run(std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"--speed", "1", "--ros", "--ros-interface", "lo", "--ros-domain", Domain()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunPen(std::move(arguments));
+  }
+  // The processes of ros-participant on Fast DDS.
+  static std::vector<pid_t> SidesOf(const Program& run) {
+    std::vector<pid_t> sides;
+    for (const pid_t child : ChildrenOf(run.pid())) {
+      for (const pid_t side : ChildrenOf(child)) {
+        if (CommandLineOf(side).find("--fast-dds-side") != std::string::npos) sides.push_back(side);
+      }
+    }
+    return sides;
+  }
+  static void End(Program& run) {
+    const std::vector<pid_t> sides = SidesOf(run);
+    run.Signal(SIGINT);
+    EXPECT_EQ(run.Wait(), 130) << run.output();
+    for (const pid_t side : sides) EXPECT_TRUE(IsGoneSoon(side));
+  }
+};
+
+TEST_F(RosFastDds, ClientsOfBothImplementationsAreAnsweredOnceEach) {
+  constexpr int kCalls = 1000;
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"states", std::to_string(kCalls)});
+  const ros::RosParticipant participant(TestRosNetwork());
+  StateClient client(participant, "/world/get_simulation_state");
+  int answered = 0;
+  caller.WaitForLine("calling");
+  for (int i = 0; i < kCalls; ++i) {
+    client.Call({}, [&](const auto& response) { answered += response.result.result == 1; });
+    ASSERT_FALSE(HasFatalFailure()) << i;
+  }
+  EXPECT_EQ(answered, kCalls);
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  EXPECT_THAT(caller.output(), HasSubstr(R"({"answered":1000,"calls":1000,"repeated":0,"topic":"called"})"));
+  EXPECT_THAT(caller.output(), HasSubstr(R"("matched":[1,1])")) << "the service itself is no match";
+  End(run);
+}
+
+TEST_F(RosFastDds, PassesOnActionsAndLargeResponses) {
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program steps = Caller({"simulate", "20"});
+  EXPECT_EQ(steps.Wait(), 0) << steps.output();
+  EXPECT_THAT(steps.output(),
+              HasSubstr(R"({"accepted":true,"feedback":20,"result":1,"status":4,"topic":"simulated"})"));
+  Program describer = Caller({"describe", "20"});
+  EXPECT_EQ(describer.Wait(), 0) << describer.output();
+  EXPECT_THAT(describer.output(), HasSubstr(R"({"found":20,"parts":)"));
+  End(run);
+}
+
+// A call during the loss of the side has no answer; all others have one, and those of clients on Cyclone DDS too.
+TEST_F(RosFastDds, ASideThatIsKilledIsStartedAgain) {
+  constexpr int kCalls = 1000;
+  constexpr int kKills = 3;
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"states", std::to_string(kCalls), "1"});
+  caller.WaitForLine("calling");
+  const ros::RosParticipant participant(TestRosNetwork());
+  StateClient client(participant, "/world/get_simulation_state");
+  int cyclone_answered = 0;
+  std::thread cyclone([&] {
+    for (int i = 0; i < kCalls && !HasFatalFailure(); ++i) {
+      client.Call({}, [&](const auto& response) { cyclone_answered += response.result.result == 1; });
+    }
+  });
+  for (int quarter = 1; quarter <= kKills; ++quarter) {
+    caller.WaitForLine(R"("number":)" + std::to_string(quarter));
+    std::vector<pid_t> sides;
+    EXPECT_TRUE(Eventually([&] { return (sides = SidesOf(run)).size() == 1; }));
+    if (!sides.empty()) kill(sides.front(), SIGKILL);
+  }
+  run.WaitForLine("the Fast DDS side (process ");
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  cyclone.join();
+  EXPECT_EQ(cyclone_answered, kCalls);
+  const std::vector<json> called = LinesOn(caller, "called");
+  ASSERT_EQ(called.size(), 1u) << caller.output();
+  const int answered = called.front()["answered"];
+  EXPECT_GE(answered, kCalls - 10 * kKills);
+  EXPECT_EQ(answered + static_cast<int>(LinesOn(caller, "timeout").size()), kCalls);
+  EXPECT_EQ(called.front()["repeated"], 0);
+  End(run);
+}
+
+TEST_F(RosFastDds, FollowsRobotsThatAreSpawnedAndDeleted) {
+  const std::string session = TestSession("fast-dds");
+  Program run = Run({"--paused", "--session", session});
+  run.WaitForLine(", ready");
+  const auto edit = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "ctl");
+    arguments.insert(arguments.end(), {"--session", session, "--domain", std::to_string(TestDomain())});
+    const Finished edited = Finish(Troupe(std::move(arguments)));
+    EXPECT_EQ(edited.exit_status, 0) << edited.output;
+  };
+  edit({"spawn", "rover", "--name", "late", "--pose", "0.5,-2,0,0"});
+  Program caller = Caller({"leaves", "/late/robot"});
+  EXPECT_THAT(caller.WaitForLine("parameters"), HasSubstr("use_sim_time"));
+  edit({"delete", "late"});
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  EXPECT_THAT(caller.output(), HasSubstr("gone"));
+  Program other = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(other.Wait(), 0) << other.output();
+  EXPECT_THAT(other.output(), HasSubstr("use_sim_time"));
+  End(run);
+}
+
+// As `ros2 service list` of rmw_fastrtps_cpp reads it from discovery.
+TEST_F(RosFastDds, AClientOnFastDdsDiscoversOneServerOfEachService) {
+  Program run = Run({"--paused", "--ros-distro", "jazzy"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"endpoints"});
+  for (const char* service : {"reset", "world/simulate_steps/_action/get_result", "world/get_type_description",
+                              "r0/robot/list_parameters", "r3/robot/get_parameters"}) {
+    caller.WaitForLine("rq/" + std::string(service) + "Request");
+    caller.WaitForLine("rr/" + std::string(service) + "Reply");
+  }
+  std::map<std::string, int> found;
+  for (const json& line : LinesOn(caller, "found")) {
+    EXPECT_EQ(++found[line["on"]], 1) << line;
+    EXPECT_THAT(line["user_data"].get<std::string>(), HasSubstr("typehash=RIHS01_")) << line;
+  }
+  EXPECT_GT(found.size(), 60u);
+  EXPECT_THAT(caller.output(),
+              HasSubstr(R"("on":"rq/resetRequest","topic":"found","type":"std_srvs::srv::dds_::Empty_Request_")"));
+  caller.Signal(SIGTERM);
+  caller.Wait();
+  End(run);
+}
+
+// Else ROS from Iron on prints warnings in each of its commands.
+TEST_F(RosFastDds, AllEndpointsOnCycloneHaveTypeHashes) {
+  Program run = Run({"--paused", "--ros-distro", "jazzy"});
+  run.WaitForLine(", ready");
+  RosGraph graph;
+  std::multimap<std::string, std::string> user_data;
+  EXPECT_TRUE(Eventually([&] {
+    user_data = graph.UserData();
+    return user_data.count("rq/world/step_simulationRequest") == 1 &&
+           user_data.count("rr/world/step_simulationReply") == 1 && user_data.count("rt/r3/odom") == 1;
+  }));
+  for (const auto& [topic, data] : user_data) {
+    if (topic.starts_with("DCPS")) continue;
+    EXPECT_THAT(data, HasSubstr("typehash=RIHS01_")) << topic;
+  }
+  End(run);
+}
+
+TEST_F(RosFastDds, ServesARunInOneProcess) {
+  Program run = Run({"--paused", "--in-process"});
+  run.WaitForLine(", ready");
+  Program steps = Caller({"simulate", "20"});
+  EXPECT_EQ(steps.Wait(), 0) << steps.output();
+  ASSERT_EQ(SidesOf(run).size(), 1u);
+  kill(SidesOf(run).front(), SIGKILL);
+  run.WaitForLine("it is started again");
+  Program parameters = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(parameters.Wait(), 0) << parameters.output();
+  End(run);
+}
+
+TEST_F(RosFastDds, RunsWithoutFastDdsOnRequest) {
+  Program run = Run({"--paused", "--ros-services", "cyclone"});
+  run.WaitForLine(", ready");
+  EXPECT_TRUE(SidesOf(run).empty());
+  End(run);
+}
+
+}  // namespace
+}  // namespace troupe::test
