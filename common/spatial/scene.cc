@@ -7,7 +7,6 @@
 #include <variant>
 
 #include "common/model/check_state.h"
-#include "common/model/check_state.h"
 #include "common/model/model_poses.h"
 
 namespace troupe {
