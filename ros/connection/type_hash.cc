@@ -38,10 +38,4 @@ std::string TypeMark(Distribution distribution, const std::string& dds_type_name
   return distribution == Distribution::kHumble ? "" : kMark + TypeHash(dds_type_name) + ";";
 }
 
-std::string TypeMarkIn(const std::string& user_data) {
-  const std::size_t begin = user_data.find(kMark);
-  if (begin == std::string::npos) return "";
-  return user_data.substr(begin, user_data.find(';', begin) - begin) + ";";
-}
-
 }  // namespace troupe::ros

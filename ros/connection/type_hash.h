@@ -22,7 +22,5 @@ std::string HashOfRosType(const std::string& ros_type);
 // In the user data of an endpoint of this type on DDS: "typehash=RIHS01_...;". From Iron on ROS warns of each endpoint
 // without it, once for each command. Empty for Humble, which knows no hashes.
 std::string TypeMark(Distribution distribution, const std::string& dds_type_name);
-// The same in the user data of another endpoint of the type; empty: it has none.
-std::string TypeMarkIn(const std::string& user_data);
 
 }  // namespace troupe::ros

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <fastdds/dds/log/Log.hpp>
 #include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 
 #include "common/base/flood_limiter.h"
 #include "ros/fast_dds/fast_service.h"

@@ -98,6 +98,17 @@ TEST(RosHost, ARunInOneProcessHasTheProgramToo) {
   EXPECT_TRUE(IsGoneSoon(participants.front()));
 }
 
+TEST(RosHost, ItsProgramsEndWithALauncherThatIsKilled) {
+  RosEditRun run(WorldPath("pen.world"), {"--speed", "1"});
+  std::vector<pid_t> programs = ParticipantsOf(run.program());
+  ASSERT_EQ(programs.size(), 1u);
+  for (const pid_t side : ChildrenOf(programs.front())) programs.push_back(side);
+  EXPECT_EQ(programs.size(), ros::HasFastDds() ? 2u : 1u);
+  run.program().Signal(SIGKILL);
+  run.program().Wait();
+  for (const pid_t program : programs) EXPECT_TRUE(IsGoneSoon(program));
+}
+
 // The programs of a run that are started by hand find the participant of their session, or start it.
 TEST(RosHost, ProgramsThatAreStartedByHandShareOne) {
   const std::string session = TestSession("by-hand");

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ros/connection/find_topic_type.h"
+#include "ros/connection/simulation_types.h"
 #include "ros/connection/topic_types.h"
 
 namespace troupe::ros {
@@ -19,10 +21,6 @@ TEST(TypeHash, IsInTheUserDataOfEndpointsFromIronOn) {
   const std::string mark = TypeMark(Distribution::kJazzy, "std_msgs::msg::dds_::String_");
   EXPECT_EQ(mark, "typehash=" + TypeHash("std_msgs::msg::dds_::String_") + ";");
   EXPECT_EQ(TypeMark(Distribution::kHumble, "std_msgs::msg::dds_::String_"), "");
-  EXPECT_EQ(TypeMarkIn("serviceid=01.02;" + mark), mark);
-  EXPECT_EQ(TypeMarkIn(mark + "more=1;"), mark);
-  EXPECT_EQ(TypeMarkIn("serviceid=01.02;"), "");
-  EXPECT_EQ(TypeMarkIn(""), "");
 }
 
 TEST(TypeHash, IsEmptyForATypeUnknownToRos) {
@@ -48,6 +46,18 @@ TEST(TopicTypes, HaveTheNamesAndHashesOfRos) {
   EXPECT_EQ(NameOnDds<HumbleRangeMessage>(), NameOnDds<RangeMessage>());
   EXPECT_EQ(NameOnDds<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>(),
             NameOnDds<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>());
+}
+
+TEST(FindTopicType, HasTheLayoutOfTheDistribution) {
+  const char* const range = "sensor_msgs::msg::dds_::Range_";
+  EXPECT_EQ(FindTopicType(range, Distribution::kHumble),
+            dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor());
+  EXPECT_EQ(FindTopicType(range, Distribution::kJazzy), dds::TopicTraits<RangeMessage>::descriptor());
+  using Usual = simulation_interfaces_srv_dds__SetEntityState_Request_;
+  using Rolling = rolling_simulation_interfaces_srv_dds__SetEntityState_Request_;
+  EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kJazzy), dds::TopicTraits<Usual>::descriptor());
+  EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kRolling), dds::TopicTraits<Rolling>::descriptor());
+  EXPECT_EQ(FindTopicType("x", Distribution::kJazzy), nullptr);
 }
 
 }  // namespace
