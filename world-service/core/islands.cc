@@ -17,7 +17,8 @@ constexpr double kSmallestCell = 0.01;  // m
 double TravelOf(const Scene& scene, RobotId robot, const Proposal* proposal, double radius) {
   if (proposal == nullptr) return 0.0;
   const double seconds = scene.world().interval_seconds();
-  double travel = std::sqrt(proposal->twist.vx * proposal->twist.vx + proposal->twist.vy * proposal->twist.vy) * seconds;
+  double travel =
+      std::sqrt(proposal->twist.vx * proposal->twist.vx + proposal->twist.vy * proposal->twist.vy) * seconds;
   // A payload may be farther from a joint than from the robot's origin: at most twice as far as from that one.
   const std::span<const JointId> joints = scene.joints_of(robot);
   for (std::size_t i = 0; i < std::min(joints.size(), proposal->joint_velocities.size()); ++i) {
