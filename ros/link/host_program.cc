@@ -121,7 +121,12 @@ std::optional<int> HostProgram::Open(Status& error) {
     int status = 0;
     if (waitpid(child_, &status, WNOHANG) <= 0) continue;
     const pid_t ended = std::exchange(child_, 0);
-    if (status == 0 && ++occupied < kMostOccupied) continue;  // another process was first
+    if (status == 0) {  // another process was first
+      if (++occupied < kMostOccupied) continue;
+      error =
+          Failure("the socket '" + socket_ + "' of the ROS participant is in use, and no program of this user listens");
+      return std::nullopt;
+    }
     const bool is_refusal = WIFEXITED(status) && WEXITSTATUS(status) == kRefused;
     error = Error{{},
                   fmt::format("the ROS participant of this host (process {}) {}", ended, ToText(status)),

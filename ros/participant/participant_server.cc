@@ -143,6 +143,7 @@ void ParticipantServer::Process(int connection) {
     if (!agent.problem().empty()) report_("a connection was closed: " + agent.problem());
     changed = changed || agent.has_nodes();
     agents_.erase(found);
+    writing_.erase(connection);
     if (domain != nullptr && domain->agents == 0) domain->unused_until = Clock::now() + kUnusedTime;
   }
   if (!changed || domain == nullptr) return;
@@ -157,8 +158,16 @@ bool ParticipantServer::Watch(int operation, int descriptor, std::uint32_t event
   return epoll_ctl(events_, operation, descriptor, &event) == 0;
 }
 
-void ParticipantServer::WatchOutput(int connection, const AgentEndpoints& agent) const {
-  Watch(EPOLL_CTL_MOD, connection, agent.has_output() ? EPOLLIN | EPOLLOUT : EPOLLIN);
+// A watch that does not change costs no system call.
+void ParticipantServer::WatchOutput(int connection, const AgentEndpoints& agent) {
+  const bool has_output = agent.has_output();
+  if (has_output == writing_.contains(connection)) return;
+  Watch(EPOLL_CTL_MOD, connection, has_output ? EPOLLIN | EPOLLOUT : EPOLLIN);
+  if (has_output) {
+    writing_.insert(connection);
+  } else {
+    writing_.erase(connection);
+  }
 }
 
 void ParticipantServer::AnnounceIfDue() {

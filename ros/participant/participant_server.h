@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ class ParticipantServer {
   // As epoll_ctl. False: it failed.
   bool Watch(int operation, int descriptor, std::uint32_t events) const;
   // Whether the agent has something to send may have changed.
-  void WatchOutput(int connection, const AgentEndpoints& agent) const;
+  void WatchOutput(int connection, const AgentEndpoints& agent);
   void AnnounceIfDue();
   void CheckIfDue();
   void PassMismatches(HostDomain& domain);
@@ -68,6 +69,7 @@ class ParticipantServer {
   bool lacks_descriptors_ = false;                         // no agent can be accepted before the next check
   std::map<std::uint32_t, HostDomain> domains_;            // by number
   std::map<int, std::unique_ptr<AgentEndpoints>> agents_;  // by descriptor
+  std::set<int> writing_;                                  // connections that are watched for room to write
   Clock::time_point check_at_;                             // for mismatches, and for what no agent uses
 };
 
