@@ -100,7 +100,7 @@ TEST(StateHash, OfAStateIsAlwaysTheSame) {
   state.imus = {{8.0, 9.0, 10.0}};
   state.lights = {{false}, {true}};
   state.cameras = {{0.5, -0.25}};
-  state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {}};
+  state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {.from = RobotId(0)}};
   EXPECT_EQ(StateHash(state), 0xd372da59c89fd345);
   state.tick = 0;  // the support of the second object is not hashed
   EXPECT_EQ(StateHash(state), 0xb461254dea607bf9);

@@ -227,7 +227,7 @@ FrameMessage FrameWithEveryField() {
   frame.state.imus = {{8.0, 9.0, 10.0}};
   frame.state.lights = {{false}, {true}};
   frame.state.cameras = {{0.5, -0.25}};
-  frame.state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {}};
+  frame.state.transmissions = {{RobotId(1), 1, 9, 3, {2, RobotId(0), {1, 2, 3}}}, {.from = RobotId(0)}};
   frame.events = {{2, EventType::kGripped, RobotId(1), ModelId(5), "text", ModelId(6)}};
   frame.commands = {{.robot = RobotId(1), .twist = Twist{0.5, 1.0, 1.5}, .grippers = {{0, 50.0, std::nullopt}}}};
   return frame;
