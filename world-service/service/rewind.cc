@@ -36,7 +36,7 @@ Result<bool> Rewind::MakeSome(RunHistory& history) {
   }
   const Clock::time_point end = Clock::now() + kWorkTime;
   for (;;) {
-    const Result<bool> more = states_->MakeSome();
+    Result<bool> more = states_->MakeSome();
     if (!more.ok() || !more.value() || Clock::now() >= end) return more;
   }
 }
