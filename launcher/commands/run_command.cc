@@ -89,7 +89,7 @@ class MemoryObservation : public RunObservation {
   std::unique_ptr<ObserverEndpoint> endpoint_;
 };
 
-// The viewer of a run in this process: an observer that serves the page from the begin of the run to its end, and
+// The viewer of a run in this process: an observer that serves the page from the start of the run to its end, and
 // prints its address. Without a viewer, for want of a port, the run is the same.
 class InProcessViewer final : public RunObserver, private RunLink {
  public:

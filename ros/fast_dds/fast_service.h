@@ -56,7 +56,7 @@ class FastService final : private eprosima::fastdds::dds::DataReaderListener,
   FastService(const FastService&) = delete;
   FastService& operator=(const FastService&) = delete;
 
-  // `response`: with a header; without effect if nobody waits for it.
+  // `response`: with a header; without effect if no client waits for it.
   void Respond(std::span<const std::uint8_t> response);
 
  private:

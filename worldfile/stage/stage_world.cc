@@ -282,7 +282,7 @@ class WorldReader {
 Value ValueOf(const StageTree& file, const Statement& property) {
   Value value{{}, file.Where(property, property.value.begin)};
   if ((*file.text)[property.value.begin] != '[') {
-    std::visit([&](auto&& scalar) { value.content = std::move(scalar); },
+    std::visit([&](auto scalar) { value.content = std::move(scalar); },
                ScalarOf(file, property.value, property.number));
     return value;
   }

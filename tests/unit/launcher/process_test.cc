@@ -145,7 +145,7 @@ TEST(Process, ReceivesTheSignalsThatItsParentWatches) {
 }
 
 TEST(Process, AnEndThatTheSystemDoesNotTellIsNoSuccess) {
-  const auto before = signal(SIGCHLD, SIG_IGN);  // nobody can wait for children then
+  const auto before = signal(SIGCHLD, SIG_IGN);  // no process can wait for its children then
   LinePipe output;
   Process process = StartShell("exit 0", output);
   const ProcessEnd end = WaitForEnd(process);
