@@ -137,7 +137,7 @@ Status RunRecorder::OnTick(const CommittedTick& tick) {
 }
 
 Status RunRecorder::Append(const TickSource& next) {
-  const Status outcome = OrFailure([&]() -> Status {
+  Status outcome = OrFailure([&]() -> Status {
     for (;;) {
       RecordedTick tick;
       const Result<bool> more = next(tick);
