@@ -4,7 +4,8 @@
 
 The file .ci/linted has a hash of each batch that had no finding: of its sources, all headers of the project that they
 include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record
-the hashes are written. It works without history, and a change of a header reaches all batches that include it.
+the hashes are written, of the batches without a finding. It works without history, and a change of a header reaches all
+batches that include it.
 
 Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one
 file. The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
@@ -114,6 +115,8 @@ def main():
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
     checks = re.search(r"version \S+", version).group() + read_text(".clang-tidy")
     hashes = {batch.hash(read_text, checks): batch for batch in batches}
+    hash_of = {batch: hash_ for hash_, batch in hashes.items()}
+    clean = set(hashes)
     if selected:
         batches = [batch for batch in batches if selected & set(batch.sources)]
     elif not arguments.all:
@@ -123,16 +126,18 @@ def main():
     batches.sort(key=lambda batch: -len(batch.origins))  # the longest first, so that all processors end together
     printed = set()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for findings in pool.map(Batch.findings, batches):
+        for batch, findings in zip(batches, pool.map(Batch.findings, batches)):
+            if findings:
+                clean.discard(hash_of[batch])
             for finding in findings:
                 if finding not in printed:  # of headers, each batch finds the same
                     printed.add(finding)
                     print(finding, flush=True)
     sources = sum(len(batch.sources) for batch in batches)
     print(f"{len(printed)} findings in {sources} sources and their headers")
-    if arguments.record and not selected and not printed:
+    if arguments.record and not selected:
         with open(RECORD, "w", encoding="utf-8") as record:
-            record.write("\n".join(sorted(hashes)) + "\n")
+            record.write("\n".join(sorted(clean)) + "\n")
     sys.exit(1 if printed else 0)
 
 
