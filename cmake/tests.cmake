@@ -43,12 +43,12 @@ endfunction()
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
 # PROCESSORS: how many of the places for tests, two for each core, it takes. Labels: slow (not in scripts/test), process
-# (drives the programs), determinism, threads (runs under the thread sanitizer too), addresses (under the address
-# sanitizer; all that are neither slow nor process have it). In a unity build the sources of a folder are compiled
-# together, up to 12 at a time.
+# (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
+# address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
+# compiled together, up to 12 at a time.
 function(troupe_test name)
   cmake_parse_arguments(arg "" "GROUP;TIMEOUT" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
-  if(NOT "slow" IN_LIST arg_LABELS AND NOT "process" IN_LIST arg_LABELS)
+  if(NOT arg_LABELS MATCHES "slow|process|determinism")
     list(APPEND arg_LABELS addresses)
   endif()
   set(program ${arg_GROUP}_tests)
