@@ -1,5 +1,5 @@
-# The contents of `cmake --install`: programs, library, public headers, CMake package, worlds, configurations, documents and
-# manual pages.
+# The contents of `cmake --install`: programs, library, public headers, CMake package, worlds, configurations, documents,
+# manual pages and completions of shells.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -44,7 +44,8 @@ function(troupe_manual_page program subcommand)
   set(pages ${pages} PARENT_SCOPE)
 endfunction()
 troupe_manual_page(troupe "")
-foreach(subcommand run replay check top view edit host snapshot ctl goto teleop export-map keys)
+foreach(subcommand run replay check top view edit host snapshot ctl goto teleop export-map keys
+                   completions help)
   troupe_manual_page(troupe ${subcommand})
 endforeach()
 troupe_manual_page(world-service "")
@@ -53,8 +54,25 @@ troupe_manual_page(ros-participant "")
 add_custom_target(manual_pages ALL DEPENDS ${pages})
 install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
+# Completions, where the packages of the shells look for them.
+set(scripts)
+foreach(place bash:bash-completion/completions/troupe zsh:zsh/vendor-completions/_troupe
+              fish:fish/vendor_completions.d/troupe.fish)
+  string(REGEX REPLACE ":.*" "" shell ${place})
+  string(REGEX REPLACE ".*:" "" path ${place})
+  set(script ${CMAKE_BINARY_DIR}/completions/${path})
+  get_filename_component(folder ${script} DIRECTORY)
+  add_custom_command(OUTPUT ${script}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${folder}
+    COMMAND troupe completions ${shell} > ${script}
+    DEPENDS troupe VERBATIM)
+  list(APPEND scripts ${script})
+endforeach()
+add_custom_target(completions ALL DEPENDS ${scripts})
+install(DIRECTORY ${CMAKE_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+
 # The programs of a run, and no tests: for scripts/run.
 add_custom_target(programs DEPENDS troupe world-service robot-agent ros-participant)
 # All that is installed, and no tests: for scripts/package.
-add_custom_target(installed DEPENDS libtroupe troupe_controller_support manual_pages)
+add_custom_target(installed DEPENDS libtroupe troupe_controller_support manual_pages completions)
 add_dependencies(installed programs)

@@ -12,7 +12,11 @@ namespace {
 void AddDomainFlag(CLI::App& app, NetworkSettings& settings, const std::string& group) {
   const std::string help =
       fmt::format("DDS domain of the simulation, 0 to {} (default: {})", kMaxDomain, settings.domain);
-  app.add_option("--domain", settings.domain, help)->check(DdsDomain())->type_name("D")->group(group);
+  app.add_option("--domain", settings.domain, help)
+      ->check(DdsDomain())
+      ->type_name("D")
+      ->envname("TROUPE_DOMAIN")
+      ->group(group);
 }
 
 void AddInterfaceFlag(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
@@ -45,7 +49,11 @@ void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::str
 
 CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
                             const std::string& group) {
-  return app.add_option("--session", settings.session, help)->check(SessionName())->type_name("NAME")->group(group);
+  return app.add_option("--session", settings.session, help)
+      ->check(SessionName())
+      ->type_name("NAME")
+      ->envname("TROUPE_SESSION")
+      ->group(group);
 }
 
 void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help) {

@@ -13,7 +13,7 @@ class Option;
 
 namespace troupe {
 
-// --session NAME
+// --session NAME, or the variable TROUPE_SESSION of the environment. Likewise --domain below and TROUPE_DOMAIN.
 CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
                             const std::string& group = "Options");
 

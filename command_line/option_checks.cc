@@ -1,5 +1,8 @@
 #include "command_line/option_checks.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -67,6 +70,7 @@ CLI::Validator SpeedValue() {
 }
 
 CLI::Validator OneOf(std::vector<std::string> words) {
+  const std::string name = fmt::format("{}", fmt::join(words, " "));
   auto check = [words = std::move(words)](const std::string& text) -> std::string {
     std::string expected;
     for (const std::string& word : words) {
@@ -75,7 +79,7 @@ CLI::Validator OneOf(std::vector<std::string> words) {
     }
     return Mismatch(text, "one of " + expected);
   };
-  return CLI::Validator(check, "");
+  return CLI::Validator(check, "", name);
 }
 
 CLI::Validator NotEmpty() {

@@ -21,6 +21,7 @@ CLI::Validator NumberFromZero();
 // A multiple of real time above zero, or "max".
 CLI::Validator SpeedValue();
 
+// Its name is the words, separated by spaces, from which completions for shells are made.
 CLI::Validator OneOf(std::vector<std::string> words);
 
 CLI::Validator NotEmpty();

@@ -1,7 +1,10 @@
 // The program troupe: runs, checks, observes and draws simulations. docs/running.md is its manual.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
+#include <optional>
 
 #include "command_line/exit_status.h"
 #include "command_line/parse_command_line.h"
@@ -14,7 +17,7 @@ namespace {
 int Main(int argc, const char* const* argv) {
   CLI::App app("Troupe, a distributed 2.5D multi-robot simulator", "troupe");
   app.set_version_flag("--version", std::string("troupe ") + VersionText());
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   int exit_status = kExitDone;
   AddRunCommand(app, exit_status);
   AddReplayCommand(app, exit_status);
@@ -29,8 +32,12 @@ int Main(int argc, const char* const* argv) {
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
   AddHostCommand(app, exit_status);
+  AddCompletionsCommand(app, exit_status);
+  AddHelpCommand(app, exit_status);
   try {
-    return ParseCommandLine(app, argc, argv).value_or(exit_status);
+    if (const std::optional<int> ended = ParseCommandLine(app, argc, argv)) return *ended;
+    if (app.get_subcommands().empty()) fmt::print("{}", app.help());
+    return exit_status;
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }

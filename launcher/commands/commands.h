@@ -24,6 +24,9 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);
+void AddCompletionsCommand(CLI::App& app, int& exit_status);
+// After all others: it also adds examples to the help texts of theirs.
+void AddHelpCommand(CLI::App& app, int& exit_status);
 
 // Prints the error, and returns the exit status that follows from its code.
 int Fail(const Error& error);

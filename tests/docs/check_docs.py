@@ -22,7 +22,7 @@ def rooms(root):
 
 
 def documents(root):
-    return [root / "README.md", *sorted((root / "docs").glob("*.md")),
+    return [*sorted(root.glob("*.md")), *sorted((root / "docs").glob("*.md")),
             *(room / "README.md" for room in rooms(root) if room.name != "docs" and (room / "README.md").exists())]
 
 
@@ -154,11 +154,20 @@ def check_walks(root):
     return problems
 
 
+def check_versions(root):
+    """CITATION.cff and the changelog know the version of CMakeLists.txt."""
+    version = re.search(r"project\(troupe VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text()).group(1)
+    expected = {"CITATION.cff": rf"^version: {re.escape(version)}$", "CHANGELOG.md": rf"^## {re.escape(version)}\b"}
+    return [f"{file}: expected the version {version}" for file, line in expected.items()
+            if not re.search(line, (root / file).read_text(), re.MULTILINE)]
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     root = pathlib.Path(sys.argv[1]).resolve()
     problems = check_links(root) + check_room_readmes(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
+    problems += check_versions(root)
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

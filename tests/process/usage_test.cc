@@ -22,7 +22,7 @@ struct BadUsage {
 TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
   const std::string pen = WorldPath("pen.world");
   const std::vector<BadUsage> cases = {
-      {{}, "error: A subcommand is required"},
+      {{"help", "rnu"}, "error: found no command 'rnu'; did you mean 'run'?"},
       {{"fly"}, "error: "},
       {{"run"}, "error: FILE is required"},
       {{"run", pen, "--ticks", "soon"}, "error: --ticks: found 'soon', expected a whole number from 1"},
@@ -177,6 +177,8 @@ TEST(Usage, UnknownWordsAreNamedInOrderWithTheLikelyOnes) {
 TEST(Usage, EveryCommandHasHelp) {
   EXPECT_THAT(Finish(Troupe({"--version"})).output, testing::MatchesRegex("troupe [0-9.]+\n"));
   const std::vector<BadUsage> cases = {{{"--help"}, "Run a world"},
+                                       {{}, "Run a world"},
+                                       {{"help", "ctl", "spawn"}, "Usage: troupe ctl spawn"},
                                        {{"run", "--help"}, "--hash-log FILE"},
                                        {{"check", "--help"}, "FILE"},
                                        {{"top", "--help"}, "--once"}};

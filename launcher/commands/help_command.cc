@@ -1,0 +1,105 @@
+// `troupe help`, and what the help texts have beyond the options: examples, environment, exit statuses. The manual
+// pages are made from these texts.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command_line/exit_status.h"
+#include "common/base/closest_name.h"
+#include "launcher/commands/commands.h"
+
+namespace troupe {
+namespace {
+
+struct Example {
+  const char* command;  // the path of a command without "troupe"
+  const char* line;
+  const char* purpose;
+};
+
+// Each is run by the test usage_test, in a folder with the files that they name.
+constexpr Example kExamples[] = {
+    {"run", "troupe run office.world", "watch it in the browser until Ctrl-C"},
+    {"run", "troupe run office.world --ticks 600 --headless --poses poses.csv", "a minute, as fast as possible"},
+    {"run", "troupe run office.world --ticks 600 --headless --record run.mcap", "keep a recording"},
+    {"run", "troupe run run.mcap --from-tick 300 --controller wander --headless --ticks 400", "branch off from it"},
+    {"replay", "troupe replay run.mcap", "step it again, and compare every state"},
+    {"replay", "troupe replay run.mcap --from 200 --to 300 --poses part.csv", "the poses of some ticks"},
+    {"check", "troupe check office.world", "its map, models and robots, and warnings"},
+    {"top", "troupe top --once", "one table of all running sessions"},
+    {"ctl", "troupe ctl pause", "hold the only running session"},
+    {"ctl", "troupe ctl step 10", "ten ticks"},
+    {"ctl", "troupe ctl spawn chair --pose 5,-0.4,90", "a model of the run's world, in metres and degrees"},
+    {"ctl", "troupe ctl set-pose r0 --pose 0,-0.4,0", "move a robot"},
+    {"goto", "troupe goto r0 2,-0.4,90", "drive a robot to a pose, and wait until it is there"},
+    {"teleop", "troupe teleop r0", "drive it by the keys"},
+    {"view", "troupe view run.mcap", "a recording in the browser"},
+    {"view", "troupe view --listen 0.0.0.0:8470 --view-only", "the running session, for other hosts"},
+    {"edit", "troupe edit office.world", "change a world by mouse"},
+    {"snapshot", "troupe snapshot office.world -o office.png", "the world from above"},
+    {"snapshot", "troupe snapshot office.world --tick 100 --rays --view side -o side.svg", "after 100 ticks"},
+    {"export-map", "troupe export-map office.world -o office.yaml", "for ROS's map_server"},
+    {"keys", "troupe keys make keys --robots r0,r1", "for a run over an open network"},
+    {"completions", "troupe completions bash > troupe.bash", "for 'source troupe.bash'"},
+};
+
+constexpr const char* kEnvironmentAndStatus = R"(Environment:
+  TROUPE_SESSION              Name of the session, where --session does not give it
+  TROUPE_DOMAIN               DDS domain, where --domain does not give it
+  STAGEPATH                   Folders, separated by colons, in which worlds look for files to include
+  ROS_DOMAIN_ID               And the other variables of ROS 2, with --ros: defaults of its options
+
+Exit status:
+  0                           Done
+  2                           Bad input or usage; one line states the text found and the text expected
+  3                           The run failed; one line states the reason
+  130                         Stopped in order by Ctrl-C, SIGTERM or SIGHUP
+)";
+
+CLI::App* Subcommand(CLI::App& command, const std::string& name) {
+  for (CLI::App* child : command.get_subcommands([](CLI::App*) { return true; })) {
+    if (child->get_name() == name) return child;
+  }
+  return nullptr;
+}
+
+// Prints the help text of the command with this path.
+int HelpCommand(CLI::App& app, const std::vector<std::string>& path) {
+  CLI::App* command = &app;
+  for (const std::string& name : path) {
+    CLI::App* const child = Subcommand(*command, name);
+    if (child == nullptr) {
+      std::vector<std::string> names;
+      for (const CLI::App* other : command->get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(other->get_name());
+      }
+      return Fail(Error{{}, "found no command '" + name + "'" + DidYouMean(name, names)});
+    }
+    command = child;
+  }
+  std::fputs(command->help().c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddHelpCommand(CLI::App& app, int& exit_status) {
+  CLI::App* help = app.add_subcommand("help", "Print the help text of troupe or of one of its commands");
+  const auto path = std::make_shared<std::vector<std::string>>();
+  help->add_option("COMMAND", *path, "Name of a command, and of one of its commands");
+  help->final_callback([path, &app, &exit_status] { exit_status = HelpCommand(app, *path); });
+
+  std::map<std::string, std::string> footers;
+  for (const Example& example : kExamples) {
+    std::string& footer = footers[example.command];
+    if (footer.empty()) footer = "Examples:\n";
+    footer += std::string("  ") + example.line + "\n                              " + example.purpose + "\n";
+  }
+  for (const auto& [command, footer] : footers) Subcommand(app, command)->footer(footer);
+  app.footer(kEnvironmentAndStatus);
+}
+
+}  // namespace troupe

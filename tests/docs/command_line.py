@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""Runs the examples of all help texts as a user would, asks bash for completions, and reads the scripts for zsh and fish
+by these shells where they are installed. Fails at the first example that does not do what it says.
+
+usage: command_line.py TROUPE ROOT     TROUPE: the program, ROOT: the source tree
+"""
+import os
+import pathlib
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+SECONDS = 60
+# Until Ctrl-C.
+WATCHED = {"troupe run office.world", "troupe view run.mcap", "troupe view --listen 0.0.0.0:8470 --view-only",
+           "troupe edit office.world"}
+AT_A_TERMINAL = {"troupe teleop r0"}
+LIVE = ("troupe ctl", "troupe goto", "troupe teleop", "troupe top", "troupe view --listen")
+COMPLETIONS = {  # a command line, and some words of which each is offered, or is not (-)
+    "troupe ": "run replay ctl help --version",
+    "troupe r": "run replay -ctl",
+    "troupe run --mo": "--mode -mode",
+    "troupe run --mode ": "lockstep realtime -run",
+    "troupe run off": "office.world",
+    "troupe ctl st": "status step -spawn",
+    "troupe ctl spawn --": "--name --pose --session --ticks-",
+    "troupe snapshot office.world --view ": "top side",
+    "troupe run office.world --journal o": "office.world",
+    "troupe completions ": "bash zsh fish",
+    "troupe run --ticks ": "",
+    "troupe check a": "a b.world",
+}
+
+
+def fail(text):
+    sys.exit(f"error: {text}")
+
+
+def examples(troupe):
+    """The lines of all help texts below 'Examples:'."""
+    text = subprocess.run([troupe], capture_output=True, text=True, check=True).stdout
+    commands = re.findall(r"^  ([a-z-]+) ", text[text.index("Subcommands:"):text.index("Environment:")], re.MULTILINE)
+    found = []
+    for command in commands:
+        text = subprocess.run([troupe, "help", command], capture_output=True, text=True, check=True).stdout
+        found += re.findall(r"^  (troupe .*?)(?:  .*)?$", text.partition("\nExamples:\n")[2], re.MULTILINE)
+    return found
+
+
+def run_at_terminal(line):
+    process, terminal = pty.fork()
+    if process == 0:
+        os.execvp("sh", ["sh", "-c", "exec " + line])
+    text = b""
+    while b"Ctrl-C" not in text and b"quit" not in text:
+        text += os.read(terminal, 4096)
+    os.write(terminal, b"\x03")
+    try:
+        while os.read(terminal, 4096):
+            pass
+    except OSError:
+        pass  # its end
+    status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+    if status not in (0, 130):
+        fail(f"'{line}' ended with {status}: {text.decode()}")
+
+
+def run(line):
+    if line in AT_A_TERMINAL:
+        run_at_terminal(line)
+        return
+    with subprocess.Popen(["sh", "-c", "exec " + line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        text = ""
+        if line in WATCHED:
+            while "http://" not in text:
+                part = process.stdout.readline()
+                if not part:
+                    fail(f"'{line}' ended without an address: {text}")
+                text += part
+            process.send_signal(signal.SIGINT)
+        text += process.communicate(timeout=SECONDS)[0]
+        expected = (0, 130) if line in WATCHED else (0,)
+        if process.returncode not in expected:
+            fail(f"'{line}' ended with {process.returncode}: {text}")
+
+
+def check_completions():
+    probe = ("source ./troupe.bash; read -ra COMP_WORDS <<<\"$1\"; [[ $1 != *' ' ]] || COMP_WORDS+=(''); "
+             "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _troupe; printf '%s\\n' \"${COMPREPLY[@]}\"")
+    for line, words in COMPLETIONS.items():
+        result = subprocess.run(["bash", "-c", probe, "bash", line], capture_output=True, text=True, check=True)
+        if result.stderr:
+            fail(f"the completion of '{line}' printed {result.stderr}")
+        offered = set(result.stdout.splitlines())
+        if not words and offered:
+            fail(f"the completions of '{line}' are {offered}, expected none")
+        for word in [words] if words in offered else words.split():
+            if word.startswith("-") and not word.startswith("--"):
+                if word[1:] in offered:
+                    fail(f"the completions of '{line}' have {word[1:]}")
+            elif not word.endswith("-") and word not in offered:
+                fail(f"the completions of '{line}' are {offered}, expected {word}")
+    for shell in ("zsh", "fish"):
+        if shutil.which(shell):
+            script = subprocess.run(["troupe", "completions", shell], capture_output=True, text=True, check=True).stdout
+            pathlib.Path(f"troupe.{shell}").write_text(script)
+            subprocess.run([shell, "--no-execute", f"troupe.{shell}"], check=True)
+
+
+def main():
+    troupe, root = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+    lines = examples(troupe)
+    if len(lines) < 15:
+        fail(f"found the examples {lines}, expected more")
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        os.environ.update(PATH=f"{troupe.parent}:{os.environ['PATH']}", TROUPE_DOMAIN=str(100 + os.getpid() % 100),
+                          TROUPE_SESSION=f"examples-{os.getpid()}")
+        pathlib.Path("office.world").write_text(
+            f'include "{root}/worlds/office.world"\nscout ( name "r0" pose [ -8 0 0 0 ] ctrl "go_to" )\n')
+        pathlib.Path("a b.world").touch()
+        for line in lines:
+            if not line.startswith(LIVE):
+                run(line)
+        live = "exec troupe run office.world --headless --speed 20"
+        with subprocess.Popen(["sh", "-c", live], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+            while "ready" not in (text := process.stdout.readline()):
+                if not text:
+                    fail(f"'{live}' ended")
+            for line in lines:
+                if line.startswith(LIVE):
+                    run(line)
+                    if line == "troupe ctl step 10":
+                        run("troupe ctl play")
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=SECONDS)
+        check_completions()
+
+
+if __name__ == "__main__":
+    main()
