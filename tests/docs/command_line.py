@@ -95,7 +95,7 @@ def check_completions():
         result = subprocess.run(["bash", "-c", probe, "bash", line], capture_output=True, text=True, check=True)
         if result.stderr:
             fail(f"the completion of '{line}' printed {result.stderr}")
-        offered = set(result.stdout.splitlines())
+        offered = set(filter(None, result.stdout.splitlines()))
         if not words and offered:
             fail(f"the completions of '{line}' are {offered}, expected none")
         for word in [words] if words in offered else words.split():
@@ -108,7 +108,7 @@ def check_completions():
         if shutil.which(shell):
             script = subprocess.run(["troupe", "completions", shell], capture_output=True, text=True, check=True).stdout
             pathlib.Path(f"troupe.{shell}").write_text(script)
-            subprocess.run([shell, "--no-execute", f"troupe.{shell}"], check=True)
+            subprocess.run([shell, "-n", f"troupe.{shell}"], check=True)
 
 
 def main():
