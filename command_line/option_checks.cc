@@ -1,5 +1,7 @@
 #include "command_line/option_checks.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -49,6 +51,15 @@ CLI::Validator WholeNumber(std::uint64_t min, std::uint64_t max) {
 CLI::Validator PositiveNumber() {
   return CLI::Validator(
       [](const std::string& text) { return IsPositive(text) ? "" : Mismatch(text, "a number above 0"); }, "");
+}
+
+CLI::Validator LeaseValue() {
+  auto check = [](const std::string& text) -> std::string {
+    const std::optional<double> value = ParseAll<double>(text);
+    if (value && *value >= kShortestLeaseSeconds && *value <= kLongestLeaseSeconds) return "";
+    return Mismatch(text, fmt::format("seconds from {} to {}", kShortestLeaseSeconds, kLongestLeaseSeconds));
+  };
+  return CLI::Validator(check, "");
 }
 
 CLI::Validator NumberFromZero() {
