@@ -73,8 +73,9 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
   AddSecurityFlag(app, settings, security, group);
   AddDataSharingFlag(app, settings, group);
   app.add_option("--lease", settings.lease_seconds,
-                 fmt::format("Seconds of silence after which a process is lost (default: {})", settings.lease_seconds))
-      ->check(PositiveNumber())
+                 fmt::format("Seconds of silence after which a process is lost, from {} to {} (default: {})",
+                             kShortestLeaseSeconds, kLongestLeaseSeconds, settings.lease_seconds))
+      ->check(LeaseValue())
       ->type_name("SECONDS")
       ->group(group);
 }

@@ -54,6 +54,15 @@ CLI::Validator PositiveNumber() {
       [](const std::string& text) { return IsPositive(text) ? "" : Mismatch(text, "a number above 0"); }, "");
 }
 
+CLI::Validator LeaseValue() {
+  auto check = [](const std::string& text) -> std::string {
+    const std::optional<double> value = ParseAll<double>(text);
+    if (value && *value >= kShortestLeaseSeconds && *value <= kLongestLeaseSeconds) return "";
+    return Mismatch(text, fmt::format("seconds from {} to {}", kShortestLeaseSeconds, kLongestLeaseSeconds));
+  };
+  return CLI::Validator(check, "");
+}
+
 CLI::Validator NumberFromZero() {
   auto check = [](const std::string& text) {
     return IsPositive(text) || ParseAll<double>(text) == 0.0 ? "" : Mismatch(text, "a number from 0");

@@ -18,6 +18,9 @@ CLI::Validator WholeNumber(std::uint64_t min, std::uint64_t max = std::numeric_l
 CLI::Validator PositiveNumber();
 CLI::Validator NumberFromZero();
 
+// As NetworkSettings::lease_seconds.
+CLI::Validator LeaseValue();
+
 // A multiple of real time above zero, or "max".
 CLI::Validator SpeedValue();
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include <map>
 #include <utility>
 
+#include "recording/convert_recorded.h"
 #include "recording/mcap/byte_reader.h"
 #include "recording/mcap/byte_writer.h"
 #include "recording/mcap/crc32.h"
@@ -26,6 +28,7 @@ using mcap::ByteWriter;
 // A file is left for the other one when it is longer.
 constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
 constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
+constexpr double kNoSpeed = 0.0;
 constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
 
 void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
@@ -41,17 +44,49 @@ std::vector<RobotId> ReadRobots(ByteReader& in) {
   return robots;
 }
 
-void AddProgress(ByteWriter& out, const RunProgress& progress) {
-  out.Add(progress.incarnation);
-  out.Add(progress.ticks_to_pause.value_or(kNoPause));
-  out.Add(progress.stalls);
-  out.Add(progress.rejected);
-  AddRobots(out, progress.absent);
-  AddRobots(out, progress.newcomers);
+// The commands as those of a recorded tick, then the ticks that are left of each.
+void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands) {
+  out.Add(static_cast<std::uint32_t>(commands.size()));
+  if (commands.empty()) return;
+  RecordedTick tick;
+  for (const CommandInForce& in_force : commands) tick.commands.push_back(in_force.command);
+  out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(TickToBytes(tick))); });
+  for (const CommandInForce& in_force : commands) {
+    out.Add(in_force.ticks);
+    out.Add(static_cast<std::uint8_t>(in_force.sent));
+  }
 }
 
-RunProgress ReadProgress(ByteReader& in) {
-  RunProgress progress;
+// False: they are damaged.
+bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
+  const auto count = in.Read<std::uint32_t>();
+  if (!in.ok() || count == 0) return in.ok();
+  RecordedTick tick;
+  if (!TickFromBytes(in.ReadWithLength<std::uint32_t>(), tick).ok() || tick.commands.size() != count) return false;
+  for (RobotCommand& command : tick.commands) {
+    const auto ticks = in.Read<std::uint64_t>();
+    commands.push_back({std::move(command), ticks, in.Read<std::uint8_t>() != 0});
+  }
+  return in.ok();
+}
+
+void AddProgress(ByteWriter& out, const RunProgress& progress) {
+  // All members: a new one does not compile without a place here, and one in ReadProgress.
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands] =
+      progress;
+  out.Add(incarnation);
+  out.Add(ticks_to_pause.value_or(kNoPause));
+  out.Add(stalls);
+  out.Add(rejected);
+  AddRobots(out, absent);
+  AddRobots(out, newcomers);
+  out.Add(static_cast<std::uint8_t>(speed_is_set));
+  out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
+  AddCommands(out, commands);
+}
+
+// False: it is damaged.
+bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.incarnation = in.Read<Incarnation>();
   const auto ticks = in.Read<std::uint64_t>();
   if (ticks != kNoPause) progress.ticks_to_pause = ticks;
@@ -59,7 +94,10 @@ RunProgress ReadProgress(ByteReader& in) {
   progress.rejected = in.Read<std::uint64_t>();
   progress.absent = ReadRobots(in);
   progress.newcomers = ReadRobots(in);
-  return progress;
+  progress.speed_is_set = in.Read<std::uint8_t>() != 0;
+  const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
+  if (speed > kNoSpeed) progress.speed = speed;
+  return ReadCommands(in, progress.commands) && in.ok();
 }
 
 struct TailRecord {
@@ -73,8 +111,7 @@ std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId 
   if (in.Read<RunId>() != run) return std::nullopt;
   serial = in.Read<std::uint64_t>();
   TailRecord record;
-  record.progress = ReadProgress(in);
-  if (!in.ok()) return std::nullopt;
+  if (!ReadProgress(in, record.progress)) return std::nullopt;
   if (in.at_end()) return record;
   TickAssembler assembler(std::nullopt);
   RecordedTick& tick = record.tick.emplace();

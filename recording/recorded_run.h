@@ -26,7 +26,8 @@ struct RecordedRun {
 struct RecordedEdit {
   FrameMessage before;     // of the state to which it was applied
   ControlRequest request;  // with the name that a spawned entity was given
-  // kLoadWorld: the world. kSpawn: one with only the entity to add. kRewind: that of `restored`. Else none.
+  // kLoadWorld: the world. kSpawn: one with only the entity to add. kDelete: with the one that a later request may
+  // restore. kRewind: that of `restored`. Else none.
   std::optional<WorldDescription> world = {};
   std::optional<WorldDescription> original = {};  // kRewind: that a reset restores, if it is not `world`
   std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots begin anew

@@ -13,7 +13,11 @@ inline constexpr std::uint32_t kMaxDomain = 230;            // the last domain w
 // Values of NetworkSettings::security, beside folders of keys.
 inline constexpr const char* kSecurityAuto = "auto";
 inline constexpr const char* kSecurityOff = "off";
-inline constexpr double kDefaultLeaseSeconds = 2.0;  // wall time
+// Wall times. A shorter lease expires between two signs of life, and DDS counts none below a nanosecond; it has no
+// longer one either.
+inline constexpr double kDefaultLeaseSeconds = 2.0;
+inline constexpr double kShortestLeaseSeconds = 0.01;
+inline constexpr double kLongestLeaseSeconds = 86400.0;
 
 // A participant of a world service, for the agents that it serves.
 struct ServiceParticipant {

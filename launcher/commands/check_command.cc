@@ -85,8 +85,8 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
   std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
   std::string speed = settings.speed ? fmt::format("{} x real time", *settings.speed) : "as fast as possible";
   return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
-                     loaded.world.interval_seconds(), loaded.world.seed, ToString(settings.mode), speed,
-                     ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
+                     static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, ToString(settings.mode),
+                     speed, ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
 }
 
 // Models, robots, objects and settings.

@@ -143,11 +143,11 @@ class DistributedRun {
   AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;
   ServiceRestarts service_restarts_;
-  std::vector<std::uint16_t> service_ports_;  // by group of agents, once it is ready
-  Tick tick_ = 0;                             // of the newest status
-  Edition new_robots_edition_ = 0;            // the newest that has added robots
-  bool rebuilds_ = false;                     // agents are started again until the run ends
-  std::map<std::size_t, Tick> ended_at_;      // with rebuilds_: by agent, when it last ended
+  std::vector<std::uint16_t> service_ports_;    // by group of agents, once it is ready
+  StatePlace newest_;                           // state, as the newest status reports it
+  Edition new_robots_edition_ = 0;              // the newest that has added robots
+  bool rebuilds_ = false;                       // agents are started again until the run ends
+  std::map<std::size_t, StatePlace> ended_at_;  // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
@@ -295,7 +295,7 @@ void DistributedRun::React(const NewRobotsReport& report) {
 
 void DistributedRun::React(const StatusMessage& status) {
   progress_.Update(status);
-  tick_ = status.tick;
+  newest_ = {status.edition, status.tick};
   if (started_ || kill_at_) return;
   if (Status started = agents_.StartAfterJoins(status.agents); !started.ok()) Fail(FailedRun(started.error()));
 }
@@ -322,12 +322,16 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
                   end.ToString());
   const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
   if (started_ || (rebuilds_ && !refused)) {
-    const auto [before, is_first] = ended_at_.try_emplace(agent.number, tick_);
-    if (rebuilds_ && !is_first && std::exchange(before->second, tick_) != tick_) restarts_.Forgive(agent.number);
+    const auto [before, is_first] = ended_at_.try_emplace(agent.number, newest_);
+    if (rebuilds_ && !is_first && std::exchange(before->second, newest_) != newest_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
       progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
     } else if (rebuilds_) {
-      Fail(FailedRun(Failure(fmt::format("{} after {} restarts at tick {}", text, restarts_.limit(), tick_))));
+      // One that was refused, or whose files cannot be written, would end likewise after a restart.
+      const std::uint32_t restarts = restarts_.CountOf(agent.number);
+      Fail(FailedRun(Failure(restarts < restarts_.limit()
+                                 ? text
+                                 : fmt::format("{} after {} restarts at tick {}", text, restarts, newest_.tick))));
     } else {
       TellRestartCommand(agent, text);
     }
@@ -364,7 +368,7 @@ bool DistributedRun::PlanRestartOfService() {
   const std::string text =
       fmt::format("the world service {}(process {}) {}", host.empty() ? "" : "on host " + host + " ",
                   service_.process().pid(), end.ToString());
-  if (service_restarts_.OnDeath(tick_, Seconds(Clock::now()))) {
+  if (service_restarts_.OnDeath(newest_, Seconds(Clock::now()))) {
     progress_.Tell(text + "; it is started again");
     return true;
   }

@@ -69,9 +69,9 @@ std::uint32_t AgentRestarts::CountOf(Agent agent) const {
   return count == counts_.end() ? 0 : count->second;
 }
 
-std::optional<double> ServiceRestarts::OnDeath(Tick tick, double now) {
-  without_progress_ = tick_ == tick ? without_progress_ + 1 : 0;
-  tick_ = tick;
+std::optional<double> ServiceRestarts::OnDeath(const StatePlace& newest, double now) {
+  without_progress_ = newest_ == newest ? without_progress_ + 1 : 0;
+  newest_ = newest;
   if (without_progress_ >= kMostWithoutProgress) return std::nullopt;
   const double delay = without_progress_ == 0 ? 0.0 : std::ldexp(kSecondDelay, static_cast<int>(without_progress_) - 1);
   due_ = now + delay;

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "troupe/ids.h"
+#include "transport/protocol/run_progress.h"
 
 namespace troupe {
 
@@ -52,9 +52,9 @@ class AgentRestarts {
 // Of the world service.
 class ServiceRestarts {
  public:
-  // A service died after it had reported this tick: the time of its restart, at once for the first that makes no
+  // A service died after it had reported this state: the time of its restart, at once for the first that makes no
   // progress, and later for each that follows. Nothing when it makes none time and again: another would die likewise.
-  std::optional<double> OnDeath(Tick tick, double now);
+  std::optional<double> OnDeath(const StatePlace& newest, double now);
 
   const std::optional<double>& due() const { return due_; }
   // The service is started: the restart is made.
@@ -66,8 +66,8 @@ class ServiceRestarts {
   std::uint32_t count() const { return count_; }  // restarts that were made
 
  private:
-  std::optional<Tick> tick_;            // of the last death
-  std::uint32_t without_progress_ = 0;  // deaths at this tick
+  std::optional<StatePlace> newest_;    // state at the last death
+  std::uint32_t without_progress_ = 0;  // deaths at this state
   std::optional<double> due_;
   std::uint32_t count_ = 0;
 };

@@ -339,7 +339,10 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   Replica& replica = *robots_.replica;
   Enter(replica.lane(), TickPhase::kApply, frame.state.tick + 1);
   if (const Status status = replica.CheckState(frame.state); !status.ok()) {
-    Fail(Failure("the world service sent a bad frame: " + status.error().message));
+    // Not more than one line for a frame that is resent. Without an answer, the service loses this agent in the end.
+    if (std::exchange(run_.bad_frame, PlaceOf(frame)) != PlaceOf(frame)) {
+      notices_.push_back("ignored a bad frame of the world service: " + status.error().message);
+    }
     return false;
   }
   const bool was_edited = robots_.memory && robots_.memory->edition != frame.edition;

@@ -132,6 +132,7 @@ class AgentProtocol {
     std::uint64_t edited_hash = 0;           // of that world; 0: not computed yet
     std::optional<Edition> asked_memory_of;  // the fresh start since which the agent has asked for a history
     std::optional<FrameMessage> kept_frame;  // the newest one that cannot be answered yet
+    std::optional<FramePlace> bad_frame;     // the newest that was ignored because of its state
     std::optional<FramePlace> answered;      // of the frame that `answer` answers
     ProposalMessage answer;
     std::optional<WorldState> paused_state;  // of that frame, if it is paused and a gateway shows it

@@ -64,6 +64,8 @@ Status ReplicaTask::Change(Changing& change) {
                  ? robots.replica->ChangeWorld(std::move(change.session->world), change.fresh, change.fresh_edition)
                  : robots.replica->Renew(change.fresh_edition);
   }
+  // A history may have ended in a world without some of the robots: one that was spawned in the newest state.
+  if (status.ok() && change.session) status = robots.replica->AddRobots(robots.names);
   if (!status.ok()) {
     return Failure("the world was edited, and this agent cannot continue: " + status.error().message);
   }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compares the documents with the source tree: fails if a link leads nowhere, if the table of folders in
 docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, if a step of
-the walks there names a file or function that does not exist, or if a folder of the top level has no README, one that is
+the walks there names a file or function that does not exist, if the table of members in docs/reliability.md is not
+complete, or if a folder of the top level has no README, one that is
 too long, or one that names a file that does not exist.
 
 usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
@@ -162,12 +163,54 @@ def check_versions(root):
             if not re.search(line, (root / file).read_text(), re.MULTILINE)]
 
 
+# The classes with the state of a run of the world service, and their files.
+STATEFUL = {
+    "RunProgress": "transport/protocol/run_progress.h",
+    "LiveRun": "world-service/service/live_run.h",
+    "Membership": "world-service/service/membership.h",
+    "TickCoordinator": "world-service/service/tick_coordinator.h",
+    "TickEngine": "world-service/service/tick_engine.h",
+    "ProposalCollector": "world-service/service/tick_inputs.h",
+    "RobotCommands": "world-service/service/tick_inputs.h",
+    "WorldEditor": "world-service/service/world_editor.h",
+    "RunControl": "world-service/service/run_control.h",
+    "RobotMemories": "world-service/service/run_history.h",
+    "RunStatistics": "world-service/service/run_statistics.h",
+    "EventLog": "world-service/service/event_log.h",
+    "NoticeList": "world-service/service/event_log.h",
+    "Driver": "world-service/service/run_service.cc",
+}
+
+
+def members(text, name):
+    """The data members of a class or struct, but for static ones and references."""
+    body = re.search(rf"^(class|struct) {name}\b[^;{{]*{{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL).group(2)
+    found = re.findall(r"^  (?! |using|friend|static)([\w:<>,*& ]+) (\w+)(?: = [^;]*|{[^;]*})?;", body, re.MULTILINE)
+    return [member for kind, member in found if not kind.endswith("&")]
+
+
+def check_members(root):
+    """Each member of the service's state has a row that says what another service has in its place."""
+    page = root / "docs/reliability.md"
+    section = re.search(r"^## State of the world service$(.*?)(?=^## |\Z)", page.read_text(), re.MULTILINE | re.DOTALL)
+    if section is None:
+        return ["docs/reliability.md: expected a section 'State of the world service'"]
+    listed = re.findall(r"`(\w+::\w+)`", section.group(1))
+    existing = [f"{name}::{member}" for name, file in STATEFUL.items() for member in members((root / file).read_text(), name)]
+    return ([f"docs/reliability.md: {member} is listed {listed.count(member)} times" for member in sorted(set(listed))
+             if listed.count(member) > 1] +
+            [f"docs/reliability.md: there is no member {member}" for member in listed if member not in existing] +
+            [f"docs/reliability.md: expected a row for {member}: is it saved, made anew or lost with the world service?"
+             for member in existing if member not in listed])
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     root = pathlib.Path(sys.argv[1]).resolve()
     problems = check_links(root) + check_room_readmes(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
     problems += check_versions(root)
+    problems += check_members(root)
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

@@ -69,6 +69,26 @@ PlannedObserver RandomObserver(RandomSource& random, const FaultPlan& plan) {
 
 }  // namespace
 
+// An agent dies in a quiescent pause, and an edit follows before its lease has expired.
+void AddDeathBeforeAnEdit(RandomSource& random, FaultPlan& plan) {
+  static constexpr ControlCommand kEdits[] = {
+      ControlCommand::kReset,  ControlCommand::kReset,   ControlCommand::kLoadWorld, ControlCommand::kSpawn,
+      ControlCommand::kDelete, ControlCommand::kSetPose, ControlCommand::kRestore};
+  const double at = random.Uniform(1.0, 2.0);
+  ControlRequest edit = RandomRequest(random);
+  edit.command = kEdits[random.Index(std::size(kEdits))];
+  if (edit.command == ControlCommand::kSpawn) edit.source = "scout";
+  if (edit.command == ControlCommand::kRestore) edit.source = "r1";
+  const double death = at + 0.6;
+  plan.requests.push_back({at, {.command = ControlCommand::kPause}});
+  plan.requests.push_back({death + random.Uniform(0.0, plan.lease), edit});
+  plan.requests.push_back({death + 2.5 * plan.lease, {.command = ControlCommand::kPlay}});
+  plan.faults.push_back({FaultKind::kKill, death, 0.0, 1 + random.Index(8), random.Chance(0.15)});
+  if (random.Chance(0.3)) plan.faults.push_back({FaultKind::kKill, death + random.Uniform(0.0, 1.0), 0.0, 1, false});
+  plan.restarts = std::max(plan.restarts, 2U);
+  plan.faults_end = std::max(plan.faults_end, death + 3.0 * plan.lease);
+}
+
 FaultPlan MakePlan(std::uint64_t seed) {
   RandomSource random(seed, 1);
   FaultPlan plan;
@@ -106,6 +126,10 @@ FaultPlan MakePlan(std::uint64_t seed) {
       plan.faults.push_back({kind, random.Uniform(0.0, plan.faults_end), 0.0, 0, false});
     }
   }
+  if (!plan.memory && !plan.gentle && random.Chance(0.3)) AddDeathBeforeAnEdit(random, plan);
+  plan.only_deaths = std::all_of(plan.faults.begin(), plan.faults.end(), [](const ProcessFault& fault) {
+    return fault.kind == FaultKind::kKill || fault.kind == FaultKind::kKillInCommit;
+  });
   const std::size_t observers = random.Index(3);
   for (std::size_t i = 0; i < observers; ++i) plan.observers.push_back(RandomObserver(random, plan));
   return plan;

@@ -71,6 +71,7 @@ struct FaultPlan {
   double faults_end = 0.0;
   // No fault is as long as a lease or the deadline: no agent may be lost.
   bool gentle = false;
+  bool only_deaths = false;      // no process is stopped or cut off, so that each agent joins for robots that need one
   bool service_dies = false;     // for good
   bool service_returns = false;  // each time that it dies, another one continues the run from its journal
 };

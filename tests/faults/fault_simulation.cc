@@ -375,7 +375,9 @@ void FaultSimulation::AddAgent(ProcessId id, const AgentOptions& options, std::s
   };
   outputs.on_end = [this, id, group](int exit_status) {
     const Status& failure = agents_.at(id)->protocol().failure();
-    Log("agent {}: ends, {} {}", id, exit_status, failure.ok() ? "" : failure.error().message);
+    const std::string reason = failure.ok() ? "" : failure.error().message;
+    Log("agent {}: ends, {} {}", id, exit_status, reason);
+    if (plan_.only_deaths && reason.find("has an agent already") != std::string::npos) Violate(reason);
     network_.End(id);
     OnAgentEnd(group, exit_status);
   };

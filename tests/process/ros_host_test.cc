@@ -175,7 +175,8 @@ TEST(RosHost, ACommandThatIsAcknowledgedCountsFromTheNextStepOn) {
   EXPECT_EQ(CommandAndStep("--headless"), expected);
 }
 
-// The stamp of the last odometry of a run of 150 ticks of 0.1 s, long enough for the reader to be discovered.
+// The stamp of the last odometry of a run of 150 ticks of 0.1 s, long enough for the reader to be discovered. The run
+// has sent it when it ends; the thread of the reader may still have to receive it.
 double LastStamp(const std::string& mode) {
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
@@ -184,8 +185,11 @@ double LastStamp(const std::string& mode) {
                                 std::to_string(TestRosNetwork().domain), mode}));
   EXPECT_EQ(run.exit_status, 0) << run.output;
   double last = 0.0;
-  odometry.Drain([&](const ros::OdometryMessage& message) {
-    last = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec;
+  Eventually([&] {
+    odometry.Drain([&](const ros::OdometryMessage& message) {
+      last = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec;
+    });
+    return last > 14.85;
   });
   return last;
 }

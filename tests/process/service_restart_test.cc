@@ -131,6 +131,43 @@ TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
   EXPECT_THAT(folder_.Read("run-hashes"), testing::EndsWith(whole.substr(whole.find("\n") + 1)));
 }
 
+TEST_F(ServiceRestartTest, DeletedEntitiesCanBeRestored) {
+  Program run = Start({"--paused", "--speed", "max"});
+  ControlRequest removal;
+  removal.command = ControlCommand::kDelete;
+  removal.name = "r3";
+  ASSERT_TRUE(Call(removal).done);
+  Call(ControlCommand::kStep, 3);
+  ControlRequest rewind;
+  rewind.command = ControlCommand::kRewind;
+  rewind.ticks = 1;
+  ASSERT_TRUE(Call(rewind).done);
+  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+  ControlRequest restoration;
+  restoration.command = ControlCommand::kRestore;
+  restoration.source = "r3";
+  const ControlReply restored = Call(restoration);
+  EXPECT_TRUE(restored.done) << restored.problem;
+  ASSERT_EQ(restored.entities.size(), 1u);
+  EXPECT_EQ(restored.entities.front().name, "r3");
+  EXPECT_EQ(Call(ControlCommand::kStep, 2).tick, 3u);
+}
+
+TEST_F(ServiceRestartTest, ModelsAreSpawnedFromTheTextThatWasLoaded) {
+  Program run = Start({"--paused", "--speed", "max"});
+  ControlRequest load;
+  load.command = ControlCommand::kLoadWorld;
+  load.text = "define crate model (size [0.2 0.2 0.2])\nposition (name \"solo\" pose [1 1 0 0])\n";
+  ASSERT_TRUE(Call(load).done);
+  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
+  ControlRequest spawn;
+  spawn.command = ControlCommand::kSpawn;
+  spawn.source = "crate";
+  spawn.pose = {-1.0, -1.0, 0.0, 0.0};
+  const ControlReply spawned = Call(spawn);
+  EXPECT_TRUE(spawned.done) << spawned.problem;
+}
+
 TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {
   std::vector<std::string> arguments = {
       "--ticks", "80",         "--speed",          "40",      "--record",        Path("run.mcap"),      "--session",

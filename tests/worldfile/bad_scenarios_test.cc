@@ -105,8 +105,10 @@ const BadScenario kAgainstTheSchema[] = {
      ":2:9: error: found the string '1', expected an integer from 0 to 9223372036854775807"},
     {"SeedIsBeyond64Bits", Alone("\"seed\": 18446744073709551616"),
      ":2:9: error: found the number 1.8446744073709552e+19, expected an integer from 0 to 9223372036854775807"},
+    {"TicksAreZero", Alone("\"ticks\": 0"),
+     ":2:10: error: found the number 0, expected a number of ticks, an integer of at least 1"},
     {"TicksAreNull", Alone("\"ticks\": null"),
-     ":2:10: error: found null, expected a number of ticks, an integer of at least 0"},
+     ":2:10: error: found null, expected a number of ticks, an integer of at least 1"},
     {"UnknownMode", Alone("\"mode\": \"real-time\""),
      ":2:9: error: found the string 'real-time', expected 'lockstep' or 'realtime'"},
     {"SpeedIsZero", Alone("\"speed\": 0"),
@@ -194,7 +196,7 @@ const BadScenario kAgainstTheSchema[] = {
      "degrees"},
     {"RosIsText", Alone("\"ros\": \"yes\""), ":2:8: error: found the string 'yes', expected true or false"},
     {"TwoFaultsTheFirstIsReported", Alone("\"ticks\": -1, \"robots\": [{\"pose\": 1}], \"foo\": 1"),
-     ":2:10: error: found the number -1, expected a number of ticks, an integer of at least 0"},
+     ":2:10: error: found the number -1, expected a number of ticks, an integer of at least 1"},
 };
 
 // Faults that a schema cannot express.

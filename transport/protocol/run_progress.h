@@ -7,8 +7,25 @@
 
 #include "transport/protocol/messages.h"
 #include "troupe/ids.h"
+#include "troupe/robot_command.h"
 
 namespace troupe {
+
+// The place of a committed state in its run. An edit may set the time back, so ticks alone have an order only within an
+// edition.
+struct StatePlace {
+  Edition edition = 0;
+  Tick tick = 0;
+  auto operator<=>(const StatePlace&) const = default;
+};
+
+// A command of a tool to a robot that is in force: one part, a twist, an order to a gripper or a goal.
+struct CommandInForce {
+  RobotCommand command;
+  std::uint64_t ticks = 0;  // left
+  bool sent = false;        // to the agents, for the next tick
+  bool operator==(const CommandInForce&) const = default;
+};
 
 struct RunProgress {
   Incarnation incarnation = 0;                  // of the service that wrote it
@@ -17,6 +34,9 @@ struct RunProgress {
   std::vector<RobotId> newcomers;               // robots of the newest edit that have no agent yet
   std::uint64_t stalls = 0;                     // so far, for the summary
   std::uint64_t rejected = 0;
+  bool speed_is_set = false;         // during the run, to:
+  std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
+  std::vector<CommandInForce> commands = {};
   bool operator==(const RunProgress&) const = default;
 };
 

@@ -52,7 +52,7 @@ Result<PreparedRun> Branch(const RunSource& source) {
   run.begin = branch.value().begin;
   run.options = source.service;
   run.options.settings = branch.value().settings;
-  run.options.world_file = branch.value().resumed.world_file;
+  run.options.world_file = branch.value().resumed.world_file.value_or("");
   run.options.resumed = std::move(branch.value().resumed);
   return run;
 }
@@ -77,6 +77,7 @@ Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observe
   run.original = end.value().original;
   run.previous = end.value().previous;
   run.next_number = rewind.number + rewind.copies + 1;
+  run.progress.commands.clear();  // as after any rewind
   const AppliedEdit edit{rewind.request};
   const CommittedTick tick{.frame = *run.frame, .proposals = {}, .edit = &edit, .before = &before, .is_recorded = true};
   observers.push_back(&recorder);
@@ -113,7 +114,7 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   run.options = source.service;
   run.options.settings = begin.settings;
   source.run.ApplyTo(run.options.settings);
-  run.options.world_file = resumed.value().world_file.empty() ? begin.file : resumed.value().world_file;
+  run.options.world_file = resumed.value().world_file.value_or(begin.file);
   // Models may be spawned from all files that the run was loaded from, if they are here.
   Result<LoadedWorld> file = LoadWorld(begin.file, source.overrides);
   if (file.ok()) run.files = std::move(file.value().files);

@@ -77,9 +77,18 @@ class Restoration {
 
   // Edits whose effect is more than the state, also those before the keyframe.
   void Note(std::uint64_t number, const RecordedEdit& edit) {
-    if (edit.request.command == ControlCommand::kLoadWorld) world_file_ = edit.request.source;
     if (edit.request.command == ControlCommand::kRewind) {
       rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
+      last_copy_ = number + edit.copies;
+    }
+    if (number <= last_copy_) return;
+    if (edit.request.command == ControlCommand::kLoadWorld) {
+      world_file_ = edit.request.source;
+      world_text_ = edit.request.text;
+    }
+    if (edit.request.command == ControlCommand::kDelete && edit.world) {
+      deleted_.push_back({edit.request.name, std::make_shared<const WorldDescription>(*edit.world)});
+      if (deleted_.size() > kMostDeleted) deleted_.pop_front();
     }
   }
 
@@ -107,6 +116,8 @@ class Restoration {
     run.progress = journal_.progress;
     run.rewind = std::move(rewind_);
     run.world_file = std::move(world_file_);
+    run.world_text = std::move(world_text_);
+    run.deleted = std::move(deleted_);
     return run;
   }
 
@@ -119,7 +130,10 @@ class Restoration {
   std::optional<MemoryPlace> previous_;
   std::optional<ReportedEdit> edit_;
   std::optional<UnfinishedRewind> rewind_;
-  std::string world_file_;  // that was loaded during the run
+  std::uint64_t last_copy_ = 0;            // number of the last state of the newest rewind; 0: there was none
+  std::optional<std::string> world_file_;  // as ResumedRun
+  std::string world_text_;
+  std::deque<DeletedEntity> deleted_;
   std::optional<FrameMessage> frame_;
 };
 

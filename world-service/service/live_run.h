@@ -95,6 +95,7 @@ struct LiveRun {
     return options.has_history && (restoring || options.settings.on_agent_loss == OnAgentLoss::kRebuild);
   }
   Tick next_tick() const { return frame.state.tick + 1; }
+  StatePlace next_place() const { return {frame.edition, next_tick()}; }
 };
 
 // Sends the session: the process of the service and its world.

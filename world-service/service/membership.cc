@@ -80,8 +80,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
     std::sort(robots.begin(), robots.end());
     for (const RobotId robot : robots) owners_[robot.index()] = member.id;
     member.robots = std::move(robots);
-    if (fresh) member.last_answered = 0;  // the tick may be an earlier one
-    member.times_last = 0;                // counted above
+    member.times_last = 0;  // counted above
     member.waited_seconds = 0.0;
     ++present_members_;
     present_robots_ += member.robots.size();
@@ -90,7 +89,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   return change;
 }
 
-JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double now, bool behind) {
+JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, double now, bool behind) {
   if (join.protocol_version != kProtocolVersion) {
     return Refuse("the agent speaks protocol version " + std::to_string(join.protocol_version) +
                   ", the world service version " + std::to_string(kProtocolVersion));
@@ -116,7 +115,7 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
   }
   for (RobotId robot : robots) {
     const std::optional<AgentId> owner = owners_[robot.index()];
-    if (owner && members_.at(*owner).present) return Contend(robot, join.agent, next_tick, now);
+    if (owner && members_.at(*owner).present) return Contend(robot, join.agent, next, now);
   }
 
   if (behind) return {JoinDecision::Outcome::kBehind, nullptr, {}};
@@ -137,11 +136,11 @@ JoinDecision Membership::Join(const JoinMessage& join, Tick next_tick, double no
 
 // The death of an agent is known only after its lease. Until then its replacement must not be refused; once the old
 // agent has answered, or the lease would long have expired, it must.
-JoinDecision Membership::Contend(RobotId robot, AgentId contender, Tick next_tick, double now) {
+JoinDecision Membership::Contend(RobotId robot, AgentId contender, const StatePlace& next, double now) {
   const Member& owner = members_.at(*owners_[robot.index()]);
   Contest& contest = contests_[robot.index()];
-  if (contest.contender != contender) contest = {contender, next_tick, now};
-  const bool owner_lives = owner.last_answered > contest.tick || now - contest.since > 2.0 * lease_seconds_;
+  if (contest.contender != contender) contest = {contender, next, now};
+  const bool owner_lives = owner.last_answered > contest.next || now - contest.since > 2.0 * lease_seconds_;
   if (!owner_lives) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   return Refuse("robot \"" + world_->robot(robot).name + "\" has an agent already (" + Describe(owner) + ")");
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 
 namespace troupe {
 
@@ -25,7 +26,7 @@ struct Member {
   bool present = true;                 // false: lost
   bool gone = false;                   // the transport has reported its end, or that its lease has expired
   double asked_at = 0.0;               // when it was asked to join again
-  Tick last_answered = 0;              // the newest tick that it sent a proposal for
+  StatePlace last_answered;            // the newest state that it sent a proposal for
   std::optional<double> silent_since;  // of the first frame that it left unanswered, when that is not the current one
   std::uint64_t times_last = 0;        // ticks in which it was the last to answer
   double waited_seconds = 0.0;         // that the barrier waited for it alone
@@ -62,9 +63,9 @@ class Membership {
   // members are unknown from then on.
   WorldChange ChangeWorld(const WorldDescription& world, Edition edition, bool fresh);
 
-  // `next_tick` is the tick that proposals are collected for. `behind`: the outcome is kBehind where it were kAdmitted
+  // `next` is the state that proposals are collected for. `behind`: the outcome is kBehind where it were kAdmitted
   // or kRepeated; nothing has changed then.
-  JoinDecision Join(const JoinMessage& join, Tick next_tick, double now, bool behind = false);
+  JoinDecision Join(const JoinMessage& join, const StatePlace& next, double now, bool behind = false);
 
   // Null for an unknown agent. A pointer is valid until another agent joins for the member's robots.
   Member* Find(AgentId agent);
@@ -96,11 +97,11 @@ class Membership {
   // An agent that joins for a robot of another agent.
   struct Contest {
     AgentId contender = 0;
-    Tick tick = 0;       // that was next at its first join
+    StatePlace next;     // that proposals were collected for at its first join
     double since = 0.0;  // time of its first join
   };
 
-  JoinDecision Contend(RobotId robot, AgentId contender, Tick next_tick, double now);
+  JoinDecision Contend(RobotId robot, AgentId contender, const StatePlace& next, double now);
   void Forget(AgentId agent);
   void ResetForWorld(const WorldDescription& world);
   static void AddWaits(const Member& member, std::vector<Waits>& waits);

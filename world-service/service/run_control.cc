@@ -55,7 +55,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
     case ControlCommand::kSpeed:
       return ReplyWith(open, SetSpeed(request.speed, now));
     case ControlCommand::kCommandRobot:
-      return ReplyWith(open, CommandRobot(request));
+      return ReplyWith(open, CommandRobot(request, now));
     default:
       return Reply(open, Refusal("the service cannot read files here"));
   }
@@ -65,10 +65,11 @@ Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
   if (speed && !(*speed > 0.0 && std::isfinite(*speed))) return Refusal("found a speed that is not a positive number");
   if (!speed && run_.realtime()) return Refusal("mode realtime needs a speed");
   engine_.SetSpeed(speed, now);
+  if (run_.phase == RunPhase::kRunning) engine_.ReportProgress(now);
   return {};
 }
 
-Status RunControl::CommandRobot(const ControlRequest& request) {
+Status RunControl::CommandRobot(const ControlRequest& request, double now) {
   if (run_.phase == RunPhase::kGathering) return Refusal("the run has not begun; no robot can be commanded before");
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
   if (!robot) return Refusal("the world has no robot '" + request.name + "'");
@@ -88,6 +89,7 @@ Status RunControl::CommandRobot(const ControlRequest& request) {
   }
   if (cancels_goal) command.goal.emplace();
   engine_.AddCommand(command, request.ticks);
+  engine_.ReportProgress(now);
   return {};
 }
 

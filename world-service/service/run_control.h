@@ -73,7 +73,7 @@ class RunControl {
   void ReplyWith(const OpenRequest& open, const Status& outcome) const;
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
   Status SetSpeed(const std::optional<double>& speed, double now);
-  Status CommandRobot(const ControlRequest& request);
+  Status CommandRobot(const ControlRequest& request, double now);
   Result<std::vector<EntityReport>> Entities(const std::string& name, bool with_boxes = false) const;
   RunState State() const;
 

@@ -2,6 +2,7 @@
 // continues a run.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -95,6 +96,13 @@ struct UnfinishedRewind {
   std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
 };
 
+// An entity that a request has deleted, and another one may restore.
+struct DeletedEntity {
+  std::string name;
+  std::shared_ptr<const WorldDescription> entity;  // a world with it alone
+};
+inline constexpr std::size_t kMostDeleted = 100;
+
 // A run that another service has begun, at its newest committed state, for the service that continues it.
 struct ResumedRun {
   RunId run = 0;
@@ -107,7 +115,9 @@ struct ResumedRun {
   std::uint64_t next_number = 0;          // of the state after it, counted from the start of the run
   RunProgress progress;
   std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
-  std::string world_file;                       // that was loaded during the run; empty: none
+  std::optional<std::string> world_file = {};   // that was loaded during the run, empty for a text or no world
+  std::string world_text = {};                  // likewise
+  std::deque<DeletedEntity> deleted = {};       // the newest last, at most kMostDeleted
 };
 
 }  // namespace troupe

@@ -42,7 +42,8 @@ struct RunStart {
 struct AppliedEdit {
   const ControlRequest& request;  // with the name that a spawned entity was given
   const WorldDescription* world =
-      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. kRewind: the restored one. Else null.
+      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. kDelete: with the one that a later
+                // request may restore; null: none may. kRewind: the restored one. Else null.
   const WorldState* restored = nullptr;  // kRewind: the state in that world
 };
 

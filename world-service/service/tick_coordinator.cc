@@ -52,7 +52,7 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
   if (run_.phase == Phase::kEnding) return AnswerJoin(join, false, "the run is over");
   std::optional<HistoryRequest> missing;
   if (run_.restores_memory()) missing = run_.memories.MissingFor(join, run_.frame);
-  const JoinDecision decision = run_.members.Join(join, run_.next_tick(), now, missing.has_value());
+  const JoinDecision decision = run_.members.Join(join, run_.next_place(), now, missing.has_value());
   switch (decision.outcome) {
     case JoinDecision::Outcome::kUndecided:
       return;

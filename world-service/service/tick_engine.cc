@@ -30,6 +30,11 @@ std::uint32_t LastGoalBefore(const ResumedRun& resumed) {
   return static_cast<std::uint32_t>((resumed.next_number + 1) * 0x9E3779B1U + resumed.incarnation);
 }
 
+// The state that a proposal is for.
+StatePlace PlaceOf(const ProposalMessage& proposal) {
+  return {proposal.edition, proposal.tick};
+}
+
 // Calls all observers; the outcome is the first that is not a success.
 template <typename Call>
 Status CallObservers(const RunObservers& observers, const Call& call) {
@@ -55,6 +60,8 @@ TickEngine::TickEngine(LiveRun& run, double now)
   if (run_.continues()) {
     const ResumedRun& resumed = *run_.options.resumed;
     commands_ = RobotCommands(LastGoalBefore(resumed));
+    commands_.Restore(resumed.progress.commands);
+    if (resumed.progress.speed_is_set) SetSpeed(resumed.progress.speed, now);
     run_.frame = *resumed.frame;
     run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
     // The service before may have ended within a rewind.
@@ -100,7 +107,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   }
   if (proposal.tick < run_.next_tick()) {
     // Usually the answer to a resent frame. In realtime mode it may be new, and is the robot's last command.
-    const bool late = run_.realtime() && proposal.tick == frame.state.tick && proposal.tick > member->last_answered;
+    const bool late = run_.realtime() && proposal.tick == frame.state.tick && PlaceOf(proposal) > member->last_answered;
     if (late && member->present) Collect(*member, proposal, now);
     return;
   }
@@ -131,7 +138,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
 }
 
 void TickEngine::Collect(Member& member, const ProposalMessage& message, double now) {
-  member.last_answered = message.tick;
+  member.last_answered = PlaceOf(message);
   member.silent_since.reset();
   for (const Rejection& rejection : proposals_.Collect(member, message, run_.frame.state)) {
     run_.events.Reject(run_.frame.state.tick, rejection.robot, rejection.reason, now);
@@ -243,6 +250,7 @@ void TickEngine::Continue(double now) {
   frame.paused = ticks_to_pause_ == 0U;
   frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = false;
+  if (!frame.paused) frame.commands = commands_.Sent();  // as of the service before: an agent may have answered it
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
   Opened(now);
@@ -276,6 +284,9 @@ RunProgress TickEngine::Progress() const {
   progress.newcomers = run_.newcomers;
   progress.stalls = run_.events.stalls();
   progress.rejected = run_.events.rejected();
+  progress.speed_is_set = speed_is_set_;
+  if (speed_is_set_) progress.speed = speed();
+  progress.commands = commands_.InForce();
   return progress;
 }
 
@@ -337,6 +348,7 @@ void TickEngine::Resume(double now) {
 
 void TickEngine::SetSpeed(std::optional<double> speed, double now) {
   pacer_.SetSpeed(speed, run_.world().interval_seconds(), run_.frame.state.tick, now);
+  speed_is_set_ = true;
 }
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {

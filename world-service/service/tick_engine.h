@@ -54,7 +54,7 @@ class TickEngine {
   // The pause is only for edits: the run is to play after them.
   void SetPlayAfterEdits(bool plays) { play_after_edits_ = plays; }
   bool play_after_edits() const { return play_after_edits_; }
-  // Tells the observers the progress of a run that is paused.
+  // Tells the observers the progress of a run between two ticks.
   void ReportProgress(double now);
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
@@ -126,6 +126,7 @@ class TickEngine {
   ProposalCollector proposals_;
   RobotCommands commands_;
   Pacer pacer_;
+  bool speed_is_set_ = false;  // during the run
   ResendTimer resend_timer_;
   bool play_after_edits_ = false;
   std::optional<std::uint64_t> ticks_to_pause_;

@@ -83,19 +83,51 @@ std::vector<RobotCommand> RobotCommands::ForNextTick(const WorldDescription& wor
   std::erase_if(robots_, [&](const auto& entry) {
     return entry.first.index() >= world.robots.size() || !IsThere(world, entry.first);
   });
-  std::vector<RobotCommand> commands;
   for (auto& [robot, of_robot] : robots_) {
-    RobotCommand& command = commands.emplace_back();
-    command.robot = robot;
-    const auto send = [](auto& timed) {
-      timed.sent = true;
-      return timed.value;
-    };
-    if (of_robot.twist) command.twist = send(*of_robot.twist);
-    for (auto& [gripper, timed] : of_robot.grippers) command.grippers.push_back(send(timed));
-    if (of_robot.goal) command.goal = send(*of_robot.goal);
+    if (of_robot.twist) of_robot.twist->sent = true;
+    for (auto& [gripper, timed] : of_robot.grippers) timed.sent = true;
+    if (of_robot.goal) of_robot.goal->sent = true;
+  }
+  return Sent();
+}
+
+std::vector<RobotCommand> RobotCommands::Sent() const {
+  std::vector<RobotCommand> commands;
+  for (const auto& [robot, of_robot] : robots_) {
+    RobotCommand command{.robot = robot};
+    if (of_robot.twist && of_robot.twist->sent) command.twist = of_robot.twist->value;
+    for (const auto& [gripper, timed] : of_robot.grippers) {
+      if (timed.sent) command.grippers.push_back(timed.value);
+    }
+    if (of_robot.goal && of_robot.goal->sent) command.goal = of_robot.goal->value;
+    if (command.twist || !command.grippers.empty() || command.goal) commands.push_back(std::move(command));
   }
   return commands;
+}
+
+std::vector<CommandInForce> RobotCommands::InForce() const {
+  std::vector<CommandInForce> commands;
+  for (const auto& [robot, of_robot] : robots_) {
+    const auto add = [&commands, robot = robot](const auto& timed) -> RobotCommand& {
+      return commands.emplace_back(CommandInForce{{.robot = robot}, timed.ticks, timed.sent}).command;
+    };
+    if (of_robot.twist) add(*of_robot.twist).twist = of_robot.twist->value;
+    for (const auto& [gripper, timed] : of_robot.grippers) add(timed).grippers = {timed.value};
+    if (of_robot.goal) add(*of_robot.goal).goal = of_robot.goal->value;
+  }
+  return commands;
+}
+
+void RobotCommands::Restore(const std::vector<CommandInForce>& commands) {
+  for (const CommandInForce& in_force : commands) {
+    const RobotCommand& command = in_force.command;
+    OfRobot& robot = robots_[command.robot];
+    if (command.twist) robot.twist = Timed<Twist>{*command.twist, in_force.ticks, in_force.sent};
+    for (const GripperOrder& order : command.grippers) {
+      robot.grippers[order.gripper] = Timed<GripperOrder>{order, in_force.ticks, in_force.sent};
+    }
+    if (command.goal) robot.goal = Timed<Goal>{*command.goal, in_force.ticks, in_force.sent};
+  }
 }
 
 void RobotCommands::Elapse() {

@@ -73,10 +73,16 @@ class RobotCommands {
 
   // Those for the next tick, in robot-id order, of robots that the world has.
   std::vector<RobotCommand> ForNextTick(const WorldDescription& world);
+  // Those that ForNextTick returned last and that are still in force.
+  std::vector<RobotCommand> Sent() const;
   // The tick for which ForNextTick was called last was stepped.
   void Elapse();
 
   void Clear() { robots_.clear(); }
+
+  // All of them, and the same for a service that continues the run.
+  std::vector<CommandInForce> InForce() const;
+  void Restore(const std::vector<CommandInForce>& commands);
 
  private:
   struct OfRobot {

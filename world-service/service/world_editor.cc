@@ -15,8 +15,6 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostDeleted = 100;  // entities that can be restored
-
 // "scout" of "scout", "robots/scout.inc" or "robots.inc#scout".
 std::string NameOfSource(const std::string& source) {
   const std::size_t hash = source.rfind('#');
@@ -62,6 +60,7 @@ WorldEditor::WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(
   if (!run.continues()) return;
   const ResumedRun& resumed = *run.options.resumed;
   original_ = resumed.original;
+  deleted_ = resumed.deleted;
   run_.newcomers = resumed.progress.newcomers;
   newcomers_since_ = run.created_at;
   for (const RobotId robot : run_.newcomers) new_robots_.push_back(run_.world().robot(robot).name);
@@ -76,13 +75,13 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
     with_domain = std::move(chosen).value();
     world = &*with_domain;
   }
-  const AppliedEdit edit{request, world};
   std::optional<DeletedEntity> deleted;
   if (request.command == ControlCommand::kDelete) {
     const Result<ModelId> root = FindEntity(run_.world(), request.name);
     if (!root.ok()) return root.error();
     deleted = {request.name, std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()))};
   }
+  const AppliedEdit edit{request, deleted ? deleted->entity.get() : world};
   Result<EditedWorld> edited = ApplyIfRoom(edit);
   if (!edited.ok()) return edited.error();
   if (world != nullptr) {

@@ -22,7 +22,7 @@ class WorldEditor {
   // Both outlive the editor.
   WorldEditor(LiveRun& run, TickEngine& engine);
 
-  // The entity called `name` that was deleted last, for a spawn; null: none, or too many were deleted since.
+  // The entity called `name` that was deleted last, for a spawn; null: none, or kMostDeleted were deleted since.
   std::shared_ptr<const WorldDescription> Deleted(const std::string& name) const;
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
@@ -61,10 +61,6 @@ class WorldEditor {
   std::shared_ptr<const Scene> previous_scene_;
   double newcomers_since_ = 0.0;  // wall time of the newest edit, s
   std::vector<std::string> new_robots_;
-  struct DeletedEntity {
-    std::string name;
-    std::shared_ptr<const WorldDescription> entity;
-  };
   std::deque<DeletedEntity> deleted_;  // the newest last
 };
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "common/base/version.h"
@@ -15,6 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 constexpr RunId kRun = 4;
 constexpr AgentId kAgent = 7;
@@ -454,6 +456,25 @@ TEST_F(AgentProtocolTest, AServiceThatEndsWhileTheReplicaIsMadeIsReplacedByTheNe
   SendSession(0, World(), kRun + 1);
   PerformTask();
   EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
+}
+
+TEST_F(AgentProtocolTest, ABadFrameIsIgnoredAndReportedOnce) {
+  JoinAndRun();
+  const std::size_t answers = endpoint_.sent.size();
+  protocol_.DrainNotices();
+  FrameMessage not_finite = Frame(5);
+  not_finite.state.robots[0].X_WR.x = std::nan("");
+  FrameMessage too_short = Frame(6);
+  too_short.state.robots.pop_back();
+  for (int i = 0; i < 3; ++i) protocol_.OnFrame(not_finite, now_);
+  protocol_.OnFrame(too_short, now_);
+  EXPECT_FALSE(protocol_.over());
+  EXPECT_THAT(endpoint_.sent, SizeIs(answers));
+  EXPECT_THAT(protocol_.DrainNotices(),
+              ElementsAre(StartsWith("ignored a bad frame of the world service: "),
+                          "ignored a bad frame of the world service: found a state of 1 robots, expected 2"));
+  SendFrame(3);
+  EXPECT_THAT(endpoint_.sent, SizeIs(answers + 1)) << "the frames of the service count as before";
 }
 
 TEST_F(AgentProtocolTest, FramesAreAnsweredInTheirOrderAndAgainOnlyIfTheAnswerIsMissing) {

@@ -209,6 +209,24 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
   ExpectEqualReplay(files.recording());
 }
 
+// The history of its agent ends in a world without the robot.
+TEST(RewoundRunTest, ARobotThatWasSpawnedAtTheTickKeepsItsAgent) {
+  const DefinitionFile definitions;
+  ControlledRun run(CountingYard(), {.world_file = definitions.path(), .can_rewind = true});
+  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5}, "scout");
+  run.Step(5);
+  EXPECT_TRUE(run.Ask(spawn).done);
+  for (int i = 0; i < 2; ++i) {
+    Rewind(run, 5);
+    EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 4u + 5u);  // walls, and r0 to r3 and late
+  }
+  run.Step(10);
+  const std::vector<std::uint64_t> hashes = run.Hashes();
+  Rewind(run, 5);
+  run.Step(10);
+  EXPECT_EQ(run.Hashes().back(), hashes.back());
+}
+
 std::size_t RewindsIn(const std::string& path) {
   const Recording recording = Recording::Open(path).value();
   std::size_t rewinds = 0;

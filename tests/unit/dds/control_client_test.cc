@@ -19,7 +19,7 @@ using test::TestConfig;
 using test::TestDomain;
 using test::TestSession;
 
-// Replies to each request from the thread that has received it.
+// Replies to each request but steps, from the thread that has received it.
 class ReplyingService : public ServiceHandler {
  public:
   explicit ReplyingService(const std::string& session) : connection_(Config(), session, {}) {
@@ -33,6 +33,11 @@ class ReplyingService : public ServiceHandler {
   void OnAgentGone(AgentId) override {}
   void OnRivalService(const SessionMessage&) override {}
   void OnControl(const ControlRequest& request) override {
+    if (request.command == ControlCommand::kStep) {
+      is_stepping_ = true;
+      is_stepping_.notify_all();
+      return;
+    }
     ControlReply reply;
     reply.client = request.client;
     reply.number = request.number;
@@ -43,6 +48,7 @@ class ReplyingService : public ServiceHandler {
     has_replied_.notify_all();
   }
 
+  void AwaitStep() { is_stepping_.wait(false); }
   void AwaitReply() {
     has_replied_.wait(false);
     endpoint_->Flush(20.0);
@@ -57,6 +63,7 @@ class ReplyingService : public ServiceHandler {
 
   dds::DdsConnection connection_;
   std::optional<dds::DdsServiceEndpoint> endpoint_;
+  std::atomic<bool> is_stepping_ = false;
   std::atomic<bool> has_replied_ = false;
 };
 
@@ -94,6 +101,26 @@ TEST(ControlClient, ReportsThatAServiceEndsWithoutAReply) {
   const Result<ControlReply> reply = client.Call(ControlCommand::kStatus, 0, 20.0);
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().message, "the world service of session '" + session + "' is gone");
+}
+
+// A tool without a limit of time would wait for ever: the request is lost with the service.
+TEST(ControlClient, ReportsThatAServiceEndsWithoutAReplyWhenAnotherOneContinuesTheRun) {
+  const std::string session = TestSession("successor");
+  std::optional<ReplyingService> service(session);
+  ControlClient client(Network(session));
+  ASSERT_TRUE(client.WaitForService(20.0).ok());
+  std::optional<ReplyingService> successor;
+  std::thread end([&] {
+    service->AwaitStep();
+    successor.emplace(session);
+    service.reset();
+  });
+  const Result<ControlReply> reply = client.Call(ControlCommand::kStep, 1, 20.0);
+  end.join();
+  ASSERT_FALSE(reply.ok());
+  EXPECT_EQ(reply.error().message, "the world service of session '" + session + "' is gone");
+  EXPECT_TRUE(client.WaitForService(20.0).ok());
+  EXPECT_TRUE(client.Call(ControlCommand::kStatus, 0, 20.0).ok());
 }
 
 }  // namespace

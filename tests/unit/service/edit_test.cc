@@ -150,6 +150,26 @@ TEST_F(EditTest, IsRefusedBeforeTheRunHasBegun) {
   EXPECT_EQ(replies[0].problem, "the run has not begun; nothing can be changed before");
 }
 
+// The agent answered ticks that a reset has set back; the dead process says nothing of its end for a lease.
+TEST_F(EditTest, AReplacementThatJoinsJustAfterAResetWaitsForTheLeaseOfTheDeadAgent) {
+  MakeAndStart(1);
+  for (int i = 0; i < 8; ++i) Propose(1);
+  Ask(ControlCommand::kReset);
+  Propose(1);
+  AnswerPaused(1);
+  ASSERT_EQ(tick(), 0u);
+  ASSERT_EQ(newest().world_edition, 0u) << "the world is the same";
+  const std::size_t answers = endpoint.admissions.size();
+  Join(11, {"r0"});
+  now += 0.5;
+  Join(11, {"r0"});
+  EXPECT_EQ(endpoint.admissions.size(), answers) << "neither admitted nor refused";
+  coordinator->OnAgentGone(1, now);
+  Join(11, {"r0"});
+  ASSERT_EQ(endpoint.admissions.size(), answers + 1);
+  EXPECT_TRUE(endpoint.admissions.back().admitted);
+}
+
 TEST_F(EditTest, ResetsByScope) {
   options.start_paused = true;
   MakeAndStart(1);

@@ -46,7 +46,7 @@ class LiveRunTest : public testing::Test {
     join.world_hash = Hash(run_->world());
     join.world_edition = run_->frame.world_edition;
     join.robots = {"r" + std::to_string(agent - 1)};
-    const JoinDecision decision = run_->members.Join(join, run_->next_tick(), now_);
+    const JoinDecision decision = run_->members.Join(join, run_->next_place(), now_);
     ASSERT_EQ(decision.outcome, JoinDecision::Outcome::kAdmitted) << decision.reason;
     engine_->AddMember(*decision.member, now_);
   }

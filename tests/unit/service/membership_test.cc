@@ -20,7 +20,7 @@ class MembershipTest : public testing::Test {
     return {1, agent, kProtocolVersion, Hash(world_), "host", 7, robots};
   }
   JoinDecision Join(AgentId agent, const std::vector<std::string>& robots) {
-    return members_.Join(JoinOf(agent, robots), 1, 0.0);
+    return members_.Join(JoinOf(agent, robots), {0, 1}, 0.0);
   }
 
   WorldDescription world_ = test::PlaneWorld(3);
@@ -43,23 +43,20 @@ TEST_F(MembershipTest, KnowsTheRobotsWithoutAgents) {
 
 TEST_F(MembershipTest, AReplacementOfAnAgentThatAnsweredBeforeAResetIsNotRefused) {
   const auto join = [&](AgentId agent, double now) {
-    JoinMessage message = JoinOf(agent, {"r0"});
-    message.world_edition = 1;
-    return members_.Join(message, 6, now).outcome;
+    return members_.Join(JoinOf(agent, {"r0"}), {1, 6}, now).outcome;  // at tick 5, after a rewind
   };
   Join(1, {"r0"});
-  members_.Find(1)->last_answered = 100;
-  members_.ChangeWorld(world_, 1, true);  // at tick 5, after a rewind
+  members_.Find(1)->last_answered = {0, 100};
   EXPECT_EQ(join(2, 0.0), Outcome::kUndecided);
   EXPECT_EQ(join(2, 1.0), Outcome::kUndecided);
-  members_.Find(1)->last_answered = 7;
+  members_.Find(1)->last_answered = {1, 7};
   EXPECT_EQ(join(2, 1.0), Outcome::kRefused);
 }
 
 TEST_F(MembershipTest, TheHostOfAPeerIsAPlainLine) {
   JoinMessage join = JoinOf(1, {"r0"});
   join.host = "a\x1b[2J\n" + std::string(1000, 'x');
-  const JoinDecision decision = members_.Join(join, 1, 0.0);
+  const JoinDecision decision = members_.Join(join, {0, 1}, 0.0);
   ASSERT_EQ(decision.outcome, Outcome::kAdmitted);
   EXPECT_EQ(decision.member->host.substr(0, 8), "a [2J xx");
   EXPECT_EQ(decision.member->host.size(), kLongestHost);
@@ -68,7 +65,7 @@ TEST_F(MembershipTest, TheHostOfAPeerIsAPlainLine) {
 TEST_F(MembershipTest, RefusesInvalidJoins) {
   Join(1, {"r0"});
   const auto refusal = [&](const JoinMessage& join) {
-    const JoinDecision decision = members_.Join(join, 1, 0.0);
+    const JoinDecision decision = members_.Join(join, {0, 1}, 0.0);
     EXPECT_EQ(decision.outcome, Outcome::kRefused);
     return decision.reason;
   };

@@ -17,6 +17,7 @@ class KeptJournal final : public RunObserver {
  public:
   Status OnCommit(const CommittedTick& tick, const RunProgress& newest) override {
     frame = tick.frame;
+    frame->commands.clear();  // of the tick to come, which a journal does not have
     return OnProgress(newest);
   }
   Status OnProgress(const RunProgress& newest) override {
@@ -93,6 +94,51 @@ TEST_F(ResumedRunTest, IgnoresMessagesForTheServiceBefore) {
   EXPECT_EQ(tick(), 0u);
   ProposeAs(1, 1);
   EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(ResumedRunTest, HasTheCommandsInForce) {
+  ControlRequest request;
+  request.command = ControlCommand::kCommandRobot;
+  request.ticks = 3;
+  MakeAndStart(2);
+  request.name = "r0";
+  request.robot_command.twist = Twist{0.5, 0.0, 0.0};
+  ASSERT_TRUE(Ask(request).done);
+  Propose(1);
+  Propose(2);
+  request.name = "r1";
+  ASSERT_TRUE(Ask(request).done) << "it arrives after the newest frame was sent";
+  const std::vector<RobotCommand> sent = endpoint.frames.back().commands;
+  ASSERT_EQ(sent.size(), 1u);
+  Resume();
+  Rejoin(1);
+  Rejoin(2);
+  ASSERT_FALSE(endpoint.frames.empty());
+  EXPECT_EQ(endpoint.frames.back().commands, sent) << "an agent may have answered this frame";
+  std::vector<std::size_t> counts;
+  for (int i = 0; i < 4; ++i) {
+    ProposeAs(1, 1);
+    ProposeAs(1, 2);
+    counts.push_back(endpoint.frames.back().commands.size());
+  }
+  EXPECT_THAT(counts, ::testing::ElementsAre(2u, 2u, 1u, 0u));
+}
+
+TEST_F(ResumedRunTest, HasTheSpeedThatWasSet) {
+  ControlRequest request;
+  request.command = ControlCommand::kSpeed;
+  request.speed = 0.25;
+  MakeAndStart(1);
+  EXPECT_EQ(coordinator->MakeStatus(now).speed, std::nullopt);
+  ASSERT_TRUE(Ask(request).done);
+  Resume();
+  EXPECT_EQ(coordinator->MakeStatus(now).speed, 0.25);
+  Rejoin(1);
+  request.speed.reset();
+  ASSERT_TRUE(Ask(request).done);
+  options.settings.speed = 2.0;
+  Resume();
+  EXPECT_EQ(coordinator->MakeStatus(now).speed, std::nullopt);
 }
 
 TEST_F(ResumedRunTest, ANewGoalHasAnotherNumberThanThoseBefore) {

@@ -102,13 +102,14 @@ class ControlClient::Connection {
     const std::uint64_t number = ++number_;
     request.client = client_;
     request.number = number;
+    connected();
+    // A service that appears later, to continue the run of one that died, does not know the request.
+    const std::set<dds_instance_handle_t> services = services_;
     requests_.write(dds::ToWire(request, arena));
     const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
-    std::set<dds_instance_handle_t> services = services_;
     for (;;) {
+      connected();  // so that the wait below wakes for the next change
       // Looked for before the replies are taken: a service may reply and end at once.
-      connected();
-      services.insert(services_.begin(), services_.end());
       const bool is_answering = IsAnyMatched(services);
       for (const auto sample : replies_.take()) {
         if (!sample.info().valid() || !services.contains(sample.info().publication_handle())) continue;
