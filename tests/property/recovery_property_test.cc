@@ -12,6 +12,7 @@
 #include "common/spatial/scene.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"
+#include "tests/support/stage_worlds.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/simulation.h"
 
@@ -215,8 +216,7 @@ TEST(RecoveryProperty, DISABLED_InManyRoomsNoRobotRestsForAMinute) {
 }
 
 TEST(Recovery, AWandererLeavesAWallThatBlocksItsWayBackAndItsTurn) {
-  const char* const source = std::getenv("TROUPE_SOURCE_DIR");
-  const std::string file = std::string(source != nullptr ? source : ".") + "/../shared/cases/wander_freeze.world";
+  const std::string file = test::StageWorldsFolder() + "/../cases/wander_freeze.world";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no file " << file;
   Result<Simulation> loaded = Simulation::Load(file);
   ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
