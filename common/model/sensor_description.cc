@@ -34,12 +34,10 @@ std::string Pixels(std::uint32_t width, std::uint32_t height) {
   return std::to_string(width) + " x " + std::to_string(height) + " pixels";
 }
 
-Status CheckImage(std::uint32_t width, std::uint32_t height, double fov) {
+Status CheckImage(std::uint32_t width, std::uint32_t height) {
   if (width < 1 || width > kMaxImageSide || height < 1 || height > kMaxImageSide) {
     return SensorProblem("its image is not 1 to " + std::to_string(kMaxImageSide) + " pixels wide and high");
   }
-  if (!(fov > 0.0 && fov <= 2.0 * kMaxElevation))
-    return SensorProblem("its fov is not above 0 and at most 170 degrees");
   return {};
 }
 
@@ -122,7 +120,8 @@ std::string BumperParameters::Summary() const {
 }
 
 Status BlobfinderParameters::Check() const {
-  if (Status error = CheckImage(width, height, fov); !error.ok()) return error;
+  if (Status error = CheckImage(width, height); !error.ok()) return error;
+  if (!(fov > 0.0 && fov <= 2.0 * kPi)) return SensorProblem("its fov is not above 0 and at most 360 degrees");
   if (range < 0.0) return SensorProblem("its range is negative");
   return {};
 }
@@ -132,7 +131,9 @@ std::string BlobfinderParameters::Summary() const {
 }
 
 Status CameraParameters::Check() const {
-  if (Status error = CheckImage(width, height, fov); !error.ok()) return error;
+  if (Status error = CheckImage(width, height); !error.ok()) return error;
+  if (!(fov > 0.0 && fov <= 2.0 * kMaxElevation))
+    return SensorProblem("its fov is not above 0 and at most 170 degrees");
   if (!IsRange(range)) return SensorProblem("its range is not an interval from 0 up");
   if (!(elevation.min >= -kMaxElevation && elevation.max <= kMaxElevation && elevation.min < elevation.max)) {
     return SensorProblem("its picture does not end within 85 degrees above and below the horizontal");

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "common/picture/shading.h"
@@ -46,6 +47,17 @@ void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) 
   }
 }
 
+// A floor plate, below all rays: the height of the lowest one is `rays`.
+bool IsUnder(const Solid& solid, double rays) {
+  return solid.kind == SolidKind::kObject && solid.z.max < std::min(rays, kOverhang);
+}
+
+double LowestRays(const Drawing& drawing) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ScanFan& fan : drawing.fans) lowest = std::min(lowest, fan.X_WS.z);
+  return lowest;
+}
+
 bool IsOverhang(const Solid& solid) {
   return solid.kind == SolidKind::kObject && solid.z.min > kOverhang;
 }
@@ -61,36 +73,31 @@ void DrawSolid(Canvas& canvas, const Viewport& viewport, const Drawing& drawing,
   }
 }
 
-// The largest distance of a robot's body from its origin, m, frame R.
-struct Reach {
-  double front = 0.0;
-  double side = 0.0;
-};
-
-std::vector<Reach> RobotReaches(const Drawing& drawing) {
-  std::vector<Reach> reaches(drawing.state.robots.size());
+// The box around the widest part of each robot, m, frame R.
+std::vector<Rectangle> WidestParts(const Drawing& drawing) {
+  std::vector<Rectangle> widest(drawing.state.robots.size(), Rectangle::Nothing());
   for (const Solid& solid : drawing.solids) {
     if (!solid.robot) continue;
     const Transform2 X_WR(drawing.state.robots[solid.robot->index()].X_WR);
-    Reach& reach = reaches[solid.robot->index()];
+    Rectangle box = Rectangle::Nothing();
     for (const Polygon& loop : solid.loops) {
-      for (const Vec2& p_W : loop) {
-        const Vec2 p_R = X_WR.InverseTransform(p_W);
-        reach.front = std::max(reach.front, p_R.x());
-        reach.side = std::max(reach.side, std::abs(p_R.y()));
-      }
+      for (const Vec2& p_W : loop) box.Extend(X_WR.InverseTransform(p_W));
     }
+    Rectangle& other = widest[solid.robot->index()];
+    if (other.empty() || box.width() * box.height() > other.width() * other.height()) other = box;
   }
-  return reaches;
+  return widest;
 }
 
-// A wedge on the robot that points ahead.
-void DrawNose(Canvas& canvas, const Viewport& viewport, const Pose& X_WR, const Reach& reach, double opacity) {
+// A wedge on the robot that points ahead. `part`: where it is on the robot, frame R.
+void DrawNose(Canvas& canvas, const Viewport& viewport, const Pose& X_WR, const Rectangle& part, double opacity) {
+  if (part.empty()) return;
   const Transform2 transform(X_WR);
-  const double front = reach.front;
-  const double side = 0.62 * std::min(reach.side, reach.front);
-  const Polygon nose{transform * Vec2(1.02 * front, 0.0), transform * Vec2(0.3 * front, side),
-                     transform * Vec2(0.48 * front, 0.0), transform * Vec2(0.3 * front, -side)};
+  const Vec2 center = part.center();
+  const double front = part.max_x - center.x();
+  const double side = 0.62 * std::min(0.5 * part.height(), front);
+  const auto at = [&](double x, double y) { return transform * Vec2(center.x() + x, center.y() + y); };
+  const Polygon nose{at(1.02 * front, 0.0), at(0.3 * front, side), at(0.48 * front, 0.0), at(0.3 * front, -side)};
   const std::vector<Polygon> loops = viewport.ToPage(std::vector<Polygon>{nose});
   canvas.Fill(loops, {1.0, 1.0, 1.0, 0.95 * opacity});
   canvas.Stroke(loops, 0.6 * viewport.unit, {0.1, 0.12, 0.16, 0.8 * opacity});
@@ -122,9 +129,11 @@ struct Layer {
 };
 
 std::vector<Layer> SortedLayers(const Drawing& drawing) {
+  const double rays = drawing.fans.empty() ? -1.0 : LowestRays(drawing);
   std::vector<Layer> layers;
   for (const Solid& solid : drawing.solids) {
-    if (solid.kind != SolidKind::kMap) layers.push_back({solid.z.max, solid.z.min, &solid, std::nullopt});
+    if (solid.kind == SolidKind::kMap || IsUnder(solid, rays)) continue;
+    layers.push_back({solid.z.max, solid.z.min, &solid, std::nullopt});
   }
   for (std::size_t i = 0; i < drawing.extents.size(); ++i) {
     layers.push_back({drawing.extents[i].z.max, drawing.extents[i].z.max, nullptr, RobotId(i)});
@@ -137,7 +146,7 @@ std::vector<Layer> SortedLayers(const Drawing& drawing) {
 
 // Draws all but the walls. A robot under a table is drawn a second time over it, faintly.
 void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
-  const std::vector<Reach> reaches = RobotReaches(drawing);
+  const std::vector<Rectangle> widest = WidestParts(drawing);
   const auto draw = [&](const Layer& layer, double opacity) {
     if (layer.solid) {
       DrawSolid(canvas, viewport, drawing, *layer.solid, opacity);
@@ -149,7 +158,7 @@ void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing
     if (std::max(box.width(), box.height()) < kSmallestRobot * viewport.unit) {
       DrawPin(canvas, viewport, X_WR, drawing.world.model(drawing.world.robots[robot].root).color);
     } else {
-      DrawNose(canvas, viewport, X_WR, reaches[robot], opacity);
+      DrawNose(canvas, viewport, X_WR, widest[robot], opacity);
     }
   };
   const std::vector<Layer> layers = SortedLayers(drawing);
@@ -170,6 +179,16 @@ void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing
     const std::optional<RobotId> robot = layer.solid ? layer.solid->robot : layer.nose;
     if (robot && covered[robot->index()]) draw(layer, kCoveredOpacity);
   }
+}
+
+// Floor plates, which would hide the rays above them.
+void DrawPlates(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  std::vector<const Solid*> plates;
+  for (const Solid& solid : drawing.solids) {
+    if (IsUnder(solid, LowestRays(drawing))) plates.push_back(&solid);
+  }
+  std::stable_sort(plates.begin(), plates.end(), [](const Solid* a, const Solid* b) { return a->z.max < b->z.max; });
+  for (const Solid* plate : plates) DrawSolid(canvas, viewport, drawing, *plate, 1.0);
 }
 
 // Walls are below everything else: a robot inside a wall that it cannot hit must still be seen. Returns their boxes.
@@ -198,6 +217,7 @@ Rectangle TopContents(const Drawing& drawing) {
 }
 
 void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) {
+  if (!drawing.fans.empty()) DrawPlates(canvas, viewport, drawing);
   DrawFans(canvas, viewport, drawing);
   DrawMarks(canvas, viewport, drawing, PictureView::kTop, MarkShape::kArea);
   const std::vector<Rectangle> walls = DrawWalls(canvas, viewport, drawing);

@@ -1,11 +1,16 @@
 // dynamic: a body that moves to and fro, for worlds whose obstacles change.
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "robot-agent/controller/built_in.h"
+#include "robot-agent/navigation/recovery.h"
 #include "troupe/parameters.h"
 
 namespace troupe {
 namespace {
+
+constexpr double kDefaultTurn = 0.8;  // rad/s, of a recovery
 
 struct DynamicParameters {
   double speed = 0.4;     // m/s
@@ -26,12 +31,22 @@ Result<DynamicParameters> ParseDynamic(const std::string& text) {
 class DynamicController final : public Controller {
  public:
   DynamicController(const RobotInfo& info, const DynamicParameters& parameters)
-      : parameters_(parameters), car_(info.robot->drive.type == DriveType::kCar) {}
+      : parameters_(parameters),
+        car_(info.robot->drive.type == DriveType::kCar),
+        recovery_(info.robot->drive, {parameters.speed, kDefaultTurn}) {}
 
   Command Update(const Observation& observation) override {
     traveled_ += std::abs(observation.twist.vx) * observation.interval;
+    const bool is_stalled = observation.stalled && observation.time >= wait_until_;
+    const bool is_stuck = is_stalled && traveled_ == 0.0 && last_traveled_ == 0.0;  // in both directions
+    const double patience = is_stuck ? Recovery::kPatience : Recovery::kNever;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      last_traveled_ = parameters_.distance;
+      return *recovery;
+    }
     // An obstacle ends the way, too.
-    if (traveled_ >= parameters_.distance || (observation.stalled && observation.time >= wait_until_)) {
+    if (traveled_ >= parameters_.distance || is_stalled) {
+      last_traveled_ = traveled_;
       traveled_ = 0.0;
       direction_ = -direction_;
       wait_until_ = observation.time + parameters_.pause;
@@ -52,9 +67,11 @@ class DynamicController final : public Controller {
  private:
   DynamicParameters parameters_;
   bool car_;
-  double direction_ = 1.0;   // 1: ahead
-  double traveled_ = 0.0;    // m, on this way
-  double wait_until_ = 0.0;  // s, simulated
+  Recovery recovery_;
+  double direction_ = 1.0;                                          // 1: ahead
+  double traveled_ = 0.0;                                           // m, on this way
+  double last_traveled_ = std::numeric_limits<double>::infinity();  // m, on the way before
+  double wait_until_ = 0.0;                                         // s, simulated
 };
 
 Status CheckDynamic(const std::string& parameters) {

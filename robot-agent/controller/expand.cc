@@ -3,13 +3,15 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/rays.h"
+#include "robot-agent/navigation/recovery.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
 namespace troupe {
 namespace {
 
-constexpr double kEscapeTime = 0.5;  // s, of one attempt to escape after a stall
+constexpr double kEscapeTime = 0.5;       // s, of one attempt to escape after a stall
+constexpr double kEscapePatience = 10.0;  // s at rest, before a recovery
 
 struct ExpandParameters {
   double speed = 0.4;           // m/s, when the front is clear
@@ -32,7 +34,10 @@ Result<ExpandParameters> ParseExpand(const std::string& text) {
 class ExpandController final : public Controller {
  public:
   ExpandController(const RobotInfo& info, const ExpandParameters& parameters, std::size_t ranger)
-      : parameters_(parameters), drive_(info.robot->drive), ranger_(ranger) {
+      : parameters_(parameters),
+        drive_(info.robot->drive),
+        recovery_(drive_, {parameters.speed, parameters.turn_gain}),
+        ranger_(ranger) {
     for (const RangerRay& ray : RaysOf(info, ranger)) {
       const SinCosResult direction = SinCos(ray.bearing);
       rays_.push_back({ray, {direction.cos, direction.sin}});
@@ -44,6 +49,8 @@ class ExpandController final : public Controller {
   Command Update(const Observation& observation) override {
     const SensorReading& reading = observation.sensors[ranger_];
     if (reading.empty()) return {};
+    // It rests in front of a narrow obstacle with the free space behind it, and where all its attempts are blocked.
+    if (const std::optional<Command> recovery = recovery_.Update(observation, kEscapePatience)) return *recovery;
     Vec2 free_space = Vec2::Zero();
     bool clear = true;
     for (const auto& [ray, direction] : rays_) {
@@ -97,6 +104,7 @@ class ExpandController final : public Controller {
 
   ExpandParameters parameters_;
   DriveDescription drive_;
+  Recovery recovery_;
   std::size_t ranger_;
   std::vector<DirectedRay> rays_;
   Escape escape_;

@@ -4,6 +4,7 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/fetch_plan.h"
+#include "robot-agent/navigation/recovery.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -13,6 +14,7 @@ constexpr double kDistanceReached = 1e-6;  // m
 constexpr double kAngleReached = 1e-9;     // rad
 constexpr double kSteeringDistance = 0.1;  // m: nearer to its point, it drives straight on
 constexpr double kSteeringGain = 2.0;      // 1/s
+constexpr double kBlockedTime = 10.0;      // s blocked on its way, before a recovery
 
 // The fastest speed (m/s or rad/s) that allows a stop after `way` at `deceleration`; the last one ends there exactly.
 double Approach(double way, double speed, double deceleration, double interval) {
@@ -28,7 +30,8 @@ double Deceleration(const Interval& bounds) {
 
 class FetchController final : public Controller {
  public:
-  FetchController(const RobotInfo& info, FetchPlan plan) : plan_(std::move(plan)) {
+  FetchController(const RobotInfo& info, FetchPlan plan)
+      : plan_(std::move(plan)), recovery_(info.robot->drive, {plan_.speed, plan_.turn_rate}) {
     const DriveDescription& drive = info.robot->drive;
     plan_.speed = std::min({plan_.speed, drive.velocity.x.max, -drive.velocity.x.min});
     plan_.turn_rate = std::min({plan_.turn_rate, drive.velocity.heading.max, -drive.velocity.heading.min});
@@ -37,6 +40,12 @@ class FetchController final : public Controller {
   }
 
   Command Update(const Observation& observation) override {
+    const bool is_stuck = observation.stalled && IsOnItsWay();
+    const double patience = is_stuck ? kBlockedTime : Recovery::kNever;
+    if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      RestartWay();
+      return *std::move(recovery);
+    }
     Command command;
     while (next_ < plan_.steps.size() && IsDone(plan_.steps[next_], observation, command)) {
       ++next_;
@@ -49,6 +58,24 @@ class FetchController final : public Controller {
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<FetchController>(*this); }
 
  private:
+  // Between places, where no place demands its exact pose.
+  bool IsOnItsWay() const {
+    if (next_ == plan_.steps.size()) return false;
+    const FetchAction action = plan_.steps[next_].action;
+    return action == FetchAction::kGoTo || action == FetchAction::kTurnTo;
+  }
+
+  // From the point to which it drove last: a recovery leads away from it.
+  void RestartWay() {
+    for (std::size_t i = next_ + 1; i-- > 0;) {
+      if (plan_.steps[i].action != FetchAction::kGoTo) continue;
+      next_ = i;
+      break;
+    }
+    began_ = false;
+    facing_ = false;
+  }
+
   // Commands the next part of a step; true if the step is complete.
   bool IsDone(const FetchStep& step, const Observation& observation, Command& command) {
     const bool begins = !began_;
@@ -125,6 +152,7 @@ class FetchController final : public Controller {
   }
 
   FetchPlan plan_;
+  Recovery recovery_;
   double deceleration_ = 0.0;       // m/s^2
   double turn_deceleration_ = 0.0;  // rad/s^2
   std::size_t next_ = 0;

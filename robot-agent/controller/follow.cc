@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "robot-agent/controller/built_in.h"
+#include "robot-agent/navigation/recovery.h"
 #include "robot-agent/navigation/steer_to_point.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
@@ -31,13 +32,15 @@ Result<FollowParameters> ParseFollow(const std::string& text) {
 class FollowController final : public Controller {
  public:
   FollowController(const RobotInfo& info, const FollowParameters& parameters, std::size_t finder)
-      : parameters_(parameters), drive_(info.robot->drive), finder_(finder) {}
+      : parameters_(parameters), drive_(info.robot->drive), recovery_(drive_, parameters.steer), finder_(finder) {}
 
   std::vector<std::size_t> Subscriptions() const override { return {finder_}; }
 
   Command Update(const Observation& observation) override {
     const FiducialReading* const reading = observation.sensors[finder_].As<FiducialReading>();
     if (reading == nullptr) return {};
+    const double patience = observation.stalled ? Recovery::kPatience : Recovery::kNever;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
     const Fiducial* const leader = FindLeader(*reading);
     if (leader == nullptr) return Search();
     const Vec2 p_R = (reading->X_RS * leader->X_SF).translation();
@@ -69,6 +72,7 @@ class FollowController final : public Controller {
 
   FollowParameters parameters_;
   DriveDescription drive_;
+  Recovery recovery_;
   std::size_t finder_;
   double side_ = 1.0;  // 1: left
 };

@@ -255,8 +255,7 @@ class ForageController final : public Controller {
     Command command;
     if (!place.point && !Sees(observation, place.id)) {
       handling_since_.reset();
-      if (drive_.type != DriveType::kCar) command.twist.wz = 0.5 * parameters_.motion.steer.turn_rate;
-      return command;
+      return steering_.LookAround(observation);
     }
     if (!handling_since_) handling_since_ = observation.time;
     if (observation.time - *handling_since_ < parameters_.load_time) return command;

@@ -9,6 +9,7 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/controller/nested_parameters.h"
+#include "robot-agent/navigation/recovery.h"
 #include "robot-agent/navigation/steer_to_point.h"
 #include "troupe/deterministic_math.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kHeadingTolerance = 0.02;  // rad
 constexpr double kBackOffTime = 1.0;        // s, after a stall
-
 struct GoToParameters {
   SteerSettings steer;
   double tolerance = 0.1;         // m: a waypoint within it is reached
@@ -57,7 +57,10 @@ Result<GoToParameters> ParseGoTo(const char* name, bool repeats, const std::stri
 class GoToController final : public Controller {
  public:
   GoToController(const RobotInfo& info, GoToParameters parameters, bool repeats)
-      : parameters_(std::move(parameters)), drive_(info.robot->drive), repeats_(repeats) {
+      : parameters_(std::move(parameters)),
+        drive_(info.robot->drive),
+        recovery_(drive_, parameters_.steer),
+        repeats_(repeats) {
     RestartRoute();
   }
 
@@ -65,7 +68,16 @@ class GoToController final : public Controller {
 
   Command Update(const Observation& observation) override {
     FollowGoal(observation.goal);
-    if (observation.stalled && observation.time >= back_off_until_) {
+    const bool is_stuck = observation.stalled && observation.time >= back_off_until_;
+    // A manoeuvre that was blocked from its start to its end is not repeated.
+    const double patience = is_stuck ? std::max(observation.time - stalled_at_, Recovery::kPatience) : Recovery::kNever;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      back_off_until_ = observation.time;
+      if (next_ == route_.size() && next_ > 0) --next_;  // the recovery leads away from the last waypoint
+      return *recovery;
+    }
+    if (is_stuck) {
+      stalled_at_ = observation.time;
       back_off_until_ = observation.time + kBackOffTime;
       back_off_turn_ = observation.Random(0) < 0.5 ? 1.0 : -1.0;
     }
@@ -130,11 +142,13 @@ class GoToController final : public Controller {
 
   GoToParameters parameters_;
   DriveDescription drive_;
+  Recovery recovery_;
   bool repeats_;
   std::optional<std::uint32_t> goal_;  // the user's, while there is one
   std::vector<Vec2> route_;
   std::optional<double> heading_;
   std::size_t next_ = 0;         // in route_
+  double stalled_at_ = 0.0;      // s, simulated: when it last began to back off
   double back_off_until_ = 0.0;  // s, simulated
   double back_off_turn_ = 1.0;   // 1: to the left
 };

@@ -4,6 +4,7 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/rays.h"
+#include "robot-agent/navigation/recovery.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 
@@ -35,7 +36,10 @@ Result<WanderParameters> ParseWander(const std::string& text) {
 class WanderController final : public Controller {
  public:
   WanderController(const RobotInfo& info, const WanderParameters& parameters)
-      : parameters_(parameters), car_(info.robot->drive.type == DriveType::kCar) {
+      : parameters_(parameters),
+        car_(info.robot->drive.type == DriveType::kCar),
+        recovery_(info.robot->drive, {parameters.speed, parameters.turn_rate}),
+        needed_(parameters.min_distance) {
     ranger_ = FindBestRanger(info);
     if (ranger_) rays_ = RaysOf(info, *ranger_);
   }
@@ -47,7 +51,16 @@ class WanderController final : public Controller {
   Command Update(const Observation& observation) override {
     const View view = Look(observation);
     const double now = observation.time;
-    if (observation.stalled && now >= turn_until_) {
+    const bool is_stuck = observation.stalled && now >= turn_until_;
+    // A manoeuvre that was blocked from its start to its end is not repeated.
+    const double patience = is_stuck ? std::max(now - stalled_at_, Recovery::kPatience) : Recovery::kNever;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+      turn_until_ = now;
+      turn_ = 0.0;
+      return *recovery;
+    }
+    if (is_stuck) {
+      stalled_at_ = now;
       back_off_until_ = now + parameters_.back_off_time;
       // A random angle, against an endless sequence of stalls in one corner.
       turn_until_ = back_off_until_ + TurningTime(0.25 * kPi + 0.5 * kPi * observation.Random(0));
@@ -55,12 +68,21 @@ class WanderController final : public Controller {
     }
     if (now < back_off_until_) return Drive(-0.5 * parameters_.speed, 0.0);
     if (now < turn_until_) return Turn();
-    if (view.front >= parameters_.min_distance) {
+    if (view.front >= parameters_.min_distance) needed_ = parameters_.min_distance;
+    if (view.front >= needed_) {
       turn_ = 0.0;
       return Drive(parameters_.speed, 0.0);
     }
     // The side stays until the way is clear: a new choice in each tick could turn it to and fro in a corner.
-    if (turn_ == 0.0) turn_ = view.left_is_free ? 1.0 : -1.0;
+    if (turn_ == 0.0) {
+      turn_ = view.left_is_free ? 1.0 : -1.0;
+      turning_since_ = now;
+    }
+    // A whole circle without a clear front: in a narrow place less room has to do.
+    if (!car_ && now - turning_since_ >= TurningTime(2.0 * kPi)) {
+      needed_ *= 0.5;
+      turning_since_ = now;
+    }
     return Turn();
   }
 
@@ -115,9 +137,13 @@ class WanderController final : public Controller {
   bool car_;
   std::optional<std::size_t> ranger_;
   std::vector<RangerRay> rays_;
-  double turn_ = 0.0;            // 1: to the left, -1: to the right, 0: not turning
-  double back_off_until_ = 0.0;  // s, simulated
-  double turn_until_ = 0.0;      // s, simulated
+  Recovery recovery_;
+  double needed_;      // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
+  double turn_ = 0.0;  // 1: to the left, -1: to the right, 0: not turning
+  double turning_since_ = 0.0;  // s, simulated, as all times: or since `needed_` was lowered
+  double stalled_at_ = 0.0;     // when it last began to back off
+  double back_off_until_ = 0.0;
+  double turn_until_ = 0.0;
 };
 
 Status CheckWander(const std::string& parameters) {

@@ -26,7 +26,7 @@ Vec2 DirectionOf(double bearing) {
 }  // namespace
 
 ClearSteering::ClearSteering(const RobotInfo& info, std::optional<std::size_t> ranger, const Settings& settings)
-    : settings_(settings), drive_(info.robot->drive), ranger_(ranger) {
+    : settings_(settings), drive_(info.robot->drive), recovery_(drive_, settings.steer), ranger_(ranger) {
   if (ranger_) rays_ = PlacedRaysOf(info, *ranger_);
 }
 
@@ -45,7 +45,16 @@ void ClearSteering::SeeObstacles(const Observation& observation) {
 
 std::optional<Command> ClearSteering::Escape(const Observation& observation) {
   const double now = observation.time;
-  if (observation.stalled && now >= turn_until_) {
+  const bool is_stuck = observation.stalled && now >= turn_until_;
+  // A manoeuvre that was blocked from its start to its end is not repeated.
+  const double patience = is_stuck ? std::max(now - stalled_at_, Recovery::kPatience) : Recovery::kNever;
+  if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+    turn_until_ = now;
+    last_course_.reset();
+    return recovery;
+  }
+  if (is_stuck) {
+    stalled_at_ = now;
     back_off_until_ = now + kBackOffTime;
     // A random angle, against an endless sequence of stalls of two robots that give way to the same side.
     const double angle = 0.25 * kPi + 0.5 * kPi * observation.Random(0);
@@ -148,6 +157,13 @@ Command ClearSteering::Roam(const Observation& observation) {
   // It goes on where it found room, and does not push back to the old course.
   if (last_course_) roam_course_ = *last_course_;
   return command;
+}
+
+Command ClearSteering::LookAround(const Observation& observation) {
+  if (drive_.type == DriveType::kCar) return Roam(observation);
+  const double patience = observation.stalled ? Recovery::kPatience : Recovery::kNever;
+  if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
+  return Drive(0.0, 0.5);
 }
 
 Command ClearSteering::TurnAround() {

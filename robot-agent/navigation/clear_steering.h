@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robot-agent/navigation/rays.h"
+#include "robot-agent/navigation/recovery.h"
 #include "robot-agent/navigation/steer_to_point.h"
 #include "troupe/controller.h"
 
@@ -25,6 +26,9 @@ class ClearSteering {
   Command Towards(const Observation& observation, const Vec2& p_R, double most);
   // The command that drives on where there is room, with random turns. Call it once each tick.
   Command Roam(const Observation& observation);
+  // The command that turns the robot's sensors to all its surroundings: a turn on the spot, of a car a round trip. Call
+  // it once each tick.
+  Command LookAround(const Observation& observation);
 
  private:
   void SeeObstacles(const Observation& observation);
@@ -40,12 +44,14 @@ class ClearSteering {
 
   Settings settings_;
   DriveDescription drive_;
+  Recovery recovery_;
   std::optional<std::size_t> ranger_;
   std::vector<PlacedRay> rays_;
   std::vector<Vec2> obstacles_;        // hits, in R
   std::optional<double> last_course_;  // rad, in the frame of the estimate
   double side_ = 1.0;                  // 1: it turns to the left
-  double back_off_until_ = 0.0;        // s, simulated, as all times
+  double stalled_at_ = 0.0;            // s, simulated, as all times: when it last began to back off
+  double back_off_until_ = 0.0;
   double turn_until_ = 0.0;
   double best_distance_ = 0.0;  // m: the nearest to the point so far
   Vec2 best_target_{0.0, 0.0};  // in the frame of the estimate

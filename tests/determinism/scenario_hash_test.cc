@@ -37,7 +37,7 @@ std::uint64_t HashAfter(const std::string& scenario, int ticks) {
 }
 
 TEST(ScenarioHash, TheDemoIsTheSameAsEver) {
-  EXPECT_EQ(HashAfter("demo.json", 400), 0x4d60662bc63dfa8du);
+  EXPECT_EQ(HashAfter("demo.json", 400), 0x508af780bd688d64u);
 }
 
 TEST(ScenarioHash, TheSwarmIsTheSameAsEver) {

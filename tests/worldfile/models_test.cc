@@ -96,6 +96,32 @@ TEST(Models, BlockWithoutHeightShapesTheOthersButIsLeftOut) {
           "w.world:2:1: warning: this block has no height (its 'z' is missing or empty), so nothing can touch it"));
 }
 
+TEST(Models, WithoutHeightABodyIsFlat) {
+  const WorldFolder folder;
+  folder.Write("walls.pgm", std::string("P5 2 2 255\n\0\377\0\0", 15));
+  const std::string text =
+      "model( name \"plan\" bitmap \"walls.pgm\" size [6 5 0] )\n"
+      "model( name \"plate\" size [9 9 0] pose [0 0 0.1 0] )\n"
+      "position( name \"r\" size [0.4 0.4 0] )";
+  const LoadedWorld loaded = folder.LoadText(text);
+  EXPECT_TRUE(Validate(loaded.world).ok());
+  EXPECT_EQ(ShapeOf(loaded, 0).rectangles_z, (ZRange{0.0, 1e-6}));
+  EXPECT_TRUE(loaded.world.models[0].obstacle_return);
+  ASSERT_EQ(ShapeOf(loaded, 1).blocks.size(), 1u);
+  EXPECT_EQ(ShapeOf(loaded, 1).blocks[0].z, (ZRange{0.0, 1e-6}));
+  EXPECT_FALSE(loaded.world.models[1].obstacle_return);
+  EXPECT_TRUE(loaded.world.models[2].obstacle_return);
+  EXPECT_THAT(
+      folder.WarningsOf(text),
+      ElementsAre(
+          "w.world:1:43: warning: 'plan' has no height: it is drawn flat, hit by bodies at its height, and seen "
+          "only by rays at its height",
+          "w.world:2:22: warning: 'plate' has no height: it is drawn flat, hit by no body, and seen only by rays "
+          "at its height",
+          "w.world:3:21: warning: 'r' has no height: it is drawn flat, hit by bodies at its height, and seen "
+          "only by rays at its height"));
+}
+
 TEST(Models, OriginMovesTheBodyButNotTheChildren) {
   const LoadedWorld loaded =
       WorldFolder().LoadText("model( size [1 1 1] origin [1 0 0.5 90] pose [5 0 0 0] model( ) )");

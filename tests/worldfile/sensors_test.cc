@@ -97,6 +97,8 @@ TEST(Sensors, ABlobfinderIsRead) {
   EXPECT_NEAR(finder.X_MS.heading, 30.0 * kDegree, 1e-15);
   EXPECT_THAT(finder.colors, ElementsAre(Color{1.0, 0.0, 0.0, 1.0}, Color{0.0, 0.0, 1.0, 1.0}));
   EXPECT_THAT(ParametersOf<BlobfinderParameters>("blobfinder( )").colors, IsEmpty());
+  EXPECT_NEAR(ParametersOf<BlobfinderParameters>("blobfinder( fov 180 )").fov, kPi, 1e-12);
+  EXPECT_NEAR(ParametersOf<BlobfinderParameters>("blobfinder( fov 360 )").fov, 2.0 * kPi, 1e-12);
 }
 
 TEST(Sensors, ACameraIsRead) {
@@ -173,7 +175,7 @@ TEST(Sensors, WrongValuesAreRefusedAtTheirPlaces) {
       {"bumper( bcount 1 blength -2 )", "w.world:1:36: error: found a negative 'blength', expected at least 0"},
       {"bumper( bcount 1 bpose[0] [1 2] )", "w.world:1:37: error: found 2 values for 'bpose[0]', expected 4"},
       {"blobfinder( image [0 9] )", "w.world:1:29: error: found an image of 0 pixels, expected 1 to 4096"},
-      {"blobfinder( fov 179 )", "w.world:1:27: error: found 179 for 'fov', expected 0 to 170 degrees"},
+      {"blobfinder( fov 361 )", "w.world:1:27: error: found 361 for 'fov', expected 0 to 360 degrees"},
       {"blobfinder( colors_count 2 colors [\"red\"] )", "w.world:1:36: error: found 1 colour, expected 2"},
       {"camera( resolution [9 9000] )", "w.world:1:30: error: found an image of 9000 pixels, expected 1 to 4096"},
       {"camera( range [3 1] )",

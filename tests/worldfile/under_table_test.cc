@@ -8,6 +8,7 @@
 
 #include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
+#include "worldfile/load_world.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {
@@ -130,6 +131,37 @@ TEST_F(LabTable, ALegStallsTheScout) {
   EXPECT_NEAR(run["guest"].X_WR.y + 0.18, 1.125, kMillimetre);
   EXPECT_NEAR(MetPose(run).x, 1.465, 1e-9);
   EXPECT_FALSE(run.InsideSomething("guest"));
+}
+
+// Small worlds of people, beside those of Stage.
+class Cases : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = StageWorldsFolder() + "/../cases/";
+    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "no folder " << folder_;
+  }
+  std::string folder_;
+};
+
+TEST_F(Cases, AFloorplanWithoutHeightIsHitByARobotOnTheGround) {
+  Result<LoadedWorld> loaded = LoadWorld(folder_ + "flat_floorplan.world");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+  ASSERT_FALSE(loaded.value().warnings.empty());
+  EXPECT_NE(loaded.value().warnings[0].message.find("'plan' has no height"), std::string::npos);
+  ScenarioRun run(std::move(loaded).value().world);
+  bool touched = false;
+  for (int tick = 0; tick < 1000; ++tick) {
+    run.Run(1);
+    ASSERT_FALSE(run.InsideSomething("r0")) << tick;
+    touched = touched || (run["r0"].stalled && run.MetWithinOneMillimetre("r0") == "plan");
+  }
+  EXPECT_TRUE(touched);
+}
+
+TEST_F(Cases, ABlobfinderSeesAHalfCircle) {
+  const Result<LoadedWorld> loaded = LoadWorld(folder_ + "blobfinder_fov180.world");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+  EXPECT_TRUE(loaded.value().warnings.empty());
 }
 
 }  // namespace

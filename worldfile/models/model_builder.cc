@@ -66,6 +66,18 @@ Size ReadSize(PropertyReader& reader, const Size& otherwise) {
   return {(*size)[0] * unit, (*size)[1] * unit, (*size)[2] * unit};
 }
 
+// In Stage other bodies hit the outlines of a body without height, as if it were as high as they are. Walls are all
+// outline; but a plate is an area to drive over, which no body may start in.
+void SettleFlatBody(PropertyReader& reader, ModelDraft& draft) {
+  ModelDescription& model = draft.model;
+  const bool is_wall = reader.node().Find("bitmap") != nullptr || draft.type.has_drive || model.gripper_return;
+  model.obstacle_return = model.obstacle_return && is_wall;
+  reader.diagnostics().Warn(reader.Where("size"),
+                            Quoted(model.name) + " has no height: it is drawn flat, " +
+                                (model.obstacle_return ? "hit by bodies at its height" : "hit by no body") +
+                                ", and seen only by rays at its height");
+}
+
 void WarnIfSeenButNotHit(PropertyReader& reader, const ModelDescription& model) {
   if (model.obstacle_return || model.ranger_return < 0.0 || reader.node().Find("bitmap") == nullptr) return;
   reader.diagnostics().Warn(reader.Where("obstacle_return"),
@@ -122,6 +134,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, co
   std::unique_ptr<ModelReader> type_reader = type->make_reader();
   const bool moves = Moves(*draft, parent);
   Shape shape = type_reader->ReadShape(reader, *draft, context_);
+  if (!shape.empty() && draft->size.z == 0.0) SettleFlatBody(reader, *draft);
   if (moves) shape = ListedForMotion(reader, std::move(shape));
   draft->model.shape = context_.shapes.Add(std::move(shape));
   WarnIfSeenButNotHit(reader, draft->model);

@@ -143,6 +143,41 @@ TEST_F(DrivingTest, SearchesALeaderThatIsBehindAndIgnoresOthers) {
   EXPECT_LT(pose_.translation().norm(), 0.2);
 }
 
+// Robots whose motions all end at a contact, until they are moved.
+TEST_F(DrivingTest, ABlockedRobotTriesMotionsOfAllKinds) {
+  const struct {
+    const char* controller;
+    const char* parameters;
+    DriveType drive;
+  } cases[] = {{"go_to", R"({"waypoints": [[3, 0]]})", DriveType::kDifferential},
+               {"go_to", R"({"waypoints": [[0, 0]], "heading": 2})", DriveType::kDifferential},
+               {"go_to", R"({"waypoints": [[3, 0]]})", DriveType::kCar},
+               {"patrol", R"({"waypoints": [[3, 0], [0, 3]]})", DriveType::kOmni},
+               {"follow", "{}", DriveType::kDifferential},
+               {"dynamic", "{}", DriveType::kDifferential},
+               {"fetch", R"({"steps": [{"go_to": [-1, 0]}]})", DriveType::kDifferential}};
+  for (const auto& c : cases) {
+    Make(c.controller, c.parameters, c.drive);
+    leader_ = {3.0, 1.0};
+    bool ahead = false;
+    bool back = false;
+    bool left = false;
+    bool right = false;
+    for (tick_ = 0; tick_ < 600; ++tick_) {
+      std::vector<SensorReading> readings(robot_.sensors.size());
+      if (!readings.empty()) readings[0] = See();
+      const Command command = controller_->Update(At(tick_, readings, tick_ > 0));
+      const double speed = command.speed + command.twist.vx;
+      const double turn = command.steering + command.twist.wz;
+      if (speed > 0.0 && turn == 0.0) ahead = true;
+      if (speed < 0.0 && turn == 0.0) back = true;
+      if (turn > 0.0) left = true;
+      if (turn < 0.0) right = true;
+    }
+    EXPECT_TRUE(ahead && back && left && right) << c.controller << " " << c.parameters;
+  }
+}
+
 TEST_F(DrivingTest, WrongParametersAreNamed) {
   const struct {
     const char* controller;

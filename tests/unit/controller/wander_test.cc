@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "tests/unit/controller/controlled_robot.h"
 
@@ -100,6 +102,37 @@ TEST_F(WanderTest, BacksOffAndTurnsAfterAStall) {
   EXPECT_GE(turning, 11);  // at least pi/4 at 0.7 rad/s
   EXPECT_LE(turning, 35);
   EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+}
+
+TEST_F(WanderTest, TriesOtherMotionsWhereItsWayBackAndItsTurnAreBlocked) {
+  for (const DriveType drive : {DriveType::kDifferential, DriveType::kOmni, DriveType::kCar}) {
+    Make({MakeScanner()}, drive);
+    tick_ = 0;
+    std::set<std::string> tried;
+    for (int i = 0; i < 300; ++i) {
+      const Command command = See(kNothing, true);
+      if (command.speed > 0.0 || command.twist.vx > 0.0) tried.insert("ahead");
+      if (command.speed < 0.0 || command.twist.vx < 0.0) tried.insert("back");
+      if (command.steering > 0.0 || command.twist.wz > 0.0) tried.insert("left");
+      if (command.steering < 0.0 || command.twist.wz < 0.0) tried.insert("right");
+      if (command.twist.vy != 0.0) tried.insert("aside");
+      if (i == 20) {
+        EXPECT_FALSE(tried.contains("ahead")) << "its own manoeuvre comes first";
+      }
+    }
+    EXPECT_EQ(tried.size(), drive == DriveType::kOmni ? 5u : 4u);
+  }
+}
+
+TEST_F(WanderTest, DrivesIntoANarrowPlaceAfterAWholeCircle) {
+  Make({MakeScanner()});
+  const auto narrow = [](double) { return 0.7; };
+  int turning = 0;
+  while (See(narrow).twist.vx == 0.0 && turning < 200) ++turning;
+  EXPECT_NEAR(turning, 2.0 * kPi / 0.7 / 0.1, 2.0);
+  EXPECT_EQ(See(narrow).twist.vx, 0.5);
+  EXPECT_EQ(See(kNothing).twist.vx, 0.5);
+  EXPECT_EQ(See(narrow).twist.vx, 0.0) << "no longer a narrow place";
 }
 
 TEST_F(WanderTest, WithoutRangersUsesStalls) {

@@ -83,7 +83,7 @@ TEST(SensorDescription, ValuesThatCannotBeAreRefused) {
       BumperParameters{.height = -0.1},
       BlobfinderParameters{.width = 0},
       BlobfinderParameters{.height = 5000},
-      BlobfinderParameters{.fov = 3.1},
+      BlobfinderParameters{.fov = 6.4},
       CameraParameters{.fov = 0.0},
       CameraParameters{.elevation = {0.3, 0.3}},
       CameraParameters{.elevation = {0.0, 1.55}},

@@ -228,6 +228,34 @@ TEST(DrawPicture, ANosePointsAhead) {
   EXPECT_EQ(back.At(-1.83, 0), body);
 }
 
+TEST(DrawPicture, ANoseIsOnABodyThatIsBesideItsOrigin) {
+  WorldMaker maker;
+  maker.AddMap();
+  Shape shape;
+  shape.blocks = {{Box(1.0, 0.5, 2.0, 1.5), {0.0, 0.3}}, {Box(2.0, 0.95, 2.6, 1.05), {0.0, 0.1}}};
+  RobotDescription robot;
+  robot.name = "r0";
+  robot.root = maker.Add("r0", shape, {0.1, 0.2, 0.9, 1.0});
+  maker.world.robots.push_back(robot);
+  maker.state.robots.push_back({});
+  const Picture picture(maker);
+  const Pixel body = ToPixel(RobotColor({0.1, 0.2, 0.9, 1.0}, 1.0));
+  EXPECT_GT(Distance(picture.At(1.85, 1.0), body), 100);
+  for (const double y : {0.0, 0.2, 0.4}) EXPECT_GT(Distance(picture.At(1.3, y), {255, 255, 255}), 5) << "not white";
+  EXPECT_EQ(picture.At(1.2, 0.7), body);
+}
+
+TEST(DrawPicture, RaysAreSeenOverAFloorPlate) {
+  WorldMaker demo = Demo();
+  Shape plate;
+  plate.blocks = {{Box(-4, -4, 4, 4), {0.0, 0.01}}};
+  demo.Add("plate", plate, {0.8, 0.8, 0.4, 1.0});
+  const Picture with(demo, {}, DemoFans());
+  const Picture without(demo);
+  EXPECT_GT(Distance(with.At(-0.9, 0.13), without.At(-0.9, 0.13)), 10);
+  EXPECT_EQ(with.At(-3.1, 0.13), without.At(-3.1, 0.13));
+}
+
 TEST(DrawPicture, ARobotUnderATableCanBeSeenThroughIt) {
   WorldMaker without = Demo();
   without.state.robots[1].X_WR = {-2, 3, 0, 1.0};

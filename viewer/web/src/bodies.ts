@@ -261,6 +261,7 @@ export class Bodies {
   // A wedge on the widest block that shows the heading.
   private addNose(builder: GeometryBuilder, link: Link): void {
     let widest = 0;
+    let middle = {x: 0, y: 0};
     let front = 0;
     let side = 0;
     let z = 0;
@@ -274,14 +275,16 @@ export class Bodies {
         const area = (box.max.x - box.min.x) * (box.max.y - box.min.y);
         if (area <= widest * 1.0001 && !(area > 0.98 * widest && pose.z + block.top > z)) continue;
         widest = area;
-        front = box.max.x;
-        side = 0.55 * Math.min(box.max.y, -box.min.y, box.max.x);
+        middle = {x: (box.min.x + box.max.x) / 2, y: (box.min.y + box.max.y) / 2};
+        front = box.max.x - middle.x;
+        side = 0.55 * Math.min(box.max.y - middle.y, front);
         z = pose.z + block.top;
       }
     }
     if (front <= 0 || side <= 0) return;
     const white: Rgb = [0.97, 0.97, 0.97];
-    builder.addFlat([[0.96 * front, 0], [0.35 * front, side], [0.5 * front, 0]], z + 0.004, IDENTITY, white);
-    builder.addFlat([[0.96 * front, 0], [0.5 * front, 0], [0.35 * front, -side]], z + 0.004, IDENTITY, white);
+    const at = (x: number, y: number): [number, number] => [middle.x + x, middle.y + y];
+    builder.addFlat([at(0.96 * front, 0), at(0.35 * front, side), at(0.5 * front, 0)], z + 0.004, IDENTITY, white);
+    builder.addFlat([at(0.96 * front, 0), at(0.5 * front, 0), at(0.35 * front, -side)], z + 0.004, IDENTITY, white);
   }
 }

@@ -144,6 +144,15 @@ std::optional<std::vector<Block>> ReadBlocks(PropertyReader& reader) {
   return blocks;
 }
 
+// Of a body whose model has no height: flat to the eye, but hit by bodies that span its height, as in Stage, which
+// tests heights inclusively.
+constexpr double kFlatHeight = 1e-6;  // m
+
+void Thicken(Shape& shape) {
+  for (Block& block : shape.blocks) block.z.max = block.z.min + kFlatHeight;
+  shape.rectangles_z.max = shape.rectangles_z.min + kFlatHeight;
+}
+
 // Blocks without height collide with nothing and are hit by no ray; a shape must not contain them.
 void DropFlatBlocks(Shape& shape) {
   std::erase_if(shape.blocks, [](const Block& block) { return !(block.z.max - block.z.min > kTouchTolerance); });
@@ -264,11 +273,13 @@ Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, con
   std::move(blocks->begin(), blocks->end(), std::back_inserter(shape.blocks));
   if (shape.empty()) return {};
 
-  if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0)) {
+  if (!(size.x > 0.0 && size.y > 0.0)) {
     reader.diagnostics().Warn(reader.Where("size"), "this model has a size of 0, so it has no body");
     return {};
   }
-  return Placed(reader, X_MD, has_blocks ? ScaledToSize(std::move(shape), size) : std::move(shape));
+  if (has_blocks) shape = ScaledToSize(std::move(shape), size);
+  if (size.z == 0.0) Thicken(shape);
+  return Placed(reader, X_MD, std::move(shape));
 }
 
 }  // namespace troupe

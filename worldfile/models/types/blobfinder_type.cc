@@ -45,7 +45,7 @@ class BlobfinderReader : public ModelReader {
       finder.height = static_cast<std::uint32_t>((*image)[1]);
     }
     finder.range = ReadDistance(reader, "range", finder.range);
-    finder.fov = ReadFov(reader, finder.fov, 2.0 * kMaxElevation);
+    finder.fov = ReadFov(reader, finder.fov);
     finder.X_MS = draft.X_MD * Pose{0.0, 0.0, 0.0, WrapAngle(ReadAngle(reader, "pan", 0.0))};
     finder.colors = ReadColors(reader);
     AddSensor(reader, draft, "blobfinder", std::move(finder), context);

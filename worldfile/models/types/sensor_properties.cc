@@ -22,16 +22,14 @@ std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns) {
   return static_cast<std::uint32_t>(std::clamp(ticks, 1.0, 4e9));
 }
 
-double ReadFov(PropertyReader& reader, double otherwise, double max) {
+double ReadFov(PropertyReader& reader, double otherwise) {
   const auto fov = reader.Numbers("fov", 1);
   if (!fov) return otherwise;
   const double radians = reader.units().Angle(fov->front());
   // Files in radians round 2 pi up.
-  if (radians >= 0.0 && radians <= max + 1e-3) return std::min(radians, max);
-  const std::string limit =
-      max == 2.0 * kPi ? (reader.units().degrees ? "360 degrees" : "6.2832 radians") : AngleText(reader.units(), max);
-  reader.diagnostics().Fail(reader.Where("fov"),
-                            "found " + NumberText(fov->front()) + " for 'fov', expected 0 to " + limit);
+  if (radians >= 0.0 && radians <= 2.0 * kPi + 1e-3) return std::min(radians, 2.0 * kPi);
+  reader.diagnostics().Fail(reader.Where("fov"), "found " + NumberText(fov->front()) + " for 'fov', expected 0 to " +
+                                                     (reader.units().degrees ? "360 degrees" : "6.2832 radians"));
   return otherwise;
 }
 

@@ -11,8 +11,8 @@ namespace troupe {
 // `update_interval`, in ticks.
 std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns);
 
-// `fov`, in rad, from 0 to `max` rad.
-double ReadFov(PropertyReader& reader, double otherwise, double max = 2.0 * kPi);
+// `fov`, in rad, from 0 to 2 pi.
+double ReadFov(PropertyReader& reader, double otherwise);
 
 // `range [min max]`, in m.
 Interval ReadRange(PropertyReader& reader, const Interval& otherwise);
