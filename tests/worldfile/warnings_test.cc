@@ -20,7 +20,7 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
                   "w.world:3:8: warning: property 'debug' has no effect: it has none in Stage either",
                   "w.world:4:2: warning: no effect, because they only concern Stage's window: property 'gui_grid', "
                   "'window'",
-                  "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
+                  "w.world:5:2: warning: property 'laser_return' has no effect: it is 'ranger_return' today",
                   "w.world:6:2: warning: property 'colour' has no effect in a 'model'"));
 }
 
