@@ -148,6 +148,14 @@ const BadMap kBadMaps[] = {
      "occupied_thresh: 0.65\n"
      "free_thresh: 0.196\n",
      "w.yaml:3:16: error: found 'north' for 'origin', expected a number"},
+    {"origin that is no number",
+     "image: map.pgm\n"
+     "resolution: 0.05\n"
+     "origin: [.nan, 0, 0]\n"
+     "negate: 0\n"
+     "occupied_thresh: 0.65\n"
+     "free_thresh: 0.196\n",
+     "w.yaml:3:10: error: found '.nan' for 'origin', expected a number"},
     {"origin far away",
      "image: map.pgm\n"
      "resolution: 0.05\n"
@@ -170,13 +178,6 @@ const BadMap kBadMaps[] = {
      "negate: 0\n"
      "free_thresh: 0.196\n",
      "w.yaml:1:1: error: found no key 'occupied_thresh', expected it"},
-    {"no free_thresh",
-     "image: map.pgm\n"
-     "resolution: 0.05\n"
-     "origin: [0, 0, 0]\n"
-     "negate: 0\n"
-     "occupied_thresh: 0.65\n",
-     "w.yaml:1:1: error: found no key 'free_thresh', expected it"},
     {"unknown mode",
      "image: map.pgm\n"
      "resolution: 0.05\n"

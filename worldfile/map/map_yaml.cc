@@ -24,6 +24,12 @@ SourceLocation At(const std::string& path, const YAML::Mark& mark) {
   return {path, mark.line + 1, mark.column + 1};
 }
 
+// "nan", ".nan", "-nan", "-NaN".
+bool EndsInNan(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text.ends_with("nan") && text.find_first_not_of("+-.") == text.size() - 3;
+}
+
 // Reads the keys of the file one by one. The first error is kept; after it values are defaults.
 class MapYamlReader {
  public:
@@ -38,8 +44,12 @@ class MapYamlReader {
     map.origin = ReadOrigin();
     const bool negate = Flag("negate", std::nullopt);
     const double occupied = Threshold("occupied_thresh");
-    const double free = Threshold("free_thresh");
-    if (error_.ok() && free > occupied) {
+    const bool has_free = nodes_.contains("free_thresh");  // it has no effect, so it may be missing
+    const double free = has_free ? Threshold("free_thresh") : 0.0;
+    if (!has_free) {
+      warnings_.push_back({{path_, 1, 1}, "found no key 'free_thresh', expected it; it has no effect here"});
+    }
+    if (error_.ok() && has_free && free > occupied) {
       Warn("free_thresh", "found a free_thresh of " + NumberText(free) + " above the occupied_thresh of " +
                               NumberText(occupied) +
                               ", expected at most that; pixels from occupied_thresh on are occupied, as in map_server");
@@ -179,6 +189,11 @@ class MapYamlReader {
     double values[3] = {};
     for (std::size_t i = 0; i < 3; ++i) {
       const YAML::Node& node = found->second[i];
+      // map_saver writes a heading of "-nan" if a localization has no estimate.
+      if (i == 2 && node.IsScalar() && EndsInNan(node.Scalar())) {
+        Warn("origin", "found " + Quoted(node.Scalar()) + " for the yaw of 'origin', expected a number; 0 is used");
+        continue;
+      }
       values[i] = ToNumber(node, "origin").value_or(0.0);
       if (std::fabs(values[i]) > kMaxMagnitude)
         Fail(node.Mark(), "found " + NumberText(values[i]) + " for 'origin', expected at most 1e6");
