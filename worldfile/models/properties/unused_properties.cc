@@ -78,6 +78,19 @@ constexpr NoEffect kSensorProperties[] = {
     {"ray_count", "it is 'samples' today"}, {"resolution", kFormer}, {"view", kFormer},
 };
 
+constexpr NoEffect kBlobfinderProperties[] = {
+    {"channel_count", "it is 'colors_count' today"},
+    {"channels", "they are 'colors' today"},
+    {"channels_count", "it is 'colors_count' today"},
+    {"range_max", "it is 'range' today"},
+};
+
+constexpr NoEffect kFiducialProperties[] = {
+    {"max_range_anon", "it is 'range_max' today"},
+    {"max_range_id", "it is 'range_max_id' today"},
+    {"range", "it is 'range_max' today"},
+};
+
 // Of a ranger itself.
 constexpr NoEffect kRangerProperties[] = {
     {"fov", kSensors},
@@ -137,9 +150,11 @@ void WarnOfUnusedInBlock(PropertyReader& reader) {
 }
 
 void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type) {
-  const bool is_ranger = type == "ranger";
-  WarnOfUnused(reader, kModelProperties, " in a '" + std::string(type) + "'", false,
-               is_ranger ? std::span<const NoEffect>(kRangerProperties) : std::span<const NoEffect>());
+  std::span<const NoEffect> of_type;
+  if (type == "blobfinder") of_type = kBlobfinderProperties;
+  if (type == "fiducial") of_type = kFiducialProperties;
+  if (type == "ranger") of_type = kRangerProperties;
+  WarnOfUnused(reader, kModelProperties, " in a '" + std::string(type) + "'", false, of_type);
 }
 
 }  // namespace troupe
