@@ -82,6 +82,23 @@ TEST(MapYaml, WhatMapServerReadsLoadsWithAWarning) {
       "image:", "# K\374che\nimage:", {"found a byte that is not UTF-8, expected UTF-8 text; it is left out"});
 }
 
+TEST(MapYaml, AnImageOfAnotherMachineIsLookedForBesideTheFile) {
+  const WorldFolder folder;
+  std::string yaml = kYaml;
+  yaml.replace(yaml.find("map.pgm"), 7, "/home/of/another/map.pgm");
+  folder.Write("m.yaml", yaml);
+  const LoadedWorld loaded = folder.Load("m.yaml");
+  EXPECT_EQ(ShapeOf(loaded).rectangles.size(), 2u);
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_EQ(
+      loaded.warnings[0].message,
+      "found no image '/home/of/another/map.pgm'; the one beside this file is used, '" + folder.Path("map.pgm") + "'");
+  EXPECT_EQ(loaded.warnings[0].where.line, 1);
+  yaml.replace(yaml.find("map.pgm"), 7, "mop.pgm");
+  folder.Write("m.yaml", yaml);
+  EXPECT_THAT(folder.ErrorOf("m.yaml"), testing::HasSubstr("bitmap '/home/of/another/mop.pgm': cannot read the image"));
+}
+
 TEST(MapYaml, KeepsItsGrid) {
   const WorldFolder folder;
   folder.Write("m.yaml", kYaml);

@@ -168,7 +168,18 @@ class MapYamlReader {
     const std::optional<std::string> image = Scalar("image", true);
     if (!image) return "";
     if (image->empty()) Fail(nodes_.at("image").Mark(), "found an empty image name, expected a file");
-    return (std::filesystem::path(DirectoryOf(path_)) / *image).lexically_normal().string();
+    const std::filesystem::path folder = DirectoryOf(path_);
+    const std::filesystem::path named = (folder / *image).lexically_normal();
+    // map_saver writes the path on the machine where it ran.
+    const std::filesystem::path beside = (folder / named.filename()).lexically_normal();
+    std::error_code ignored;
+    if (named.is_absolute() && *image != beside && !std::filesystem::exists(named, ignored) &&
+        std::filesystem::is_regular_file(beside, ignored)) {
+      Warn("image", "found no image " + QuotedPath(*image) + "; the one beside this file is used, " +
+                        QuotedPath(beside.string()));
+      return beside.string();
+    }
+    return named.string();
   }
 
   Pose ReadOrigin() {
