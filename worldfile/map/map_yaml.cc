@@ -173,7 +173,7 @@ class MapYamlReader {
     // map_saver writes the path on the machine where it ran.
     const std::filesystem::path beside = (folder / named.filename()).lexically_normal();
     std::error_code ignored;
-    if (named.is_absolute() && *image != beside && !std::filesystem::exists(named, ignored) &&
+    if (named != beside && !std::filesystem::exists(named, ignored) &&
         std::filesystem::is_regular_file(beside, ignored)) {
       Warn("image", "found no image " + QuotedPath(*image) + "; the one beside this file is used, " +
                         QuotedPath(beside.string()));
