@@ -19,9 +19,9 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string Little(std::uint32_t number, std::size_t bytes) {
+std::string Little(std::uint64_t number, std::size_t bytes) {
   std::string text;
-  for (std::size_t i = 0; i < bytes; ++i) text += static_cast<char>(number >> (8 * i));
+  for (std::size_t i = 0; i < bytes; ++i) text += static_cast<char>(i < 8 ? number >> (8 * i) : 0);
   return text;
 }
 
