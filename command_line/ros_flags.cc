@@ -57,8 +57,10 @@ std::vector<std::string> NameArguments(const ros::RosOptions& options) {
 }
 
 std::vector<std::string> WorldTopicArguments(const ros::WorldTopics& world) {
-  std::vector<std::string> arguments = {"--ros-clock-rate=" + CLI::detail::to_string(world.clock_rate),
-                                        "--ros-map-resolution=" + CLI::detail::to_string(world.map_resolution)};
+  std::vector<std::string> arguments = {"--ros-clock-rate=" + CLI::detail::to_string(world.clock_rate)};
+  if (world.map_resolution) {
+    arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(*world.map_resolution));
+  }
   if (world.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*world.map_height));
   return arguments;
 }
@@ -153,7 +155,7 @@ void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::strin
       ->type_name("HZ")
       ->group(group);
   app.add_option("--ros-map-resolution", world.map_resolution,
-                 fmt::format("Side of a cell of /map in metres (default: {})", world.map_resolution))
+                 "Side of a cell of /map in metres (default: that of the world's ROS map, or 0.05)")
       ->check(PositiveNumber())
       ->type_name("METRES")
       ->group(group);

@@ -12,7 +12,7 @@ using Bytes = std::span<const std::byte>;
 // Files of users.
 void World(Bytes bytes);      // a Stage world
 void Scenario(Bytes bytes);   // a JSON scenario
-void Image(Bytes bytes);      // a PNG or PGM, to the body of a model
+void Image(Bytes bytes);      // an image, to the body of a model
 void MapYaml(Bytes bytes);    // a ROS map's YAML, and behind a zero byte its image
 void Recording(Bytes bytes);  // a recorded run: behind a zero byte a file, behind another one its messages
 

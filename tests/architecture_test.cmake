@@ -87,8 +87,8 @@ set(may_include_world-service/observers/ros
   ros/connection ros/link world-service/service)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/messages common/run common/spatial
-  worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
-  world-service/service)
+  robot-agent/controller worldfile worldfile/models world-service/observers/recorder world-service/observers/ros
+  world-service/replay world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
   world-service/program world-service/observers/status world-service/service)

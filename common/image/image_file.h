@@ -1,4 +1,4 @@
-// Reading map images: PNG and PGM, straight to occupied and free pixels.
+// Reading map images, straight to occupied and free pixels.
 #pragma once
 
 #include <array>
@@ -30,8 +30,9 @@ inline constexpr std::int64_t kMaxImageBytes = 8'000'000'000;
 // Interlaced PNG images have to be unpacked as a whole, so they have to be smaller.
 inline constexpr std::int64_t kMaxInterlacedBytes = 400'000'000;
 
-// Reads an image row by row, so that memory is one bit for each pixel. Format by content, not by file name: PNG of any
-// kind, PGM text (P2) and binary (P5). 16-bit samples are reduced to 8; palettes are looked up.
+// Reads an image row by row, so that memory is one bit for each pixel. Format by content, not by file name: PNG, JPEG
+// and BMP of any kind, PGM text (P2) and binary (P5). 16-bit samples are reduced to 8; palettes are looked up. The
+// error for another format names it, with a way to convert it.
 Result<Bitmap> ReadBitmap(const std::string& path, const PixelRule& rule);
 
 }  // namespace troupe

@@ -27,8 +27,19 @@ Result<ImageFile> OpenImage(const std::string& path);
 // True if the content begins as that of a PNG file.
 bool IsPng(const ImageFile& file);
 
+// The error for more than kMaxImagePixels pixels. REQUIRES: height > 0
+Status CheckPixels(const ImageFile& file, std::int64_t width, std::int64_t height);
+// "found 20 bytes, which cannot hold an image of 60000 x 60000 pixels".
+Error TooShort(const ImageFile& file, std::int64_t width, std::int64_t height);
+
+// Sets row y of the bitmap, which is all free, by its samples from left to right. `channels` of a pixel: 1 grey, 2 grey
+// and opacity, 3 red, green and blue, 4 those and opacity.
+void SetRow(const PixelRule& rule, const std::uint8_t* samples, std::size_t channels, int y, Bitmap& bitmap);
+
 Result<Bitmap> ReadPng(const ImageFile& file, const PixelRule& rule);
 Result<GreyImage> ReadGreyPng(const ImageFile& file);
 Result<Bitmap> ReadPgm(const ImageFile& file, const PixelRule& rule);
+Result<Bitmap> ReadBmp(const ImageFile& file, const PixelRule& rule);
+Result<Bitmap> ReadJpeg(const ImageFile& file, const PixelRule& rule);
 
 }  // namespace troupe

@@ -22,14 +22,9 @@ class PgmReader {
     if (!width || !height || !maximum || *width == 0 || *height == 0 || *maximum == 0) {
       return Fail("found a damaged PGM header, expected width, height and maximum as whole numbers above 0");
     }
-    const std::string text = std::to_string(*width) + " x " + std::to_string(*height) + " pixels";
-    if (*width > kMaxImagePixels / *height) {
-      return Fail("found an image of " + text + ", expected at most 4000000000 pixels");
-    }
+    if (Status fault = CheckPixels(file_, *width, *height); !fault.ok()) return fault.error();
     const std::int64_t bytes_per_sample = binary && *maximum <= 255 ? 1 : 2;
-    if (*width * *height > (file_.size + 1) / bytes_per_sample) {
-      return Fail("found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text);
-    }
+    if (*width * *height > (file_.size + 1) / bytes_per_sample) return TooShort(file_, *width, *height);
     lookup_.resize(static_cast<std::size_t>(*maximum) + 1);
     for (std::int64_t value = 0; value <= *maximum; ++value) {
       lookup_[static_cast<std::size_t>(value)] =
@@ -38,7 +33,8 @@ class PgmReader {
     Bitmap bitmap(static_cast<int>(*width), static_cast<int>(*height));
     for (int y = bitmap.height() - 1; y >= 0; --y) {
       if (!(binary ? ReadBinaryRow(bitmap, y, bytes_per_sample) : ReadTextRow(bitmap, y))) {
-        return Fail("found a damaged PGM image, expected " + text + " of values up to " + std::to_string(*maximum));
+        return Fail("found a damaged PGM image, expected " + std::to_string(*width) + " x " + std::to_string(*height) +
+                    " pixels of values up to " + std::to_string(*maximum));
       }
     }
     return bitmap;

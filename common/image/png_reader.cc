@@ -38,7 +38,7 @@ class PngReader {
     if (Status error = ReadStart(); !error.ok()) return error.error();
     Bitmap bitmap(width(), height());
     const bool ok =
-        ReadPixels([&](const png_byte* samples, int y) { SetRow(samples, bitmap, bitmap.height() - 1 - y); });
+        ReadPixels([&](const png_byte* samples, int y) { SetPixels(samples, bitmap.height() - 1 - y, bitmap); });
     if (!ok) return Fail(message_.data());
     return bitmap;
   }
@@ -113,10 +113,7 @@ class PngReader {
     const std::string text = std::to_string(width) + " x " + std::to_string(height) + " pixels";
     const std::int64_t bits_per_pixel =
         std::int64_t{png_get_channels(png_, info_)} * std::int64_t{png_get_bit_depth(png_, info_)};
-    // Divisions, because the products could overflow.
-    if (width > kMaxImagePixels / height) {
-      return Error{{file_.path}, "found an image of " + text + ", expected at most 4000000000 pixels"};
-    }
+    if (Status fault = CheckPixels(file_, width, height); !fault.ok()) return fault;
     const std::int64_t row_bytes = (width * bits_per_pixel + 7) / 8;
     if (row_bytes > kMaxImageBytes / height) {
       return Error{{file_.path},
@@ -126,10 +123,7 @@ class PngReader {
       return Error{{file_.path}, "found an interlaced image of " + text + ", expected one that is not interlaced"};
     }
     // Deflate shrinks by at most 1032 to 1: a file that is too short for its pixels is cut off, or made to mislead.
-    if (row_bytes * height / 1040 > file_.size) {
-      return Error{{file_.path},
-                   "found " + std::to_string(file_.size) + " bytes, which cannot hold an image of " + text};
-    }
+    if (row_bytes * height / 1040 > file_.size) return TooShort(file_, width, height);
     return Status();
   }
 
@@ -182,28 +176,9 @@ class PngReader {
     return Guarded([this] { png_read_end(png_, nullptr); });
   }
 
-  bool Occupied(const png_byte* pixel) const {
-    const bool has_alpha = channels_ == 2 || channels_ == 4;
-    if (has_alpha && rule_.transparent_is_free && pixel[channels_ - 1] != 255) return false;
-    if (channels_ >= 3 && rule_.mean_of_channels) {
-      return rule_.occupied[(static_cast<std::size_t>(pixel[0]) + pixel[1] + pixel[2] + 1) / 3];
-    }
-    return rule_.occupied[pixel[0]];
-  }
-
-  void SetRow(const png_byte* samples, Bitmap& bitmap, int y) const {
-    const std::span<std::uint64_t> words = bitmap.row(y);
-    const std::size_t width = static_cast<std::size_t>(bitmap.width());
-    if (is_packed_) return SetPackedRow(samples, width, words);
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const std::size_t count = std::min<std::size_t>(64, width - 64 * i);
-      std::uint64_t word = 0;
-      for (std::size_t bit = 0; bit < count; ++bit) {
-        word |= std::uint64_t{Occupied(samples)} << bit;
-        samples += channels_;
-      }
-      words[i] = word;
-    }
+  void SetPixels(const png_byte* samples, int y, Bitmap& bitmap) const {
+    if (!is_packed_) return SetRow(rule_, samples, channels_, y, bitmap);
+    SetPackedRow(samples, static_cast<std::size_t>(bitmap.width()), bitmap.row(y));
   }
 
   // From eight pixels in a byte, the leftmost in its highest bit.

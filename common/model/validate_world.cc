@@ -111,6 +111,12 @@ Status CheckModel(const WorldDescription& world, std::size_t index) {
   if (blinking.period_ns < 0 || blinking.on_ns < 0 || blinking.on_ns > blinking.period_ns) {
     return Problem("its light is on for longer than its period, or for a negative time");
   }
+  const MapGrid& map = model.map;
+  const bool is_map = map.columns > 0 || map.rows > 0;
+  if (is_map && !(map.columns > 0 && map.rows > 0 && map.resolution > 0.0 &&
+                  AreUsable({map.columns * map.resolution, map.rows * map.resolution}))) {
+    return Problem("its map has no extent, or is too large");
+  }
   return Status();
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/model/model_poses.h"
+
 namespace troupe {
 namespace {
 
@@ -59,22 +61,68 @@ void Mark(const std::vector<Vec2>& polygon, OccupancyGrid& grid) {
   }
 }
 
+// The extent of a world's grid; its cells are aligned to `corner`.
+struct GridExtent {
+  Rectangle bounds = Rectangle::Nothing();
+  Vec2 corner{0.0, 0.0};
+  std::optional<double> resolution;  // m, of the world's first ROS map
+};
+
+GridExtent ExtentOf(const Scene& scene) {
+  GridExtent extent{scene.static_index().bounds(), {0.0, 0.0}, std::nullopt};
+  const WorldDescription& world = scene.world();
+  std::vector<Pose> poses;
+  bool is_aligned = false;
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelDescription& model = world.models[i];
+    if (model.map.columns == 0 || model.removed || scene.body_of(ModelId(i))) continue;
+    if (poses.empty()) poses = ModelPoses(world, PlacedState(world));
+    const Transform2 to_world(poses[i]);
+    const double width = model.map.columns * model.map.resolution;
+    const double height = model.map.rows * model.map.resolution;
+    for (const Vec2& corner : Corners({0.0, 0.0, width, height})) {
+      extent.bounds.Extend(Vec2(to_world * corner));
+    }
+    if (!extent.resolution) extent.resolution = model.map.resolution;
+    if (is_aligned || poses[i].heading != 0.0) continue;
+    is_aligned = true;
+    extent.corner = poses[i].translation();
+  }
+  if (!is_aligned) extent.corner = {extent.bounds.min_x, extent.bounds.min_y};
+  return extent;
+}
+
+// The cells from the one with `min` up to `max`, along an axis on which a cell begins at `corner`.
+struct Span {
+  double origin = 0.0;  // m
+  double count = 0.0;
+};
+Span SpanOf(double min, double max, double corner, double resolution) {
+  const double before = std::max(0.0, std::ceil((corner - min) / resolution - kSliver));
+  const double origin = corner - before * resolution;
+  return {origin, std::max(1.0, std::ceil((max - origin) / resolution - kSliver))};
+}
+
 }  // namespace
 
-OccupancyGrid MakeOccupancyGrid(const Scene& scene, double resolution, double z) {
+OccupancyGrid MakeOccupancyGrid(const Scene& scene, std::optional<double> resolution, double z,
+                                std::uint64_t most_cells) {
   OccupancyGrid grid;
-  const Rectangle& bounds = scene.static_index().bounds();
+  const GridExtent extent = ExtentOf(scene);
+  const Rectangle& bounds = extent.bounds;
   if (bounds.empty()) return grid;
-  const auto cells_along = [](double length, double side) { return std::max(1.0, std::ceil(length / side - kSliver)); };
-  while (cells_along(bounds.width(), resolution) * cells_along(bounds.height(), resolution) >
-         static_cast<double>(kMaxGridCells)) {
-    resolution *= 2.0;
+  grid.resolution = resolution ? *resolution : extent.resolution.value_or(kDefaultGridResolution);
+  Span x;
+  Span y;
+  for (;; grid.resolution *= 2.0) {
+    x = SpanOf(bounds.min_x, bounds.max_x, extent.corner.x(), grid.resolution);
+    y = SpanOf(bounds.min_y, bounds.max_y, extent.corner.y(), grid.resolution);
+    if (x.count * y.count <= static_cast<double>(most_cells)) break;
   }
-  grid.resolution = resolution;
-  grid.origin_x = bounds.min_x;
-  grid.origin_y = bounds.min_y;
-  grid.width = static_cast<std::uint32_t>(cells_along(bounds.width(), resolution));
-  grid.height = static_cast<std::uint32_t>(cells_along(bounds.height(), resolution));
+  grid.origin_x = x.origin;
+  grid.origin_y = y.origin;
+  grid.width = static_cast<std::uint32_t>(x.count);
+  grid.height = static_cast<std::uint32_t>(y.count);
   grid.occupied.assign(std::size_t{grid.width} * grid.height, false);
   scene.static_index().ForEachPiece([&](const ConvexPiece& piece) {
     if (piece.z.Contains(z) && (piece.obstacle || piece.ranger_return >= 0.0)) Mark(piece.vertices, grid);

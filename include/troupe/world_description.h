@@ -82,6 +82,15 @@ struct PowerDescription {
   bool operator==(const PowerDescription&) const = default;
 };
 
+// The pixels of a ROS map that a model was made from, occupied or not: its image begins at the model's origin. Only the
+// maps that are made of a world depend on it, so it does not count for a world's hash.
+struct MapGrid {
+  std::uint32_t columns = 0;  // 0: the model is no map
+  std::uint32_t rows = 0;
+  double resolution = 0.0;  // m, side of a pixel
+  bool operator==(const MapGrid&) const = default;
+};
+
 struct ModelDescription {
   std::string name;  // unique, children as "parent.child"
   std::string type;  // as in the world file: "model", "position", "ranger", ...
@@ -100,6 +109,7 @@ struct ModelDescription {
   bool show_nose = false;            // pictures show its heading
   Blinking blinking = {};            // of a light
   PowerDescription power = {};
+  MapGrid map = {};
   bool removed = false;  // by an edit: it keeps its id, but has no body, and its name is free
   bool operator==(const ModelDescription&) const = default;
 };

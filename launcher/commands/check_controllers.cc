@@ -1,7 +1,6 @@
 #include "launcher/commands/check_controllers.h"
 
 #include "robot-agent/controller/create_controller.h"
-#include "worldfile/load_world.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {
@@ -14,7 +13,6 @@ Status CheckControllers(const std::string& file, const std::optional<std::string
   }
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  if (file.ends_with(".world")) return CheckCtrl(file, overrides);
   return file.ends_with(".json") ? CheckScenario(file, overrides) : Status();
 }
 

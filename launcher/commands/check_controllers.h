@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-// Checks the controllers that `file` names, if it is a scenario or a Stage world, and `controller`, the value of
-// --controller, if any.
+// Checks the controllers that `file` names, if it is a scenario (those of a Stage world are never an error), and
+// `controller`, the value of --controller, if any.
 Status CheckControllers(const std::string& file, const std::optional<std::string>& controller = {});
 
 }  // namespace troupe

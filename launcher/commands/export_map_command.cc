@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -17,10 +18,12 @@
 namespace troupe {
 namespace {
 
+constexpr std::uint64_t kMostCells = 400'000'000;
+
 struct ExportMapOptions {
   std::string file;
   std::string output;
-  double resolution = 0.05;
+  std::optional<double> resolution;
   std::optional<double> height;
 };
 
@@ -37,6 +40,7 @@ std::string Pgm(const OccupancyGrid& grid) {
   constexpr char kOccupied = 0;
   constexpr char kFree = '\xfe';  // 254, as map_saver writes it
   std::string image = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
+  image.reserve(image.size() + grid.occupied.size());
   for (std::uint32_t row = grid.height; row-- > 0;) {
     for (std::uint32_t column = 0; column < grid.width; ++column) {
       image += grid.occupied[std::size_t{row} * grid.width + column] ? kOccupied : kFree;
@@ -57,8 +61,8 @@ int ExportMapCommand(const ExportMapOptions& options) {
   if (!loaded.ok()) return Fail(loaded.error());
   const Scene scene(std::move(loaded.value().world));
   const double height = options.height.value_or(UsualMapHeight(scene));
-  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height);
-  if (grid.empty()) return Fail({{}, options.file + ": found no static model, so it has no map"});
+  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMostCells);
+  if (grid.empty()) return Fail({{}, options.file + ": found no static model and no ROS map, so it has no map"});
   const std::string image = options.output + ".pgm";
   if (Status failure = Write(image, Pgm(grid)); !failure.ok()) return Fail(failure.error());
   const std::string name = std::filesystem::path(image).filename().string();
@@ -78,8 +82,9 @@ void AddExportMapCommand(CLI::App& app, int& exit_status) {
       ->required()
       ->type_name("NAME");
   command
-      ->add_option("--resolution", options->resolution,
-                   fmt::format("Side of a cell in metres (default: {})", options->resolution))
+      ->add_option(
+          "--resolution", options->resolution,
+          fmt::format("Side of a cell in metres (default: that of the world's ROS map, or {})", kDefaultGridResolution))
       ->check(PositiveNumber())
       ->type_name("METRES");
   command

@@ -49,6 +49,64 @@ TEST(MapYaml, ThresholdIsAProbability) {
   EXPECT_THAT(ShapeOf(loaded).rectangles, ElementsAre(Rectangle{0.5, 0, 1, 0.5}, Rectangle{0, 0.5, 1, 1}));
 }
 
+// The warnings of the map with `from` replaced by `to`, which has `occupied` rectangles.
+void ExpectWarnings(const std::string& from, const std::string& to, const std::vector<std::string>& messages,
+                    std::size_t occupied = 2) {
+  SCOPED_TRACE(to);
+  const WorldFolder folder;
+  std::string yaml = kYaml;
+  yaml.replace(yaml.find(from), from.size(), to);
+  folder.Write("m.yaml", yaml);
+  const LoadedWorld loaded = folder.Load("m.yaml");
+  std::vector<std::string> found;
+  for (const Warning& warning : loaded.warnings) found.push_back(warning.message);
+  EXPECT_EQ(found, messages);
+  EXPECT_EQ(ShapeOf(loaded).rectangles.size(), occupied);
+}
+
+TEST(MapYaml, WhatMapServerReadsLoadsWithAWarning) {
+  ExpectWarnings("free_thresh: 0.196", "free_thresh: 0.9",
+                 {"found a free_thresh of 0.9 above the occupied_thresh of 0.65, expected at most that; pixels from "
+                  "occupied_thresh on are occupied, as in map_server"});
+  ExpectWarnings("free_thresh: 0.196\n", "", {"found no key 'free_thresh', expected it; it has no effect here"});
+  ExpectWarnings("occupied_thresh: 0.65", "occupied_thresh: 65",
+                 {"found 65 for 'occupied_thresh', expected 0 to 1; it is compared as it is"}, 0);
+  ExpectWarnings("negate: 0", "negate: 2", {"found '2' for 'negate', expected 0 or 1; 1 is used"});
+  ExpectWarnings("negate: 0", "negate: False", {});
+  ExpectWarnings("negate: 0", "negate: 0\nimage: other.pgm",
+                 {"found key 'image' twice, expected it once; the first one counts"});
+  ExpectWarnings("0.0]", "0.0, 0.0]", {"found 4 values for 'origin', expected [x, y, yaw]; the rest is ignored"});
+  ExpectWarnings("0.0]", "-nan]", {"found '-nan' for the yaw of 'origin', expected a number; 0 is used"});
+  ExpectWarnings("resolution: 0.5", "resolution: +0.5\nmode: Trinary", {});
+  ExpectWarnings(
+      "image:", "# K\374che\nimage:", {"found a byte that is not UTF-8, expected UTF-8 text; it is left out"});
+}
+
+TEST(MapYaml, AnImageOfAnotherMachineIsLookedForBesideTheFile) {
+  const WorldFolder folder;
+  std::string yaml = kYaml;
+  yaml.replace(yaml.find("map.pgm"), 7, "/home/of/another/map.pgm");
+  folder.Write("m.yaml", yaml);
+  const LoadedWorld loaded = folder.Load("m.yaml");
+  EXPECT_EQ(ShapeOf(loaded).rectangles.size(), 2u);
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_EQ(
+      loaded.warnings[0].message,
+      "found no image '/home/of/another/map.pgm'; the one beside this file is used, '" + folder.Path("map.pgm") + "'");
+  EXPECT_EQ(loaded.warnings[0].where.line, 1);
+  yaml.replace(yaml.find("map.pgm"), 7, "mop.pgm");
+  folder.Write("m.yaml", yaml);
+  EXPECT_THAT(folder.ErrorOf("m.yaml"), testing::HasSubstr("bitmap '/home/of/another/mop.pgm': cannot read the image"));
+}
+
+TEST(MapYaml, KeepsItsGrid) {
+  const WorldFolder folder;
+  folder.Write("m.yaml", kYaml);
+  EXPECT_EQ(folder.Load("m.yaml").world.models[0].map, (MapGrid{3, 2, 0.5}));
+  EXPECT_EQ(folder.LoadText("model( map_yaml \"m.yaml\" origin [1 0 0 0] )\nmodel( )").world.models[0].map, MapGrid());
+  EXPECT_EQ(folder.LoadText("model( )").world.models[0].map, MapGrid());
+}
+
 TEST(MapYaml, NegateTurnsBlackAndWhiteRound) {
   const WorldFolder folder;
   std::string yaml = kYaml;

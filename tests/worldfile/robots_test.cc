@@ -1,4 +1,5 @@
 // The descriptions of `position` and `ranger` models: robots with drives, localization, sensors and controllers.
+#include "robot-agent/controller/create_controller.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/worldfile/world_folder.h"
 #include "troupe/pose.h"
@@ -136,29 +137,64 @@ TEST(Robots, ArgumentsAfterTheNameAreParameters) {
   EXPECT_EQ(parameters("expand_swarm 0.3"), R"({"speed":0.3})");
   EXPECT_EQ(parameters("fasr [1,2] 7"), R"({"sink":7,"source":[1,2]})");
   EXPECT_EQ(parameters("patrol waypoints=[[1,2],[3,4]]"), R"({"waypoints":[[1,2],[3,4]]})");
-  EXPECT_EQ(parameters("wander fast"), R"({"speed":"fast"})");  // an error of the controller
+  EXPECT_EQ(parameters("wander +.5"), R"({"speed":0.5})");
   EXPECT_THAT(WorldFolder().WarningsOf("position( ctrl \"wander 1 2 3\" )"),
               ElementsAre("w.world:1:16: warning: argument '3' of controller 'wander' is ignored"));
 }
 
-TEST(Robots, BadArgumentsHaveTheirPlace) {
+TEST(Robots, ArgumentsThatCannotBeReadAreIgnored) {
   const std::string deep(100000, '[');
   for (const std::string& argument : {std::string("[1,2"), std::string("speed="), std::string("=1"), deep}) {
-    WorldFolder folder;
-    folder.Write("w.world", "position( ctrl \"wander " + argument + "\" )");
-    const std::string error = folder.ErrorOf("w.world");
-    EXPECT_THAT(error, testing::StartsWith("w.world:1:16: error: found argument '")) << argument.substr(0, 10);
-    EXPECT_LT(error.size(), 400u);
+    const WorldFolder folder;
+    const std::string text = "position( ctrl \"wander " + argument + " turn_rate=0.5\" )";
+    const std::vector<std::string> warnings = folder.WarningsOf(text);
+    ASSERT_EQ(warnings.size(), 1u) << argument.substr(0, 10);
+    EXPECT_THAT(warnings[0], testing::StartsWith("w.world:1:16: warning: argument '" + argument.substr(0, 4)));
+    EXPECT_LT(warnings[0].size(), 400u);
+    EXPECT_EQ(folder.LoadText(text).world.robots[0].controller.parameters, R"({"turn_rate":0.5})");
   }
+}
+
+// By the controllers themselves.
+std::vector<std::string> Checked(const std::string& ctrl, ControllerDescription& controller) {
   LoadOverrides overrides;
-  overrides.check_controller = [](const std::string& name, const std::string& parameters) {
-    return Status(Error{{}, name + " with " + parameters});
-  };
-  WorldFolder folder;
-  folder.Write("w.world", "\nposition( ctrl \"wander 1\" )");
-  const Result<LoadedWorld> loaded = LoadWorld(folder.Path("w.world"), overrides);
-  ASSERT_FALSE(loaded.ok());
-  EXPECT_EQ(loaded.error().ToString(), folder.Path("w.world") + ":2:16: error: wander with {\"speed\":1}");
+  overrides.check_controller = CheckController;
+  const LoadedWorld loaded = WorldFolder().LoadText("\nposition( ctrl \"" + ctrl + "\" )", overrides);
+  controller = loaded.world.robots.at(0).controller;
+  std::vector<std::string> messages;
+  for (const Warning& warning : loaded.warnings) {
+    EXPECT_EQ(warning.where.line, 2);
+    messages.push_back(warning.message);
+  }
+  return messages;
+}
+
+TEST(Robots, ArgumentsThatTheControllerCannotUseAreIgnored) {
+  ControllerDescription controller;
+  EXPECT_THAT(
+      Checked("wander fast 2", controller),
+      ElementsAre("argument 'fast' of controller 'wander' is ignored: it would be parameter 'speed', but wander: "
+                  "'speed' is \"fast\", expected a number between 0 and 100"));
+  EXPECT_EQ(controller.parameters, R"({"min_distance":2})");
+  EXPECT_THAT(
+      Checked("wander speed=-1", controller),
+      ElementsAre("argument 'speed=-1' of controller 'wander' is ignored: wander: 'speed' is -1, expected a number "
+                  "between 0 and 100"));
+  EXPECT_EQ(controller.parameters, "{}");
+  EXPECT_EQ(Checked("wander a b sped=3 0.5", controller).size(), 4u);
+  EXPECT_EQ(controller.parameters, "{}");
+  EXPECT_EQ(controller.name, "wander");
+}
+
+TEST(Robots, AControllerThatCannotDoWithoutArgumentsIsNone) {
+  ControllerDescription controller;
+  EXPECT_THAT(Checked("patrol red", controller),
+              ElementsAre("argument 'red' of controller 'patrol' is ignored",
+                          testing::StartsWith("controller 'patrol' cannot be used, so the robot has none (patrol: ")));
+  EXPECT_EQ(controller.name, "idle");
+  EXPECT_THAT(Checked("patrol waypoints=[[1,2],[3,4]] speed=fast", controller),
+              ElementsAre(testing::StartsWith("argument 'speed=fast' of controller 'patrol' is ignored: patrol: ")));
+  EXPECT_EQ(controller.parameters, R"({"waypoints":[[1,2],[3,4]]})");
 }
 
 TEST(Robots, CarriersKnowThePlacesOfSourceAndSink) {

@@ -20,8 +20,35 @@ TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
                   "w.world:3:8: warning: property 'debug' has no effect: it has none in Stage either",
                   "w.world:4:2: warning: no effect, because they only concern Stage's window: property 'gui_grid', "
                   "'window'",
-                  "w.world:5:2: warning: property 'laser_return' has no effect: only older versions of Stage knew it",
+                  "w.world:5:2: warning: property 'laser_return' has no effect: it is 'ranger_return' today",
                   "w.world:6:2: warning: property 'colour' has no effect in a 'model'"));
+}
+
+TEST(Warnings, NameTheWordOfTodayForAnOldOne) {
+  const auto hint = [](const std::string& text) {
+    const std::vector<std::string> warnings = WorldFolder().WarningsOf(text);
+    EXPECT_EQ(warnings.size(), 1u) << text;
+    return warnings.empty() ? "" : warnings[0].substr(warnings[0].find("property"));
+  };
+  EXPECT_EQ(hint("position( ranger( sensor( range_max 5 ) ) )"),
+            "property 'range_max' has no effect: it is 'range [min max]' today");
+  EXPECT_EQ(hint("position( ranger( range_max 5 sensor( ) ) )"),
+            "property 'range_max' has no effect: it is 'range [min max]' of a 'sensor ( ... )' today");
+  EXPECT_EQ(hint("position( ranger( spose[3] [0 0 0] sensor( ) ) )"),
+            "property 'spose[3]' has no effect: it is 'pose' of a 'sensor ( ... )' today");
+  EXPECT_EQ(hint("model( sonar_return 1 )"), "property 'sonar_return' has no effect: it is 'ranger_return' today");
+  EXPECT_EQ(hint("position( fiducial( range 5 ) )"), "property 'range' has no effect: it is 'range_max' today");
+  EXPECT_EQ(hint("position( blobfinder( channels [\"red\"] ) )"),
+            "property 'channels' has no effect: they are 'colors' today");
+  EXPECT_EQ(hint("position( steer \"car\" )"), "property 'steer' has no effect: it is 'drive' today");
+  const WorldFolder folder;
+  const auto error = [&](const std::string& text) {
+    folder.Write("w.world", text);
+    return folder.ErrorOf("w.world");
+  };
+  EXPECT_THAT(error("position( laser( ) )"), testing::HasSubstr("today it is a 'ranger' with a 'sensor ("));
+  EXPECT_THAT(error("position( wifi( ) )"), testing::HasSubstr("today it is a 'radio'"));
+  EXPECT_THAT(error("puck( )"), testing::HasSubstr("today it is a 'model' with 'gripper_return 1'"));
 }
 
 // Every type of Stage 4.3, and every property but `bitmap`.

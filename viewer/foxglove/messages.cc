@@ -14,7 +14,6 @@ namespace troupe::foxglove {
 namespace {
 
 constexpr Time kSecond = 1'000'000'000;
-constexpr double kMapResolution = 0.05;                       // m
 constexpr std::uint64_t kMostCells = std::uint64_t{4} << 20;  // in the message of the map
 constexpr int kUint8 = 1;                                     // of foxglove.PackedElementField
 constexpr int kInfo = 2;                                      // of foxglove.Log
@@ -170,10 +169,7 @@ std::string TransformsText(const Scene& scene, const WorldState& state, Time tim
 }
 
 std::string MapText(const Scene& scene, Time time) {
-  OccupancyGrid grid = MakeOccupancyGrid(scene, kMapResolution, UsualMapHeight(scene));
-  while (grid.occupied.size() > kMostCells) {
-    grid = MakeOccupancyGrid(scene, 2.0 * grid.resolution, UsualMapHeight(scene));
-  }
+  const OccupancyGrid grid = MakeOccupancyGrid(scene, std::nullopt, UsualMapHeight(scene), kMostCells);
   std::string data(grid.occupied.size(), '\0');
   for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(grid.occupied[i] ? 100 : 0);
   const Json field = {{"name", "occupancy"}, {"offset", 0}, {"type", kUint8}};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "recording/journal.h"
+#include "robot-agent/controller/create_controller.h"
 #include "ros/messages/robot_in_ros.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/replay/branched_run.h"
@@ -133,7 +134,9 @@ Result<PreparedRun> Prepare(const RunSource& source) {
 
 }  // namespace
 
-Result<PreparedRun> PrepareRun(const RunSource& source) {
+Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
+  RunSource source = unchecked;
+  source.overrides.check_controller = CheckController;
   Result<PreparedRun> run = Prepare(source);
   if (!run.ok()) return run;
   ServiceOptions& options = run.value().options;

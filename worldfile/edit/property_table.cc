@@ -18,7 +18,7 @@ constexpr PropertyHelp kTable[] = {
     {"*", "stack_children", "flag", "", "1", "Children are on top: their z counts from the model's height"},
     {"*", "noblocks", "flag", "", "0", "Leaves the box out"},
     {"*", "boundary", "flag", "", "0", "Four thin walls around the box or the bitmap"},
-    {"*", "bitmap", "text", "", "", "A PNG or PGM whose dark pixels are the body"},
+    {"*", "bitmap", "text", "", "", "An image (PNG, JPEG, BMP, PGM) whose dark pixels are the body"},
     {"*", "map_yaml", "text", "", "", "A map of ROS's map_server as the body"},
     {"*", "obstacle_return", "flag", "", "1", "Collides"},
     {"*", "ranger_return", "number", "", "1", "Intensity that a ranger reads; below 0 it is invisible to rangers"},

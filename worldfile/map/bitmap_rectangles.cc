@@ -22,6 +22,15 @@ BitmapRectangles CoverOf(Bitmap bitmap) {
   return result;
 }
 
+PixelRectangle BitmapRectangles::bounds() const {
+  if (dense != nullptr) return dense->bounds();
+  PixelRectangle box = rectangles.front();
+  for (const PixelRectangle& r : rectangles) {
+    box = {std::min(box.x0, r.x0), std::min(box.y0, r.y0), std::max(box.x1, r.x1), std::max(box.y1, r.y1)};
+  }
+  return box;
+}
+
 Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const PixelRule& rule,
                                                   const SourceLocation& where) {
   const auto [begin, end] = by_path_.equal_range(path);

@@ -22,6 +22,8 @@ struct BitmapRectangles {
   std::shared_ptr<const DenseCover> dense;  // instead of `rectangles` if these are many for so few pixels
 
   bool empty() const { return rectangles.empty() && dense == nullptr; }
+  // The bounding box of the occupied pixels. REQUIRES: !empty()
+  PixelRectangle bounds() const;
 };
 
 // A rectangle in a list costs some hundred bytes in all indices of a process together, so that more than these would

@@ -4,13 +4,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
 
 #include "common/geometry/limits.h"
+#include "worldfile/text/number_text.h"
 #include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 
@@ -22,6 +22,12 @@ constexpr std::size_t kMaxYamlBytes = 1'000'000;
 SourceLocation At(const std::string& path, const YAML::Mark& mark) {
   if (mark.is_null()) return {path, 1, 1};
   return {path, mark.line + 1, mark.column + 1};
+}
+
+// "nan", ".nan", "-nan", "-NaN".
+bool EndsInNan(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text.ends_with("nan") && text.find_first_not_of("+-.") == text.size() - 3;
 }
 
 // Reads the keys of the file one by one. The first error is kept; after it values are defaults.
@@ -37,10 +43,16 @@ class MapYamlReader {
     map.resolution = Number("resolution", std::nullopt, 1e-6, kMaxMagnitude);
     map.origin = ReadOrigin();
     const bool negate = Flag("negate", std::nullopt);
-    const double occupied = Number("occupied_thresh", std::nullopt, 0.0, 1.0);
-    const double free = Number("free_thresh", std::nullopt, 0.0, 1.0);
-    if (error_.ok() && free > occupied) {
-      Fail(nodes_.at("free_thresh").Mark(), "found a free_thresh above occupied_thresh, expected at most that");
+    const double occupied = Threshold("occupied_thresh");
+    const bool has_free = nodes_.contains("free_thresh");  // it has no effect, so it may be missing
+    const double free = has_free ? Threshold("free_thresh") : 0.0;
+    if (!has_free) {
+      warnings_.push_back({{path_, 1, 1}, "found no key 'free_thresh', expected it; it has no effect here"});
+    }
+    if (error_.ok() && has_free && free > occupied) {
+      Warn("free_thresh", "found a free_thresh of " + NumberText(free) + " above the occupied_thresh of " +
+                              NumberText(occupied) +
+                              ", expected at most that; pixels from occupied_thresh on are occupied, as in map_server");
     }
     map.rule = ReadRule(negate, occupied);
     map.wall_height = Number("wall_height", map.wall_height, 1e-3, kMaxMagnitude);
@@ -53,6 +65,9 @@ class MapYamlReader {
   }
 
  private:
+  void Warn(const std::string& key, const std::string& message) {
+    warnings_.push_back({At(path_, nodes_.at(key).Mark()), message});
+  }
   void Fail(const YAML::Mark& mark, const std::string& message) {
     if (error_.ok()) error_ = Error{At(path_, mark), message};
   }
@@ -66,9 +81,11 @@ class MapYamlReader {
         if (!entry.first.IsScalar())
           return Error{At(path_, entry.first.Mark()), "found a key that is not a word, expected one such as 'image'"};
         const std::string& key = entry.first.Scalar();
-        marks_[key] = entry.first.Mark();
-        if (!nodes_.emplace(key, entry.second).second) {
-          return Error{At(path_, entry.first.Mark()), "found key " + Quoted(key) + " twice, expected it once"};
+        if (nodes_.emplace(key, entry.second).second) {
+          marks_[key] = entry.first.Mark();
+        } else {  // as in map_server
+          warnings_.push_back({At(path_, entry.first.Mark()),
+                               "found key " + Quoted(key) + " twice, expected it once; the first one counts"});
         }
       }
     } catch (const YAML::DeepRecursion& exception) {
@@ -95,12 +112,9 @@ class MapYamlReader {
   }
 
   std::optional<double> ToNumber(const YAML::Node& node, const std::string& key) {
-    double value = 0.0;
     if (node.IsScalar()) {
-      const std::string& text = node.Scalar();
-      const char* const end = text.data() + text.size();
-      const std::from_chars_result read = std::from_chars(text.data(), end, value);
-      if (!text.empty() && read.ec == std::errc() && read.ptr == end && std::isfinite(value)) return value;
+      const std::optional<LeadingNumber> number = ReadLeadingNumber(node.Scalar());
+      if (number && number->is_all) return number->value;
     }
     Fail(node.Mark(), "found " + (node.IsScalar() ? Quoted(node.Scalar()) : "no single value") + " for " + Quoted(key) +
                           ", expected a number");
@@ -118,11 +132,28 @@ class MapYamlReader {
     return min;
   }
 
+  // Any number is read, as in map_server, but one beyond 0 to 1 is not meant.
+  double Threshold(const std::string& key) {
+    const double value = Number(key, std::nullopt, -kMaxMagnitude, kMaxMagnitude);
+    if (error_.ok() && !(value >= 0.0 && value <= 1.0)) {
+      Warn(key, "found " + NumberText(value) + " for " + Quoted(key) + ", expected 0 to 1; it is compared as it is");
+    }
+    return value;
+  }
+
   bool Flag(const std::string& key, std::optional<bool> otherwise) {
     const std::optional<std::string> text = Scalar(key, !otherwise);
     if (!text) return otherwise.value_or(false);
-    if (*text == "1" || *text == "true") return true;
-    if (*text == "0" || *text == "false") return false;
+    if (*text == "1" || *text == "0") return *text == "1";
+    bool flag = false;
+    if (YAML::convert<bool>::decode(nodes_.at(key), flag)) return flag;  // true, yes, on ...
+    const std::optional<LeadingNumber> number = ReadLeadingNumber(*text);
+    if (number && number->is_all) {
+      flag = number->value != 0.0;
+      Warn(key,
+           "found " + Quoted(*text) + " for " + Quoted(key) + ", expected 0 or 1; " + (flag ? "1" : "0") + " is used");
+      return flag;
+    }
     Fail(nodes_.at(key).Mark(), "found " + Quoted(*text) + " for " + Quoted(key) + ", expected 0 or 1");
     return false;
   }
@@ -137,7 +168,18 @@ class MapYamlReader {
     const std::optional<std::string> image = Scalar("image", true);
     if (!image) return "";
     if (image->empty()) Fail(nodes_.at("image").Mark(), "found an empty image name, expected a file");
-    return (std::filesystem::path(DirectoryOf(path_)) / *image).lexically_normal().string();
+    const std::filesystem::path folder = DirectoryOf(path_);
+    const std::filesystem::path named = (folder / *image).lexically_normal();
+    // map_saver writes the path on the machine where it ran.
+    const std::filesystem::path beside = (folder / named.filename()).lexically_normal();
+    std::error_code ignored;
+    if (named != beside && !std::filesystem::exists(named, ignored) &&
+        std::filesystem::is_regular_file(beside, ignored)) {
+      Warn("image", "found no image " + QuotedPath(*image) + "; the one beside this file is used, " +
+                        QuotedPath(beside.string()));
+      return beside.string();
+    }
+    return named.string();
   }
 
   Pose ReadOrigin() {
@@ -147,13 +189,22 @@ class MapYamlReader {
       if (error_.ok()) error_ = Error{{path_, 1, 1}, "found no key 'origin', expected it"};
       return {};
     }
-    if (!found->second.IsSequence() || found->second.size() != 3) {
+    if (!found->second.IsSequence() || found->second.size() < 3) {
       Fail(found->second.Mark(), "found no list of three for 'origin', expected [x, y, yaw]");
       return {};
+    }
+    if (found->second.size() > 3) {
+      Warn("origin", "found " + CountText(found->second.size(), "value") +
+                         " for 'origin', expected [x, y, yaw]; the rest is ignored");
     }
     double values[3] = {};
     for (std::size_t i = 0; i < 3; ++i) {
       const YAML::Node& node = found->second[i];
+      // map_saver writes a heading of "-nan" if a localization has no estimate.
+      if (i == 2 && node.IsScalar() && EndsInNan(node.Scalar())) {
+        Warn("origin", "found " + Quoted(node.Scalar()) + " for the yaw of 'origin', expected a number; 0 is used");
+        continue;
+      }
       values[i] = ToNumber(node, "origin").value_or(0.0);
       if (std::fabs(values[i]) > kMaxMagnitude)
         Fail(node.Mark(), "found " + NumberText(values[i]) + " for 'origin', expected at most 1e6");
@@ -165,6 +216,7 @@ class MapYamlReader {
   // percent, above 100 it is unknown. Unknown pixels are free.
   PixelRule ReadRule(bool negate, double occupied_threshold) {
     std::string mode = Scalar("mode", false).value_or("trinary");
+    for (char& c : mode) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;  // as in map_server
     if (mode != "trinary" && mode != "scale" && mode != "raw") {
       Fail(nodes_.at("mode").Mark(), "found mode " + Quoted(mode) + ", expected trinary, scale or raw");
     }
@@ -194,12 +246,19 @@ Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path
     return Error{{path},
                  "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxYamlBytes)};
   }
-  const std::size_t odd = std::min(FindInvalidUtf8(text), text.find('\0'));
-  if (odd != std::string::npos) {
+  const auto place = [&](std::size_t odd) {
     const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(odd), '\n') + 1;
-    return Error{{path, static_cast<int>(line), 1}, "found a byte that is not text, expected YAML"};
+    return SourceLocation{path, static_cast<int>(line), 1};
+  };
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    return Error{place(nul), "found a byte that is not text, expected YAML"};
   }
-  return MapYamlReader(path).Read(text);
+  Result<MapYaml> map = MapYamlReader(path).Read(text);
+  const std::size_t odd = FindInvalidUtf8(text);
+  if (map.ok() && odd != std::string::npos) {  // in a comment, mostly
+    map.value().warnings.push_back({place(odd), "found a byte that is not UTF-8, expected UTF-8 text; it is left out"});
+  }
+  return map;
 }
 
 Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where, const AllowedPaths& allowed) {

@@ -31,8 +31,8 @@ struct LoadedWorld {
 struct LoadOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;  // for robots without one
-  // Checks the name and the parameters of every controller that a file names; this library has no controllers.
-  // Nothing: they are not checked.
+  // Checks the name and the parameters of every controller that a file names; this library has no controllers. A fault
+  // is an error of a scenario, and a warning of a Stage world. Nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
 };

@@ -1,6 +1,7 @@
 #include "worldfile/models/model_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -24,8 +25,8 @@ std::optional<double> ReadJoules(PropertyReader& reader, const std::string& name
   if (reader.node().Find(name) != nullptr) joules = reader.Number(name, 0.0, -kMostJoules, kMostJoules);
   if (reader.node().Find(thousands) != nullptr) {
     if (joules) {
-      reader.diagnostics().Fail(reader.Where(thousands),
-                                "found both " + Quoted(name) + " and " + Quoted(thousands) + ", expected one of them");
+      reader.diagnostics().Warn(reader.Where(thousands), "found both " + Quoted(name) + " and " + Quoted(thousands) +
+                                                             ", expected one of them; the latter counts");
     }
     joules = 1000.0 * reader.Number(thousands, 0.0, -kMostJoules / 1000.0, kMostJoules / 1000.0);
   }
@@ -40,9 +41,11 @@ double ReadRate(PropertyReader& reader, const std::string& name) {
 PowerDescription ReadPower(PropertyReader& reader) {
   PowerDescription power;
   const std::optional<double> joules = ReadJoules(reader, "joules");
-  const std::optional<double> capacity = ReadJoules(reader, "joules_capacity");
+  std::optional<double> capacity = ReadJoules(reader, "joules_capacity");
   if (capacity && *capacity < 0.0) {
-    reader.diagnostics().Fail(reader.node().where, "found a negative capacity for energy, expected at least 0");
+    reader.diagnostics().Warn(reader.node().where,
+                              "found a negative capacity for energy, expected at least 0; it is 0");
+    capacity = 0.0;
   }
   power.has_store = joules || capacity;
   power.endless = joules && *joules < 0.0;
@@ -56,11 +59,12 @@ PowerDescription ReadPower(PropertyReader& reader) {
 }
 
 Size ReadSize(PropertyReader& reader, const Size& otherwise) {
-  const auto size = reader.Numbers("size", 3);
+  auto size = reader.Numbers("size", 3);
   if (!size) return otherwise;
   if (*std::min_element(size->begin(), size->end()) < 0.0) {
-    reader.diagnostics().Fail(reader.Where("size"), "found a negative size, expected values of at least 0");
-    return otherwise;
+    reader.diagnostics().Warn(reader.Where("size"),
+                              "found a negative size, expected values of at least 0; the sign is ignored");
+    for (double& side : *size) side = std::fabs(side);
   }
   const double unit = reader.units().length;
   return {(*size)[0] * unit, (*size)[1] * unit, (*size)[2] * unit};
@@ -122,12 +126,13 @@ void ModelBuilder::BuildChildren(const WorldNode& node, const Parent* parent) {
   }
 }
 
-void ModelBuilder::BuildModel(const WorldNode& node, const std::string& name, const Parent* parent) {
+void ModelBuilder::BuildModel(const WorldNode& node, const std::string& wanted_name, const Parent* parent) {
   const ModelType* const type = FindModelType(node.type);
   if (type == nullptr) {
     FailForUnknownType(node);
     return;
   }
+  const std::string name = context_.names.Add(node, wanted_name, context_.diagnostics);
   PropertyReader reader(node, context_.units, context_.diagnostics);
   std::optional<ModelDraft> draft = StartDraft(reader, *type, name, parent);
   if (!draft) return;
@@ -163,7 +168,6 @@ void ModelBuilder::FailForUnknownType(const WorldNode& node) {
 std::optional<ModelDraft> ModelBuilder::StartDraft(PropertyReader& reader, const ModelType& type,
                                                    const std::string& name, const Parent* parent) {
   const WorldNode& node = reader.node();
-  context_.names.Add(node, name, context_.diagnostics);
   reader.Use("name");
   ModelDraft draft{.type = type, .node = node, .id = ModelId(context_.world.models.size())};
   draft.map = ReadRosMap(reader, context_);
@@ -184,6 +188,7 @@ std::optional<ModelDraft> ModelBuilder::StartDraft(PropertyReader& reader, const
   model.size_x = draft.size.x;
   model.size_y = draft.size.y;
   model.size_z = draft.size.z;
+  if (draft.map && draft.X_MD == Pose{}) model.map = draft.map->grid();
   PlaceInTree(reader, parent, X_PM, draft);
   model.show_nose = reader.Flag("gui_nose", false);
   model.power = ReadPower(reader);

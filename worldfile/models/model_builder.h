@@ -37,7 +37,7 @@ class ModelBuilder {
   };
 
   void BuildChildren(const WorldNode& node, const Parent* parent);
-  void BuildModel(const WorldNode& node, const std::string& name, const Parent* parent);
+  void BuildModel(const WorldNode& node, const std::string& wanted_name, const Parent* parent);
   void FailForUnknownType(const WorldNode& node);
   // Nothing if the model is too far away, which is then reported.
   std::optional<ModelDraft> StartDraft(PropertyReader& reader, const ModelType& type, const std::string& name,

@@ -1,10 +1,9 @@
 #include "worldfile/stage/stage_tree.h"
 
-#include <charconv>
 #include <optional>
-#include <system_error>
 #include <utility>
 
+#include "worldfile/text/number_text.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -179,15 +178,18 @@ class Lexer {
       return Fail(begin_, "found " + Quoted(Text()) + ", expected a plain decimal number (without exponent or unit)");
     }
     Make(TokenKind::kNumber, token);
-    std::string_view digits = token.text;
-    if (digits.front() == '+' && digits.substr(1, 1) != "-") digits.remove_prefix(1);
-    const char* const end = digits.data() + digits.size();
-    const std::from_chars_result read = std::from_chars(digits.data(), end, token.number);
-    if (read.ec == std::errc::result_out_of_range && read.ptr == end) {
+    constexpr std::size_t kMostDigits = 300;
+    if (token.text.size() > kMostDigits) {
       return Fail(begin_, "found " + Quoted(token.text) + ", expected a number of fewer digits");
     }
-    if (read.ec == std::errc() && read.ptr == end) return true;
-    return Fail(begin_, "found " + Quoted(token.text) + ", expected a number such as 1, -0.5 or .25");
+    const std::optional<LeadingNumber> number = ReadLeadingNumber(token.text);
+    token.number = number ? number->value : 0.0;
+    if (!number || !number->is_all) {  // as in Stage
+      warnings_.push_back({WhereOnLine(begin_), "found " + Quoted(token.text) +
+                                                    ", expected a number such as 1, -0.5 or .25; it is read as " +
+                                                    NumberText(token.number)});
+    }
+    return true;
   }
 
   bool String(Token& token) {
@@ -202,7 +204,8 @@ class Lexer {
       return Fail(begin_ + 1 + nul, "found a NUL byte, expected text");
     }
     if (const std::size_t odd = FindInvalidUtf8(content); odd != std::string_view::npos) {
-      return Fail(begin_ + 1 + odd, "found a byte that is not UTF-8 in a string, expected UTF-8 text");
+      warnings_.push_back({WhereOnLine(begin_ + 1 + odd), "found a byte that is not UTF-8 in string " +
+                                                              Quoted(content) + "; the string is read as Latin-1"});
     }
     Make(TokenKind::kString, token);
     token.text = content;

@@ -102,9 +102,26 @@ class MacroExpander {
   std::vector<std::string> active_;  // the macros whose bodies are being applied
 };
 
+std::string FromLatin1(std::string_view text) {
+  std::string utf8;
+  for (const char c : text) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      utf8 += c;
+    } else {
+      utf8 += static_cast<char>(0xc0 | (byte >> 6));
+      utf8 += static_cast<char>(0x80 | (byte & 0x3f));
+    }
+  }
+  return utf8;
+}
+
 Value::Scalar ScalarOf(const StageTree& file, const TextSpan& span, double number) {
   const std::string_view text = span.Of(*file.text);
-  if (text.front() == '"') return std::string(text.substr(1, text.size() - 2));
+  if (text.front() == '"') {
+    const std::string_view content = text.substr(1, text.size() - 2);
+    return FindInvalidUtf8(content) == std::string_view::npos ? std::string(content) : FromLatin1(content);
+  }
   return Value::Number{number, std::string(text)};
 }
 

@@ -62,8 +62,30 @@ bool IsModelType(const std::string& type) {
   return type != "block" && type != "sensor" && type != "window";
 }
 
+std::optional<std::string> GivenName(const WorldNode& node) {
+  std::string name;
+  if (const auto* const text = node.FindContent<std::string>("name")) {
+    name = *text;
+  } else if (const auto* const number = node.FindContent<Value::Number>("name")) {
+    name = number->text;
+  }
+  const bool is_usable = !name.empty() && name != "/" && name.back() != '.';
+  return is_usable ? std::optional(name) : std::nullopt;
+}
+
+std::string FreeNames::Add(const std::string& name) {
+  const auto [entry, is_new] = next_.emplace(name, 2);
+  if (is_new) return name;
+  std::string free;
+  do {
+    free = name + ":" + std::to_string(entry->second++);
+  } while (!next_.emplace(free, 2).second);
+  return free;
+}
+
 std::vector<std::string> ChildNames(const WorldNode& parent) {
   std::map<std::string, int> counts;
+  FreeNames free;
   std::vector<std::string> names;
   for (const WorldNode& child : parent.children) {
     if (!IsModelType(child.type)) {
@@ -71,8 +93,7 @@ std::vector<std::string> ChildNames(const WorldNode& parent) {
       continue;
     }
     const int number = counts[child.type]++;
-    const std::string* const text = child.FindContent<std::string>("name");
-    names.push_back(text != nullptr ? *text : child.type + ":" + std::to_string(number));
+    names.push_back(free.Add(GivenName(child).value_or(child.type + ":" + std::to_string(number))));
   }
   return names;
 }

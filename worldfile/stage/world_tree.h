@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -85,8 +86,22 @@ FileUnits UnitsOf(const WorldNode& world);
 bool IsModelType(const std::string& type);
 
 // The names of `parent`'s children in their order, without the parent's: the property "name", or TYPE:N where N counts
-// the children of that type before this one. The name of a child that is no model is "".
+// the children of that type before this one. A name that a child before it has is followed by a number. The name of a
+// child that is no model is "".
 std::vector<std::string> ChildNames(const WorldNode& parent);
+
+// The name that the property "name" gives, or the text of a number; nothing if it has none, or none that can be one.
+std::optional<std::string> GivenName(const WorldNode& node);
+
+// Numbers for names that are given again: "a", "a:2", "a:3".
+class FreeNames {
+ public:
+  // The name itself the first time, then the name with a number.
+  std::string Add(const std::string& name);
+
+ private:
+  std::map<std::string, int> next_;  // by name: the number for the next one
+};
 
 // The full name of a child: "parent.child", or, for a name that starts with a slash, the rest of it.
 std::string FullName(const std::string& parent_name, const std::string& name);

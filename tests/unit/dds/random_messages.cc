@@ -71,6 +71,10 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
     const double capacity = Number(1.0, 9.0);
     model.power = {Coin(), Coin(), Number(0.0, 1.0), capacity, Number(0.0), Number(0.0), Number(0.0), Number(0.0)};
   }
+  if (Coin()) {
+    model.map = {1 + static_cast<std::uint32_t>(Below(100)), 1 + static_cast<std::uint32_t>(Below(100)),
+                 Number(0.1, 1.0)};
+  }
   model.removed = Coin();
   return model;
 }

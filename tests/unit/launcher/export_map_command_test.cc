@@ -1,8 +1,10 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/commands.h"
@@ -38,6 +40,51 @@ TEST(ExportMap, WritesAMapThatGivesTheSameMapWhenItIsRead) {
   EXPECT_NEAR(found.origin_x, expected.origin_x, 1e-9);
   EXPECT_NEAR(found.origin_y, expected.origin_y, 1e-9);
   EXPECT_EQ(found.occupied, expected.occupied);
+}
+
+void WriteMap(const test::OutputFolder& folder, const std::string& pixels, const std::string& more = "") {
+  std::ofstream(folder.Path("in.pgm")) << "P2 4 3 255\n" << pixels;
+  std::ofstream(folder.Path("in.yaml")) << "image: in.pgm\nresolution: 0.25\norigin: [-1.0, 2.5, 0]\nnegate: 0\n"
+                                           "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+                                        << more;
+}
+
+TEST(ExportMap, KeepsSizeOriginResolutionAndPixelsOfAMap) {
+  const test::OutputFolder folder;
+  WriteMap(folder, "254 254 254 254  254 0 254 254  254 254 0 254\n");
+  ASSERT_EQ(Export({"export-map", folder.Path("in.yaml"), "-o", folder.Path("out")}), 0);
+  std::stringstream yaml;
+  yaml << std::ifstream(folder.Path("out.yaml")).rdbuf();
+  EXPECT_THAT(yaml.str(), testing::HasSubstr("resolution: 0.25\norigin: [-1, 2.5, 0]\n"));
+  std::stringstream image;
+  image << std::ifstream(folder.Path("out.pgm")).rdbuf();
+  const std::string light(1, '\xfe');
+  const std::string row = light + light + light + light;
+  EXPECT_EQ(image.str(), "P5\n4 3\n255\n" + row + light + std::string(1, '\0') + light + light + light + light +
+                             std::string(1, '\0') + light);
+}
+
+TEST(ExportMap, WritesAMapWithoutAnOccupiedCell) {
+  const test::OutputFolder folder;
+  WriteMap(folder, "254 254 254 254  254 254 254 254  254 205 205 254\n");
+  ASSERT_EQ(Export({"export-map", folder.Path("in.yaml"), "-o", folder.Path("out"), "--resolution", "0.1"}), 0);
+  const Result<LoadedWorld> read = LoadWorld(folder.Path("out.yaml"), {});
+  ASSERT_TRUE(read.ok()) << read.error().ToString();
+  EXPECT_EQ(read.value().map_width, 10);
+  EXPECT_EQ(read.value().map_height, 8);
+}
+
+TEST(ExportMap, EnlargesAMapByWholeCellsForBodiesBesideIt) {
+  const test::OutputFolder folder;
+  WriteMap(folder, "254 254 254 254  254 254 254 254  254 254 254 254\n");
+  std::ofstream(folder.Path("a.world"))
+      << "model( map_yaml \"in.yaml\" )\nmodel( pose [-1.6 3 0 0] size [0.1 0.1 1] )\n";
+  ASSERT_EQ(Export({"export-map", folder.Path("a.world"), "-o", folder.Path("out")}), 0);
+  const Result<LoadedWorld> read = LoadWorld(folder.Path("out.yaml"), {});
+  ASSERT_TRUE(read.ok()) << read.error().ToString();
+  EXPECT_EQ(read.value().map_width, 7);  // from -1.75, a whole number of cells before -1, to 0
+  EXPECT_EQ(read.value().map_height, 3);
+  EXPECT_EQ(read.value().world.models[0].X_PM, (Pose{-1.75, 2.5, 0, 0}));
 }
 
 TEST(ExportMap, RefusesAWorldWithoutStaticBodies) {

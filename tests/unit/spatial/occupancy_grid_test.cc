@@ -75,6 +75,39 @@ TEST(OccupancyGrid, IsNothingInAnEmptyWorldAndNeverTooLarge) {
   EXPECT_EQ(grid.resolution, 3.2);
 }
 
+// A model like a ROS map of 4 x 3 pixels of 0.5 m, with a box of the same size around its origin.
+ModelDescription& AddMap(SmallWorld& world, const Pose& X_WM) {
+  ModelDescription& map = world.AddBox("map", 0.0, 0.0, 0.5, 0.5, {0.0, 1.0});
+  map.X_PM = X_WM;
+  map.map = {4, 3, 0.5};
+  return map;
+}
+
+TEST(OccupancyGrid, KeepsTheExtentOfAMapAndItsResolution) {
+  SmallWorld world;
+  AddMap(world, {-1.0, 2.0, 0.0, 0.0});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), std::nullopt, 0.5);
+  EXPECT_EQ(grid.resolution, 0.5);
+  EXPECT_EQ(grid.width, 5u);  // half of the box is beside the map
+  EXPECT_EQ(grid.height, 4u);
+  EXPECT_EQ(grid.origin_x, -1.5);
+  EXPECT_EQ(grid.origin_y, 1.5);
+  const OccupancyGrid fine = MakeOccupancyGrid(Scene(world.world()), 0.25, 0.5);
+  EXPECT_EQ(fine.width, 9u);
+  EXPECT_EQ(fine.origin_x, -1.25);
+  EXPECT_EQ(MakeOccupancyGrid(Scene(world.world()), 0.25, 0.5, 20).resolution, 0.5);
+}
+
+TEST(OccupancyGrid, SpansATurnedMap) {
+  SmallWorld world;
+  AddMap(world, {0.0, 0.0, 0.0, kPi / 2});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), 0.5, 0.5);
+  EXPECT_NEAR(grid.origin_x, -1.5, 1e-9);
+  EXPECT_NEAR(grid.origin_y, -0.25, 1e-9);  // of the box
+  EXPECT_EQ(grid.width, 4u);                // 1.75 m
+  EXPECT_EQ(grid.height, 5u);               // 2.25 m
+}
+
 TEST(UsualMapHeight, IsThatOfTheLowestScanner) {
   SmallWorld world;
   EXPECT_EQ(UsualMapHeight(Scene(world.world())), 0.1);

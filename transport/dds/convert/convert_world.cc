@@ -148,6 +148,9 @@ troupe_wire_Model ToWire(const ModelDescription& model, WireArena& arena) {
   wire.mass = model.power.mass;
   wire.give_watts = model.power.give_watts;
   wire.take_watts = model.power.take_watts;
+  wire.map_columns = model.map.columns;
+  wire.map_rows = model.map.rows;
+  wire.map_resolution = model.map.resolution;
   wire.removed = model.removed;
   return wire;
 }
@@ -171,6 +174,7 @@ Status FromWire(const troupe_wire_Model& wire, ModelDescription& model) {
   model.blinking = {wire.blink_period, wire.blink_on, wire.switched_on};
   model.power = {wire.has_store, wire.endless, wire.joules,     wire.capacity,
                  wire.watts,     wire.mass,    wire.give_watts, wire.take_watts};
+  model.map = {wire.map_columns, wire.map_rows, wire.map_resolution};
   model.removed = wire.removed;
   return {};
 }

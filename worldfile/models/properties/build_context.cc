@@ -40,20 +40,34 @@ std::uint64_t HashOf(const Shape& shape) {
 
 }  // namespace
 
-void ModelNames::Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics) {
-  const Property* given = node.Find("name");
-  const SourceLocation& where = given != nullptr ? given->value.where : node.where;
-  if (given != nullptr && !std::holds_alternative<std::string>(given->value.content)) {
-    diagnostics.Fail(where, "found a name that is not a string, expected it in quotes");
-  } else if (name.empty() || name.back() == '.') {
-    diagnostics.Fail(where, "found an empty name, expected at least one character");
-  } else if (name.size() > kMaxNameLength) {
+std::string ModelNames::Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics) {
+  const Property* const property = node.Find("name");
+  const SourceLocation& where = property != nullptr ? property->value.where : node.where;
+  if (name.size() > kMaxNameLength) {
     diagnostics.Fail(where, "found a name of " + std::to_string(name.size()) + " bytes, expected at most " +
                                 std::to_string(kMaxNameLength));
-  } else if (const auto [first, is_new] = places_.emplace(name, where); !is_new) {
-    diagnostics.Fail(where, "found name " + Quoted(name) + " twice, expected each name once (first at " +
-                                first->second.file + ":" + std::to_string(first->second.line) + ")");
   }
+  const std::string free = free_.Add(name);
+  const auto first = places_.emplace(free, where).first;
+  if (property == nullptr) return free;
+  const std::optional<std::string> given = GivenName(node);
+  if (!given) {
+    diagnostics.Warn(where, "found a 'name' that cannot be one; the model is called " + Quoted(free));
+    return free;
+  }
+  if (!std::holds_alternative<std::string>(property->value.content)) {
+    diagnostics.Warn(where,
+                     "found a name that is not a string, expected it in quotes; it is read as " + Quoted(*given));
+  }
+  // A child before this one may have the name, or a model elsewhere.
+  const std::string ending = given->starts_with('/') ? given->substr(1) : *given;
+  if (free == ending || free.ends_with("." + ending)) return free;
+  const auto other = places_.find(free.substr(0, free.rfind(ending) + ending.size()));
+  const SourceLocation& place = (other != places_.end() ? other : first)->second;
+  diagnostics.Warn(where, "found name " + Quoted(ending) + " twice, expected each name once (first at " + place.file +
+                              ":" + std::to_string(place.line) + "); the others get a number, as in " +
+                              Quoted(ending + ":2"));
+  return free;
 }
 
 ShapeId ShapeStore::Add(Shape shape) {

@@ -19,10 +19,12 @@ namespace troupe {
 // The full names of a world's models, and where each was given.
 class ModelNames {
  public:
-  // Adds the full name `name` of a model that `node` makes. A name that is empty, too long or not new is an error.
-  void Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics);
+  // The full name of a model that `node` makes: `name`, with a number if it is not new. One that is too long is an
+  // error.
+  std::string Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics);
 
  private:
+  FreeNames free_;
   std::map<std::string, SourceLocation> places_;
 };
 
@@ -40,6 +42,12 @@ class ShapeStore {
   std::multimap<std::uint64_t, ShapeId> by_hash_;
 };
 
+// A controller of a property `ctrl` (stage_controllers.h).
+struct StageController {
+  std::optional<ControllerDescription> description;  // nothing: it cannot be used, as a warning says
+  std::vector<std::string> warnings;
+};
+
 struct BuildContext {
   BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed, const ImageSource& images)
       : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed, images) {}
@@ -52,6 +60,7 @@ struct BuildContext {
   std::optional<std::string> default_controller;  // of robots for which the file names none
   // Of the controllers that the file names; nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
+  std::map<std::string, std::optional<StageController>> controllers;  // by the text of `ctrl`
   Units units;
   Diagnostics diagnostics;
   WorldDescription world;

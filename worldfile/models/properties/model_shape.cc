@@ -17,7 +17,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::int64_t kMaxPoints = 1'000;
+constexpr std::size_t kMaxPoints = 1'000;
 
 // The i of "point[i]", if the name is one.
 std::optional<std::size_t> PointIndex(const std::string& name) {
@@ -29,13 +29,15 @@ std::optional<std::size_t> PointIndex(const std::string& name) {
   return index;
 }
 
-// The corners by their indices, in any order in the file.
+// The corners by their indices, in any order in the file; one that is missing is (0, 0), as in Stage. Nothing after an
+// error.
 std::optional<Polygon> ReadPoints(PropertyReader& reader) {
-  if (reader.node().Find("points") == nullptr) {
-    reader.diagnostics().Fail(reader.node().where, "found a block without 'points', expected their number");
+  const auto count = static_cast<std::size_t>(reader.Integer("points", 0, 0, 1'000'000));
+  if (count > kMaxPoints) {
+    reader.diagnostics().Fail(reader.Where("points"), "found a block of " + std::to_string(count) +
+                                                          " points, expected at most " + std::to_string(kMaxPoints));
     return std::nullopt;
   }
-  const auto count = static_cast<std::size_t>(reader.Integer("points", 0, 3, kMaxPoints));
   std::vector<std::string> names(count);
   for (const Property& property : reader.node().properties) {
     const std::optional<std::size_t> index = PointIndex(property.name);
@@ -44,10 +46,11 @@ std::optional<Polygon> ReadPoints(PropertyReader& reader) {
   Polygon outline;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) {
-      reader.diagnostics().Fail(reader.node().where, "found a block of " + std::to_string(count) +
+      reader.diagnostics().Warn(reader.node().where, "found a block of " + std::to_string(count) +
                                                          " points without 'point[" + std::to_string(i) +
-                                                         "]', expected all of them");
-      return std::nullopt;
+                                                         "]', expected all of them; it is [0 0]");
+      outline.push_back({0.0, 0.0});
+      continue;
     }
     const std::optional<std::vector<double>> numbers = reader.Numbers(names[i], 2);
     if (!numbers) return std::nullopt;
@@ -56,16 +59,36 @@ std::optional<Polygon> ReadPoints(PropertyReader& reader) {
   return outline;
 }
 
-// The block in the file's coordinates, its outline normalized; nothing if it is wrong, which is then reported.
+// Counter-clockwise (Andrew's monotone chain).
+Polygon ConvexHull(Polygon points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  Polygon hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const Vec2& p : points) {
+      while (hull.size() >= first + 2 && !(Cross(hull.back() - hull[hull.size() - 2], p - hull.back()) > 0.0)) {
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();  // the first of the other side
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+// The block in the file's coordinates, its outline normalized; nothing for one that is no body, or after an error.
 std::optional<Block> ReadBlock(const WorldNode& node, const Units& units, Diagnostics& diagnostics) {
   PropertyReader reader(node, units, diagnostics);
-  std::optional<Polygon> outline = ReadPoints(reader);
+  const std::optional<Polygon> outline = ReadPoints(reader);
   Block block;
   if (const auto z = reader.Numbers("z", 2)) {
     block.z = {(*z)[0] * units.length, (*z)[1] * units.length};
     if (block.z.min > block.z.max) {
-      diagnostics.Fail(reader.Where("z"),
-                       "found z from " + NumberText((*z)[0]) + " to " + NumberText((*z)[1]) + ", expected [min max]");
+      std::swap(block.z.min, block.z.max);
+      diagnostics.Warn(reader.Where("z"), "found z from " + NumberText((*z)[0]) + " to " + NumberText((*z)[1]) +
+                                              ", expected [min max]; they are exchanged");
     }
   }
   WarnOfUnusedInBlock(reader);
@@ -74,10 +97,12 @@ std::optional<Block> ReadBlock(const WorldNode& node, const Units& units, Diagno
                      "found " + Quoted(node.children.front().type) + " inside a block, expected only properties");
   }
   if (!outline || diagnostics.failed()) return std::nullopt;
-  Result<Polygon> normalized = Normalized(std::move(*outline));
+  Result<Polygon> normalized = Normalized(*outline);
   if (!normalized.ok()) {
-    diagnostics.Fail(node.where, "found a block that is no simple polygon: " + normalized.error().message);
-    return std::nullopt;
+    const std::string fault = "found a block that is no simple polygon: " + normalized.error().message;
+    normalized = outline->size() < 3 ? std::move(normalized) : Normalized(ConvexHull(*outline));
+    diagnostics.Warn(node.where, fault + (normalized.ok() ? "; its convex hull is used" : "; it is left out"));
+    if (!normalized.ok()) return std::nullopt;
   }
   block.outline = std::move(normalized).value();
   if (!(block.z.max > block.z.min)) {
@@ -88,6 +113,22 @@ std::optional<Block> ReadBlock(const WorldNode& node, const Units& units, Diagno
 }
 
 constexpr double kBoundaryThickness = 0.01;  // m, as Stage's
+
+// Warns if the margin around the occupied pixels is more than this part of the picture's side: then the body is larger
+// than the person who measured the picture expects.
+constexpr double kNoticeableMargin = 0.02;
+
+void WarnOfMargin(PropertyReader& reader, const std::string& name, const BitmapRectangles& pixels) {
+  const PixelRectangle bounds = pixels.bounds();
+  const int width = bounds.x1 - bounds.x0;
+  const int height = bounds.y1 - bounds.y0;
+  if (width >= (1.0 - kNoticeableMargin) * pixels.width && height >= (1.0 - kNoticeableMargin) * pixels.height) return;
+  const auto text = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
+  reader.diagnostics().Warn(reader.Where("bitmap"),
+                            "bitmap " + QuotedPath(name) + " has a blank margin: it is " +
+                                text(pixels.width, pixels.height) + ", but " + text(width, height) +
+                                " without its margin, and those are stretched to the model's size, as in Stage");
+}
 
 // The rectangles of the property `bitmap`, scaled to the model's size; nothing after an error.
 std::optional<Shape> ReadBitmapShape(PropertyReader& reader, const Size& size, BuildContext& context) {
@@ -105,6 +146,8 @@ std::optional<Shape> ReadBitmapShape(PropertyReader& reader, const Size& size, B
   const BitmapRectangles& pixels = *bitmap.value();
   if (pixels.empty()) {
     reader.diagnostics().Warn(where, "bitmap " + QuotedPath(name) + " has no occupied pixel, so it has no body");
+  } else {
+    WarnOfMargin(reader, name, pixels);
   }
   Shape shape;
   for (const PixelRectangle& r : pixels.rectangles) {
@@ -138,8 +181,8 @@ std::optional<std::vector<Block>> ReadBlocks(PropertyReader& reader) {
   for (const WorldNode& child : reader.node().children) {
     if (child.type != "block") continue;
     std::optional<Block> block = ReadBlock(child, reader.units(), reader.diagnostics());
-    if (!block) return std::nullopt;
-    blocks.push_back(std::move(*block));
+    if (reader.diagnostics().failed()) return std::nullopt;
+    if (block) blocks.push_back(std::move(*block));
   }
   return blocks;
 }
@@ -219,6 +262,11 @@ std::optional<RosMap> ReadRosMap(PropertyReader& reader, BuildContext& context) 
   map.pixels = pixels.value();
   map.resolution = yaml.value().resolution;
   map.size = {map.pixels->width * map.resolution, map.pixels->height * map.resolution, yaml.value().wall_height};
+  if (std::max(map.size.x, map.size.y) > kMaxMagnitude) {
+    reader.diagnostics().Fail(where, "found a map of " + NumberText(map.size.x) + " x " + NumberText(map.size.y) +
+                                         " m, expected at most 1000 km");
+    return std::nullopt;
+  }
   return map;
 }
 

@@ -14,6 +14,10 @@ struct RosMap {
   Size size;    // m
   const BitmapRectangles* pixels = nullptr;
   double resolution = 0.0;  // m, width and height of a pixel
+
+  MapGrid grid() const {
+    return {static_cast<std::uint32_t>(pixels->width), static_cast<std::uint32_t>(pixels->height), resolution};
+  }
 };
 
 // The map of the property `map_yaml`; nothing if there is none, or it cannot be read. Valid as long as the context.

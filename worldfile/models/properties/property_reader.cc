@@ -1,10 +1,10 @@
 #include "worldfile/models/properties/property_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "troupe/deterministic_math.h"
+#include "worldfile/text/number_text.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -22,10 +22,27 @@ std::vector<Value::Scalar> ScalarsOf(const Value& value) {
   return {std::get<std::string>(value.content)};
 }
 
+char LowerCase(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+// Of a word for yes or no.
+std::optional<bool> FlagOf(std::string text) {
+  for (char& c : text) c = LowerCase(c);
+  if (text == "true" || text == "yes" || text == "on") return true;
+  if (text == "false" || text == "no" || text == "off") return false;
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool IsWithinReach(const Pose& pose) {
   return std::max({std::fabs(pose.x), std::fabs(pose.y), std::fabs(pose.z)}) <= kMaxMagnitude;
+}
+
+bool EqualInAnyCase(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return LowerCase(x) == LowerCase(y); });
 }
 
 double Units::Angle(double value) const {
@@ -46,25 +63,29 @@ const SourceLocation& PropertyReader::Where(const std::string& name) const {
   return property != nullptr ? property->value.where : node_.where;
 }
 
+// Nothing after a text without a number.
 std::optional<double> PropertyReader::ToNumber(const Property& property, const Value::Scalar& scalar, double limit) {
   double value = 0.0;
   if (const auto* number = std::get_if<Value::Number>(&scalar)) {
     value = number->value;
   } else {
     const std::string& text = std::get<std::string>(scalar);
-    const std::from_chars_result read = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size() || !std::isfinite(value)) {
-      diagnostics_.Fail(property.value.where,
-                        "found string " + Quoted(text) + " for " + Quoted(property.name) + ", expected a number");
-      return std::nullopt;
-    }
+    const std::optional<LeadingNumber> leading = ReadLeadingNumber(text);
+    const std::optional<bool> flag = leading ? std::nullopt : FlagOf(text);
+    if (!leading && !flag) return std::nullopt;
+    value = leading ? leading->value : *flag ? 1.0 : 0.0;
+    if (!leading || !leading->is_all) WarnOfValue(property, "string " + Quoted(text), "a number", NumberText(value));
   }
-  if (std::fabs(value) > limit) {
-    diagnostics_.Fail(property.value.where, "found " + Quoted(TextOf(scalar)) + " for " + Quoted(property.name) +
-                                                ", expected a number of at most " + NumberText(limit));
-    return std::nullopt;
-  }
-  return value;
+  if (std::fabs(value) <= limit) return value;
+  const double nearest = std::copysign(limit, value);
+  WarnOfValue(property, Quoted(TextOf(scalar)), "a number of at most " + NumberText(limit), NumberText(nearest));
+  return nearest;
+}
+
+void PropertyReader::WarnOfValue(const Property& property, const std::string& found, const std::string& expected,
+                                 const std::string& used) {
+  diagnostics_.Warn(property.value.where, "found " + found + " for " + Quoted(property.name) + ", expected " +
+                                              expected + "; " + used + " is used");
 }
 
 std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& name, std::size_t count, double limit) {
@@ -83,8 +104,11 @@ std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& na
   std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) {
     const std::optional<double> number = ToNumber(*property, scalars[i], limit);
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
+    // Of several the text counts as 0, as in Stage, so that the others keep their meaning.
+    if (!number)
+      WarnOfValue(*property, "string " + Quoted(TextOf(scalars[i])), "a number", count == 1 ? "the default" : "0");
+    if (!number && count == 1) return std::nullopt;
+    numbers.push_back(number.value_or(0.0));
   }
   return numbers;
 }
@@ -94,9 +118,10 @@ double PropertyReader::Number(const std::string& name, double otherwise, double 
   if (!numbers) return otherwise;
   const double value = numbers->front();
   if (value >= min && value <= max) return value;
-  diagnostics_.Fail(Where(name), "found " + NumberText(value) + " for " + Quoted(name) + ", expected " +
-                                     NumberText(min) + " to " + NumberText(max));
-  return otherwise;
+  // A lower limit above 0 is there because 0 makes no sense; it makes hardly more.
+  const double nearest = value > max ? max : min > 0.0 ? otherwise : min;
+  WarnOfValue(*node_.Find(name), NumberText(value), NumberText(min) + " to " + NumberText(max), NumberText(nearest));
+  return nearest;
 }
 
 double PropertyReader::Length(const std::string& name, double otherwise) {
@@ -115,9 +140,10 @@ std::int64_t PropertyReader::Integer(const std::string& name, std::int64_t other
                                        ", expected a whole number; " + NumberText(whole) + " is used");
   }
   if (whole >= static_cast<double>(min) && whole <= static_cast<double>(max)) return static_cast<std::int64_t>(whole);
-  diagnostics_.Fail(Where(name), "found " + NumberText(whole) + " for " + Quoted(name) + ", expected " +
-                                     std::to_string(min) + " to " + std::to_string(max));
-  return otherwise;
+  const std::int64_t nearest = whole < static_cast<double>(min) ? min : max;
+  WarnOfValue(*node_.Find(name), NumberText(whole), std::to_string(min) + " to " + std::to_string(max),
+              std::to_string(nearest));
+  return nearest;
 }
 
 bool PropertyReader::Flag(const std::string& name, bool otherwise) {
@@ -138,9 +164,24 @@ std::string PropertyReader::Text(const std::string& name, const std::string& oth
   if (property == nullptr) return otherwise;
   const std::vector<std::string> texts = Texts(name);
   if (texts.size() == 1) return texts.front();
-  diagnostics_.Fail(property->value.where,
-                    "found " + CountText(texts.size(), "value") + " for " + Quoted(name) + ", expected one string");
-  return otherwise;
+  diagnostics_.Warn(property->value.where, "found " + CountText(texts.size(), "value") + " for " + Quoted(name) +
+                                               ", expected one string; " +
+                                               (texts.empty() ? "the default" : "the first") + " is used");
+  return texts.empty() ? otherwise : texts.front();
+}
+
+std::string PropertyReader::Word(const std::string& name, std::span<const std::string_view> words) {
+  const std::string text = Text(name, std::string(words.front()));
+  const auto same = [&text](std::string_view word) { return EqualInAnyCase(word, text); };
+  const auto found = std::find_if(words.begin(), words.end(), same);
+  if (found != words.end() && *found == text) return text;
+  const std::string_view nearest = found != words.end() ? *found : words.front();
+  std::string expected;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    expected += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + ('"' + std::string(words[i]) + '"');
+  }
+  WarnOfValue(*node_.Find(name), Quoted(text), expected, Quoted(nearest));
+  return std::string(nearest);
 }
 
 std::optional<Pose> PropertyReader::ReadPose(const std::string& name) {

@@ -1,12 +1,15 @@
 // PropertyReader: reads the properties of one node as values in SI units, and remembers which were read, so that the
-// others can be named. A value of the wrong form is reported to the Diagnostics and read as the default; callers need
-// not check each one.
+// others can be named. A value beyond its limits is read as the nearest one, one of the wrong form as the default, with
+// a warning that quotes it: Stage reads such files. Fewer values than a property has are an error, as in Stage. Callers
+// need not check each one.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/geometry/limits.h"
@@ -26,6 +29,8 @@ struct Units {
 
 // True if x, y and z are within kMaxMagnitude: a pose composed of others need not be.
 bool IsWithinReach(const Pose& pose);
+
+bool EqualInAnyCase(std::string_view a, std::string_view b);
 
 class PropertyReader {
  public:
@@ -48,13 +53,21 @@ class PropertyReader {
   std::int64_t Integer(const std::string& name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
   bool Flag(const std::string& name, bool otherwise);  // 0 or not 0
   std::string Text(const std::string& name, const std::string& otherwise);
+  // One of the words, in lower case, which the file may write in any case; the first one without the property, or with
+  // a warning for another word.
+  std::string Word(const std::string& name, std::span<const std::string_view> words);
 
-  // Exactly `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or wrong.
+  // `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or has fewer, or is a
+  // text in place of a single one.
   std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count, double limit = kMaxMagnitude);
   // Every value as text; empty if the property is not there.
   std::vector<std::string> Texts(const std::string& name);
   // [x y z heading], to m and radians.
   std::optional<Pose> ReadPose(const std::string& name);
+
+  // "found 'Omny' for 'drive', expected "diff" or "omni"; 'diff' is used".
+  void WarnOfValue(const Property& property, const std::string& found, const std::string& expected,
+                   const std::string& used);
 
   // The properties that were not read.
   std::vector<const Property*> Unused() const;

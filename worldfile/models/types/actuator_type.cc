@@ -1,6 +1,8 @@
 // `actuator`: a model that a joint moves, if it is a part of a robot.
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "worldfile/models/types/built_in_types.h"
 #include "worldfile/text/quote.h"
@@ -9,12 +11,8 @@ namespace troupe {
 namespace {
 
 JointType ReadJointType(PropertyReader& reader) {
-  const std::string type = reader.Text("type", "linear");
-  if (type != "linear" && type != "rotational") {
-    reader.diagnostics().Fail(reader.Where("type"),
-                              "found type " + Quoted(type) + ", expected \"linear\" or \"rotational\"");
-  }
-  return type == "rotational" ? JointType::kRevolute : JointType::kPrismatic;
+  constexpr std::string_view kTypes[] = {"linear", "rotational"};
+  return reader.Word("type", kTypes) == "rotational" ? JointType::kRevolute : JointType::kPrismatic;
 }
 
 // A unit vector in the model's frame.
@@ -23,31 +21,28 @@ struct Axis {
   double z = 1.0;
 };
 
-// The vertical, too, after an error.
-Axis ReadAxis(PropertyReader& reader, JointType type) {
+// Nothing for a linear actuator without a direction, which does not move in Stage either.
+std::optional<Axis> ReadAxis(PropertyReader& reader, JointType type) {
   const auto axis = reader.Numbers("axis", 3);
-  if (reader.diagnostics().failed()) return {};
   if (type == JointType::kRevolute) {
     if (axis && ((*axis)[0] != 0.0 || (*axis)[1] != 0.0 || !((*axis)[2] > 0.0))) {
       reader.diagnostics().Warn(reader.Where("axis"), "a rotational actuator turns about the vertical, [0 0 1]");
     }
-    return {};
+    return Axis{};
   }
-  if (!axis) {
-    reader.diagnostics().Fail(reader.node().where,
-                              "found a linear actuator without 'axis', expected its direction [x y z]");
-    return {};
-  }
-  const double largest = std::max({std::fabs((*axis)[0]), std::fabs((*axis)[1]), std::fabs((*axis)[2])});
+  const double largest = axis ? std::max({std::fabs((*axis)[0]), std::fabs((*axis)[1]), std::fabs((*axis)[2])}) : 0.0;
   if (!(largest > 0.0)) {
-    reader.diagnostics().Fail(reader.Where("axis"), "found axis [0 0 0], expected a direction");
-    return {};
+    reader.diagnostics().Warn(
+        reader.Where("axis"),
+        axis ? "found axis [0 0 0], expected a direction; this actuator does not move"
+             : "found a linear actuator without 'axis', expected its direction [x y z]; it does not move");
+    return std::nullopt;
   }
   const double x = (*axis)[0] / largest;
   const double y = (*axis)[1] / largest;
   const double z = (*axis)[2] / largest;
   const double length = std::sqrt(x * x + y * y + z * z);
-  return {{x / length, y / length}, z / length};
+  return Axis{{x / length, y / length}, z / length};
 }
 
 // In m or rad, and per second.
@@ -58,16 +53,21 @@ struct Limits {
 };
 
 Limits ReadLimits(PropertyReader& reader, JointType type) {
-  const double min = reader.Number("min_position", 0.0);
-  const double max = reader.Number("max_position", 1.0);
+  double min = reader.Number("min_position", 0.0);
+  double max = reader.Number("max_position", 1.0);
   if (min > max) {
     const bool max_is_given = reader.node().Find("max_position") != nullptr;
-    reader.diagnostics().Fail(reader.Where(max_is_given ? "max_position" : "min_position"),
+    reader.diagnostics().Warn(reader.Where(max_is_given ? "max_position" : "min_position"),
                               "found a 'max_position' of " + NumberText(max) + " below the 'min_position' of " +
-                                  NumberText(min) + ", expected the other way round");
-    return {};
+                                  NumberText(min) + ", expected the other way round; they are exchanged");
+    std::swap(min, max);
   }
-  const double start = reader.Number("start_position", std::clamp(0.0, min, max), min, max);
+  const double given = reader.Number("start_position", std::clamp(0.0, min, max));
+  const double start = std::clamp(given, min, max);
+  if (start != given) {
+    reader.WarnOfValue(*reader.Use("start_position"), NumberText(given), NumberText(min) + " to " + NumberText(max),
+                       NumberText(start));
+  }
   const auto scaled = [&](double value) {
     return type == JointType::kRevolute ? reader.units().Angle(value) : value * reader.units().length;
   };
@@ -91,10 +91,11 @@ class ActuatorReader : public ModelReader {
   static void AddJoint(PropertyReader& reader, const ModelDraft& draft, WorldDescription& world) {
     JointDescription joint;
     joint.type = ReadJointType(reader);
-    const Axis axis = ReadAxis(reader, joint.type);
-    joint.axis_xy = axis.xy;
-    joint.axis_z = axis.z;
+    const std::optional<Axis> axis = ReadAxis(reader, joint.type);
     const Limits limits = ReadLimits(reader, joint.type);
+    if (!axis) return;
+    joint.axis_xy = axis->xy;
+    joint.axis_z = axis->z;
     joint.position = limits.position;
     joint.start = limits.start;
     joint.max_speed = limits.max_speed;

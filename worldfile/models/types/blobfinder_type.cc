@@ -1,4 +1,6 @@
 // `blobfinder`: a finder of colours.
+#include <algorithm>
+
 #include "worldfile/models/properties/color_names.h"
 #include "worldfile/models/types/built_in_types.h"
 #include "worldfile/models/types/sensor_properties.h"
@@ -13,11 +15,10 @@ std::vector<Color> ReadColors(PropertyReader& reader) {
   const auto count =
       static_cast<std::size_t>(reader.Integer("colors_count", static_cast<std::int64_t>(names.size()), 0, 1000));
   if (count > names.size()) {
-    reader.diagnostics().Fail(reader.Where("colors_count"),
+    reader.diagnostics().Warn(reader.Where("colors_count"),
                               "found " + CountText(names.size(), "colour") + ", expected " + std::to_string(count));
-    return {};
   }
-  names.resize(count);
+  names.resize(std::min(count, names.size()));
   std::vector<Color> colors;
   for (const std::string& name : names) {
     const std::optional<Color> color = FindColor(name);
@@ -35,14 +36,8 @@ class BlobfinderReader : public ModelReader {
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
     BlobfinderParameters finder;
     if (const auto image = reader.Numbers("image", 2)) {
-      for (const double side : *image) {
-        if (side >= 1.0 && side <= kMaxImageSide) continue;
-        reader.diagnostics().Fail(reader.Where("image"), "found an image of " + NumberText(side) +
-                                                             " pixels, expected 1 to " + std::to_string(kMaxImageSide));
-        return;
-      }
-      finder.width = static_cast<std::uint32_t>((*image)[0]);
-      finder.height = static_cast<std::uint32_t>((*image)[1]);
+      finder.width = ImageSide(reader, "image", (*image)[0]);
+      finder.height = ImageSide(reader, "image", (*image)[1]);
     }
     finder.range = ReadDistance(reader, "range", finder.range);
     finder.fov = ReadFov(reader, finder.fov);

@@ -1,4 +1,6 @@
 // `fiducial`: a finder of models with a `fiducial_return`.
+#include <utility>
+
 #include "worldfile/models/types/built_in_types.h"
 #include "worldfile/models/types/sensor_properties.h"
 
@@ -13,8 +15,10 @@ class FiducialReader : public ModelReader {
     finder.range.min = ReadDistance(reader, "range_min", 0.0);
     finder.range.max = ReadDistance(reader, "range_max", 8.0);
     if (finder.range.max < finder.range.min) {
-      reader.diagnostics().Fail(reader.Where("range_max"),
-                                "found a 'range_max' below the 'range_min', expected the other way round");
+      std::swap(finder.range.min, finder.range.max);
+      reader.diagnostics().Warn(
+          reader.Where("range_max"),
+          "found a 'range_max' below the 'range_min', expected the other way round; they are exchanged");
     }
     finder.id_range = ReadDistance(reader, "range_max_id", 5.0);
     finder.fov = ReadFov(reader, kPi);

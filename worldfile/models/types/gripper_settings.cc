@@ -35,14 +35,17 @@ Size ReadPaddleSize(PropertyReader& reader, const Size& size) {
   if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0)) {
     reader.diagnostics().Fail(reader.Where("size"), "found a gripper without pads: its size is 0");
   }
-  const std::vector<double> part = reader.Numbers("paddle_size", 3).value_or(std::vector<double>{0.66, 0.1, 0.4});
+  std::vector<double> part = reader.Numbers("paddle_size", 3).value_or(std::vector<double>{0.66, 0.1, 0.4});
   const bool is_good =
       part[0] > 0.0 && part[0] <= 1.0 && part[1] > 0.0 && part[1] < 0.5 && part[2] > 0.0 && part[2] <= 1.0;
   if (!is_good) {
-    reader.diagnostics().Fail(reader.Where("paddle_size"),
-                              "found paddle_size [" + NumberText(part[0]) + " " + NumberText(part[1]) + " " +
-                                  NumberText(part[2]) +
-                                  "], expected proportions of the gripper's size, above 0, up to [1 0.5 1]");
+    reader.diagnostics().Warn(
+        reader.Where("paddle_size"),
+        "found paddle_size [" + NumberText(part[0]) + " " + NumberText(part[1]) + " " + NumberText(part[2]) +
+            "], expected proportions of the gripper's size, above 0, up to [1 0.5 1]; the nearest ones are used");
+    constexpr double kThinnest = 0.01;
+    part = {std::clamp(part[0], kThinnest, 1.0), std::clamp(part[1], kThinnest, 0.45),
+            std::clamp(part[2], kThinnest, 1.0)};
   }
   return {part[0] * size.x, part[1] * size.y, part[2] * size.z};
 }
@@ -52,18 +55,23 @@ struct PaddleState {
   bool up = false;
 };
 
+// In any case of letters; other words mean the first of each.
 PaddleState ReadPaddleState(PropertyReader& reader) {
   const Property* property = reader.Use("paddle_state");
   if (property == nullptr) return {};
   const std::vector<std::string> words = reader.Texts("paddle_state");
-  const bool is_good =
-      words.size() == 2 && (words[0] == "open" || words[0] == "closed") && (words[1] == "up" || words[1] == "down");
-  if (!is_good) {
-    reader.diagnostics().Fail(property->value.where,
-                              "found another 'paddle_state', expected [\"open\" or \"closed\" \"up\" or \"down\"]");
-    return {};
-  }
-  return {words[0] == "closed", words[1] == "up"};
+  const auto is = [&words](std::size_t i, std::string_view word) {
+    return i < words.size() && EqualInAnyCase(words[i], word);
+  };
+  const PaddleState state{is(0, "closed"), is(1, "up")};
+  const std::string fingers = state.closed ? "closed" : "open";
+  const std::string lift = state.up ? "up" : "down";
+  if (words == std::vector<std::string>{fingers, lift}) return state;
+  std::string found;
+  for (const std::string& word : words) found += (found.empty() ? "" : " ") + Quoted(word);
+  reader.WarnOfValue(*property, "[" + found + "]", "[\"open\" or \"closed\" \"up\" or \"down\"]",
+                     "[\"" + fingers + "\" \"" + lift + "\"]");
+  return state;
 }
 
 // In m: the underside of the paddles above the gripper. The file's heights are above the robot's base. Nothing after an

@@ -22,8 +22,25 @@ const auto& ModelTypes() {
   return types;
 }
 
-// Types of older versions of Stage.
-constexpr std::string_view kFormerTypes[] = {"charger", "laser", "map", "puck", "sonar", "wifi"};
+// Types of older versions of Stage, and what they are made of today.
+struct FormerType {
+  std::string_view name;
+  std::string_view today;
+};
+constexpr FormerType kFormerTypes[] = {
+    {"audio", "a 'radio'"},
+    {"charger", "a 'model' with 'give_watts'"},
+    {"fiducialfinder", "a 'fiducial'"},
+    {"laser", "a 'ranger' with a 'sensor ( range [min max] fov degrees samples number )'"},
+    {"laserbeacon", "a 'model' with 'fiducial_return'"},
+    {"map", "a 'model' with a 'bitmap'"},
+    {"omnicam", "a 'blobfinder' or a 'camera'"},
+    {"ptz", "a 'camera'"},
+    {"puck", "a 'model' with 'gripper_return 1'"},
+    {"sonar", "a 'ranger' with a 'sensor ( ... )' for each transducer"},
+    {"speech", "a 'radio'"},
+    {"wifi", "a 'radio'"},
+};
 
 constexpr std::size_t kMostListed = 40;  // names in a message
 
@@ -44,11 +61,15 @@ const ModelType* FindModelType(std::string_view name) {
 }
 
 std::string UnknownTypeMessage(const std::string& type, const std::map<std::string, Define>& defines) {
-  const bool former = std::find(std::begin(kFormerTypes), std::end(kFormerTypes), type) != std::end(kFormerTypes);
+  const auto former = std::find_if(std::begin(kFormerTypes), std::end(kFormerTypes),
+                                   [&](const FormerType& entry) { return entry.name == type; });
+  const std::string hint = former != std::end(kFormerTypes)
+                               ? ", which Stage 4 no longer has; today it is " + std::string(former->today)
+                               : std::string();
   std::vector<std::string> names;
   for (const auto& [name, define] : defines) names.push_back(name);
-  std::string message = "found model type " + Quoted(type) + (former ? ", which Stage 4 no longer has" : "") +
-                        ", expected the name of a define" + ListText(names) + ", or one of";
+  std::string message =
+      "found model type " + Quoted(type) + hint + ", expected the name of a define" + ListText(names) + ", or one of";
   for (const ModelType& known : ModelTypes()) {
     message += " " + std::string(known.name);
     names.emplace_back(known.name);

@@ -1,4 +1,8 @@
 // `position`: a robot, with drive, localization and controller.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "troupe/random.h"
 #include "worldfile/models/types/built_in_types.h"
 #include "worldfile/models/types/stage_controllers.h"
@@ -16,29 +20,29 @@ TwistBounds ReadBounds(PropertyReader& reader, const std::string& name) {
   bounds.x = {(*n)[0] * units.length, (*n)[1] * units.length};
   bounds.y = {(*n)[2] * units.length, (*n)[3] * units.length};
   bounds.heading = {units.Angle((*n)[6]), units.Angle((*n)[7])};
-  for (const Interval& interval : {bounds.x, bounds.y, bounds.heading}) {
-    if (interval.min <= 0.0 && interval.max >= 0.0) continue;
-    reader.diagnostics().Fail(reader.Where(name), "found bounds in " + Quoted(name) +
-                                                      " that leave out 0, expected min <= 0 <= max for each pair");
+  for (Interval* const interval : {&bounds.x, &bounds.y, &bounds.heading}) {
+    if (interval->min <= 0.0 && interval->max >= 0.0) continue;
+    if (interval->min > interval->max) std::swap(interval->min, interval->max);
+    *interval = {std::min(interval->min, 0.0), std::max(interval->max, 0.0)};
+    reader.diagnostics().Warn(
+        reader.Where(name),
+        "found bounds in " + Quoted(name) +
+            " that leave out 0, expected min <= 0 <= max for each pair; they are exchanged or extended");
   }
   return bounds;
 }
 
 DriveDescription ReadDrive(PropertyReader& reader) {
   DriveDescription drive;
-  const std::string type = reader.Text("drive", "diff");
-  if (type == "omni") {
-    drive.type = DriveType::kOmni;
-  } else if (type == "car") {
-    drive.type = DriveType::kCar;
-  } else if (type != "diff") {
-    reader.diagnostics().Fail(reader.Where("drive"),
-                              "found drive " + Quoted(type) + ", expected \"diff\", \"omni\" or \"car\"");
-  }
-  drive.wheelbase = reader.Length("wheelbase", 1.0);
-  if (!(drive.wheelbase > 1e-6)) {
-    reader.diagnostics().Fail(reader.Where("wheelbase"),
-                              "found a wheelbase of " + NumberText(drive.wheelbase) + " m, expected more than 0");
+  constexpr std::string_view kTypes[] = {"diff", "omni", "car"};
+  const std::string type = reader.Word("drive", kTypes);
+  drive.type = type == "omni" ? DriveType::kOmni : type == "car" ? DriveType::kCar : DriveType::kDifferential;
+  constexpr double kShortest = 1e-6;  // m
+  const double wheelbase = reader.Length("wheelbase", 1.0);
+  drive.wheelbase = std::fabs(wheelbase) > kShortest ? std::fabs(wheelbase) : 1.0;
+  if (drive.wheelbase != wheelbase) {
+    reader.WarnOfValue(*reader.Use("wheelbase"), NumberText(wheelbase) + " m", "more than 0",
+                       NumberText(drive.wheelbase) + " m");
   }
   drive.velocity = ReadBounds(reader, "velocity_bounds");
   drive.acceleration = ReadBounds(reader, "acceleration_bounds");
@@ -48,11 +52,8 @@ DriveDescription ReadDrive(PropertyReader& reader) {
 // `X_WR`: the robot at load; `robot` and `seed` pick its random numbers.
 LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_WR, RobotId robot, std::uint64_t seed) {
   LocalizationDescription localization;
-  const std::string type = reader.Text("localization", "gps");
-  if (type != "gps" && type != "odom") {
-    reader.diagnostics().Fail(reader.Where("localization"),
-                              "found localization " + Quoted(type) + ", expected \"gps\" or \"odom\"");
-  }
+  constexpr std::string_view kTypes[] = {"gps", "odom"};
+  const std::string type = reader.Word("localization", kTypes);
   const std::optional<Pose> X_WO = reader.ReadPose("localization_origin");
   const auto error = reader.Numbers("odom_error", 4);
   if (type != "odom") {
@@ -88,27 +89,27 @@ LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_W
   return localization;
 }
 
-// The controller of the property `ctrl`; nothing if there is none, or none that is known.
-std::optional<ControllerDescription> ReadController(PropertyReader& reader, const BuildContext& context) {
+// Robots made from one macro share their text.
+const std::optional<StageController>& FindController(const std::string& text, BuildContext& context) {
+  const auto [entry, is_new] = context.controllers.try_emplace(text);
+  if (is_new) entry->second = ReadStageController(text, context.check_controller);
+  return entry->second;
+}
+
+// The controller of the property `ctrl`; nothing if there is none, or none that is known and can be used.
+std::optional<ControllerDescription> ReadController(PropertyReader& reader, BuildContext& context) {
   std::optional<ControllerDescription> controller;
+  const SourceLocation& where = reader.Where("ctrl");
   for (const std::string& text : reader.Texts("ctrl")) {
-    const SourceLocation& where = reader.Where("ctrl");
-    const Result<std::optional<StageController>> read = ReadStageController(text);
-    if (!read.ok()) {
-      reader.diagnostics().Fail(where, read.error().message);
-      return std::nullopt;
-    }
     const std::string name = text.substr(0, text.find(' '));
-    if (!read.value()) {
+    const std::optional<StageController>& read = FindController(text, context);
+    if (!read) {
       reader.diagnostics().Warn(where, "controller " + Quoted(name) + " is not known; the robot has none");
     } else if (controller) {
       reader.diagnostics().Warn(where, "controller " + Quoted(name) + " is ignored: a robot has one controller");
     } else {
-      for (const std::string& warning : read.value()->warnings) reader.diagnostics().Warn(where, warning);
-      controller = read.value()->description;
-      if (!context.check_controller) continue;
-      const Status checked = context.check_controller(controller->name, controller->parameters);
-      if (!checked.ok()) reader.diagnostics().Fail(where, checked.error().message);
+      for (const std::string& warning : read->warnings) reader.diagnostics().Warn(where, warning);
+      controller = read->description;
     }
   }
   return controller;

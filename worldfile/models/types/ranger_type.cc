@@ -62,10 +62,9 @@ Noise ReadNoise(PropertyReader& reader) {
   const auto noise = reader.Numbers("noise", 3);
   if (!noise) return {};
   if (*std::min_element(noise->begin(), noise->end()) < 0.0) {
-    reader.diagnostics().Fail(reader.Where("noise"), "found negative noise, expected values of at least 0");
-    return {};
+    reader.diagnostics().Warn(reader.Where("noise"), "found negative noise, expected values of at least 0; 0 is used");
   }
-  return {(*noise)[0], (*noise)[1], reader.units().Angle((*noise)[2])};
+  return {std::max(0.0, (*noise)[0]), std::max(0.0, (*noise)[1]), reader.units().Angle(std::max(0.0, (*noise)[2]))};
 }
 
 RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const Units& units, Diagnostics& diagnostics) {

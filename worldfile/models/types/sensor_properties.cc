@@ -8,13 +8,19 @@
 #include "worldfile/text/quote.h"
 
 namespace troupe {
-namespace {
 
 std::string AngleText(const Units& units, double radians) {
   return units.degrees ? NumberText(RadiansToDegrees(radians)) + " degrees" : NumberText(radians) + " radians";
 }
 
-}  // namespace
+std::uint32_t ImageSide(PropertyReader& reader, const std::string& name, double found) {
+  const double side = std::clamp(found, 1.0, static_cast<double>(kMaxImageSide));
+  if (side != found) {
+    reader.WarnOfValue(*reader.Use(name), NumberText(found) + " pixels", "1 to " + std::to_string(kMaxImageSide),
+                       NumberText(side));
+  }
+  return static_cast<std::uint32_t>(side);
+}
 
 std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns) {
   const double period_ns = reader.Number("update_interval", 100.0, 0.0, 1e9) * 1e6;
@@ -28,27 +34,36 @@ double ReadFov(PropertyReader& reader, double otherwise) {
   const double radians = reader.units().Angle(fov->front());
   // Files in radians round 2 pi up.
   if (radians >= 0.0 && radians <= 2.0 * kPi + 1e-3) return std::min(radians, 2.0 * kPi);
-  reader.diagnostics().Fail(reader.Where("fov"), "found " + NumberText(fov->front()) + " for 'fov', expected 0 to " +
-                                                     (reader.units().degrees ? "360 degrees" : "6.2832 radians"));
-  return otherwise;
+  const double used = std::min(std::fabs(radians), 2.0 * kPi);
+  reader.WarnOfValue(*reader.Use("fov"), NumberText(fov->front()),
+                     std::string("0 to ") + (reader.units().degrees ? "360 degrees" : "6.2832 radians"),
+                     AngleText(reader.units(), used));
+  return used;
 }
 
 Interval ReadRange(PropertyReader& reader, const Interval& otherwise) {
   const auto range = reader.Numbers("range", 2);
   if (!range) return otherwise;
-  const Interval result{(*range)[0] * reader.units().length, (*range)[1] * reader.units().length};
-  if (result.min >= 0.0 && result.max > result.min && result.max <= kMaxMagnitude) return result;
-  reader.diagnostics().Fail(reader.Where("range"), "found range [" + NumberText((*range)[0]) + " " +
-                                                       NumberText((*range)[1]) +
-                                                       "], expected [min max] with 0 <= min < max <= 1000 km");
-  return otherwise;
+  const Interval found{(*range)[0] * reader.units().length, (*range)[1] * reader.units().length};
+  Interval result{std::clamp(found.min, 0.0, kMaxMagnitude), std::clamp(found.max, 0.0, kMaxMagnitude)};
+  if (result.min > result.max) std::swap(result.min, result.max);
+  if (result.max == 0.0) result = otherwise;
+  if (result.min == result.max) result.min = 0.0;
+  if (result == found) return result;
+  const auto text = [](double min, double max) { return "[" + NumberText(min) + " " + NumberText(max) + "]"; };
+  const double unit = reader.units().length;
+  reader.diagnostics().Warn(reader.Where("range"), "found range " + text((*range)[0], (*range)[1]) +
+                                                       ", expected [min max] with 0 <= min < max <= 1000 km; " +
+                                                       text(result.min / unit, result.max / unit) + " is used");
+  return result;
 }
 
 double ReadDistance(PropertyReader& reader, const std::string& name, double otherwise) {
   const double distance = reader.Length(name, otherwise);
   if (distance >= 0.0) return distance;
-  reader.diagnostics().Fail(reader.Where(name), "found a negative " + Quoted(name) + ", expected at least 0");
-  return otherwise;
+  reader.diagnostics().Warn(reader.Where(name),
+                            "found a negative " + Quoted(name) + ", expected at least 0; 0 is used");
+  return 0.0;
 }
 
 double ReadAngle(PropertyReader& reader, const std::string& name, double otherwise, double max) {
@@ -56,10 +71,11 @@ double ReadAngle(PropertyReader& reader, const std::string& name, double otherwi
   if (!angle) return otherwise;
   const double radians = reader.units().Angle(angle->front());
   if (std::abs(radians) <= max) return radians;
-  reader.diagnostics().Fail(reader.Where(name), "found " + NumberText(angle->front()) + " for " + Quoted(name) +
-                                                    ", expected at most " + AngleText(reader.units(), max) +
-                                                    " to both sides");
-  return otherwise;
+  const double nearest = std::copysign(max, radians);
+  reader.WarnOfValue(*reader.Use(name), NumberText(angle->front()),
+                     "at most " + AngleText(reader.units(), max) + " to both sides",
+                     AngleText(reader.units(), nearest));
+  return nearest;
 }
 
 void AddSensor(PropertyReader& reader, const ModelDraft& draft, std::string_view noun, SensorParameters parameters,

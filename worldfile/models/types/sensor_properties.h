@@ -8,6 +8,12 @@
 
 namespace troupe {
 
+// "90 degrees", or "1.5 radians" in a file with those.
+std::string AngleText(const Units& units, double radians);
+
+// A side of the image of property `name`, in pixels, within the limits.
+std::uint32_t ImageSide(PropertyReader& reader, const std::string& name, double found);
+
 // `update_interval`, in ticks.
 std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns);
 
