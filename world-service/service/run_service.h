@@ -29,6 +29,7 @@ struct ServiceOptions {
   std::string session;
   double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
+  std::string advice_on_silence;  // for people, if agents do not answer the first frame; empty: none
   bool start_paused = false;                                   // at tick 0, until a tool plays or steps
   std::shared_ptr<ThreadPool> pool;                            // of the step; null: one thread
   std::string world_file;                                      // where models to spawn are defined; empty: nowhere

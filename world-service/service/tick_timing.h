@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -47,6 +48,35 @@ class Pacer {
   double start_ = 0.0;
 };
 
+// In realtime mode, whether the agents keep the pace.
+class PaceWatch {
+ public:
+  static constexpr double kPeriod = 2.0;      // s, over which proposals are counted
+  static constexpr double kSilence = 30.0;    // s, from one report to the next
+  static constexpr double kUsualLate = 0.25;  // share of the proposals
+
+  // A tick was committed without the proposals of `missing` of its members. A report, if one is due: the percentage of
+  // the proposals that were late in the period before.
+  std::optional<int> Committed(std::size_t members, std::size_t missing, double now) {
+    if (!since_) since_ = now;
+    members_ += members;
+    missing_ += missing;
+    if (now - *since_ < kPeriod) return std::nullopt;
+    const double share = members_ == 0 ? 0.0 : static_cast<double>(missing_) / static_cast<double>(members_);
+    since_ = now;
+    members_ = missing_ = 0;
+    if (share < kUsualLate || now < silent_until_) return std::nullopt;
+    silent_until_ = now + kSilence;
+    return static_cast<int>(std::lround(100.0 * share));
+  }
+
+ private:
+  std::optional<double> since_;
+  std::size_t members_ = 0;
+  std::size_t missing_ = 0;
+  double silent_until_ = 0.0;
+};
+
 // When to resend a frame that an agent seems to have missed. It learns the delay of answers from those that arrived
 // before a resend.
 class ResendTimer {
@@ -59,6 +89,9 @@ class ResendTimer {
   static constexpr double kResendsInDeadline = 100.0;
   // Answers of other agents postpone a resend up to this many times the longest wait.
   static constexpr double kMostPostponed = 10.0;
+  // Waits are up to this many times as long while resends prove needless: over a slow link they would fill the queues
+  // before it, and delay the answers that they are to hasten.
+  static constexpr double kLongestStretch = 10.0;
 
   // `deadline`: of an agent for its answer; 0: none.
   explicit ResendTimer(double deadline = 0.0)
@@ -69,17 +102,20 @@ class ResendTimer {
   // learned, each later one after twice the wait before.
   void Start(double now) {
     if (heard_) Learn(longest_);
-    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, kLongestFirstWait));
+    stretch_ = 2 * twice_ > answers_ ? std::min(2.0 * stretch_, kLongestStretch) : std::max(0.9 * stretch_, 1.0);
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, stretch_ * kLongestFirstWait));
   }
   // The same with a wait of the caller's choice; nothing is learned from it.
   void Start(double now, double first_wait) {
     heard_ = resent_ = false;
+    answers_ = twice_ = 0;
     longest_ = 0.0;
     last_ = now;
     Wait(now, first_wait);
   }
   // An answer arrived. While answers arrive, the other agents are probably busy, and more frames would delay them.
   void Answered(double now) {
+    ++answers_;
     if (!resent_) {
       heard_ = true;
       longest_ = std::max(longest_, now - last_);
@@ -92,14 +128,17 @@ class ResendTimer {
     Wait(now, 2.0 * wait_);
   }
   // An answer arrived twice: a resend was needless, so answers need longer than was learned.
-  void AnsweredTwice() { mean_ = std::min(1.25 * mean_ + 0.001, kLongestFirstWait); }
+  void AnsweredTwice() {
+    if (resent_) ++twice_;
+    mean_ = std::min(1.25 * mean_ + 0.001, stretch_ * kLongestFirstWait);
+  }
   double due() const { return due_; }
 
  private:
   void Wait(double now, double wait) {
-    wait_ = std::min(wait, longest_wait_);
+    wait_ = std::min(wait, stretch_ * longest_wait_);
     due_ = now + wait_;
-    latest_ = now + kMostPostponed * longest_wait_;
+    latest_ = now + kMostPostponed * stretch_ * longest_wait_;
   }
   // As TCP learns its round-trip time.
   void Learn(double longest) {
@@ -111,12 +150,15 @@ class ResendTimer {
   double longest_wait_;
   double mean_ = kLongestFirstWait;  // of the longest silence in a tick
   double deviation_ = 0.0;
+  double stretch_ = 1.0;  // of the waits
   double wait_ = 0.0;
   double due_ = 0.0;
   double latest_ = 0.0;  // that due_ may be postponed to
   // Of the tick that is open.
   double last_ = 0.0;     // time of the newest answer, or the begin
   double longest_ = 0.0;  // silence
+  std::size_t answers_ = 0;
+  std::size_t twice_ = 0;  // answers to a resent frame that had been answered before
   bool heard_ = false;
   bool resent_ = false;
 };

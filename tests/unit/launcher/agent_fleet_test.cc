@@ -37,7 +37,7 @@ class FakeHost final : public Host {
   std::vector<int> descriptors() const override { return {}; }
   std::vector<std::string> ReadOutput() override { return {}; }
   std::vector<std::string> ReadReports() override { return {}; }
-  Status Fetch(const std::string&, const std::string&) override { return Status(); }
+  Status Fetch(const std::string&, const std::string&, const FetchProgress&) override { return Status(); }
 
   std::vector<std::vector<std::string>> started;
   std::vector<FakeChild*> children;

@@ -224,6 +224,25 @@ TEST_F(WebServerTest, HalfOpenSocketsAreClosedInTime) {
   ExpectHealthy();
 }
 
+// Another user of the host can hold all connections, again and again.
+TEST_F(WebServerTest, ConnectionsWithoutTheTokenKeepNoOwnerAway) {
+  Serve("secret");
+  std::vector<std::unique_ptr<WebClient>> idle;
+  const auto flood = [&] {
+    for (int i = 0; i < WebServer::kMostConnections; ++i) idle.push_back(std::make_unique<WebClient>(server_->port()));
+  };
+  flood();
+  EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
+  WebClient viewer(server_->port());
+  viewer.Upgrade("/socket?token=secret");
+  flood();
+  flood();
+  WebClient second(server_->port());
+  second.Upgrade("/socket?token=secret");
+  viewer.SendFrame(1, "still open");
+  handler_.AwaitMessages(1);
+}
+
 TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
   Serve("secret");
   for (const char* query : {"", "?token=", "?token=secreT", "?token=secretsecret", "?other=secret"}) {
