@@ -26,9 +26,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// BatchMode: a launcher cannot type a password. The ServerAlive options detect a dead network.
+// BatchMode: a launcher cannot type a password. The ServerAlive options detect a dead network, after a minute: as long
+// do agents wait for the world service, so that they outlive a shorter interruption with all their memory.
 constexpr const char* kDefaultStart =
-    "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=3 {address} "
+    "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=12 {address} "
     "{command_text}";
 
 constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
@@ -254,7 +255,7 @@ Status RemoteHost::Fetch(const std::string& from, const std::string& to, const F
     Read();
     if (std::exchange(heard, fetch_->bytes) != fetch_->bytes) heard_at = Clock::now();
     if (fetch_->complete) break;
-    if (Clock::now() - heard_at >= kFetchTimeout) fetch_->error = "no data for 30 s";
+    if (Clock::now() - heard_at >= kFetchTimeout) Lose("has sent no data for 30 s");
     if (lost_) fetch_->error = "the connection is lost";
     if (!progress(fetch_->bytes)) fetch_->error = "stopped";
   }

@@ -346,6 +346,7 @@ void TickEngine::Commit(double now) {
     }
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
+  all_have_answered_ = true;  // that were not lost
   EnterPhase(TickPhase::kStep, run_.next_tick());
   commands_.Elapse();
   ++steps_;

@@ -79,36 +79,46 @@ class PaceWatch {
 
 // When to resend a frame that an agent seems to have missed. It learns the delay of answers from those that arrived
 // before a resend.
+//
+// Resends come in bursts with silence between them. Over a slow link each resend to all agents fills the queue before
+// it, and drops what is under way; in the silence the queue drains, and the middleware repeats what was dropped.
 class ResendTimer {
  public:
   static constexpr double kShortestWait = 0.004;
   static constexpr double kLongestFirstWait = 0.05;  // also before anything was learned
   static constexpr double kLongestWait = 1.0;
-  // An agent that does not answer within the deadline is lost. With these many resends in that time the loss of
-  // messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with 3e-16.
-  static constexpr double kResendsInDeadline = 100.0;
+  // An agent that does not answer within the deadline is lost. With half as many resends in that time, as the silences
+  // leave, the loss of messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with
+  // 3e-16.
+  static constexpr double kResendsInDeadline = 200.0;
+  // Resends without an answer of any agent, until a silence that is as long as they were.
+  static constexpr int kBurst = 20;
   // Answers of other agents postpone a resend up to this many times the longest wait.
-  static constexpr double kMostPostponed = 10.0;
-  // Waits are up to this many times as long while resends prove needless: over a slow link they would fill the queues
-  // before it, and delay the answers that they are to hasten.
+  static constexpr double kMostPostponed = 20.0;
+  // Waits are up to this many times as long while resends prove needless. So is the first wait after a silence was
+  // needed.
   static constexpr double kLongestStretch = 10.0;
 
   // `deadline`: of an agent for its answer; 0: none.
   explicit ResendTimer(double deadline = 0.0)
       : longest_wait_(deadline > 0.0 ? std::clamp(deadline / kResendsInDeadline, kShortestWait, kLongestWait)
-                                     : kLongestWait) {}
+                                     : kLongestWait),
+        silence_(std::min(kBurst * longest_wait_, kLongestWait)) {}
 
   // A frame was sent for the first time; the one before is answered. The first resend is due after the wait that was
   // learned, each later one after twice the wait before.
   void Start(double now) {
     if (heard_) Learn(longest_);
     stretch_ = 2 * twice_ > answers_ ? std::min(2.0 * stretch_, kLongestStretch) : std::max(0.9 * stretch_, 1.0);
-    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, stretch_ * kLongestFirstWait));
+    if (is_silent_ || is_calm_) mean_ = kLongestStretch * kLongestFirstWait;
+    const double longest = mean_ > kLongestFirstWait ? kLongestStretch : stretch_;
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, longest * kLongestFirstWait));
   }
   // The same with a wait of the caller's choice; nothing is learned from it.
   void Start(double now, double first_wait) {
-    heard_ = resent_ = false;
+    heard_ = resent_ = is_silent_ = is_calm_ = false;
     answers_ = twice_ = 0;
+    fruitless_ = 0;
     longest_ = 0.0;
     last_ = now;
     Wait(now, first_wait);
@@ -116,6 +126,8 @@ class ResendTimer {
   // An answer arrived. While answers arrive, the other agents are probably busy, and more frames would delay them.
   void Answered(double now) {
     ++answers_;
+    fruitless_ = 0;
+    is_calm_ = is_calm_ || is_silent_;
     if (!resent_) {
       heard_ = true;
       longest_ = std::max(longest_, now - last_);
@@ -125,20 +137,21 @@ class ResendTimer {
   }
   void Resent(double now) {
     resent_ = true;
-    Wait(now, 2.0 * wait_);
+    is_silent_ = is_calm_ || ++fruitless_ % kBurst == 0;
+    Wait(now, is_silent_ ? silence_ : std::min(2.0 * wait_, stretch_ * longest_wait_));
   }
   // An answer arrived twice: a resend was needless, so answers need longer than was learned.
   void AnsweredTwice() {
     if (resent_) ++twice_;
-    mean_ = std::min(1.25 * mean_ + 0.001, stretch_ * kLongestFirstWait);
+    mean_ = std::max(mean_, std::min(1.25 * mean_ + 0.001, stretch_ * kLongestFirstWait));
   }
   double due() const { return due_; }
 
  private:
   void Wait(double now, double wait) {
-    wait_ = std::min(wait, stretch_ * longest_wait_);
+    wait_ = wait;
     due_ = now + wait_;
-    latest_ = now + kMostPostponed * stretch_ * longest_wait_;
+    latest_ = now + kMostPostponed * std::max(wait_, stretch_ * longest_wait_);
   }
   // As TCP learns its round-trip time.
   void Learn(double longest) {
@@ -148,6 +161,7 @@ class ResendTimer {
   }
 
   double longest_wait_;
+  double silence_;
   double mean_ = kLongestFirstWait;  // of the longest silence in a tick
   double deviation_ = 0.0;
   double stretch_ = 1.0;  // of the waits
@@ -158,7 +172,10 @@ class ResendTimer {
   double last_ = 0.0;     // time of the newest answer, or the begin
   double longest_ = 0.0;  // silence
   std::size_t answers_ = 0;
-  std::size_t twice_ = 0;  // answers to a resent frame that had been answered before
+  std::size_t twice_ = 0;   // answers to a resent frame that had been answered before
+  int fruitless_ = 0;       // resends since the newest answer
+  bool is_silent_ = false;  // after a burst
+  bool is_calm_ = false;    // silence has brought answers: resends have it between them from now on
   bool heard_ = false;
   bool resent_ = false;
 };

@@ -239,8 +239,10 @@ TEST_F(WebServerTest, ConnectionsWithoutTheTokenKeepNoOwnerAway) {
   flood();
   WebClient second(server_->port());
   second.Upgrade("/socket?token=secret");
-  viewer.SendFrame(1, "still open");
-  handler_.AwaitMessages(1);
+  ASSERT_TRUE(viewer.SendText("still open"));
+  const auto echo = viewer.Read();
+  ASSERT_TRUE(echo.has_value());
+  EXPECT_EQ(echo->content, "still open");
 }
 
 TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
