@@ -37,6 +37,8 @@ constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 // With on_agent_loss rebuild: restarts of an agent at one tick. An agent that dies again there will always do so.
 constexpr std::uint32_t kRestartsAtATick = 5;
 
+constexpr auto kCopyLinePeriod = std::chrono::seconds(5);
+
 // Network profiles (transport/dds/binding/domain_config.h).
 constexpr const char* kMulticastProfile = "lan";
 constexpr const char* kUnicastProfile = "unicast";
@@ -517,7 +519,14 @@ Status DistributedRun::CollectOutputs() {
       stops = signals_.ReadStopRequest() || stops;
       return !stops;
     };
-    keep(service_.FetchOutputs([&](std::size_t) { return goes_on(); }));
+    keep(service_.FetchOutputs([&, next_line = Clock::now() + kCopyLinePeriod](std::size_t bytes) mutable {
+      if (Clock::now() >= next_line) {
+        next_line = Clock::now() + kCopyLinePeriod;
+        progress_.Tell(fmt::format("copying a file of the world service from host {}: {:.1f} MB",
+                                   hosts_.service_host().name(), static_cast<double>(bytes) / 1e6));
+      }
+      return goes_on();
+    }));
     keep(agents_.FetchOutputs([this](const std::string& line) { progress_.Tell(line); }, goes_on));
   }
   if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans, LineFile::Space::kFree));
