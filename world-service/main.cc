@@ -10,7 +10,6 @@
 #include "common/base/stop_signals.h"
 #include "ros/link/host_program.h"
 #include "ros/messages/ros_security.h"
-#include "transport/dds/binding/domain_config.h"
 #include "transport/dds/binding/network_log.h"
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/security/run_keys_folder.h"
@@ -55,10 +54,7 @@ std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& 
 
 // Of the network, if agents do not answer.
 std::string AdviceOnSilence(const NetworkSettings& network) {
-  dds::DomainConfig config;
-  config.network_interface = network.network_interface;
-  config.network = network.network_profile;
-  const std::string profile = dds::NetworkProfile(config);
+  const std::string profile = NetworkProfileOf(network);
   if (profile == "one-host") return {};
   if (profile == "unicast") return "a firewall between the hosts may drop the frames";
   return "frames travel by multicast in the network profile lan; on a network that does not pass multicast on, "

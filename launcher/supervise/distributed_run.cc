@@ -240,8 +240,8 @@ void DistributedRun::PrintOutput() {
 // The run goes on without its agents, as `on_agent_loss` says.
 void DistributedRun::ReactToLoss(Host& host, const Error& loss) {
   agents_.NoteLostFiles(host);
-  if (summary_) return;
-  const bool connects = started_ && !kill_at_ && &host != &hosts_.service_host() && restarts_.limit() > 0;
+  if (summary_ || kill_at_) return;
+  const bool connects = started_ && &host != &hosts_.service_host() && restarts_.limit() > 0;
   if (connects) hosts_.OnLoss(host, Seconds(Clock::now()));
   progress_.Tell(loss.ToString() + (connects ? "; it is connected again once it can be reached, and its agents are "
                                                "started again"

@@ -14,6 +14,7 @@ namespace {
 constexpr auto kConnectTimeout = std::chrono::seconds(30);
 // s, from an attempt to connect again that has failed, or has had no answer, to the next one.
 constexpr double kReconnectPeriod = 5.0;
+constexpr double kFirstReconnect = 1.0;  // from the loss to the first attempt
 constexpr double kReconnectTimeout = 30.0;
 
 }  // namespace
@@ -38,6 +39,10 @@ std::vector<int> RunHosts::descriptors() const {
     for (const int descriptor : host->descriptors()) all.push_back(descriptor);
   }
   return all;
+}
+
+void RunHosts::OnLoss(Host& host, double now) {
+  lost_[&host] = {now + kFirstReconnect - kReconnectPeriod, true};
 }
 
 double RunHosts::NextAttempt(const Attempt& attempt) {

@@ -31,7 +31,7 @@ class RunHosts {
   std::vector<int> descriptors() const;
 
   // A host is lost: it is connected again from now on. Times are in s, of any clock that does not decrease.
-  void OnLoss(Host& host, double now) { lost_[&host] = {now, true}; }
+  void OnLoss(Host& host, double now);
   bool is_lost(Host& host) const { return lost_.contains(&host); }
   // Begins attempts to connect again that are due; returns the hosts that are connected again, each once.
   std::vector<Host*> Reconnect(double now);
