@@ -1,4 +1,5 @@
-"""Hosts of a network as network namespaces of this machine; needs root. For scripts/scale, same-hash and kill-test."""
+"""Hosts of a network as network namespaces of this machine; needs root. For scripts/scale, same-hash,
+kill-test and hosts-test."""
 import json
 import os
 import pathlib
@@ -102,6 +103,40 @@ class Network:
              "--seed", str(seed)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         if self.switch.stdout.readline().strip() != "ready":
             raise OSError("scripts/lossy_switch cannot join the hosts")
+
+    def set_link(self, host, up):
+        """Plugs the host in, or pulls its cable."""
+        ip("-n", self.bridge, "link", "set", "dev", host, "up" if up else "down")
+
+    def forbid_multicast(self):
+        """The bridge passes no multicast on, as the networks of most clouds."""
+        for host in self.hosts:
+            ip("-n", self.bridge, "link", "set", "dev", host, "type", "bridge_slave", "mcast_flood", "off")
+
+    def limit_rate(self, kbit):
+        """Each host sends and receives so many kbit/s at most; what waits for more than 0.4 s is dropped."""
+        for space, link in [(self.space(host), "eth0") for host in self.hosts] + [
+                (self.bridge, host) for host in self.hosts]:
+            done = subprocess.run(["ip", "netns", "exec", space, "tc", "qdisc", "replace", "dev", link, "root", "tbf",
+                                   "rate", f"{kbit}kbit", "burst", "10000", "latency", "400ms"],
+                                  capture_output=True, text=True)
+            if done.returncode != 0:
+                raise OSError(f"tc cannot limit the rate of a link: {done.stderr.strip()}")
+
+    def kill(self, host, only=""):
+        """Kills the processes of a host; with `only` those whose command line contains it."""
+        for pid in ip("netns", "pids", self.space(host), check=False).split():
+            try:
+                words = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+                if only in words:
+                    os.kill(int(pid), signal.SIGKILL)
+            except (ProcessLookupError, FileNotFoundError):
+                pass
+
+    def on(self, host, *command, **options):
+        """A program that is started on a host."""
+        return subprocess.Popen(["ip", "netns", "exec", self.space(host), *map(str, command)],
+                                stdin=subprocess.DEVNULL, text=True, **options)
 
     def entry(self, host, **more):
         """The entry of a host in a scenario."""

@@ -52,6 +52,16 @@ std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& 
   return std::clamp(wanted, std::max(std::size_t{1}, line.ports.size()), std::max(kMostGroups, line.ports.size()));
 }
 
+// Of the network, if agents do not answer.
+std::string AdviceOnSilence(const NetworkSettings& network) {
+  const std::string profile = NetworkProfileOf(network);
+  if (profile == "one-host") return {};
+  if (profile == "unicast") return "a firewall between the hosts may drop the frames";
+  return "frames travel by multicast in the network profile lan; on a network that does not pass multicast on, "
+         "expected "
+         "the profile unicast (--network unicast, for the service and all agents)";
+}
+
 int Run(ServiceCommandLine line, Reporter& reporter) {
   const auto fail = [&reporter](const Error& error) {
     reporter.Failed(error);
@@ -63,6 +73,7 @@ int Run(ServiceCommandLine line, Reporter& reporter) {
   Result<PreparedRun> prepared = PrepareRun(line);
   if (!prepared.ok()) return fail(prepared.error());
   PreparedRun& run = prepared.value();
+  run.options.advice_on_silence = AdviceOnSilence(line.network);
   const ServiceOptions& options = run.options;
   if (options.settings.ros) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.network.security, ros::kWorldEnclave);

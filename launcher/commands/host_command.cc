@@ -8,11 +8,13 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
 #include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
 #include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
@@ -20,6 +22,7 @@
 #include "launcher/hosts/host.h"
 #include "launcher/hosts/host_folder.h"
 #include "launcher/hosts/host_messages.h"
+#include "launcher/hosts/multicast_probe.h"
 #include "launcher/process/line_pipe.h"
 #include "launcher/process/signal_watch.h"
 #include "transport/security/session_keys.h"
@@ -84,7 +87,9 @@ void HostServer::KeepKey(const std::string& name, const std::string& content) {
 
 void HostServer::Execute(const HostMessage& request) {
   try {
-    if (request.contains("start")) {
+    if (request.contains("run")) {
+      folder_.TakeOver(request["run"]);
+    } else if (request.contains("start")) {
       Start(IntegerOf<int>(request["start"]), request);
     } else if (request.contains("signal")) {
       const auto child = children_.find(IntegerOf<int>(request["signal"]));
@@ -141,12 +146,25 @@ int HostServer::Serve() {
 }  // namespace
 
 void AddHostCommand(CLI::App& app, int& exit_status) {
-  app.add_subcommand("host", "Start processes for a launcher on another host; started by that launcher")
-      ->final_callback([&exit_status] {
-        signal(SIGPIPE, SIG_IGN);
-        exit_status = HostServer().Serve();
-        DeleteNamesOfDeletedKeys();  // of services that were killed, whose folders are gone now
-      });
+  CLI::App* const command =
+      app.add_subcommand("host", "Start processes for a launcher on another host; started by that launcher");
+  const auto task = std::make_shared<std::string>();
+  const auto probe = std::make_shared<MulticastProbe>();
+  command->add_option("--multicast", *task, "Instead: send or listen, for a launcher that tries the network")
+      ->check(OneOf({"send", "listen"}))
+      ->type_name("TASK");
+  command->add_option("--interface", probe->network_interface, "Of these: network interface")->type_name("NAME");
+  command->add_option("--port", probe->port, "Of these: UDP port")->type_name("PORT");
+  command->add_option("--word", probe->word, "Of these: content of the datagrams")->type_name("TEXT");
+  command->final_callback([&exit_status, task, probe] {
+    if (!task->empty()) {
+      exit_status = *task == "send" ? SendMulticast(*probe) : ListenForMulticast(*probe);
+      return;
+    }
+    signal(SIGPIPE, SIG_IGN);
+    exit_status = HostServer().Serve();
+    DeleteNamesOfDeletedKeys();  // of services that were killed, whose folders are gone now
+  });
 }
 
 }  // namespace troupe

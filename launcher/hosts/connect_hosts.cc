@@ -19,7 +19,7 @@ using RemoteHosts = std::vector<std::unique_ptr<RemoteHost>>;
 std::vector<const RemoteHost*> Unready(const RemoteHosts& hosts) {
   std::vector<const RemoteHost*> unready;
   for (const std::unique_ptr<RemoteHost>& host : hosts) {
-    if (!host->ready()) unready.push_back(host.get());
+    if (!host->connected()) unready.push_back(host.get());
   }
   return unready;
 }
@@ -41,11 +41,11 @@ void WaitForNews(const std::vector<const RemoteHost*>& hosts, const SignalWatch&
 
 }  // namespace
 
-Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, std::chrono::seconds timeout,
-                                 SignalWatch& signals) {
+Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, const std::string& session,
+                                 std::chrono::seconds timeout, SignalWatch& signals) {
   RemoteHosts hosts;
   for (const HostSettings& host : settings) {
-    Result<std::unique_ptr<RemoteHost>> connection = RemoteHost::Connect(host);
+    Result<std::unique_ptr<RemoteHost>> connection = RemoteHost::Connect(host, session + "/" + host.name);
     if (!connection.ok()) return connection.error();
     hosts.push_back(std::move(connection).value());
   }

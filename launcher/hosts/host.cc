@@ -43,7 +43,7 @@ std::vector<int> LocalHost::descriptors() const {
   return {output_.reading_end(), reports_.reading_end()};
 }
 
-Status LocalHost::Fetch(const std::string& from, const std::string&) {
+Status LocalHost::Fetch(const std::string& from, const std::string&, const FetchProgress&) {
   return Failure(from + " is on this host already");
 }
 

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +31,9 @@ class Child {
   bool running() const { return !end(); }
 };
 
+// Told the bytes of a file that have been copied so far; false ends the copy.
+using FetchProgress = std::function<bool(std::size_t bytes)>;
+
 class Host {
  public:
   virtual ~Host() = default;
@@ -54,10 +58,15 @@ class Host {
   // The lines since the last call: printed by the processes, and reported by them.
   virtual std::vector<std::string> ReadOutput() = 0;
   virtual std::vector<std::string> ReadReports() = 0;
-  // An error with the reason, once, when the connection is lost.
+  // An error with the reason, once, when the connection is lost, or an attempt to connect again has failed.
   virtual Status PollLoss() { return Status(); }
-  // Copies the file `from` of this host to the path `to` on the launcher's host.
-  virtual Status Fetch(const std::string& from, const std::string& to) = 0;
+  // Processes can be started.
+  virtual bool connected() const { return true; }
+  // Begins to connect again, to a host with a new folder and no processes. No effect on this host.
+  virtual void Reconnect() {}
+  // Copies the file `from` of this host to the path `to` on the launcher's host. At once an error if it is not
+  // connected.
+  virtual Status Fetch(const std::string& from, const std::string& to, const FetchProgress& progress) = 0;
 };
 
 // Starts processes as children of this one.
@@ -75,7 +84,7 @@ class LocalHost : public Host {
   std::vector<int> descriptors() const override;
   std::vector<std::string> ReadOutput() override { return output_.Read(); }
   std::vector<std::string> ReadReports() override { return reports_.Read(); }
-  Status Fetch(const std::string& from, const std::string& to) override;
+  Status Fetch(const std::string& from, const std::string& to, const FetchProgress& progress) override;
 
  private:
   const Addresses agent_addresses_;

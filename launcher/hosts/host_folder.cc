@@ -1,16 +1,21 @@
 #include "launcher/hosts/host_folder.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <system_error>
+#include <thread>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -21,6 +26,9 @@ constexpr std::string_view kPrefix = "troupe-host-";
 constexpr std::string_view kRandom = "XXXXXX";
 // Another host can take a folder for one of a killed process, in the moment before it is locked.
 constexpr int kMostAttempts = 100;
+constexpr const char* kNameFile = "name";  // of what the host serves
+constexpr auto kEndPeriod = std::chrono::milliseconds(10);
+constexpr int kEndPeriods = 200;  // until a host that is killed has ended
 
 // Folders of other names may belong to a process that does not lock them.
 bool IsName(std::string_view name) {
@@ -56,6 +64,29 @@ void DeleteIfItsHostWasKilled(const fs::path& path) {
   close(folder);
 }
 
+// Of the process with this folder. REQUIRES: IsName
+pid_t ProcessOf(const fs::path& path) {
+  return static_cast<pid_t>(std::atol(path.filename().c_str() + kPrefix.size()));
+}
+
+void EndHostThatServes(const std::string& name, const fs::path& path) {
+  std::string served;
+  std::ifstream file(path / kNameFile);
+  if (!std::getline(file, served) || served != name) return;
+  const int folder = OpenFolder(path);
+  if (folder < 0) return;
+  // The lock shows that the process lives, and has not given its number to another one.
+  const bool lives =
+      IsOwn(folder) && IsAt(folder, path) && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const pid_t process = ProcessOf(path);
+  if (lives && process > 1 && process != getpid() && kill(process, SIGKILL) == 0) {
+    for (int i = 0; i < kEndPeriods && flock(folder, LOCK_EX | LOCK_NB) != 0; ++i)
+      std::this_thread::sleep_for(kEndPeriod);
+  }
+  close(folder);
+  DeleteIfItsHostWasKilled(path);
+}
+
 void DeleteFoldersOfKilledHosts(const fs::path& parent) {
   std::error_code failure;
   for (const fs::directory_entry& entry : fs::directory_iterator(parent, failure)) {
@@ -84,6 +115,17 @@ HostFolder::HostFolder() {
       close(folder);
     }
   }
+}
+
+void HostFolder::TakeOver(const std::string& name) {
+  if (path_.empty()) return;
+  std::error_code failure;
+  std::vector<fs::path> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(path_).parent_path(), failure)) {
+    if (IsName(entry.path().filename().string()) && entry.path() != path_) others.push_back(entry.path());
+  }
+  for (const fs::path& other : others) EndHostThatServes(name, other);
+  std::ofstream(fs::path(path_) / kNameFile) << name << "\n";
 }
 
 HostFolder::~HostFolder() {

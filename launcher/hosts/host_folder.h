@@ -13,6 +13,10 @@ class HostFolder {
   HostFolder(const HostFolder&) = delete;
   HostFolder& operator=(const HostFolder&) = delete;
 
+  // Of the hosts of this user with folders beside this one, those that serve the same name end, with all processes that
+  // they started: a launcher has lost its connection to them.
+  void TakeOver(const std::string& name);
+
   // Empty if it could not be made.
   const std::string& path() const { return path_; }
 

@@ -2,6 +2,7 @@
 //
 // To the host, on its standard input; the end of the input terminates all processes that were started:
 //   {"start": id, "program": name, "arguments": [..], "reports": bool}    {"signal": id, "number": n}    {"read": path}
+//   {"run": name}    first: a host of that name whose connection was cut, and which has not noticed, is to end
 //   {"key": path, "data": hexadecimal}    a file below the host's folder of keys
 // From the host, on its standard output:
 //   {"host": version, "folder": path, "programs": path}         first; the folder is for output, and is deleted at the

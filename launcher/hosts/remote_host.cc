@@ -26,13 +26,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// BatchMode: a launcher cannot type a password. The ServerAlive options detect a dead network.
+// BatchMode: a launcher cannot type a password. The ServerAlive options detect a dead network, after a minute: as long
+// do agents wait for the world service, so that they outlive a shorter interruption with all their memory.
 constexpr const char* kDefaultStart =
-    "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=3 {address} "
+    "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=12 {address} "
     "{command_text}";
 
 constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
 constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
+constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is told
 
 std::string ConnectingCommand(const HostSettings& host) {
   std::string programs = host.programs;
@@ -77,30 +79,48 @@ class RemoteHost::RemoteChild : public Child {
   const std::shared_ptr<State> state_;
 };
 
-RemoteHost::RemoteHost(const HostSettings& settings, std::string command)
-    : settings_(settings), command_(std::move(command)) {}
+RemoteHost::RemoteHost(const HostSettings& settings, std::string command, std::string run)
+    : settings_(settings), command_(std::move(command)), run_(std::move(run)) {}
 
-Result<std::unique_ptr<RemoteHost>> RemoteHost::Connect(const HostSettings& settings) {
-  std::unique_ptr<RemoteHost> host(new RemoteHost(settings, ConnectingCommand(settings)));
+Result<std::unique_ptr<RemoteHost>> RemoteHost::Connect(const HostSettings& settings, const std::string& run) {
+  std::unique_ptr<RemoteHost> host(new RemoteHost(settings, ConnectingCommand(settings), run));
+  if (Status failure = host->Open(); !failure.ok()) return failure.error();
+  return host;
+}
+
+Status RemoteHost::Open() {
+  messages_ = std::make_unique<LinePipe>();
+  errors_ = std::make_unique<LinePipe>();
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return Failure(std::string("cannot make a pipe: ") + strerror(errno));
-  host->requests_ = ends[1];
-  Result<Process> connection = Process::Start({"/bin/sh", "-c", host->command_},
-                                              {ends[0], host->messages_.writing_end(), host->errors_.writing_end()});
+  requests_ = ends[1];
+  Result<Process> connection =
+      Process::Start({"/bin/sh", "-c", command_}, {ends[0], messages_->writing_end(), errors_->writing_end()});
   close(ends[0]);
-  host->messages_.CloseWritingEnd();
-  host->errors_.CloseWritingEnd();
+  messages_->CloseWritingEnd();
+  errors_->CloseWritingEnd();
   if (!connection.ok()) return connection.error();
-  host->connection_ = std::move(connection).value();
-  return host;
+  connection_ = std::move(connection).value();
+  Send(ToLine({{"run", run_}}));
+  return Status();
+}
+
+void RemoteHost::Reconnect() {
+  if (requests_ >= 0) close(std::exchange(requests_, -1));
+  connection_.reset();
+  ready_ = lost_ = is_first_ = false;
+  loss_ = Status();
+  last_error_line_.clear();
+  enclaves_.clear();
+  if (Status failure = Open(); !failure.ok()) Lose(failure.error().message);
 }
 
 RemoteHost::~RemoteHost() {
   if (requests_ >= 0) close(requests_);
   const auto deadline = Clock::now() + kDisconnectTimeout;
   while (connection_ && connection_->running() && !connection_->Poll() && Clock::now() < deadline) {
-    WaitFor({messages_.at_end() ? -1 : messages_.reading_end()}, std::chrono::milliseconds(10));
-    messages_.Read();
+    WaitFor({messages_->at_end() ? -1 : messages_->reading_end()}, std::chrono::milliseconds(10));
+    messages_->Read();
   }
 }
 
@@ -111,7 +131,7 @@ void RemoteHost::Send(const std::string& line) {
 
 Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, const std::vector<std::string>& arguments,
                                                  bool reports) {
-  if (lost_) return Failure("host " + name() + ": the connection is lost");
+  if (!connected()) return Failure("host " + name() + ": the connection is lost");
   const int id = static_cast<int>(children_.size());
   auto state = std::make_shared<State>();
   children_[id] = state;
@@ -140,22 +160,22 @@ Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::st
 
 std::vector<int> RemoteHost::descriptors() const {
   std::vector<int> open;
-  if (!messages_.at_end()) open.push_back(messages_.reading_end());
-  if (!errors_.at_end()) open.push_back(errors_.reading_end());
+  if (!messages_->at_end()) open.push_back(messages_->reading_end());
+  if (!errors_->at_end()) open.push_back(errors_->reading_end());
   return open;
 }
 
 void RemoteHost::ReadErrors() {
-  for (std::string& line : errors_.Read()) {
+  for (std::string& line : errors_->Read()) {
     last_error_line_ = line;
-    output_.push_back(std::move(line));
+    if (is_first_ || ready_) output_.push_back(std::move(line));  // each attempt to connect again would print the same
   }
 }
 
 void RemoteHost::Read() {
   ReadErrors();
-  for (const std::string& line : messages_.Read()) ApplyMessage(line);
-  if (!messages_.at_end() || lost_) return;
+  for (const std::string& line : messages_->Read()) ApplyMessage(line);
+  if (!messages_->at_end() || lost_) return;
   const auto deadline = Clock::now() + std::chrono::seconds(1);  // the process ends just after its output
   while (!connection_->Poll() && connection_->running() && Clock::now() < deadline) {
     WaitFor({}, std::chrono::milliseconds(5));
@@ -192,8 +212,10 @@ void RemoteHost::ApplyMessage(const std::string& line) try {
                              message.at("peak_memory_mib")};
     }
   } else if (message.contains("file") && fetch_ && message["file"] == fetch_->source) {
-    if (message.contains("data") && !WriteAll(fetch_->target, FromHexadecimal(std::string(message["data"])).value())) {
-      fetch_->error = strerror(errno);
+    if (message.contains("data")) {
+      const std::string data = FromHexadecimal(std::string(message["data"])).value();
+      fetch_->bytes += data.size();
+      if (!WriteAll(fetch_->target, data)) fetch_->error = strerror(errno);
     }
     if (message.contains("error")) fetch_->error = message["error"];
     fetch_->complete = message.contains("end") || message.contains("error");
@@ -219,18 +241,23 @@ Status RemoteHost::PollLoss() {
   return std::exchange(loss_, Status());
 }
 
-Status RemoteHost::Fetch(const std::string& from, const std::string& to) {
+Status RemoteHost::Fetch(const std::string& from, const std::string& to, const FetchProgress& progress) {
   const std::string context = "host " + name() + ": cannot fetch " + from + " to " + to + ": ";
+  if (!connected()) return Failure(context + "the connection is lost");
   const int target = open(to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (target < 0) return Failure(context + strerror(errno));
-  fetch_ = FileFetch{from, target, false, ""};
+  fetch_ = FileFetch{.source = from, .target = target, .error = ""};
   Send(ToLine({{"read", from}}));
+  auto heard_at = Clock::now();
+  std::size_t heard = 0;
   while (!fetch_->complete && fetch_->error.empty()) {
-    const auto began = Clock::now();
-    WaitFor(descriptors(), kFetchTimeout);
-    if (Clock::now() - began >= kFetchTimeout) fetch_->error = "no data for 30 s";
+    WaitFor(descriptors(), kFetchPoll);
     Read();
+    if (std::exchange(heard, fetch_->bytes) != fetch_->bytes) heard_at = Clock::now();
+    if (fetch_->complete) break;
+    if (Clock::now() - heard_at >= kFetchTimeout) Lose("has sent no data for 30 s");
     if (lost_) fetch_->error = "the connection is lost";
+    if (!progress(fetch_->bytes)) fetch_->error = "stopped";
   }
   std::string error = std::move(fetch_->error);
   fetch_.reset();

@@ -14,12 +14,14 @@ namespace troupe {
 
 class RemoteHost : public Host {
  public:
-  // Starts the connection. ready() or PollLoss() returns its outcome later.
-  static Result<std::unique_ptr<RemoteHost>> Connect(const HostSettings& settings);
+  // Starts the connection. connected() or PollLoss() returns its outcome later. `run`: a `troupe host` there that an
+  // earlier connection of this run to this host has left ends with its processes.
+  static Result<std::unique_ptr<RemoteHost>> Connect(const HostSettings& settings, const std::string& run);
   ~RemoteHost() override;  // terminates the processes and the connection
 
   // The host has answered: its programs are present, and of this version.
-  bool ready() const { return ready_; }
+  bool connected() const override { return ready_ && !lost_; }
+  void Reconnect() override;
 
   const std::string& name() const override { return settings_.name; }
   const std::string& folder() const override { return folder_; }
@@ -32,7 +34,7 @@ class RemoteHost : public Host {
   std::vector<std::string> ReadOutput() override { return std::exchange(output_, {}); }
   std::vector<std::string> ReadReports() override { return std::exchange(reports_, {}); }
   Status PollLoss() override;
-  Status Fetch(const std::string& from, const std::string& to) override;
+  Status Fetch(const std::string& from, const std::string& to, const FetchProgress& progress) override;
 
  private:
   struct State {  // of a process
@@ -43,12 +45,14 @@ class RemoteHost : public Host {
   struct FileFetch {
     std::string source;  // path there
     int target = -1;     // descriptor here
+    std::size_t bytes = 0;
     bool complete = false;
     std::string error;
   };
   class RemoteChild;
 
-  RemoteHost(const HostSettings& settings, std::string command);
+  RemoteHost(const HostSettings& settings, std::string command, std::string run);
+  Status Open();
   void Read();
   void ReadErrors();
   void ApplyMessage(const std::string& line);
@@ -57,10 +61,13 @@ class RemoteHost : public Host {
 
   const HostSettings settings_;
   const std::string command_;  // opens the connection
-  LinePipe messages_;
-  LinePipe errors_;
+  const std::string run_;
+  // Of the newest connection.
+  std::unique_ptr<LinePipe> messages_;
+  std::unique_ptr<LinePipe> errors_;
   int requests_ = -1;
   std::optional<Process> connection_;
+  bool is_first_ = true;
   bool ready_ = false;
   bool lost_ = false;
   Status loss_;

@@ -1,6 +1,9 @@
 #include "launcher/supervise/agent_fleet.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "command_line/trace_flags.h"
@@ -50,9 +53,7 @@ std::vector<Group> MakeGroups(const std::vector<std::string>& robots, const std:
   return groups;
 }
 
-std::string RestartCommand(const Host& host, const std::vector<std::string>& arguments) {
-  return ShellQuoted(host.ProgramPath("robot-agent")) + " " + ShellQuoted(arguments);
-}
+constexpr auto kCopyReportPeriod = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -106,26 +107,33 @@ Status AgentFleet::StartUpTo(std::size_t agents) {
   return Status();
 }
 
-Status AgentFleet::StartAgent(WaitingAgent agent) {
-  const AgentSite& site = *group_sites_[agent.group];
+Result<std::vector<std::string>> AgentFleet::ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
+                                                         bool again) const {
+  const AgentSite& site = *group_sites_[group];
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
-  // In turn, so that of those that start at a time few are in one group.
-  const std::size_t group = agent.group % ready_.participants.size();
-  options.network.service_participant = ready_.participants[group].participant;
+  // In turn, so that of those that start at a time few use one participant.
+  const std::size_t served_by = group % ready_.participants.size();
+  options.network.service_participant = ready_.participants[served_by].participant;
   if (!options_.hosts.empty()) options.ros.socket.clear();  // agents on other hosts start their own ros-participant
   std::optional<bool>& infinite_ranges = options.ros.robots.infinite_ranges;
   infinite_ranges = infinite_ranges.value_or(ready_.ros_infinite_ranges);
-  Result<std::string> security = keys_.ForAgent(*site.host, agent.robots);
+  Result<std::string> security = keys_.ForAgent(*site.host, robots);
   if (!security.ok()) return security.error();
   options.network.security = std::move(security).value();
   std::vector<std::string> arguments =
-      AgentArguments(options, service_addresses_[group], agent.robots, ready_.libraries, ready_.ros);
-  if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, agent.group));
-  std::vector<std::string> restart_arguments = arguments;
-  restart_arguments.emplace_back("--skip-deleted");
-  if (!scans_.empty()) restart_arguments.emplace_back("--keep-scans");
-  std::string restart_command = RestartCommand(*site.host, restart_arguments);
+      AgentArguments(options, service_addresses_[served_by], robots, ready_.libraries, ready_.ros);
+  if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, group));
+  if (again) arguments.emplace_back("--skip-deleted");
+  if (again && !scans_.empty()) arguments.emplace_back("--keep-scans");
+  return arguments;
+}
+
+Status AgentFleet::StartAgent(WaitingAgent agent) {
+  const AgentSite& site = *group_sites_[agent.group];
+  Result<std::vector<std::string>> made = ArgumentsOf(agent.group, agent.robots, false);
+  if (!made.ok()) return made.error();
+  std::vector<std::string> arguments = std::move(made).value();
   // Not for a restart: the file has the trace of the lost agent.
   if (!traces_.empty()) {
     for (std::string& argument : TraceArguments(options_.trace, traces_.PathOn(*site.host, agent.group))) {
@@ -135,8 +143,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
   if (agent.delay > 0.0) arguments.push_back("--start-delay=" + std::to_string(agent.delay));
   Result<std::unique_ptr<Child>> process = site.host->Start("robot-agent", arguments, false);
   if (!process.ok()) return process.error();
-  agents_.push_back({agents_.size(), std::move(process).value(), site.host, std::move(agent.robots),
-                     std::move(restart_command), std::move(restart_arguments)});
+  agents_.push_back({agents_.size(), std::move(process).value(), site.host, agent.group, std::move(agent.robots)});
   ++running_;
   return Status();
 }
@@ -144,7 +151,9 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
 Status AgentFleet::Restart(std::size_t number) {
   AgentProcess& agent = agents_.at(number);
   TROUPE_CHECK(!agent.process->running());
-  Result<std::unique_ptr<Child>> process = agent.host->Start("robot-agent", agent.restart_arguments, false);
+  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, true);
+  if (!arguments.ok()) return arguments.error();
+  Result<std::unique_ptr<Child>> process = agent.host->Start("robot-agent", arguments.value(), false);
   if (!process.ok()) return process.error();
   peak_memory_mib_ = peak_memory_mib();
   agent.process = std::move(process).value();
@@ -152,19 +161,16 @@ Status AgentFleet::Restart(std::size_t number) {
   return Status();
 }
 
+Result<std::string> AgentFleet::RestartCommand(std::size_t number) const {
+  const AgentProcess& agent = agents_.at(number);
+  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, true);
+  if (!arguments.ok()) return arguments.error();
+  return ShellQuoted(agent.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments.value());
+}
+
 void AgentFleet::SetService(const std::vector<ServiceParticipant>& participants) {
-  const std::string option = "--service-participant=";
-  std::map<std::string, std::string> replaced;
   for (std::size_t group = 0; group < std::min(ready_.participants.size(), participants.size()); ++group) {
-    ServiceParticipant& known = ready_.participants[group];
-    replaced[option + known.participant] = option + participants[group].participant;
-    known.participant = participants[group].participant;
-  }
-  for (AgentProcess& agent : agents_) {
-    for (std::string& argument : agent.restart_arguments) {
-      if (const auto found = replaced.find(argument); found != replaced.end()) argument = found->second;
-    }
-    agent.restart_command = RestartCommand(*agent.host, agent.restart_arguments);
+    ready_.participants[group].participant = participants[group].participant;
   }
 }
 
@@ -209,12 +215,46 @@ std::optional<Error> AgentFleet::OutputFailureIn(const std::string& line, const 
   return failure ? failure : traces_.FailureIn(line, host);
 }
 
-Status AgentFleet::FetchOutputs() {
+void AgentFleet::NoteLostFiles(const Host& host) {
+  if (!lost_hosts_.insert(&host).second) return;
+  for (const AgentOutput* output : {&scans_, &traces_}) {
+    if (output->empty()) continue;
+    std::vector<std::string> robots;
+    for (const AgentProcess& agent : agents_) {
+      if (agent.host == &host) robots.insert(robots.end(), agent.robots.begin(), agent.robots.end());
+    }
+    if (robots.empty()) continue;
+    missing_files_.push_back(
+        fmt::format("{} of {} until host {} was lost", output->option(), fmt::join(robots, ", "), host.name()));
+  }
+}
+
+Status AgentFleet::FetchOutputs(const std::function<void(const std::string&)>& tell,
+                                const std::function<bool()>& goes_on) {
+  std::size_t files = 0;
+  for (const AgentOutput* output : {&scans_, &traces_}) files += output->files().size();
+  std::size_t file = 0;
+  std::size_t bytes = 0;  // of the files before
+  auto next_line = std::chrono::steady_clock::now() + kCopyReportPeriod;
   Status first_failure;
   for (const AgentOutput* output : {&scans_, &traces_}) {
-    for (std::size_t group = 0; group < output->files().size(); ++group) {
-      Status status = output->Fetch(*group_sites_[group]->host, group);
-      if (!status.ok() && first_failure.ok()) first_failure = status;
+    for (std::size_t group = 0; group < output->files().size(); ++group, ++file) {
+      Host& host = *group_sites_[group]->host;
+      if (!host.connected()) continue;
+      std::size_t of_file = 0;
+      Status status = output->Fetch(host, group, [&](std::size_t copied) {
+        of_file = copied;
+        if (const auto now = std::chrono::steady_clock::now(); now >= next_line) {
+          next_line = now + kCopyReportPeriod;
+          tell(fmt::format("copying {} from the hosts: file {} of {}, {:.1f} MB", output->option(), file + 1, files,
+                           static_cast<double>(bytes + of_file) / 1e6));
+        }
+        return goes_on();
+      });
+      bytes += of_file;
+      if (!host.connected()) NoteLostFiles(host);
+      // After a loss its agents may not have been started again, and have no files there.
+      if (!status.ok() && first_failure.ok() && !lost_hosts_.contains(&host)) first_failure = status;
     }
   }
   return first_failure;

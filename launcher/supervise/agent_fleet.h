@@ -2,9 +2,11 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,9 +23,8 @@ struct AgentProcess {
   std::size_t number;              // in the fleet; an agent that is started again keeps it
   std::unique_ptr<Child> process;  // the newest one
   Host* host;
+  std::size_t group;  // in the order of robots
   std::vector<std::string> robots;
-  std::string restart_command;  // for a shell
-  std::vector<std::string> restart_arguments;
 };
 
 // Where agents run.
@@ -51,8 +52,11 @@ class AgentFleet {
   Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
 
   // Starts the agent of this number again, for the same robots. Its scans follow those of its predecessor; it writes no
-  // trace. REQUIRES: PollEnded has returned it.
+  // trace. On a host that was connected again it has new keys, and a new file of scans. REQUIRES: PollEnded has
+  // returned it.
   Status Restart(std::size_t number);
+  // The same as a command for a shell on its host, which works as long as the host is connected.
+  Result<std::string> RestartCommand(std::size_t number) const;
 
   // Another process continues the run as its world service, with these participants, at the same addresses: for agents
   // that are started from now on.
@@ -73,8 +77,13 @@ class AgentFleet {
   // The error about an output file of the user that a line reports which was printed on `host`; nothing for another
   // line.
   std::optional<Error> OutputFailureIn(const std::string& line, const Host& host) const;
-  // Copies the output files of agents on remote hosts into the files here.
-  Status FetchOutputs();
+  // A host is lost, and with it the files that its agents have written so far.
+  void NoteLostFiles(const Host& host);
+  // Copies the output files of agents on remote hosts into the files here. `tell` is given lines for the user while it
+  // lasts; false from `goes_on` ends it with an error. Files on hosts that are lost are no error: see missing_files.
+  Status FetchOutputs(const std::function<void(const std::string&)>& tell, const std::function<bool()>& goes_on);
+  // What is missing in the output files because hosts were lost: "--scans of r4, r5 until host h2 was lost".
+  const std::vector<std::string>& missing_files() const { return missing_files_; }
   // The agents' scan files in the order of their robots; none without --scans.
   const std::vector<std::string>& scan_files() const { return scans_.files(); }
   // The trace files of the agents; none without --trace.
@@ -93,6 +102,9 @@ class AgentFleet {
   // Starts waiting agents until `agents` have been started in all.
   Status StartUpTo(std::size_t agents);
   Status StartAgent(WaitingAgent agent);
+  // Of the program robot-agent, without a trace.
+  Result<std::vector<std::string>> ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
+                                               bool again) const;
 
   const RunOptions& options_;
   const RunKeys& keys_;
@@ -105,6 +117,8 @@ class AgentFleet {
   ReadyReport ready_;
   std::vector<std::string> service_addresses_;
   std::size_t running_ = 0;
+  std::set<const Host*> lost_hosts_;
+  std::vector<std::string> missing_files_;
   double peak_memory_mib_ = 0.0;  // of the processes that were replaced
 };
 

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "common/trace/trace_file.h"
+#include "launcher/hosts/multicast_probe.h"
 #include "launcher/process/signal_watch.h"
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/output_files.h"
@@ -34,6 +36,12 @@ constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 
 // With on_agent_loss rebuild: restarts of an agent at one tick. An agent that dies again there will always do so.
 constexpr std::uint32_t kRestartsAtATick = 5;
+
+constexpr auto kCopyLinePeriod = std::chrono::seconds(5);
+
+// Network profiles (transport/dds/binding/domain_config.h).
+constexpr const char* kMulticastProfile = "lan";
+constexpr const char* kUnicastProfile = "unicast";
 
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -90,11 +98,13 @@ void ViewerProcess::Kill() {
 class DistributedRun {
  public:
   explicit DistributedRun(const RunOptions& options)
-      : options_(options), hosts_(options), service_(options, hosts_), agents_(options, keys_) {}
+      : options_(options), hosts_(options_), service_(options_, hosts_), agents_(options_, keys_) {}
 
   RunEnd Run();
 
  private:
+  // Changes to the network profile `unicast` on a network that does not pass multicast on.
+  void ChooseNetworkProfile();
   void SuperviseUntilServiceEnds();
   void StartViewer();
   Status StartRosProgram(const ReadyReport& ready);
@@ -115,21 +125,25 @@ class DistributedRun {
   // False for a line that does not report the failure of an output file.
   bool NoteOutputFailure(const std::string& line, const Host& host);
   void ReactToEnd(const AgentProcess& agent);
+  void ReactToLoss(Host& host, const Error& loss);
+  void ReconnectHosts();
   void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
   void RestartAgents();
+  void RestartAgent(std::size_t number);
   // The service has ended: whether it is to be started again.
   bool PlanRestartOfService();
   void RestartService();
   // The service runs, or will be started again.
   bool goes_on() const { return service_.process().running() || service_restarts_.due(); }
   Status CollectOutputs();
+  void CountFromTheFirstService(RunSummary& run) const;
   void Stop();
   // Ends the run. Only the first failure counts.
   void Fail(RunEnd end);
   RunEnd End();
   bool failed() const { return end_.exit_status != kExitDone && end_.exit_status != kExitInterrupted; }
 
-  const RunOptions& options_;
+  RunOptions options_;
   SignalWatch signals_;
   RunHosts hosts_;
   RunKeys keys_;
@@ -142,6 +156,7 @@ class DistributedRun {
   std::optional<ros::HostProgram> ros_program_;  // of this host
   AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;
+  std::multimap<Host*, std::size_t> agents_of_lost_hosts_;  // to be started again once their host is connected
   ServiceRestarts service_restarts_;
   std::vector<std::uint16_t> service_ports_;    // by group of agents, once it is ready
   StatePlace newest_;                           // state, as the newest status reports it
@@ -149,6 +164,9 @@ class DistributedRun {
   bool rebuilds_ = false;                       // agents are started again until the run ends
   std::map<std::size_t, StatePlace> ended_at_;  // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
+  Clock::time_point started_at_;              // of the first world service
+  Clock::time_point service_started_at_;      // of the last one
+  std::optional<double> begins_at_;           // simulated time of the first status, s
   std::optional<Clock::time_point> kill_at_;  // set by a request to stop
   std::size_t robots_ = 0;
   double startup_seconds_ = 0.0;
@@ -162,6 +180,7 @@ class DistributedRun {
 void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
+  if (const std::optional<double> next = hosts_.NextReconnect()) wake = std::min(wake.value_or(*next), *next);
   if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
@@ -194,6 +213,7 @@ void DistributedRun::ProcessEvents() {
   if (dies) PlanRestartOfService();
   for (const std::size_t agent : ended) ReactToEnd(agents_.agent(agent));
   RestartService();
+  ReconnectHosts();
   RestartAgents();
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
@@ -212,7 +232,31 @@ void DistributedRun::PrintOutput() {
       error_printed_ = error_printed_ || error;
       progress_.Tell(host->name().empty() ? line : host->name() + ": " + line);
     }
-    if (Status loss = host->PollLoss(); !loss.ok() && !summary_) progress_.Tell(loss.error().ToString());
+    if (hosts_.is_lost(*host)) continue;  // of an attempt to connect again
+    if (const Status loss = host->PollLoss(); !loss.ok()) ReactToLoss(*host, loss.error());
+  }
+}
+
+// The run goes on without its agents, as `on_agent_loss` says.
+void DistributedRun::ReactToLoss(Host& host, const Error& loss) {
+  agents_.NoteLostFiles(host);
+  if (summary_ || kill_at_) return;
+  const bool connects = started_ && &host != &hosts_.service_host() && restarts_.limit() > 0;
+  if (connects) hosts_.OnLoss(host, Seconds(Clock::now()));
+  progress_.Tell(loss.ToString() + (connects ? "; it is connected again once it can be reached, and its agents are "
+                                               "started again"
+                                             : ""));
+}
+
+void DistributedRun::ReconnectHosts() {
+  if (kill_at_ || summary_ || !goes_on()) return hosts_.GiveUp();
+  for (Host* host : hosts_.Reconnect(Seconds(Clock::now()))) {
+    const auto [first, last] = agents_of_lost_hosts_.equal_range(host);
+    progress_.Tell(fmt::format("host {}: connected again; its {} {} started again", host->name(),
+                               std::distance(first, last),
+                               std::distance(first, last) == 1 ? "agent is" : "agents are"));
+    for (auto agent = first; agent != last; ++agent) RestartAgent(agent->second);
+    agents_of_lost_hosts_.erase(host);
   }
 }
 
@@ -295,14 +339,17 @@ void DistributedRun::React(const NewRobotsReport& report) {
 
 void DistributedRun::React(const StatusMessage& status) {
   progress_.Update(status);
+  if (!begins_at_) begins_at_ = status.sim_seconds;
   newest_ = {status.edition, status.tick};
   if (started_ || kill_at_) return;
   if (Status started = agents_.StartAfterJoins(status.agents); !started.ok()) Fail(FailedRun(started.error()));
 }
 
 void DistributedRun::React(const StartedReport&) {
+  service_started_at_ = Clock::now();
   if (started_) return progress_.Tell("the world service has been started again, and the run continues");
   started_ = true;
+  started_at_ = service_started_at_;
   startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
   const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
   progress_.Tell(fmt::format("session {}: {} robots in {} agent processes{}, ready after {:.2f} s",
@@ -316,6 +363,10 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   }
   if (end.ok() || kill_at_ || summary_ || !goes_on()) return;
   const std::string& host = agent.host->name();
+  if (hosts_.is_lost(*agent.host)) {
+    agents_of_lost_hosts_.emplace(agent.host, agent.number);
+    return;
+  }
   const std::string text =
       fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
@@ -343,17 +394,29 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
 }
 
 void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {
+  // The keys of an agent are gone with the connection to its host.
+  const Result<std::string> command = agents_.RestartCommand(agent.number);
+  if (!agent.host->connected() || !command.ok()) return progress_.Tell(reason + "; it is not started again");
   progress_.Tell(reason + "; to start it again" + (agent.host->name().empty() ? "" : " there") + ":\n  " +
-                 agent.restart_command);
+                 command.value());
+}
+
+void DistributedRun::RestartAgent(std::size_t number) {
+  if (const Status status = agents_.Restart(number); status.ok()) {
+    ++restarted_;
+  } else {
+    TellRestartCommand(agents_.agent(number), status.error().ToString());
+  }
 }
 
 void DistributedRun::RestartAgents() {
   if (kill_at_ || summary_ || !goes_on()) return restarts_.Cancel();
   for (const std::size_t number : restarts_.DrainDue(Seconds(Clock::now()))) {
-    if (Status status = agents_.Restart(number); status.ok()) {
-      ++restarted_;
+    Host* const host = agents_.agent(number).host;
+    if (hosts_.is_lost(*host)) {
+      agents_of_lost_hosts_.emplace(host, number);
     } else {
-      TellRestartCommand(agents_.agent(number), status.error().ToString());
+      RestartAgent(number);
     }
   }
 }
@@ -397,6 +460,31 @@ void DistributedRun::Stop() {
   if (!kill_at_) kill_at_ = Clock::now() + kStopTimeout;
 }
 
+void DistributedRun::ChooseNetworkProfile() {
+  std::string& profile = options_.network.network_profile;
+  if (options_.hosts.empty() || (!profile.empty() && profile != kMulticastProfile)) return;
+  const HostSettings* const of_service = hosts_.service_settings();
+  const HostOnNetwork from = {&hosts_.service_host(),
+                              of_service != nullptr ? InterfaceOf(*of_service) : options_.network.network_interface};
+  std::vector<HostOnNetwork> to;
+  for (const AgentSite& site : hosts_.AgentSites()) {
+    if (site.host != from.first) to.emplace_back(site.host, site.network_interface);
+  }
+  const auto is_loopback = [](const HostOnNetwork& host) {
+    return host.second == kLoopbackInterface || host.second.starts_with("127.");
+  };
+  if (to.empty() || is_loopback(from) || std::any_of(to.begin(), to.end(), is_loopback)) return;
+  const std::vector<std::string> deaf =
+      HostsWithoutMulticast(from, to, options_.network.domain, options_.network.session, signals_);
+  if (deaf.empty()) return;
+  profile = kUnicastProfile;
+  const std::string name = from.first->name().empty() ? "this host" : "host " + from.first->name();
+  progress_.Tell(
+      fmt::format("multicast from {} does not reach {} {}: the run uses the network profile unicast instead of "
+                  "lan, and sends each frame to each agent",
+                  name, deaf.size() == 1 ? "host" : "hosts", fmt::join(deaf, ", ")));
+}
+
 void DistributedRun::SuperviseUntilServiceEnds() {
   while (goes_on()) ProcessEvents();
   ProcessReports();
@@ -430,8 +518,20 @@ Status DistributedRun::CollectOutputs() {
   };
   if (!started_) return first;
   if (!options_.hosts.empty()) {
-    const Status fetched = service_.FetchOutputs();
-    keep(fetched.ok() ? agents_.FetchOutputs() : fetched);
+    bool stops = false;  // a further request to stop ends the copies
+    const auto goes_on = [&] {
+      stops = signals_.ReadStopRequest() || stops;
+      return !stops;
+    };
+    keep(service_.FetchOutputs([&, next_line = Clock::now() + kCopyLinePeriod](std::size_t bytes) mutable {
+      if (Clock::now() >= next_line) {
+        next_line = Clock::now() + kCopyLinePeriod;
+        progress_.Tell(fmt::format("copying a file of the world service from host {}: {:.1f} MB",
+                                   hosts_.service_host().name(), static_cast<double>(bytes) / 1e6));
+      }
+      return goes_on();
+    }));
+    keep(agents_.FetchOutputs([this](const std::string& line) { progress_.Tell(line); }, goes_on));
   }
   if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans, LineFile::Space::kFree));
   if (!options_.trace.file.empty()) {
@@ -440,6 +540,13 @@ Status DistributedRun::CollectOutputs() {
     keep(MergeTraces(parts, options_.trace.file));
   }
   return first;
+}
+
+// The last service knows its own time alone.
+void DistributedRun::CountFromTheFirstService(RunSummary& run) const {
+  run.wall_seconds += std::chrono::duration<double>(service_started_at_ - started_at_).count();
+  if (run.wall_seconds <= 0.0) return;
+  run.real_time_factor = (run.sim_seconds - begins_at_.value_or(0.0)) / run.wall_seconds;
 }
 
 RunEnd DistributedRun::End() {
@@ -451,11 +558,13 @@ RunEnd DistributedRun::End() {
   RunOutcome outcome;
   outcome.run = *summary_;
   outcome.run.startup_seconds = startup_seconds_;
+  if (service_restarts_.count() > 0) CountFromTheFirstService(outcome.run);
   outcome.processes = static_cast<std::uint32_t>(agents_.size() + 1);
   outcome.agents_restarted = restarted_;
   outcome.service_restarted = service_restarts_.count();
   outcome.service_peak_memory_mib = service_.process().end()->peak_memory_mib;
   outcome.hosts = agents_.hosts();
+  outcome.missing_files = agents_.missing_files();
   outcome.agent_peak_memory_mib = agents_.peak_memory_mib();
   return {end_.exit_status, std::move(outcome), std::nullopt};
 }
@@ -466,6 +575,8 @@ RunEnd DistributedRun::Run() {
     if (signals_.stop_requested()) end.exit_status = kExitInterrupted;
     return end;
   }
+  ChooseNetworkProfile();
+  if (signals_.stop_requested()) return {kExitInterrupted, std::nullopt, Failure("stopped before the run began")};
   Result<RunKeys> keys = RunKeys::Make(options_.network);
   if (!keys.ok()) return FailedRun(keys.error());
   keys_ = std::move(keys).value();

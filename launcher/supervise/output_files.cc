@@ -271,9 +271,9 @@ std::optional<Error> AgentOutput::FailureIn(const std::string& line, const Host&
   return std::nullopt;
 }
 
-Status AgentOutput::Fetch(Host& host, std::size_t part) const {
+Status AgentOutput::Fetch(Host& host, std::size_t part, const FetchProgress& progress) const {
   if (host.folder().empty()) return Status();
-  const Status fetched = host.Fetch(PathOn(host, part), files_[part]);
+  const Status fetched = host.Fetch(PathOn(host, part), files_[part], progress);
   return fetched.ok() ? fetched : Error{{output_}, fetched.error().message, ErrorCode::kFailure};
 }
 

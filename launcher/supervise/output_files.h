@@ -60,6 +60,7 @@ class AgentOutput {
   Status AddParts(std::size_t count);
 
   bool empty() const { return files_.empty(); }
+  const std::string& option() const { return option_; }
   // The parts on this host, in the order of AddParts.
   const std::vector<std::string>& files() const { return files_; }
   // The path that an agent on `host` writes its part to.
@@ -67,7 +68,7 @@ class AgentOutput {
   // The error about the user's file that a line reports which was printed on `host`; nothing for another line.
   std::optional<Error> FailureIn(const std::string& line, const Host& host) const;
   // Copies a part from the host into its file here; does nothing for this host.
-  Status Fetch(Host& host, std::size_t part) const;
+  Status Fetch(Host& host, std::size_t part, const FetchProgress& progress) const;
 
  private:
   const std::string option_;

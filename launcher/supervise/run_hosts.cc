@@ -12,6 +12,10 @@ namespace troupe {
 namespace {
 
 constexpr auto kConnectTimeout = std::chrono::seconds(30);
+// s, from an attempt to connect again that has failed, or has had no answer, to the next one.
+constexpr double kReconnectPeriod = 5.0;
+constexpr double kFirstReconnect = 1.0;  // from the loss to the first attempt
+constexpr double kReconnectTimeout = 30.0;
 
 }  // namespace
 
@@ -22,7 +26,8 @@ RunHosts::RunHosts(const RunOptions& options) : options_(options) {
 }
 
 Status RunHosts::Connect(SignalWatch& signals) {
-  Result<std::vector<std::unique_ptr<RemoteHost>>> connected = ConnectHosts(options_.hosts, kConnectTimeout, signals);
+  Result<std::vector<std::unique_ptr<RemoteHost>>> connected =
+      ConnectHosts(options_.hosts, options_.network.session, kConnectTimeout, signals);
   if (!connected.ok()) return connected.error();
   for (std::unique_ptr<RemoteHost>& host : connected.value()) hosts_.push_back(std::move(host));
   return Status();
@@ -34,6 +39,35 @@ std::vector<int> RunHosts::descriptors() const {
     for (const int descriptor : host->descriptors()) all.push_back(descriptor);
   }
   return all;
+}
+
+void RunHosts::OnLoss(Host& host, double now) {
+  lost_[&host] = {now + kFirstReconnect - kReconnectPeriod, true};
+}
+
+double RunHosts::NextAttempt(const Attempt& attempt) {
+  return attempt.since + (attempt.has_failed ? kReconnectPeriod : kReconnectTimeout);
+}
+
+std::vector<Host*> RunHosts::Reconnect(double now) {
+  std::vector<Host*> connected;
+  for (auto& [host, attempt] : lost_) {
+    if (!host->PollLoss().ok()) attempt.has_failed = true;
+    if (host->connected()) {
+      connected.push_back(host);
+    } else if (now >= NextAttempt(attempt)) {
+      attempt = {now, false};
+      host->Reconnect();
+    }
+  }
+  for (Host* host : connected) lost_.erase(host);
+  return connected;
+}
+
+std::optional<double> RunHosts::NextReconnect() const {
+  std::optional<double> next;
+  for (const auto& [host, attempt] : lost_) next = std::min(next.value_or(NextAttempt(attempt)), NextAttempt(attempt));
+  return next;
 }
 
 const HostSettings* RunHosts::service_settings() const {

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,16 @@ class RunHosts {
   // Readable when a host has news.
   std::vector<int> descriptors() const;
 
+  // A host is lost: it is connected again from now on. Times are in s, of any clock that does not decrease.
+  void OnLoss(Host& host, double now);
+  bool is_lost(Host& host) const { return lost_.contains(&host); }
+  // Begins attempts to connect again that are due; returns the hosts that are connected again, each once.
+  std::vector<Host*> Reconnect(double now);
+  // No further attempts.
+  void GiveUp() { lost_.clear(); }
+  // When to call it again; nothing: no host is lost.
+  std::optional<double> NextReconnect() const;
+
   // The host of the world service.
   Host& service_host() const;
   // Its settings; null: this host.
@@ -41,8 +53,16 @@ class RunHosts {
   Result<std::vector<std::size_t>> PlaceOnSites(const std::vector<std::string>& robots) const;
 
  private:
+  struct Attempt {
+    double since = 0.0;
+    bool has_failed = false;
+  };
+
+  static double NextAttempt(const Attempt& attempt);
+
   const RunOptions& options_;
   std::vector<std::unique_ptr<Host>> hosts_;
+  std::map<Host*, Attempt> lost_;  // the newest attempt
 };
 
 }  // namespace troupe

@@ -102,12 +102,12 @@ std::optional<Error> ServiceProcess::OutputFailureIn(const std::string& line) co
   return std::nullopt;
 }
 
-Status ServiceProcess::FetchOutputs() const {
+Status ServiceProcess::FetchOutputs(const FetchProgress& progress) const {
   if (hosts_.service_settings() == nullptr) return Status();
   for (const auto& [there, here] : Outputs()) {
     if (here.empty()) continue;
     const std::string& target = here == options_.trace.file ? trace_file_ : here;
-    if (Status status = hosts_.service_host().Fetch(there, target); !status.ok()) return status;
+    if (Status status = hosts_.service_host().Fetch(there, target, progress); !status.ok()) return status;
   }
   return Status();
 }

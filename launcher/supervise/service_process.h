@@ -33,7 +33,7 @@ class ServiceProcess {
   // As AgentFleet::OutputFailureIn, for the files of the service.
   std::optional<Error> OutputFailureIn(const std::string& line) const;
   // Copies the service's output files from a remote host to the paths of the options.
-  Status FetchOutputs() const;
+  Status FetchOutputs(const FetchProgress& progress) const;
   // The trace of the service on this host; empty: none.
   const std::string& trace_file() const { return trace_file_; }
 

@@ -57,6 +57,7 @@ std::string SummaryText(const RunOutcome& outcome) {
     text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
                         outcome.agents_restarted == 1 ? "restart" : "restarts");
   }
+  for (const std::string& missing : outcome.missing_files) text += "missing: " + missing + "\n";
   if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
   return text;
 }
@@ -87,6 +88,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"agent_peak_memory_mib", outcome.agent_peak_memory_mib},
       {"slowest_robots", slowest},
       {"lost", run.lost},
+      {"missing_files", outcome.missing_files},
       {"interrupted", run.interrupted},
       {"record_waited_seconds", run.record_waited_seconds},
   };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "command_line/exit_status.h"
 #include "troupe/result.h"
@@ -19,6 +20,7 @@ struct RunOutcome {
   std::uint32_t agents_restarted = 0;        // restarts of all agents
   std::uint32_t service_restarted = 0;       // restarts of the world service
   std::map<std::string, std::string> hosts;  // by robot; empty: all on this host
+  std::vector<std::string> missing_files;    // what output files lack because hosts were lost
   double service_peak_memory_mib = 0.0;      // largest resident size; of the only process, if there is but one
   double agent_peak_memory_mib = 0.0;        // of the largest agent; 0: no agent had its own process
 };

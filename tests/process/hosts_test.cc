@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -46,6 +47,18 @@ class Hosts : public testing::Test {
       for (pid_t descendant : Descendants(child)) all.push_back(descendant);
     }
     return all;
+  }
+
+  // Kills the `troupe host` that has started the process with this word in its command line.
+  static void KillHostOf(const Program& run, const std::string& part) {
+    for (const pid_t process : Descendants(run.pid())) {
+      if (CommandLineOf(process).find(part) == std::string::npos) continue;
+      std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+      pid_t host = 0;
+      std::string word;
+      stat >> word >> word >> word >> host;
+      kill(host, SIGKILL);
+    }
   }
 
   OutputFolder folder_;
@@ -127,20 +140,53 @@ TEST_F(Hosts, TerminateAllProcessesWhenTheLauncherIsKilled) {
 TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   json lost = HostHere("lost");
   lost["robots"] = {"r2"};
-  Program run = Run({HostHere("kept"), lost}, {"--speed", "5", "--ticks", "200", "--lease", "0.5"});
+  lost["start"] = "mkdir " + folder_.Path("started") + " && exec {command}";  // once
+  Program run = Run({HostHere("kept"), lost}, {"--speed", "5", "--ticks", "200", "--lease", "0.5", "--scans",
+                                               folder_.Path("scans"), "--summary", folder_.Path("summary")});
   run.WaitForLine("ready after");
-  for (pid_t process : Descendants(run.pid())) {
-    if (CommandLineOf(process).find("--robot=r2") != std::string::npos) {
-      std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
-      pid_t host = 0;
-      std::string word;
-      stat >> word >> word >> word >> host;
-      kill(host, SIGKILL);
-    }
-  }
+  KillHostOf(run, "--robot=r2");
+  run.WaitForLine("host lost: the connection is lost");
+  const auto lost_at = std::chrono::steady_clock::now();
   EXPECT_EQ(run.Wait(), 0) << run.output();
-  EXPECT_THAT(run.output(), HasSubstr("host lost: the connection is lost"));
+  // 4 s at this speed; a wait for the files of the host took 30 s more.
+  EXPECT_LT(std::chrono::steady_clock::now() - lost_at, std::chrono::seconds(25));
   EXPECT_THAT(run.output(), HasSubstr("without an agent at the end: r2"));
+  EXPECT_THAT(run.output(), HasSubstr("missing: --scans of r2 until host lost was lost"));
+  const json summary = json::parse(folder_.Read("summary"));
+  EXPECT_EQ(summary["missing_files"], json::array({"--scans of r2 until host lost was lost"}));
+  EXPECT_EQ(summary["ticks"], 200);
+  EXPECT_THAT(folder_.Read("scans"), HasSubstr(R"({"tick":199,"robot":"r0")"));
+}
+
+TEST_F(Hosts, OfTheWorldServiceEndTheRunAtOnceWhenTheyAreLost) {
+  json service = HostHere("s");
+  service["service"] = true;
+  service["robots"] = 0;
+  Program run = Run({service, HostHere("a")},
+                    {"--speed", "5", "--scans", folder_.Path("scans"), "--hash-log", folder_.Path("hashes")});
+  run.WaitForLine("ready after");
+  KillHostOf(run, "/world-service");
+  run.WaitForLine("host s: the connection is lost");
+  const auto lost_at = std::chrono::steady_clock::now();
+  EXPECT_EQ(run.Wait(), 3) << run.output();
+  EXPECT_LT(std::chrono::steady_clock::now() - lost_at, std::chrono::seconds(25));
+}
+
+// With keys, which the host has lost with its folder.
+TEST_F(Hosts, ThatReturnAreConnectedAgain) {
+  json far = HostHere("far");
+  far["robots"] = {"r2"};
+  Program run = Run({HostHere("near"), far}, {"--speed", "5", "--ticks", "100", "--on-agent-loss", "rebuild",
+                                              "--security", "on", "--hash-log", folder_.Path("hashes")});
+  run.WaitForLine("ready after");
+  KillHostOf(run, "--robot=r2");
+  run.WaitForLine("host far: connected again; its 1 agent is started again");
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+  const Finished alone = Finish(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless",
+                                        "--controller", "wander", "--hash-log", folder_.Path("alone")}));
+  ASSERT_EQ(alone.exit_status, 0) << alone.output;
+  EXPECT_EQ(folder_.Read("hashes"), folder_.Read("alone"));
 }
 
 TEST_F(Hosts, DeleteTheFoldersOfThoseThatWereKilled) {

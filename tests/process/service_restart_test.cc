@@ -92,6 +92,10 @@ TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
   const nlohmann::json summary = nlohmann::json::parse(folder_.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["service_restarted"], 1);
   EXPECT_EQ(summary["agents_restarted"], 0);
+  // Of both services: the run is paced.
+  const double expected = summary["sim_seconds"].get<double>() / 10.0;
+  EXPECT_GE(summary["wall_seconds"].get<double>(), 0.9 * expected);
+  EXPECT_LE(summary["real_time_factor"].get<double>(), 11.2);
 }
 
 TEST_F(ServiceRestartTest, APausedRunRemainsPausedAndAStepIsFinished) {

@@ -97,6 +97,8 @@ class WebServer::Implementation final : public WebLoop {
 
   int OnHttp(lws* socket, lws_callback_reasons reason, Connection* connection, const char* in);
   int OnViewer(lws* socket, lws_callback_reasons reason, Connection& connection, const char* in, std::size_t length);
+  // False: another connection is one too many.
+  bool MakeRoom();
   int ConfirmUpgrade(lws* socket, const char* protocol);
   int ServeFile(lws* socket, Connection& connection, const std::string& path);
   int WriteFile(lws* socket, Connection& connection);
@@ -110,6 +112,7 @@ class WebServer::Implementation final : public WebLoop {
   lws_context* context_ = nullptr;
   lws_vhost* vhost_ = nullptr;
   int connections_ = 0;
+  std::vector<lws*> strangers_;  // connections that have not shown the token, the oldest first
   ViewerId last_viewer_ = 0;
   std::map<ViewerId, ViewerConnection> viewers_;
   std::vector<unsigned char> piece_ = std::vector<unsigned char>(LWS_PRE + kPiece);
@@ -141,7 +144,7 @@ Status WebServer::Implementation::Listen() {
   info.user = this;
   info.protocols = protocols_.data();
   info.max_http_header_data2 = kLongestHeaders;
-  info.fd_limit_per_thread = kMostConnections + 20;
+  info.fd_limit_per_thread = kMostConnections + kMostClosing + 20;
   info.server_string = "troupe";
   info.iface = options_.address == "0.0.0.0" ? nullptr : options_.address.c_str();
   info.vhost_name = "troupe";
@@ -194,9 +197,13 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
       return 0;
     case LWS_CALLBACK_WSI_DESTROY:
       --connections_;
+      std::erase(strangers_, socket);
       return 0;
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
-      return connections_ >= kMostConnections ? 1 : 0;
+      return MakeRoom() ? 0 : 1;
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+      strangers_.push_back(socket);
+      return 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
       return ConfirmUpgrade(socket, in);
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:  // an upgrade without a known protocol
@@ -216,6 +223,16 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
   }
 }
 
+// Other users of the host can open any number of connections, but cannot keep one that has shown the token away: the
+// oldest one that has not is closed for it.
+bool WebServer::Implementation::MakeRoom() {
+  if (connections_ < kMostConnections) return true;
+  if (strangers_.empty() || connections_ >= kMostConnections + kMostClosing) return false;
+  lws_set_timeout(strangers_.front(), PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
+  strangers_.erase(strangers_.begin());
+  return true;
+}
+
 int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol) {
   if (std::strcmp(protocol, "websocket") != 0) return -1;
   // Programs know only the address. A client of them names no protocol of the page.
@@ -231,6 +248,7 @@ int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol)
   const Access access =
       is_page ? options_.access.ForSocket(host, origin, token) : options_.access.ForProgram(host, origin, token);
   const bool full = viewers_.size() >= kMostViewers;
+  if (access == Access::kGranted) std::erase(strangers_, socket);
   if (access == Access::kGranted && !full) return 0;
   const int written = full ? Refuse(socket, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many viewers")
                            : Refuse(socket, HTTP_STATUS_FORBIDDEN, ToString(access));
@@ -251,7 +269,10 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
   const std::string host = Header(socket, WSI_TOKEN_HOST);
   const Access access = rules.ForPage(host, path == "/" ? TokenIn(socket) : rules.token);
   if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, ToString(access));
-  if (path == "/") handler_->OnPage();
+  if (path == "/") {
+    std::erase(strangers_, socket);
+    handler_->OnPage();
+  }
 
   std::array<unsigned char, LWS_PRE + 1024> buffer{};
   unsigned char* const start = buffer.data() + LWS_PRE;

@@ -1,9 +1,10 @@
 // WebServer: HTTP for the files of the page, and WebSockets for viewers, on libwebsockets. It knows nothing of the
 // simulation.
 //
-// Bounds: kMostConnections connections, of which kMostViewers are viewers; headers of kLongestHeaders; messages from a
-// viewer as long as Options says; one message on its way to each viewer, in pieces of kPiece bytes. A connection that
-// sends no request for kRequestSeconds, or does not answer a ping, is closed.
+// Bounds: kMostConnections connections, of which kMostViewers are viewers (a further one replaces the oldest that has
+// not shown the token of the page); headers of kLongestHeaders; messages from a viewer as long as Options says; one
+// message on its way to each viewer, in pieces of kPiece bytes. A connection that sends no request for kRequestSeconds,
+// or does not answer a ping, is closed.
 //
 // Threads: the handler is called on the server's own thread. Wake may be called on any thread.
 #pragma once
@@ -63,6 +64,7 @@ class WebServer {
   static constexpr const char* kProtocols[] = {"troupe", "foxglove.sdk.v1", "foxglove.websocket.v1"};
   static constexpr int kMostConnections = 100;
   static constexpr int kMostViewers = 40;
+  static constexpr int kMostClosing = 50;                        // connections that are replaced, and not closed yet
   static constexpr int kLongestHeaders = 4096;                   // bytes
   static constexpr std::size_t kPiece = std::size_t{32} * 1024;  // bytes
   static constexpr int kRequestSeconds = 5;

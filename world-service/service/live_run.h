@@ -29,6 +29,7 @@ struct CoordinatorOptions {
   Incarnation incarnation = 0;  // of this service
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
+  std::string advice_on_silence = {};   // for people, if agents do not answer the first frame; empty: none
   bool start_paused = false;            // at tick 0
   bool has_history = false;             // agents can be sent the states of the past
   std::shared_ptr<ThreadPool> pool;     // of the step; null: one thread

@@ -341,6 +341,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.resumed = options.resumed;
   coordinator.lease_seconds = options.lease_seconds;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
+  coordinator.advice_on_silence = options.advice_on_silence;
   coordinator.check_world = options.check_world;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;

@@ -16,6 +16,7 @@ namespace {
 constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
 constexpr double kLongestEnd = 1.0;          // for agents to leave
 constexpr double kAskPeriod = 0.1;           // from one request to an agent to join again to the next
+constexpr double kFirstAnswers = 5.0;        // of silence after the first frame, until a notice
 constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
 constexpr double kNewestAnswer = 0.1;        // its share in the smoothed time of an agent's answers
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -23,6 +24,14 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 std::optional<double> SpeedOf(const RunSettings& settings) {
   if (settings.mode == Mode::kRealtime) return settings.speed.value_or(1.0);
   return settings.speed;
+}
+
+// Without zeros at the end.
+std::string SpeedText(double speed) {
+  std::string text = std::to_string(speed);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
 }
 
 // Spreads the numbers, so that those of two services are not the same.
@@ -119,9 +128,11 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
     AddMember(*member, now);
   }
   if (!barrier_.Arrive(proposal.agent)) return resend_timer_.AnsweredTwice();
+  all_have_answered_ = all_have_answered_ || barrier_.complete();
   if (proposal.paused) {
     member->silent_since.reset();
     resend_timer_.Answered(now);
+    arrived_at_ = now;
     return;
   }
   Collect(*member, proposal, now);
@@ -194,14 +205,42 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
 
 void TickEngine::LoseSilentMembers(double now) {
   const double deadline = run_.options.settings.agent_deadline_seconds;
-  if (run_.phase != RunPhase::kRunning || deadline <= 0.0 || barrier_.complete()) return;
+  if (run_.phase != RunPhase::kRunning || barrier_.complete()) return;
+  if (!all_have_answered_ && !run_.realtime() && !run_.continues()) return AwaitFirstAnswers(now);
+  if (deadline <= 0.0) return;
   for (AgentId agent : barrier_.Missing()) {
     Member* const member = run_.members.Find(agent);
-    const double silent = now - member->silent_since.value_or(committed_at_);
+    double heard_at = member->silent_since.value_or(committed_at_);
+    // Over a slow link the answers come one after another: the missing ones are still under way.
+    if (!run_.realtime()) heard_at = std::max(heard_at, arrived_at_);
+    const double silent = now - heard_at;
     if (silent < deadline) continue;
     Lose(*member, "it was silent for " + std::to_string(static_cast<int>(silent)) + " s", now);
     if (run_.phase != RunPhase::kRunning) return;
   }
+}
+
+// A network that does not pass the frames on to all hosts loses no agent: the run has not begun for those.
+void TickEngine::AwaitFirstAnswers(double now) {
+  const double waited = now - arrived_at_;
+  const double timeout = run_.options.start_timeout_seconds;
+  const bool is_over = run_.options.settings.agent_deadline_seconds > 0.0 && timeout > 0.0 && waited >= timeout;
+  if (!is_over && (waited < kFirstAnswers || has_reported_first_answers_)) return;
+  std::vector<RobotId> robots;
+  std::vector<std::string> hosts;
+  for (const AgentId agent : barrier_.Missing()) {
+    const Member& member = run_.members.member(agent);
+    robots.insert(robots.end(), member.robots.begin(), member.robots.end());
+    if (std::find(hosts.begin(), hosts.end(), member.host) == hosts.end()) hosts.push_back(member.host);
+  }
+  std::sort(robots.begin(), robots.end());
+  std::string text = "no answer to the first frame from the agents of " + ListNames(run_.world(), robots) + " (on";
+  for (const std::string& host : hosts) text += " " + host;
+  text += ") within " + std::to_string(static_cast<int>(waited)) + " s";
+  if (!run_.options.advice_on_silence.empty()) text += "; " + run_.options.advice_on_silence;
+  if (is_over) return Fail(Failure(std::move(text)), now);
+  has_reported_first_answers_ = true;
+  run_.notices.Add(std::move(text));
 }
 
 bool TickEngine::halted() const {
@@ -310,8 +349,15 @@ void TickEngine::Commit(double now) {
       std::optional<double>& since = run_.members.Find(agent)->silent_since;
       if (!since) since = committed_at_;
     }
+    if (const std::optional<int> late = pace_watch_.Committed(barrier_.members(), barrier_.missing(), now)) {
+      run_.notices.Add(std::to_string(*late) + " percent of the proposals come too late for the pace of " +
+                       SpeedText(*pacer_.speed()) +
+                       " x real time: those robots keep their last command for a tick, then stop; a lower --speed, or "
+                       "`troupe ctl speed`, helps");
+    }
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
+  all_have_answered_ = true;  // that were not lost
   EnterPhase(TickPhase::kStep, run_.next_tick());
   commands_.Elapse();
   ++steps_;

@@ -93,6 +93,8 @@ class TickEngine {
   void RejectUnknown(AgentId agent, double now);
   void AskToJoin(Member& member, double now);
   void Lose(Member& member, const std::string& reason, double now);
+  // Tells that the first frame of the run is not answered, and fails after the start timeout.
+  void AwaitFirstAnswers(double now);
   bool ReadyToCommit(double now);
   // When the next tick may be committed.
   double NextDue() const;
@@ -127,7 +129,10 @@ class TickEngine {
   RobotCommands commands_;
   Pacer pacer_;
   bool speed_is_set_ = false;  // during the run
+  PaceWatch pace_watch_;
   ResendTimer resend_timer_;
+  bool all_have_answered_ = false;  // a frame
+  bool has_reported_first_answers_ = false;
   bool play_after_edits_ = false;
   std::optional<std::uint64_t> ticks_to_pause_;
   Pace pace_ = Pace::kRun;
@@ -138,7 +143,7 @@ class TickEngine {
 
   // Wall times, s.
   double committed_at_ = 0.0;  // of the newest frame
-  double arrived_at_ = 0.0;    // of the newest answer, or the frame
+  double arrived_at_ = 0.0;    // of the newest answer of a member, or the frame
   double resent_at_ = 0.0;     // when a frame was resent
   double halted_since_ = 0.0;  // since no agent is left
   double end_at_ = 0.0;        // when the last frame need not be resent any more

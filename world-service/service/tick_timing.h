@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -47,39 +48,86 @@ class Pacer {
   double start_ = 0.0;
 };
 
+// In realtime mode, whether the agents keep the pace.
+class PaceWatch {
+ public:
+  static constexpr double kPeriod = 2.0;      // s, over which proposals are counted
+  static constexpr double kSilence = 30.0;    // s, from one report to the next
+  static constexpr double kUsualLate = 0.25;  // share of the proposals
+
+  // A tick was committed without the proposals of `missing` of its members. A report, if one is due: the percentage of
+  // the proposals that were late in the period before.
+  std::optional<int> Committed(std::size_t members, std::size_t missing, double now) {
+    if (!since_) since_ = now;
+    members_ += members;
+    missing_ += missing;
+    if (now - *since_ < kPeriod) return std::nullopt;
+    const double share = members_ == 0 ? 0.0 : static_cast<double>(missing_) / static_cast<double>(members_);
+    since_ = now;
+    members_ = missing_ = 0;
+    if (share < kUsualLate || now < silent_until_) return std::nullopt;
+    silent_until_ = now + kSilence;
+    return static_cast<int>(std::lround(100.0 * share));
+  }
+
+ private:
+  std::optional<double> since_;
+  std::size_t members_ = 0;
+  std::size_t missing_ = 0;
+  double silent_until_ = 0.0;
+};
+
 // When to resend a frame that an agent seems to have missed. It learns the delay of answers from those that arrived
 // before a resend.
+//
+// Resends come in bursts with silence between them. Over a slow link each resend to all agents fills the queue before
+// it, and drops what is under way; in the silence the queue drains, and the middleware repeats what was dropped.
 class ResendTimer {
  public:
   static constexpr double kShortestWait = 0.004;
   static constexpr double kLongestFirstWait = 0.05;  // also before anything was learned
   static constexpr double kLongestWait = 1.0;
-  // An agent that does not answer within the deadline is lost. With these many resends in that time the loss of
-  // messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with 3e-16.
-  static constexpr double kResendsInDeadline = 100.0;
+  // An agent that does not answer within the deadline is lost. With half as many resends in that time, as the silences
+  // leave, the loss of messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with
+  // 3e-16.
+  static constexpr double kResendsInDeadline = 200.0;
+  // Resends without an answer of any agent, until a silence that is as long as they were.
+  static constexpr int kBurst = 20;
   // Answers of other agents postpone a resend up to this many times the longest wait.
-  static constexpr double kMostPostponed = 10.0;
+  static constexpr double kMostPostponed = 20.0;
+  // Waits are up to this many times as long while resends prove needless. So is the first wait after a silence was
+  // needed.
+  static constexpr double kLongestStretch = 10.0;
 
   // `deadline`: of an agent for its answer; 0: none.
   explicit ResendTimer(double deadline = 0.0)
       : longest_wait_(deadline > 0.0 ? std::clamp(deadline / kResendsInDeadline, kShortestWait, kLongestWait)
-                                     : kLongestWait) {}
+                                     : kLongestWait),
+        silence_(std::min(kBurst * longest_wait_, kLongestWait)) {}
 
   // A frame was sent for the first time; the one before is answered. The first resend is due after the wait that was
   // learned, each later one after twice the wait before.
   void Start(double now) {
     if (heard_) Learn(longest_);
-    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, kLongestFirstWait));
+    stretch_ = 2 * twice_ > answers_ ? std::min(2.0 * stretch_, kLongestStretch) : std::max(0.9 * stretch_, 1.0);
+    if (is_silent_ || is_calm_) mean_ = kLongestStretch * kLongestFirstWait;
+    const double longest = mean_ > kLongestFirstWait ? kLongestStretch : stretch_;
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, longest * kLongestFirstWait));
   }
   // The same with a wait of the caller's choice; nothing is learned from it.
   void Start(double now, double first_wait) {
-    heard_ = resent_ = false;
+    heard_ = resent_ = is_silent_ = is_calm_ = false;
+    answers_ = twice_ = 0;
+    fruitless_ = 0;
     longest_ = 0.0;
     last_ = now;
     Wait(now, first_wait);
   }
   // An answer arrived. While answers arrive, the other agents are probably busy, and more frames would delay them.
   void Answered(double now) {
+    ++answers_;
+    fruitless_ = 0;
+    is_calm_ = is_calm_ || is_silent_;
     if (!resent_) {
       heard_ = true;
       longest_ = std::max(longest_, now - last_);
@@ -89,17 +137,21 @@ class ResendTimer {
   }
   void Resent(double now) {
     resent_ = true;
-    Wait(now, 2.0 * wait_);
+    is_silent_ = is_calm_ || ++fruitless_ % kBurst == 0;
+    Wait(now, is_silent_ ? silence_ : std::min(2.0 * wait_, stretch_ * longest_wait_));
   }
   // An answer arrived twice: a resend was needless, so answers need longer than was learned.
-  void AnsweredTwice() { mean_ = std::min(1.25 * mean_ + 0.001, kLongestFirstWait); }
+  void AnsweredTwice() {
+    if (resent_) ++twice_;
+    mean_ = std::max(mean_, std::min(1.25 * mean_ + 0.001, stretch_ * kLongestFirstWait));
+  }
   double due() const { return due_; }
 
  private:
   void Wait(double now, double wait) {
-    wait_ = std::min(wait, longest_wait_);
+    wait_ = wait;
     due_ = now + wait_;
-    latest_ = now + kMostPostponed * longest_wait_;
+    latest_ = now + kMostPostponed * std::max(wait_, stretch_ * longest_wait_);
   }
   // As TCP learns its round-trip time.
   void Learn(double longest) {
@@ -109,14 +161,21 @@ class ResendTimer {
   }
 
   double longest_wait_;
+  double silence_;
   double mean_ = kLongestFirstWait;  // of the longest silence in a tick
   double deviation_ = 0.0;
+  double stretch_ = 1.0;  // of the waits
   double wait_ = 0.0;
   double due_ = 0.0;
   double latest_ = 0.0;  // that due_ may be postponed to
   // Of the tick that is open.
   double last_ = 0.0;     // time of the newest answer, or the begin
   double longest_ = 0.0;  // silence
+  std::size_t answers_ = 0;
+  std::size_t twice_ = 0;   // answers to a resent frame that had been answered before
+  int fruitless_ = 0;       // resends since the newest answer
+  bool is_silent_ = false;  // after a burst
+  bool is_calm_ = false;    // silence has brought answers: resends have it between them from now on
   bool heard_ = false;
   bool resent_ = false;
 };

@@ -24,8 +24,10 @@ class FakeChild final : public Child {
 // Records the requested processes.
 class FakeHost final : public Host {
  public:
-  const std::string& name() const override { return none_; }
-  const std::string& folder() const override { return none_; }
+  explicit FakeHost(const std::string& name = "") : place(name.empty() ? "" : "/" + name), name_(name) {}
+  const std::string& name() const override { return name_; }
+  const std::string& folder() const override { return place; }
+  bool connected() const override { return is_connected; }
   std::string ProgramPath(const std::string& program) const override { return program; }
   Result<std::unique_ptr<Child>> Start(const std::string&, const std::vector<std::string>& arguments, bool) override {
     started.push_back(arguments);
@@ -37,13 +39,19 @@ class FakeHost final : public Host {
   std::vector<int> descriptors() const override { return {}; }
   std::vector<std::string> ReadOutput() override { return {}; }
   std::vector<std::string> ReadReports() override { return {}; }
-  Status Fetch(const std::string&, const std::string&) override { return Status(); }
+  Status Fetch(const std::string&, const std::string&, const FetchProgress& progress) override {
+    ++fetched;
+    return progress(1000) ? Status() : Failure("stopped");
+  }
 
+  std::string place;  // its folder
+  bool is_connected = true;
+  int fetched = 0;
   std::vector<std::vector<std::string>> started;
   std::vector<FakeChild*> children;
 
  private:
-  std::string none_;
+  const std::string name_;
 };
 
 class AgentFleetTest : public testing::Test {
@@ -120,6 +128,42 @@ TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   for (std::size_t child : {0u, 2u, 3u}) host_.children[child]->Kill();
   EXPECT_EQ(fleet_.PollEnded().size(), 3u);
   EXPECT_TRUE(fleet_.all_ended());
+}
+
+TEST_F(AgentFleetTest, TheFilesOfALostHostAreMissingAndThoseOfOthersAreCopied) {
+  options_.scans = ::testing::TempDir() + "/fleet-scans";
+  AgentFleet fleet(options_, keys_);
+  FakeHost lost("lost");
+  FakeHost kept("kept");
+  ReadyReport ready;
+  ready.robots = {"r0", "r1", "r2"};
+  ready.participants = {{1, "aa"}};
+  ASSERT_TRUE(fleet.Start(ready, {"127.0.0.1:1"}, {{&lost, "lo"}, {&kept, "lo"}}, {0, 0, 1}).ok());
+  lost.is_connected = false;
+  fleet.NoteLostFiles(lost);
+  std::vector<std::string> lines;
+  const auto tell = [&](const std::string& line) { lines.push_back(line); };
+  EXPECT_TRUE(fleet.FetchOutputs(tell, [] { return true; }).ok());
+  EXPECT_EQ(lost.fetched, 0);
+  EXPECT_EQ(kept.fetched, 1);
+  EXPECT_THAT(fleet.missing_files(), testing::ElementsAre("--scans of r0, r1 until host lost was lost"));
+  EXPECT_FALSE(fleet.FetchOutputs(tell, [] { return false; }).ok()) << "a request to stop ends the copies";
+}
+
+TEST_F(AgentFleetTest, AnAgentOfAHostThatWasConnectedAgainHasItsNewFolder) {
+  options_.scans = ::testing::TempDir() + "/fleet-scans";
+  AgentFleet fleet(options_, keys_);
+  FakeHost host("far");
+  ReadyReport ready;
+  ready.robots = {"r0"};
+  ready.participants = {{1, "aa"}};
+  ASSERT_TRUE(fleet.Start(ready, {"127.0.0.1:1"}, {{&host, "lo"}}, {0}).ok());
+  host.children[0]->Kill();
+  ASSERT_EQ(fleet.PollEnded().size(), 1u);
+  host.place = "/another";
+  ASSERT_TRUE(fleet.Restart(0).ok());
+  EXPECT_THAT(host.started[1], testing::Contains("--scans=/another/agent--scans-0"));
+  EXPECT_THAT(fleet.RestartCommand(0).value(), testing::HasSubstr("--scans=/another/agent--scans-0"));
 }
 
 TEST_F(AgentFleetTest, KeepsTheScansOfAnAgentThatIsStartedAgain) {

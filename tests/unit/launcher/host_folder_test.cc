@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -119,6 +120,36 @@ TEST_F(HostFolderTest, OthersAreNotDeleted) {
   { const HostFolder folder; }
   EXPECT_EQ(fs::exists(other_user + "/file"), is_root);
   EXPECT_EQ(std::distance(fs::directory_iterator(temporary_), {}), is_root ? 9 : 8);
+}
+
+TEST_F(HostFolderTest, TakesOverFromAHostThatServesTheSame) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  pid_t hosts[2];
+  const char* const names[2] = {"run/h1", "run/h2"};
+  for (int i = 0; i < 2; ++i) {
+    hosts[i] = fork();
+    if (hosts[i] != 0) continue;
+    HostFolder folder;
+    folder.TakeOver(names[i]);
+    if (write(ends[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  for (int i = 0; i < 2; ++i) {
+    char ready = 0;
+    ASSERT_EQ(read(ends[0], &ready, 1), 1);
+  }
+  HostFolder folder;
+  folder.TakeOver("run/h1");
+  int status = 0;
+  EXPECT_EQ(waitpid(hosts[0], &status, 0), hosts[0]);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(waitpid(hosts[1], &status, WNOHANG), 0) << "it serves another run";
+  EXPECT_EQ(std::distance(fs::directory_iterator(temporary_), fs::directory_iterator()), 2);
+  kill(hosts[1], SIGKILL);
+  waitpid(hosts[1], nullptr, 0);
+  close(ends[0]);
+  close(ends[1]);
 }
 
 }  // namespace

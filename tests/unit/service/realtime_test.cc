@@ -1,12 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/tick_timing.h"
 
 namespace troupe {
 namespace {
 
 using test::CoordinatorTest;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -20,7 +24,7 @@ class RealtimeTest : public CoordinatorTest {
 
 TEST_F(RealtimeTest, NoticesThatItIsNotDeterministic) {
   Make(1);
-  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(HasSubstr("not the same")));
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(HasSubstr("not the same"), HasSubstr("1 x real time")));
 }
 
 TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAgentsHaveAnswered) {
@@ -105,6 +109,37 @@ TEST_F(RealtimeTest, SpeedPacesIt) {
   MakeAndStart(1);
   Wait(0.0101);
   EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(RealtimeTest, APaceThatTheAgentsCannotKeepIsTold) {
+  options.settings.speed = 10.0;
+  MakeAndStart(2);
+  coordinator->DrainNotices();
+  for (int i = 0; i < 400; ++i) {
+    Propose(1);
+    if (i % 4 != 0) Propose(2);
+    Wait(0.0101);
+  }
+  EXPECT_THAT(coordinator->DrainNotices(), IsEmpty());
+  for (int i = 0; i < 400; ++i) {
+    Propose(1);
+    Wait(0.0101);
+  }
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(AllOf(HasSubstr("percent"), HasSubstr("pace of 10 x"))));
+}
+
+TEST(PaceWatchTest, CountsTheShareOfLateProposals) {
+  PaceWatch watch;
+  for (double now = 0.0; now < 10.0; now += 0.1) EXPECT_FALSE(watch.Committed(10, 2, now));
+  std::optional<int> told;
+  for (double now = 10.0; now < 20.0; now += 0.1) {
+    const std::optional<int> late = watch.Committed(10, 5, now);
+    if (late) {
+      EXPECT_FALSE(told) << "once in a while";
+      told = late;
+    }
+  }
+  EXPECT_EQ(told.value_or(0), 50);
 }
 
 TEST_F(RealtimeTest, ASilentAgentIsLostAtTheDeadline) {

@@ -49,6 +49,27 @@ TEST(ResendTimerTest, WithoutADeadlineItWaitsUpToASecond) {
   EXPECT_NEAR(resends.back() - resends[resends.size() - 2], ResendTimer::kLongestWait, 1e-9);
 }
 
+// Over a slow link: each answer arrives `delay` after the first frame, and each resend is answered once more. Returns
+// the number of resends in the tick.
+int ResendsOfSlowTick(ResendTimer& timer, double delay, int agents) {
+  int resends = 0;
+  timer.Start(0.0);
+  for (; timer.due() < delay; ++resends) timer.Resent(timer.due());
+  for (int i = 0; i < agents; ++i) timer.Answered(delay);
+  for (int i = 0; i < resends * agents; ++i) timer.AnsweredTwice();
+  return resends;
+}
+
+TEST(ResendTimerTest, NeedlessResendsBecomeRare) {
+  ResendTimer timer(kDeadline);
+  EXPECT_THAT(ResendsOfSlowTick(timer, 0.8, 20), Ge(8));  // nothing is learned yet
+  for (int tick = 0; tick < 10; ++tick) ResendsOfSlowTick(timer, 0.8, 20);
+  for (int tick = 0; tick < 10; ++tick) EXPECT_LE(ResendsOfSlowTick(timer, 0.8, 20), 2) << tick;
+  // On a link that is fast again they are soon as frequent as before.
+  for (int tick = 0; tick < 60; ++tick) ResendsOfSlowTick(timer, 0.001, 20);
+  EXPECT_THAT(Resends(timer).size(), Ge(99u));
+}
+
 // The probability that an agent is lost in a tick, because all round trips within the deadline fail.
 double ProbabilityOfLoss(const ResendTimer& timer, double loss) {
   ResendTimer copy = timer;

@@ -224,6 +224,27 @@ TEST_F(WebServerTest, HalfOpenSocketsAreClosedInTime) {
   ExpectHealthy();
 }
 
+// Another user of the host can hold all connections, again and again.
+TEST_F(WebServerTest, ConnectionsWithoutTheTokenKeepNoOwnerAway) {
+  Serve("secret");
+  std::vector<std::unique_ptr<WebClient>> idle;
+  const auto flood = [&] {
+    for (int i = 0; i < WebServer::kMostConnections; ++i) idle.push_back(std::make_unique<WebClient>(server_->port()));
+  };
+  flood();
+  EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
+  WebClient viewer(server_->port());
+  viewer.Upgrade("/socket?token=secret");
+  flood();
+  flood();
+  WebClient second(server_->port());
+  second.Upgrade("/socket?token=secret");
+  ASSERT_TRUE(viewer.SendText("still open"));
+  const auto echo = viewer.Read();
+  ASSERT_TRUE(echo.has_value());
+  EXPECT_EQ(echo->content, "still open");
+}
+
 TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
   Serve("secret");
   for (const char* query : {"", "?token=", "?token=secreT", "?token=secretsecret", "?other=secret"}) {

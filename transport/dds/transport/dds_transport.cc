@@ -178,4 +178,11 @@ std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options) {
   return std::make_unique<DdsTransport>(DdsTransport::Role::kObserver, options, PeerConfig(options));
 }
 
+std::string NetworkProfileOf(const NetworkSettings& network) {
+  DomainConfig config;
+  config.network_interface = network.network_interface;
+  config.network = network.network_profile;
+  return dds::NetworkProfile(config);
+}
+
 }  // namespace troupe

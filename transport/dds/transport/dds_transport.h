@@ -41,4 +41,7 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options);
 
+// The network profile that these settings name, or else that of their interface (configs/cyclone).
+std::string NetworkProfileOf(const NetworkSettings& network);
+
 }  // namespace troupe
