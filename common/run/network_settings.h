@@ -17,7 +17,7 @@ inline constexpr const char* kSecurityOff = "off";
 // longer one either.
 inline constexpr double kDefaultLeaseSeconds = 2.0;
 inline constexpr double kShortestLeaseSeconds = 0.01;
-inline constexpr double kLongestLeaseSeconds = 86400.0;
+inline constexpr double kLongestLeaseSeconds = 3600.0;
 
 // A participant of a world service, for the agents that it serves.
 struct ServiceParticipant {

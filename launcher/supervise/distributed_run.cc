@@ -372,7 +372,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
                   end.ToString());
   const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
-  if (started_ || (rebuilds_ && !refused)) {
+  if (started_ || !refused) {
     const auto [before, is_first] = ended_at_.try_emplace(agent.number, newest_);
     if (rebuilds_ && !is_first && std::exchange(before->second, newest_) != newest_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
@@ -383,13 +383,13 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
       Fail(FailedRun(Failure(restarts < restarts_.limit()
                                  ? text
                                  : fmt::format("{} after {} restarts at tick {}", text, restarts, newest_.tick))));
+    } else if (!started_) {
+      Fail(FailedRun(Failure(text + " before the run began")));
     } else {
       TellRestartCommand(agent, text);
     }
-  } else if (refused) {
-    Fail({end.exit_code, std::nullopt, std::nullopt});
   } else {
-    Fail(FailedRun(Failure(text + " before the run began")));
+    Fail({end.exit_code, std::nullopt, std::nullopt});
   }
 }
 

@@ -206,6 +206,20 @@ TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
   run.ExpectNoProcessLeft();
 }
 
+TEST(AgentLoss, AnAgentThatDiesBeforeTheRunBeginsIsStartedAgain) {
+  Program run = RunPen({"--ticks", "5", "--lease", "0.5", "--shuffle-start", "3"});
+  pid_t agent = 0;
+  ASSERT_TRUE(Eventually([&] {
+    for (const pid_t child : ChildrenOf(run.pid())) {
+      if (CommandLineOf(child).find("robot-agent") != std::string::npos) agent = child;
+    }
+    return agent != 0;
+  }));
+  ASSERT_EQ(kill(agent, SIGKILL), 0);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("was killed by signal 9 (Killed); restart 1 of "));
+}
+
 TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
   OutputFolder folder;
   LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--restart-agents", "2"});

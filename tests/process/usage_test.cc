@@ -33,6 +33,8 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
        "error: --speed: found 'fast', expected a multiple of real time above 0, or max"},
       {{"run", pen, "--mode", "turbo"}, "error: --mode: found 'turbo', expected one of lockstep, realtime"},
       {{"run", pen, "--robots-per-process", "0"}, "error: --robots-per-process: found '0'"},
+      {{"run", pen, "--lease", "1e-300"}, "error: --lease: found '1e-300', expected seconds from 0.01 to 3600"},
+      {{"run", pen, "--lease", "1e300"}, "error: --lease: found '1e300', expected seconds from 0.01 to 3600"},
       {{"run", pen, "--domain", "999"}, "error: --domain: found '999', expected a whole number from 0 to 230"},
       {{"run", pen, "--session", "a/b"}, "error: --session: found 'a/b', expected 1 to 64 letters"},
       {{"run", pen, "--on-agent-loss", "weep"}, "error: --on-agent-loss: found 'weep', expected one of freeze"},

@@ -52,7 +52,8 @@ std::optional<double> TickCoordinator::startup_seconds() const {
 void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
   if (join.run != run_.options.run || join.incarnation != run_.options.incarnation) return;
   if (run_.phase == Phase::kOver) return;
-  if (run_.phase == Phase::kEnding) return AnswerJoin(join, false, "the run is over");
+  // An agent that is started again at the end of a run leaves with the others.
+  if (run_.phase == Phase::kEnding) return run_.endpoint.SendFrame(run_.frame);
   std::optional<HistoryRequest> missing;
   if (run_.restores_memory()) missing = run_.memories.MissingFor(join, run_.frame);
   const JoinDecision decision = run_.members.Join(join, run_.next_place(), now, missing.has_value());

@@ -239,13 +239,17 @@ TEST_F(TickCoordinatorTest, IsOverSoonEvenIfAnAgentDoesNotLeave) {
   EXPECT_LE(now - began, 2.0);
 }
 
-TEST_F(TickCoordinatorTest, RefusesAgentsWhenTheRunIsOver) {
+// A refusal would end it, and with it the run, with an error.
+TEST_F(TickCoordinatorTest, AnAgentThatIsStartedAgainAtTheEndReceivesTheLastFrame) {
   options.settings.ticks = 0;
   Make(1);
   Join(1);
+  const std::size_t before = frames();
+  const std::size_t answers = endpoint.admissions.size();
   Join(9, {"r0"});
-  EXPECT_FALSE(endpoint.admissions.back().admitted);
-  EXPECT_THAT(endpoint.admissions.back().reason, HasSubstr("over"));
+  EXPECT_EQ(endpoint.admissions.size(), answers);
+  ASSERT_EQ(frames(), before + 1);
+  EXPECT_TRUE(endpoint.frames.back().last);
 }
 
 TEST_F(TickCoordinatorTest, StopsInOrder) {

@@ -83,6 +83,7 @@ DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interfa
   config.domain = domain;
   config.network_interface = network_interface;
   config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
+  config.heartbeat_seconds = 0.1;  // a tool ends when its requests are acknowledged
   return config;
 }
 
