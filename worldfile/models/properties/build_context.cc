@@ -70,6 +70,13 @@ std::string ModelNames::Add(const WorldNode& node, const std::string& name, Diag
   return free;
 }
 
+void ModelNames::AddPart(const SourceLocation& where, const std::string& name, Diagnostics& diagnostics) {
+  if (free_.Add(name) != name) {
+    diagnostics.Fail(where, "found name " + Quoted(name) + " twice, expected each name once");
+  }
+  places_.emplace(name, where);
+}
+
 ShapeId ShapeStore::Add(Shape shape) {
   const std::uint64_t hash = HashOf(shape);
   const auto [begin, end] = by_hash_.equal_range(hash);

@@ -22,6 +22,8 @@ class ModelNames {
   // The full name of a model that `node` makes: `name`, with a number if it is not new. One that is too long is an
   // error.
   std::string Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics);
+  // The same of a part that the model at `where` has by itself; a name that is not new is an error.
+  void AddPart(const SourceLocation& where, const std::string& name, Diagnostics& diagnostics);
 
  private:
   FreeNames free_;

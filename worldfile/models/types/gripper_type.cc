@@ -25,7 +25,7 @@ class GripperReader : public ModelReader {
     gripper_->own = AddPaddles(*gripper_->settings.paddles, draft.size, draft.X_MD, gripper_->where, draft.id,
                                *draft.robot, context);
     for (const ModelId part : gripper_->own->models) {
-      context.names.Add(draft.node, context.world.model(part).name, context.diagnostics);
+      context.names.AddPart(draft.node.where, context.world.model(part).name, context.diagnostics);
     }
   }
 
