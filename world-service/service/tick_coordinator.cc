@@ -164,9 +164,11 @@ void TickCoordinator::PollGathering(double now) {
   if (run_.takes_over()) return PollRejoining(now);
   const double timeout = run_.options.start_timeout_seconds;
   if (timeout <= 0.0 || now - progress_at_ < timeout) return;
-  Fail(Failure("no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
-               std::to_string(static_cast<int>(timeout)) + " s"),
-       now);
+  std::string text = "no agent joined for " + ListNames(run_.world(), run_.members.AbsentRobots()) + " within " +
+                     std::to_string(static_cast<int>(timeout)) + " s";
+  // Of several agents that join, some may miss what is sent to all of them.
+  if (!run_.options.advice_on_silence.empty()) text += "; " + run_.options.advice_on_silence;
+  Fail(Failure(std::move(text)), now);
 }
 
 bool TickCoordinator::all_have_joined() const {

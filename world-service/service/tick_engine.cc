@@ -206,7 +206,7 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
 void TickEngine::LoseSilentMembers(double now) {
   const double deadline = run_.options.settings.agent_deadline_seconds;
   if (run_.phase != RunPhase::kRunning || barrier_.complete()) return;
-  if (!all_have_answered_ && !run_.realtime() && !run_.continues()) return AwaitFirstAnswers(now);
+  if (!all_have_answered_ && !run_.realtime() && !run_.takes_over()) return AwaitFirstAnswers(now);
   if (deadline <= 0.0) return;
   for (AgentId agent : barrier_.Missing()) {
     Member* const member = run_.members.Find(agent);
