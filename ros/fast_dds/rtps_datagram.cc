@@ -107,7 +107,7 @@ class Fields {
   // Behind its first number.
   bool HasBits() {
     const std::uint32_t bits = Read(4);
-    return ok_ && bits <= 256 && Skip((bits + 31) / 32 * 4);
+    return ok_ && bits <= 256 && Skip(std::size_t{(bits + 31) / 32} * 4);
   }
   // Ends with a zero, as Fast DDS reads it up to there.
   bool HasText() {
