@@ -51,7 +51,7 @@ set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
 set(may_include_transport/security common/base transport/protocol common/run)
 set(may_include_common/trace common/base)
-set(may_include_command_line common/base transport/protocol ros/messages common/run common/trace)
+set(may_include_command_line common/base transport/protocol common/run common/trace)
 set(may_include_transport/dds/binding common/base)
 set(may_include_transport/dds/convert common/base common/bitmap common/geometry common/model transport/protocol transport/dds/binding idl)
 set(may_include_transport/wire common/base transport/protocol transport/dds/binding transport/dds/convert idl)
@@ -68,6 +68,7 @@ set(may_include_transport/dds/tools
 set(may_include_ros/messages
   common/base common/geometry common/model common/spatial transport/dds/binding idl/ros
   include/troupe/sensor.h)
+set(may_include_ros/flags common/base command_line ros/messages)
 set(may_include_ros/connection common/base transport/dds/binding ros/messages common/spatial idl/ros)
 set(may_include_ros/link common/base ros/messages ros/connection transport/wire)
 
@@ -86,9 +87,9 @@ set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection ros/link world-service/service)
 set(may_include_world-service/program
-  common/base command_line common/model transport/protocol recording ros/messages common/run common/spatial
-  robot-agent/controller worldfile worldfile/models world-service/observers/recorder world-service/observers/ros
-  world-service/replay world-service/service)
+  common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
+  worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay
+  world-service/service)
 set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
   world-service/program world-service/observers/status world-service/service)
@@ -108,7 +109,7 @@ set(may_include_robot-agent/ros
   common/base common/geometry common/model common/spatial transport/dds/binding ros/messages ros/connection ros/link
   include/troupe/controller.h robot-agent/agent robot-agent/drive robot-agent/robot)
 set(may_include_robot-agent/program
-  common/base command_line transport/protocol ros/messages common/run robot-agent/agent)
+  common/base command_line transport/protocol ros/flags ros/messages common/run robot-agent/agent)
 set(may_include_robot-agent
   common/base command_line transport/dds/binding transport/dds/transport transport/protocol ros/messages ros/link common/run transport/security
   robot-agent/program robot-agent/ros)
@@ -116,7 +117,7 @@ set(may_include_robot-agent
 # For ROS clients on Fast DDS, which only this folder includes.
 set(may_include_ros/fast_dds common/base ros/messages ros/connection ros/link)
 set(may_include_ros/participant
-  common/base command_line transport/dds/binding ros/messages ros/connection ros/link ros/fast_dds common/run transport/wire)
+  common/base command_line transport/dds/binding ros/flags ros/messages ros/connection ros/link ros/fast_dds common/run transport/wire)
 
 # The other public headers, each with a rule of its own: folders on all levels include one.
 set(may_include_include/troupe/version.h "")
@@ -149,7 +150,7 @@ set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
   common/base common/run worldfile/scenario launcher/process)
 set(may_include_launcher/supervise
-  common/base command_line transport/dds/binding common/model transport/protocol recording ros/messages ros/link common/run
+  common/base command_line transport/dds/binding common/model transport/protocol recording ros/flags ros/messages ros/link common/run
   transport/security common/spatial
   common/trace
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent

@@ -58,13 +58,17 @@ Status CheckRosOptions(const RunOptions& options) {
                              ros::ToString(*clients))};
   }
   const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
-  if (is_open && faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty()) return Status();
+  const bool is_valid =
+      faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty() && faults.rmw.empty();
+  if (is_open && is_valid) return Status();
   const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
   if (!loaded.ok() || !options.run.ros.value_or(loaded.value().settings.ros)) return Status();
   for (const std::string& fault : {faults.domain, faults.distribution}) {
     if (!fault.empty()) return Error{{}, fault};
   }
-  if (!faults.discovery.empty()) fmt::print(stderr, "warning: {}\n", faults.discovery);
+  for (const std::string& warning : {faults.discovery, faults.rmw}) {
+    if (!warning.empty()) fmt::print(stderr, "warning: {}\n", warning);
+  }
   if (is_open) return Status();
   for (const std::string& name : EnclavesOf(options, loaded.value())) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(security, name);

@@ -10,9 +10,9 @@
 
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
-#include "command_line/ros_flags.h"
 #include "command_line/run_flags.h"
 #include "command_line/trace_flags.h"
+#include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
 #include "worldfile/scenario/scenario.h"
 

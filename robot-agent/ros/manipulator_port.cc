@@ -87,7 +87,7 @@ void ManipulatorPort::PublishActions(const WorldState& state) {
 
 void ManipulatorPort::PublishStates(const WorldState& state) {
   for (Gripper& gripper : grippers_) {
-    if (!gripper.state->wanted()) continue;
+    if (!gripper.state->is_addressed()) continue;
     dds::WireArena arena;
     gripper.state->Write({arena.Copy(ros::GripperJson(*world_, gripper.id, state))});
   }

@@ -43,7 +43,7 @@ void RobotGroup::Transforms::Write(Tick tick,
     }
     fixed_.Write(ros::MakeTfMessage(fixed, arena));
   }
-  if (!moving_.wanted()) return;
+  if (!moving_.is_addressed()) return;
   dds::WireArena arena;
   std::vector<ros::TransformStamped> moving;
   for (const auto& [view, output] : robots) {
@@ -138,9 +138,17 @@ void RobotGroup::PublishActions(const RobotView& robot) {
 void RobotGroup::Show(Tick tick, std::span<const RobotView* const> robots) {
   // Until the first reader comes: to ask all writers in vain would take an agent among many a quarter of its time,
   // because each has a place of its own in memory. The first call writes the static transforms.
-  if (!std::exchange(shown_, true) || connection_.reader_count() > 0) ShowRobots(tick, robots);
+  if (!std::exchange(shown_, true) || connection_.had_reader()) ShowRobots(tick, robots);
   if (clock_) clock_->Show(tick, interval_ns_, false);
   if (map_) map_->Poll();
+  connection_.Flush();
+}
+
+void RobotGroup::Repeat(Tick tick, std::span<const RobotView* const> robots,
+                        std::chrono::steady_clock::time_point since) {
+  connection_.AddressReadersSince(since);
+  ShowRobots(tick, robots);
+  connection_.AddressReadersSince(std::nullopt);
   connection_.Flush();
 }
 
@@ -195,11 +203,6 @@ void RobotGroup::Log(const Member& robot, const std::vector<std::string>& report
   for (std::size_t i = first; i < reports.size(); ++i) {
     log_->Write(ros::LogLevel::kWarning, robot.node.Resolve(kNodeName), reports[i]);
   }
-}
-
-bool RobotGroup::HasNewReader() {
-  const std::uint64_t count = connection_.reader_count();
-  return count != std::exchange(readers_seen_, count);
 }
 
 }  // namespace troupe

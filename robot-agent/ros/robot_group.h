@@ -39,12 +39,12 @@ class RobotGroup {
   void PublishActions(const RobotView& robot);
   // `robots`: of the process, in the order of their ids.
   void Show(Tick tick, std::span<const RobotView* const> robots);
+  // The same for the topics whose readers have come since that time.
+  void Repeat(Tick tick, std::span<const RobotView* const> robots, std::chrono::steady_clock::time_point since);
   void ChangeWorld(const Scene& scene);
   void Restart();
   // The messages for the log of the run; also writes them to /rosout.
   std::vector<std::string> DrainReports();
-  // Whether a reader has come since the last call.
-  bool HasNewReader();
 
  private:
   class Transforms;
@@ -56,7 +56,6 @@ class RobotGroup {
   void Log(const Member& robot, const std::vector<std::string>& reports, std::size_t first);
 
   ros::HostConnection connection_;
-  std::uint64_t readers_seen_ = 0;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<Member*> by_id_;  // null for all other robots of the world
   std::optional<ros::RosLog> log_;

@@ -74,30 +74,30 @@ void RobotOutput::AddMotion(const RobotView& robot) {
 
 void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   const RobotState& state = robot.state();
-  if (odom_.wanted()) {
+  if (odom_.is_addressed()) {
     dds::WireArena arena;
     odom_.Write(ros::MakeOdometry(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), state.twist,
                                   odometry_error_.covariance(), arena));
   }
-  if (ground_truth_.wanted()) {
+  if (ground_truth_.is_addressed()) {
     dds::WireArena arena;
     ground_truth_.Write(
         ros::MakeOdometry(Stamp(tick), ros::kMapFrame, frames_.base, state.X_WR, state.twist, {}, arena));
   }
-  if (stalled_.wanted()) stalled_.Write({state.stalled});
+  if (stalled_.is_addressed()) stalled_.Write({state.stalled});
   for (Laser& laser : lasers_) PublishLaser(tick, robot, laser);
   for (Sonar& sonar : sonars_) {
     PublishSonar(tick, robot, sonar);
     PublishPoints(tick, robot, sonar);
   }
   sensors_.Publish(Stamp(tick), tick, robot);
-  if (joint_states_ && joint_states_->wanted()) PublishJoints(tick, robot);
-  if (battery_ && battery_->wanted()) PublishBattery(tick, robot);
+  if (joint_states_ && joint_states_->is_addressed()) PublishJoints(tick, robot);
+  if (battery_ && battery_->is_addressed()) PublishBattery(tick, robot);
 }
 
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
-  if (!sonar.points->wanted() || !Due(tick, ranger)) return;
+  if (!sonar.points->is_addressed() || !Due(tick, ranger)) return;
   const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
   std::vector<Pose> poses;
   std::vector<double> ranges;
@@ -132,7 +132,7 @@ void RobotOutput::PublishBattery(Tick tick, const RobotView& robot) {
 
 void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) {
   const auto& [ranger, sensor, topic, frame] = laser.topic;
-  if (!laser.writer->wanted() || !Due(tick, ranger)) return;
+  if (!laser.writer->is_addressed() || !Due(tick, ranger)) return;
   const double period = description().sensors[ranger].period_ticks * scene_->world().interval_seconds();
   dds::WireArena arena;
   laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ScansOf(robot, ranger)[sensor], period,
@@ -141,7 +141,7 @@ void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) 
 
 void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
-  const bool wanted = sonar.writer ? sonar.writer->wanted() : sonar.humble_writer->wanted();
+  const bool wanted = sonar.writer ? sonar.writer->is_addressed() : sonar.humble_writer->is_addressed();
   if (!wanted || !Due(tick, ranger)) return;
   const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {

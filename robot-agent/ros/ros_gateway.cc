@@ -1,5 +1,6 @@
 #include "robot-agent/ros/ros_gateway.h"
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <utility>
@@ -9,7 +10,8 @@
 namespace troupe {
 namespace {
 
-constexpr int kRepeats = 5;  // in a pause, after a reader has come
+// A reader may need that long to discover its writer in turn; in a pause it gets the tick again meanwhile.
+constexpr auto kDiscovery = std::chrono::seconds(1);
 
 class RosGateway final : public Gateway {
  public:
@@ -30,17 +32,12 @@ class RosGateway final : public Gateway {
 
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
     for (const RobotView* robot : robots) group_of_[robot->id().index()]->PublishActions(*robot);
-    Show(tick, robots);
+    for (const auto& group : groups_) group->Show(tick, robots);
   }
 
-  // A reader may need a moment to discover its writer in turn.
   void Repeat(Tick tick, std::span<const RobotView* const> robots) override {
-    for (const auto& group : groups_) {
-      if (group->HasNewReader()) repeats_ = kRepeats;
-    }
-    if (repeats_ == 0) return;
-    --repeats_;
-    Show(tick, robots);
+    const auto since = std::chrono::steady_clock::now() - kDiscovery;
+    for (const auto& group : groups_) group->Repeat(tick, robots, since);
   }
 
   void ChangeWorld(const Scene& scene) override {
@@ -59,11 +56,6 @@ class RosGateway final : public Gateway {
   }
 
  private:
-  void Show(Tick tick, std::span<const RobotView* const> robots) {
-    for (const auto& group : groups_) group->Show(tick, robots);
-  }
-
-  int repeats_ = 0;                                  // still to come in this pause
   std::vector<std::unique_ptr<RobotGroup>> groups_;  // by ROS domain
   std::vector<RobotGroup*> group_of_;                // by robot; null for those of other agents
 };

@@ -66,31 +66,31 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
     if (Due(tick, camera.topic.sensor)) PublishCamera(stamp, robot, camera);
   }
   for (Cloud& cloud : clouds_) {
-    if (!cloud.writer->wanted() || !Due(tick, cloud.topic.ranger)) continue;
+    if (!cloud.writer->is_addressed() || !Due(tick, cloud.topic.ranger)) continue;
     const SensorReading& reading = robot.Measure(cloud.topic.ranger);
     dds::WireArena arena;
     cloud.writer->Write(ros::MakeScanCloud(stamp, prefix_ + cloud.topic.frame,
                                            std::get<RangerReading>(reading.content).scans[cloud.topic.sensor], arena));
   }
   for (Finder& finder : finders_) {
-    if (!finder.writer->wanted() || !Due(tick, finder.topic.sensor)) continue;
+    if (!finder.writer->is_addressed() || !Due(tick, finder.topic.sensor)) continue;
     const auto& reading = std::get<FiducialReading>(robot.Measure(finder.topic.sensor).content);
     dds::WireArena arena;
     finder.writer->Write(
         ros::MakeFiducialDetections(stamp, prefix_ + finder.topic.frame, scene_->world(), reading, arena));
   }
   for (BlobOutput& finder : blobfinders_) {
-    if (!finder.writer->wanted() || !Due(tick, finder.topic.sensor)) continue;
+    if (!finder.writer->is_addressed() || !Due(tick, finder.topic.sensor)) continue;
     const auto& reading = std::get<BlobfinderReading>(robot.Measure(finder.topic.sensor).content);
     dds::WireArena arena;
     finder.writer->Write(ros::MakeBlobDetections(stamp, prefix_ + finder.topic.frame, reading, arena));
   }
   for (TouchOutput& touch : touches_) {
-    if (!touch.writer->wanted() || !Due(tick, touch.topic.sensor)) continue;
+    if (!touch.writer->is_addressed() || !Due(tick, touch.topic.sensor)) continue;
     touch.writer->Write({IsPressed(robot.Measure(touch.topic.sensor))});
   }
   for (ImuOutput& imu : imus_) {
-    if (!imu.writer->wanted() || !Due(tick, imu.topic.sensor)) continue;
+    if (!imu.writer->is_addressed() || !Due(tick, imu.topic.sensor)) continue;
     const auto& reading = std::get<ImuReading>(robot.Measure(imu.topic.sensor).content);
     dds::WireArena arena;
     imu.writer->Write(ros::MakeImuMessage(stamp, prefix_ + imu.topic.frame, reading, arena));
@@ -98,16 +98,17 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
 }
 
 void SensorOutput::PublishCamera(const ros::Time& stamp, const RobotView& robot, Camera& camera) {
-  if (!camera.colors->wanted() && !camera.info->wanted() && !camera.depths->wanted() && !camera.depth_info->wanted()) {
+  if (!camera.colors->is_addressed() && !camera.info->is_addressed() && !camera.depths->is_addressed() &&
+      !camera.depth_info->is_addressed()) {
     return;
   }
   const CameraReading& reading = std::get<CameraReading>(robot.Measure(camera.topic.sensor).content);
   const std::string frame = OpticalFrame(camera);
   dds::WireArena arena;
-  if (camera.colors->wanted()) camera.colors->Write(ros::MakeColorImage(stamp, frame, reading, arena));
-  if (camera.depths->wanted()) camera.depths->Write(ros::MakeDepthImage(stamp, frame, reading, arena));
-  if (camera.info->wanted()) camera.info->Write(ros::MakeCameraInfo(stamp, frame, reading, arena));
-  if (camera.depth_info->wanted()) camera.depth_info->Write(ros::MakeCameraInfo(stamp, frame, reading, arena));
+  if (camera.colors->is_addressed()) camera.colors->Write(ros::MakeColorImage(stamp, frame, reading, arena));
+  if (camera.depths->is_addressed()) camera.depths->Write(ros::MakeDepthImage(stamp, frame, reading, arena));
+  if (camera.info->is_addressed()) camera.info->Write(ros::MakeCameraInfo(stamp, frame, reading, arena));
+  if (camera.depth_info->is_addressed()) camera.depth_info->Write(ros::MakeCameraInfo(stamp, frame, reading, arena));
 }
 
 void SensorOutput::AddOpticalTransforms(const ros::Time& stamp, std::vector<ros::TransformStamped>& transforms,

@@ -33,7 +33,8 @@ DdsTopicWriter::~DdsTopicWriter() {
 
 void DdsTopicWriter::ReactToMatch(bool wanted, bool is_new) {
   SetWanted(wanted);
-  if (is_new) owner_.CountReader();
+  if (wanted) owner_.NoteWanted();
+  if (is_new) NoteReader();
   if (on_matched_) on_matched_(wanted, is_new);
 }
 

@@ -32,7 +32,7 @@ const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distributio
       TypesWith({dds::TopicTraits<rolling_simulation_interfaces_srv_dds__SetEntityState_Request_>::descriptor(),
                  dds::TopicTraits<rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_>::descriptor()});
   const Types& types = distribution == Distribution::kHumble    ? humble
-                       : distribution == Distribution::kRolling ? rolling
+                       : HasSimulationInterfaces2(distribution) ? rolling
                                                                 : usual;
   const auto found = types.find(name);
   return found != types.end() ? found->second : nullptr;

@@ -6,10 +6,13 @@
 #include <dds/dds.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,14 +51,25 @@ class TopicWriter {
   // Whether the topic has a reader. One relaxed load.
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
+  // When the newest reader came, other than those that an agent before had already.
+  std::chrono::steady_clock::time_point newest_reader() const {
+    return std::chrono::steady_clock::time_point(
+        std::chrono::steady_clock::duration(newest_reader_.load(std::memory_order_relaxed)));
+  }
+
   // `sample`: of the topic's type. False: it could not be written.
   virtual bool Write(const void* sample) noexcept = 0;
 
  protected:
   void SetWanted(bool wanted) { wanted_.store(wanted, std::memory_order_relaxed); }
+  void NoteReader() {
+    newest_reader_.store(std::chrono::steady_clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+  }
 
  private:
   std::atomic<bool> wanted_ = false;
+  std::atomic<std::chrono::steady_clock::rep> newest_reader_ =
+      std::numeric_limits<std::chrono::steady_clock::rep>::min();
 };
 
 class TopicReader {
@@ -142,7 +156,8 @@ class RosConnection {
   // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   virtual void Announce() = 0;
 
-  // Reports, once, a participant of a distribution with another layout of the list of nodes, too.
+  // Reports, once each, a participant of a distribution with another layout of the list of nodes, and another run in
+  // the domain of a run whose clock this participant writes, too.
   virtual void WatchDistributions() = 0;
   // A line for each writer, found since the last call, that does not match the readers.
   virtual std::vector<std::string> DrainMismatches() = 0;
@@ -152,9 +167,16 @@ class RosConnection {
   // Sends the samples written so far, at the latest.
   virtual void Flush() {}
 
-  // How many readers the writers of its nodes have matched so far.
-  void CountReader() { readers_.fetch_add(1, std::memory_order_relaxed); }
-  std::uint64_t reader_count() const { return readers_.load(std::memory_order_relaxed); }
+  // From now on writers are wanted only if a reader has come since that time; without one, all that have a reader. For
+  // samples that other readers have already.
+  void AddressReadersSince(std::optional<std::chrono::steady_clock::time_point> time) { readers_since_ = time; }
+  bool Addresses(const TopicWriter& writer) const {
+    return writer.wanted() && (!readers_since_ || writer.newest_reader() >= *readers_since_);
+  }
+
+  // Whether any writer has had a reader.
+  void NoteWanted() { had_reader_.store(true, std::memory_order_relaxed); }
+  bool had_reader() const { return had_reader_.load(std::memory_order_relaxed); }
 
   // Samples that could not be written.
   void CountLost() { lost_.fetch_add(1, std::memory_order_relaxed); }
@@ -162,7 +184,8 @@ class RosConnection {
 
  private:
   const Distribution distribution_;
-  std::atomic<std::uint64_t> readers_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> readers_since_;  // of the thread that writes
+  std::atomic<bool> had_reader_ = false;
   std::atomic<std::uint64_t> lost_ = 0;
 };
 

@@ -22,6 +22,8 @@ class RosWriter {
 
   // Whether the topic has a reader, so that a message is worth making. Cheap, because each topic asks in each tick.
   bool wanted() const { return writer_->wanted(); }
+  // The same for samples of a node's own thread: only for the readers that the connection addresses.
+  bool is_addressed() const { return connection_->Addresses(*writer_); }
   // Lists it as a writer of another node of the connection, too.
   void Share(const RosNode& node) const { node.connection->ShareWriter(node.index, *writer_); }
 

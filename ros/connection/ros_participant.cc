@@ -173,7 +173,7 @@ void RosParticipant::WatchKnownWriters() {
 
 void RosParticipant::WatchDistributions() {
   const std::lock_guard lock(announcer_->mutex);
-  watch_->ExpectDistribution(distribution());
+  watch_->ExpectOneRun(distribution());
 }
 
 std::size_t RosParticipant::AddNode(const std::string& node_namespace, const std::string& name) {

@@ -6,6 +6,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr const char* kMark = "typehash=";
+constexpr const char* kServiceMark = "sertypehash=";
 
 }  // namespace
 
@@ -35,7 +36,15 @@ std::string HashOfRosType(const std::string& ros_type) {
 }
 
 std::string TypeMark(Distribution distribution, const std::string& dds_type_name) {
-  return distribution == Distribution::kHumble ? "" : kMark + TypeHash(dds_type_name) + ";";
+  if (distribution == Distribution::kHumble) return "";
+  const std::string type = RosTypeName(dds_type_name);
+  std::string mark = kMark + HashOfRosType(type) + ";";
+  if (distribution < Distribution::kLyrical) return mark;
+  for (const std::string_view part : {"_Request", "_Response"}) {
+    if (!type.ends_with(part)) continue;
+    mark += kServiceMark + HashOfRosType(type.substr(0, type.size() - part.size())) + ";";
+  }
+  return mark;
 }
 
 }  // namespace troupe::ros

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
 #include <string_view>
 
 #include "ros/connection/type_hash.h"
@@ -11,6 +12,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::string_view kNodesTopic = "ros_discovery_info";
+constexpr std::string_view kClockTopic = "rt/clock";
 constexpr std::size_t kBatch = 64;
 constexpr std::size_t kMostReports = 100;  // a hostile peer can make up any number
 
@@ -45,6 +47,7 @@ std::string ShownTopic(const std::string& dds_topic) {
 }  // namespace
 
 WriterWatch::WriterWatch(const dds::DomainParticipant& participant) {
+  dds::Check(dds_get_guid(participant.handle(), &self_), "reading a participant's GUID");
   LookAgain(participant);
 }
 
@@ -84,8 +87,11 @@ std::vector<Mismatch> WriterWatch::Drain() {
       if (!infos[i].valid_data) continue;
       const auto& writer = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
       const bool lists_nodes = writer.topic_name == kNodesTopic;
-      std::optional<std::string> report = lists_nodes ? JudgeDistribution(writer) : Judge(writer);
-      if (report) found.push_back({lists_nodes ? "" : writer.topic_name, *std::move(report)});
+      const bool is_clock = writer.topic_name == kClockTopic;
+      std::optional<std::string> report = lists_nodes ? JudgeDistribution(writer)
+                                          : is_clock  ? JudgeClock(writer)
+                                                      : Judge(writer);
+      if (report) found.push_back({lists_nodes || is_clock ? "" : writer.topic_name, *std::move(report)});
     }
     dds_return_loan(publications_.handle(), samples, count);
   }
@@ -102,6 +108,15 @@ std::optional<std::string> WriterWatch::JudgeDistribution(const dds_builtintopic
       "expected "
       "the same with --ros-distro, or another domain",
       is_humble ? "Humble" : "Iron or later", ToString(own));
+}
+
+std::optional<std::string> WriterWatch::JudgeClock(const dds_builtintopic_endpoint_t& writer) {
+  const bool is_own = std::memcmp(writer.participant_key.v, self_.v, sizeof self_.v) == 0;
+  (is_own ? has_clock_ : has_other_clock_) = true;
+  if (!expects_one_clock_ || !has_clock_ || !has_other_clock_) return std::nullopt;
+  expects_one_clock_ = false;
+  return "another program in the ROS domain writes /clock, as another run does: programs read the times, topics and "
+         "answers of both; expected a domain for each run (--ros-domain, ROS_DOMAIN_ID)";
 }
 
 std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t& writer) {

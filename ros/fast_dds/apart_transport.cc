@@ -44,7 +44,9 @@ class ApartTransport final : public ChainingTransport {
   }
   void receive(TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size, const Locator_t& local,
                const Locator_t& remote) override {
-    if (!IsFromCyclone({bytes, size})) receiver->OnDataReceived(bytes, size, local, remote);
+    if (IsFromCyclone({bytes, size})) return;
+    const std::optional<Bytes> safe = SafeParts({bytes, size});
+    if (safe) receiver->OnDataReceived(safe->data(), static_cast<std::uint32_t>(safe->size()), local, remote);
   }
 
  private:

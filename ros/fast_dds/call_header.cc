@@ -8,11 +8,6 @@ namespace {
 constexpr std::size_t kEncoding = 4;
 constexpr std::size_t kHeader = 16;
 
-// The header is a multiple of 8 bytes, so that no value behind it changes its alignment.
-bool IsPlainCdr(std::span<const std::uint8_t> sample) {
-  return sample.size() >= kEncoding && sample[0] == 0 && sample[1] <= 1;
-}
-
 bool IsLittleEndian(std::span<const std::uint8_t> sample) {
   return sample[1] == 1;
 }
@@ -31,6 +26,11 @@ std::uint64_t ReadNumber(std::span<const std::uint8_t> bytes, bool little_endian
 
 }  // namespace
 
+bool IsPlainCdr(std::span<const std::uint8_t> sample) {
+  return sample.size() >= kEncoding && sample[0] == 0 && sample[1] <= 1;
+}
+
+// The header is a multiple of 8 bytes, so that no value behind it changes its alignment.
 std::optional<Bytes> WithHeader(std::span<const std::uint8_t> sample, const CallHeader& header) {
   if (!IsPlainCdr(sample)) return std::nullopt;
   const bool little_endian = IsLittleEndian(sample);

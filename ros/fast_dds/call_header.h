@@ -13,7 +13,10 @@ namespace troupe::ros {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Nothing for a sample that is not in the encoding of ROS: plain CDR of either byte order.
+// Whether a sample is in the encoding of ROS, of either byte order.
+bool IsPlainCdr(std::span<const std::uint8_t> sample);
+
+// Nothing for a sample that is not plain CDR.
 std::optional<Bytes> WithHeader(std::span<const std::uint8_t> sample, const CallHeader& header);
 
 struct HeadedSample {

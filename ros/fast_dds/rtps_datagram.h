@@ -1,4 +1,5 @@
-// Datagrams of RTPS, as far as a participant is to be kept apart from those of Cyclone DDS. Pure functions.
+// Datagrams of RTPS, as far as a participant is to be kept apart from those of Cyclone DDS, and from datagrams that
+// Fast DDS 2.9 cannot read without harm. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +13,13 @@ namespace troupe::ros {
 
 // Whether a participant of Cyclone DDS has sent it.
 bool IsFromCyclone(std::span<const std::uint8_t> datagram);
+
+// The parts of a datagram that Fast DDS may read; nothing if there are none. Fast DDS 2.9 ends the process by an
+// assertion at a submessage of its statistics (0x80) that it does not expect and at a heartbeat from sequence number 0,
+// reads beyond buffers at lengths that overflow, and counts gaps one by one. So submessages and parameters that serve
+// no ROS client are left out, and a datagram of which one of the others does not have the lengths and ranges of RTPS is
+// dropped.
+std::optional<Bytes> SafeParts(std::span<const std::uint8_t> datagram);
 
 // The datagram with a domain tag in the announcement of a participant: Cyclone DDS ignores a participant with another
 // tag than its own, and Fast DDS knows no tags. Nothing for a datagram without such an announcement.

@@ -65,7 +65,8 @@ class HostConnection::Writer final : public TopicWriter {
   std::uint32_t id() const { return id_; }
   void React(const WantedContent& content) {
     SetWanted(content.wanted);
-    if (content.is_new) owner_.CountReader();
+    if (content.wanted) owner_.NoteWanted();
+    if (content.is_new) NoteReader();
   }
 
  private:

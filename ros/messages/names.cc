@@ -62,12 +62,15 @@ std::string RosName(const std::string& text) {
 
 std::vector<std::string> RobotNames(const WorldDescription& world) {
   UniqueNames unique;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    const std::string& name = world.robots[i].name;
-    // A removed robot keeps its name, so that the names of others stay, until another robot has the same one.
-    const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
-    names.push_back(is_replaced ? "" : unique.Reserve(RosName(name)));
+  std::vector<std::string> names(world.robots.size());
+  for (const bool is_valid : {true, false}) {
+    for (std::size_t i = 0; i < world.robots.size(); ++i) {
+      const std::string& name = world.robots[i].name;
+      if ((RosName(name) == name) != is_valid) continue;
+      // A removed robot keeps its name, so that the names of others stay, until another robot has the same one.
+      const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
+      if (!is_replaced) names[i] = unique.Reserve(RosName(name));
+    }
   }
   return names;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/base/utf8.h"
+
 namespace troupe::ros {
 namespace {
 
@@ -89,6 +91,27 @@ std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescripti
     found.emplace_back(robot, Find(world, robot, robot_names[i], first == robot, run_domain, names));
   }
   return found;
+}
+
+std::vector<std::string> NoticesOfNames(const WorldDescription& world, std::uint32_t run_domain,
+                                        const RosNames& names) {
+  constexpr std::size_t kMost = 10;
+  std::vector<std::string> notices;
+  std::size_t more = 0;
+  for (const auto& [robot, found] : FindRobotsInRos(world, run_domain, names)) {
+    const std::string& name = world.robot(robot).name;
+    if (found.name == name || found.node_namespace != "/" + found.name) continue;
+    if (notices.size() == kMost) {
+      ++more;
+      continue;
+    }
+    const bool is_taken = RosName(name) != found.name;
+    notices.push_back(fmt::format("the topics of robot '{}' are below /{}: {}", PlainLine(name, 200), found.name,
+                                  is_taken ? "another robot has its name as ROS would spell it"
+                                           : "names in ROS have letters, digits and single underscores"));
+  }
+  if (more > 0) notices.push_back(fmt::format("{} more robots have other names in ROS than in the world", more));
+  return notices;
 }
 
 }  // namespace troupe::ros

@@ -30,6 +30,10 @@ RobotInRos FindRobotInRos(const WorldDescription& world, RobotId robot, std::uin
 std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescription& world, std::uint32_t run_domain,
                                                             const RosNames& names);
 
+// One line for each robot whose topics are below another name than its own, because that is none of ROS; of many
+// robots, for the first ones.
+std::vector<std::string> NoticesOfNames(const WorldDescription& world, std::uint32_t run_domain, const RosNames& names);
+
 // The error is a robot in the domain of the simulation (nothing: the run uses no network), or plain names for several
 // robots of one domain.
 Status CheckDomains(const WorldDescription& world, std::uint32_t run_domain, const RosNames& names,

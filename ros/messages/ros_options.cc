@@ -9,8 +9,8 @@
 namespace troupe::ros {
 namespace {
 
-constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::kIron, Distribution::kJazzy,
-                                           Distribution::kKilted, Distribution::kRolling};
+constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::kIron,    Distribution::kJazzy,
+                                           Distribution::kKilted, Distribution::kLyrical, Distribution::kRolling};
 constexpr DiscoveryRange kRanges[] = {DiscoveryRange::kOff, DiscoveryRange::kLocalhost, DiscoveryRange::kSubnet,
                                       DiscoveryRange::kSystemDefault};
 constexpr ServiceClients kServiceClients[] = {ServiceClients::kCyclone, ServiceClients::kFastDds,
@@ -93,9 +93,14 @@ RosOptions OptionsFromEnvironment() {
     network.distribution = *distribution;
   } else if (!name.empty()) {
     faults.distribution =
-        Found("ROS_DISTRO", name, "humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
+        Found("ROS_DISTRO", name, "humble, iron, jazzy, kilted, lyrical or rolling (--ros-distro overrides it)");
   }
   SetDiscovery(network, faults);
+  const std::string_view rmw = Environment("RMW_IMPLEMENTATION");
+  if (rmw.find("zenoh") != std::string_view::npos) {
+    faults.rmw = Found("RMW_IMPLEMENTATION", rmw,
+                       "rmw_cyclonedds_cpp or rmw_fastrtps_cpp: programs on another one do not find this run");
+  }
   network.security = SecurityFromEnvironment();
   return options;
 }
@@ -134,6 +139,8 @@ const char* ToString(Distribution distribution) {
       return "jazzy";
     case Distribution::kKilted:
       return "kilted";
+    case Distribution::kLyrical:
+      return "lyrical";
     case Distribution::kRolling:
       return "rolling";
   }

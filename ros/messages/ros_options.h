@@ -10,7 +10,7 @@
 
 namespace troupe::ros {
 
-enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kRolling };
+enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kLyrical, kRolling };
 
 // The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
@@ -26,6 +26,7 @@ struct EnvironmentFaults {
   std::string domain;
   std::string distribution;
   std::string discovery;  // ROS itself continues with localhost
+  std::string rmw;        // its programs do not find the run
 };
 
 // Of the program that has participants in ROS, and equal for all processes of a run on a host.
@@ -81,11 +82,16 @@ struct RosOptions {
 };
 
 // The settings of the environment: ROS_DOMAIN_ID, ROS_DISTRO, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE,
-// ROS_STATIC_PEERS, and those of SecurityFromEnvironment.
+// ROS_STATIC_PEERS, RMW_IMPLEMENTATION, and those of SecurityFromEnvironment.
 RosOptions OptionsFromEnvironment();
 
 // The arguments that give the same settings to another program.
 std::vector<std::string> NetworkArguments(const RosNetwork& network);
+
+// Whether its services of simulation_interfaces have the layouts of 2.x.
+inline bool HasSimulationInterfaces2(Distribution distribution) {
+  return distribution >= Distribution::kLyrical;
+}
 
 // `name`: in lower case.
 std::optional<Distribution> ParseDistribution(const std::string& name);

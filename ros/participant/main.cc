@@ -17,12 +17,12 @@
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
 #include "command_line/parse_command_line.h"
-#include "command_line/ros_flags.h"
 #include "common/base/flood_limiter.h"
 #include "common/base/stop_signals.h"
 #include "common/base/version.h"
 #include "common/base/wake_event.h"
 #include "common/run/network_settings.h"
+#include "ros/flags/ros_flags.h"
 #if TROUPE_HAS_FAST_DDS
 #include "ros/fast_dds/serve_fast_dds.h"
 #endif

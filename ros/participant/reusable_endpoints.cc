@@ -17,14 +17,16 @@ ReusableWriter::ReusableWriter(RosParticipant& participant, const TopicSpec& spe
       is_volatile_(spec.qos.kind == TopicQos::Kind::kStream),
       writer_(participant, spec, [this](bool wanted, bool is_new) {
         const std::lock_guard lock(mutex_);
-        if (sink_) sink_(wanted, is_new);
+        if (sink_) return sink_(wanted, is_new);
+        has_new_ = has_new_ || is_new;
       }) {}
 
 void ReusableWriter::Attach(std::size_t node, Sink sink) {
   participant_.AddWriter(node, writer_.handle());
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
-  sink_(writer_.wanted(), writer_.wanted());
+  // Readers of the agent before have its samples.
+  sink_(writer_.wanted(), std::exchange(has_new_, false) && writer_.wanted());
 }
 
 void ReusableWriter::Detach() {

@@ -41,8 +41,9 @@ class ReusableWriter {
   RosParticipant& participant_;
   const dds_topic_descriptor_t& type_;
   const bool is_volatile_;  // keeps no samples
-  std::mutex mutex_;        // guards sink_
+  std::mutex mutex_;        // guards the two below
   Sink sink_;
+  bool has_new_ = false;  // a reader has come while it was detached
   DdsTopicWriter writer_;
 };
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compares the documents with the source tree: fails if a link leads nowhere, if the table of folders in
-docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, if a step of
-the walks there names a file or function that does not exist, if the table of members in docs/reliability.md is not
-complete, or if a folder of the top level has no README, one that is
-too long, or one that names a file that does not exist.
+docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, also one
+between folders of the top level, if a step of the walks there names a file or function that does not exist, if the table
+of members in docs/reliability.md is not complete, or if a folder of the top level has no README, one that is too long, or
+one that names a file that does not exist; or if CITATION.cff or the changelog lack the version.
 
 usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
 """
@@ -122,9 +122,24 @@ def check_table(root, write):
                  for folder in allowed if folder not in found]
     problems += [f"tests/architecture_test.cmake: {folder} depends on itself"
                  for folder in allowed if folder in reachable(folder, allowed)]
+    problems += room_cycles(allowed)
     if write:
         page.write_text("\n".join(lines))
     return problems
+
+
+def room_cycles(allowed):
+    """Folders of the top level that depend on each other. The public headers belong to `common`, as most of them do."""
+    def room(folder):
+        return "common" if folder.startswith("include/") else folder.split("/")[0]
+
+    rooms = {}
+    for folder, names in allowed.items():
+        rooms.setdefault(room(folder), set()).update(room(name) for name in names if name in allowed)
+    for name, others in rooms.items():
+        others.discard(name)
+    return [f"tests/architecture_test.cmake: {name} depends on {other}, and that on {name}"
+            for name in rooms for other in sorted(rooms[name]) if name in reachable(other, rooms)]
 
 
 def check_walks(root):

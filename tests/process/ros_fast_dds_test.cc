@@ -1,10 +1,15 @@
 // The services of whole runs, called by programs on Fast DDS that act like rmw_fastrtps_cpp. They share no code with
 // the side that answers them.
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -19,6 +24,7 @@
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
+#include "troupe/random.h"
 
 namespace troupe::test {
 namespace {
@@ -36,6 +42,37 @@ Program Caller(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {ProgramPath("fastdds_caller"), Domain()});
   return Program(std::move(arguments));
 }
+
+using Datagram = std::vector<std::uint8_t>;
+
+// A datagram of a stranger on Fast DDS with one submessage; `length`: as that states it.
+Datagram WithSubmessage(std::uint8_t kind, std::uint8_t flags, const Datagram& body, std::size_t length) {
+  Datagram datagram = {'R', 'T', 'P', 'S', 2, 3, 1, 15, 1, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, kind, flags};
+  datagram.push_back(static_cast<std::uint8_t>(length));
+  datagram.push_back(static_cast<std::uint8_t>(length >> 8U));
+  datagram.insert(datagram.end(), body.begin(), body.end());
+  return datagram;
+}
+
+// To the ports of the first participants of the domain on this host.
+class Stranger {
+ public:
+  ~Stranger() { close(socket_); }
+  void Send(const Datagram& datagram) const {
+    constexpr std::uint32_t kFirst = 10;
+    constexpr std::uint32_t kPorts = 6;
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (std::uint32_t port = kFirst; port < kFirst + kPorts; ++port) {
+      to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * TestRosNetwork().domain + port));
+      sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    }
+  }
+
+ private:
+  const int socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
 
 // The lines of a caller on one topic.
 std::vector<json> LinesOn(Program& caller, const std::string& topic) {
@@ -144,6 +181,45 @@ TEST_F(RosFastDds, ASideThatIsKilledIsStartedAgain) {
   EXPECT_GE(answered, kCalls - 10 * kKills);
   EXPECT_EQ(answered + static_cast<int>(LinesOn(caller, "timeout").size()), kCalls);
   EXPECT_EQ(called.front()["repeated"], 0);
+  End(run);
+}
+
+// The reads of Fast DDS 2.9 that end the process: statistics with bytes behind them (84 bytes in all), a heartbeat from
+// 0 on, and numbers so large that their successor overflows. Then each kind of submessage with any flags and lengths.
+TEST_F(RosFastDds, DatagramsOfAStrangerDoNotEndTheSide) {
+  constexpr std::size_t kStatistics = 56;
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program before = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(before.Wait(), 0) << before.output();
+  const std::vector<pid_t> sides = SidesOf(run);
+  ASSERT_EQ(sides.size(), 1u);
+  const Stranger stranger;
+  const Datagram statistics = WithSubmessage(0x80, 1, Datagram(kStatistics + 4, 0), kStatistics);
+  ASSERT_EQ(statistics.size(), 84u);
+  stranger.Send(statistics);
+  Datagram heartbeat(28, 0);
+  heartbeat[2] = 1, heartbeat[3] = 0xc7, heartbeat[6] = 1, heartbeat[7] = 0xc2;  // from a participant's announcer
+  heartbeat[16] = heartbeat[17] = heartbeat[18] = heartbeat[19] = 0xff;          // up to -1
+  stranger.Send(WithSubmessage(0x07, 1, heartbeat, heartbeat.size()));
+  std::fill(heartbeat.begin() + 8, heartbeat.begin() + 24, std::uint8_t{0x7f});
+  stranger.Send(WithSubmessage(0x07, 1, heartbeat, heartbeat.size()));
+  stranger.Send(WithSubmessage(0x08, 1, heartbeat, heartbeat.size()));
+  for (std::uint64_t kind = 0; kind < 256; ++kind) {
+    for (std::uint64_t i = 0; i < 16; ++i) {
+      Datagram body(4 * (RandomBits({kind, i, 0}) % 25));
+      for (std::size_t k = 0; k < body.size(); ++k) {
+        const std::uint64_t bits = RandomBits({kind, i, 1 + k});
+        body[k] = static_cast<std::uint8_t>(bits % 3 == 0 ? bits >> 8U : bits % 3 == 1 ? 0 : 0xff);
+      }
+      const std::size_t lengths[] = {body.size(), 0, kStatistics, body.size() + 4};
+      stranger.Send(
+          WithSubmessage(static_cast<std::uint8_t>(kind), static_cast<std::uint8_t>(i), body, lengths[i % 4]));
+    }
+  }
+  Program after = Caller({"parameters", "/r0/robot"});
+  EXPECT_EQ(after.Wait(), 0) << after.output();
+  EXPECT_EQ(SidesOf(run), sides) << run.output();
   End(run);
 }
 

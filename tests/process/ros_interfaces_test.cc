@@ -211,20 +211,22 @@ TEST_F(RosInterfaces, SpawnsSeveralEntitiesFromNamesAndTexts) {
   const std::string text = "define probe position ( size [0.2 0.2 0.2] )\nprobe ( name \"probe\" )\n";
   dds::WireArena arena;
   simulation_interfaces_srv_dds__SpawnEntities_Request_ request{};
-  auto* order = arena.Fill(request.spawn_requests, 4);
+  auto* order = arena.Fill(request.spawn_requests, 5);
   order[0] = {Text("one"), false, {Text("rover"), Text("")}, Text("/fleet/one"), PoseAt(0.0, -2.0)};
   order[1] = {Text("two"), false, {Text(""), Text(text.c_str())}, Text(""), PoseAt(0.0, 2.0)};
   order[2] = {Text("three"), false, {Text("rover"), Text("")}, Text("//"), PoseAt(1.0, 2.0)};
   order[3] = {Text("four"), false, {Text(""), Text("position (\n")}, Text(""), PoseAt(1.0, 2.0)};
+  order[4] = {Text(""), false, {Text("rover"), Text("")}, Text(""), PoseAt(1.0, 2.0)};
   spawn_.Call(request, [](const auto& response) {
     EXPECT_EQ(response.result.result, 150) << "some failed";
-    ASSERT_EQ(response.results._length, 4u);
+    ASSERT_EQ(response.results._length, 5u);
     const auto results = dds::Elements(response.results);
     EXPECT_EQ(results[0].result.result, kOk) << results[0].result.error_message;
     EXPECT_STREQ(results[0].entity_name, "one");
     EXPECT_EQ(results[1].result.result, kOk) << results[1].result.error_message;
     EXPECT_EQ(results[2].result.result, 105) << "an invalid namespace";
     EXPECT_EQ(results[3].result.result, 106) << "a text that cannot be parsed";
+    EXPECT_EQ(results[4].result.result, 102) << "no name, and no renaming";
   });
   EXPECT_THAT(Entities({}), testing::IsSupersetOf({"one", "two"}));
   EXPECT_TRUE(Eventually([&] {

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -19,6 +22,7 @@
 #include "tests/process/run_files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
 #include "transport/dds/binding/wire.h"
 
 namespace troupe::test {
@@ -334,6 +338,29 @@ TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
   Finished run = Finish(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
   ASSERT_EQ(run.exit_status, 0) << run.output;
   clock.Drain([](const ros::Clock&) { FAIL() << "a clock without --ros"; });
+}
+
+// Names of people's worlds that ROS does not allow, from a folder that is not part of the project.
+TEST(RosRun, ARobotWhoseNameIsValidKeepsItsTopicsAndOthersHaveANotice) {
+  const char* const source = std::getenv("TROUPE_SOURCE_DIR");
+  const std::string file = std::string(source != nullptr ? source : ".") + "/../shared/cases/ros_names.world";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no file " << file;
+  std::vector<std::string> arguments = {"run",        file,       "--domain",  std::to_string(TestDomain()),
+                                        "--headless", "--paused", "--session", TestSession("names")};
+  for (const std::string& argument : RosArguments({})) arguments.push_back(argument);
+  Program run = Troupe(arguments);
+  run.WaitForLine(", ready");
+  RosGraph graph;
+  const std::set<std::string> expected = {"/n0/odom", "/a_b/odom", "/a_b_1/odom"};
+  EXPECT_TRUE(Eventually([&] {
+    const std::set<std::string> topics = graph.Topics("/");
+    return std::includes(topics.begin(), topics.end(), expected.begin(), expected.end());
+  }));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
+  EXPECT_THAT(run.output(), testing::HasSubstr("the topics of robot '0' are below /n0:"));
+  EXPECT_THAT(run.output(), testing::HasSubstr("the topics of robot 'a-b' are below /a_b_1:"));
+  EXPECT_THAT(run.output(), testing::Not(testing::HasSubstr("robot 'a_b'")));
 }
 
 }  // namespace

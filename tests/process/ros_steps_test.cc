@@ -88,6 +88,11 @@ class RosStepsTest : public testing::Test {
     step_.Call(one, [&](const auto& response) { result = response.result.result; });
     return result;
   }
+  std::uint8_t Reset() {
+    std::uint8_t result = 0;
+    reset_.Call({}, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
   void Step() { EXPECT_EQ(StepResult(), kOk); }
   std::int64_t Now() {
     simulation_interfaces_srv_dds__GetEntityState_Request_ request{};
@@ -149,6 +154,9 @@ class RosStepsTest : public testing::Test {
   Service<simulation_interfaces_srv_dds__StepSimulation_Request_,
           simulation_interfaces_srv_dds__StepSimulation_Response_>
       step_{participant_, "/world/step_simulation"};
+  Service<simulation_interfaces_srv_dds__ResetSimulation_Request_,
+          simulation_interfaces_srv_dds__ResetSimulation_Response_>
+      reset_{participant_, "/world/reset_simulation"};
   Service<simulation_interfaces_srv_dds__GetEntityState_Request_,
           simulation_interfaces_srv_dds__GetEntityState_Response_>
       entity_{participant_, "/world/get_entity_state"};
@@ -162,6 +170,8 @@ TEST_F(RosStepsTest, RefusesWhatItsStateDoesNotAllow) {
   EXPECT_EQ(SetState(kPaused), 101) << "already";
   EXPECT_EQ(SetState(0), kOk) << "stopped";
   EXPECT_EQ(SetState(kPaused), 103) << "from stopped";
+  EXPECT_EQ(StepResult(), kFailed) << "in a stopped run";
+  EXPECT_EQ(State(), 0) << "it stays stopped";
   EXPECT_EQ(SetState(1), kOk) << "playing";
   EXPECT_EQ(StepResult(), kFailed) << "in a playing run";
   EXPECT_EQ(SetState(kPaused), kOk);
@@ -212,6 +222,8 @@ TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndAcceptsOneGoalAtATime) {
   AskForResult(1);
   EXPECT_TRUE(Eventually([&] { return !Feedback(1).empty(); }));
   EXPECT_FALSE(Send(2, 1)) << "during another goal";
+  EXPECT_EQ(StepResult(), kFailed) << "at once, not after the million steps";
+  EXPECT_EQ(Reset(), kFailed);
   EXPECT_EQ(Cancel(1), CancelAnswer::kNone);
   const Ended canceled = AwaitResult();
   EXPECT_EQ(canceled.status, GoalStatus::kCanceled);

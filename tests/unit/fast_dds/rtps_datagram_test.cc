@@ -62,12 +62,113 @@ TEST(RtpsDatagram, OtherDatagramsStayAsTheyAre) {
   EXPECT_FALSE(WithDomainTag({}, "me"));
 }
 
+Bytes Submessage(std::uint8_t kind, std::uint8_t flags, const Bytes& body) {
+  return Bytes{kind, flags, static_cast<std::uint8_t>(body.size()), 0} + body;
+}
+Bytes Sequence(std::int32_t high, std::uint32_t low) {
+  Bytes bytes;
+  for (const std::uint32_t word : {static_cast<std::uint32_t>(high), low}) {
+    for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(word >> 8U * i));
+  }
+  return bytes;
+}
+bool IsSafe(const Bytes& submessage) {
+  const Bytes datagram = Header(0x0f) + submessage;
+  const std::optional<Bytes> parts = SafeParts(datagram);
+  return parts && *parts == datagram;
+}
+const Bytes kEntities = {0, 0, 1, 7, 0, 0, 1, 2};  // a reader and a writer
+const Bytes kCount = {1, 0, 0, 0};
+
+TEST(SafeParts, StatisticsAndKindsThatNoClientNeedsAreLeftOut) {
+  const Bytes heartbeat = Submessage(0x07, 1, kEntities + Sequence(0, 1) + Sequence(0, 9) + kCount);
+  EXPECT_TRUE(IsSafe(kTimestamp + heartbeat));
+  for (const std::uint8_t kind : {0x00, 0x01, 0x0d, 0x0f, 0x13, 0x30, 0x80, 0x81, 0xff}) {
+    const Bytes other = Submessage(kind, 1, Bytes(56, 0));
+    EXPECT_EQ(SafeParts(Header(0x0f) + other + heartbeat), Header(0x0f) + heartbeat) << int{kind};
+    EXPECT_EQ(SafeParts(Header(0x0f) + other + Bytes{0, 0, 0, 0}), std::nullopt) << int{kind};
+  }
+  EXPECT_EQ(SafeParts(Header(0x0f)), std::nullopt);
+  EXPECT_EQ(SafeParts(Bytes(100, 1)), std::nullopt);
+}
+
+TEST(SafeParts, SequenceNumbersAreInRange) {
+  const auto heartbeat = [](const Bytes& first, const Bytes& last) {
+    return Submessage(0x07, 1, kEntities + first + last + kCount);
+  };
+  EXPECT_TRUE(IsSafe(heartbeat(Sequence(0, 1), Sequence(0, 0))));
+  EXPECT_FALSE(IsSafe(heartbeat(Sequence(0, 0), Sequence(-1, 5))));
+  EXPECT_FALSE(IsSafe(heartbeat(Sequence(0, 5), Sequence(0, 3))));
+  EXPECT_FALSE(IsSafe(heartbeat(Sequence(0, 1), Sequence(0x7fffffff, 0xffffffff))));
+  const auto gap = [](const Bytes& from, const Bytes& to) {
+    return Submessage(0x08, 1, kEntities + from + to + Bytes(4, 0));
+  };
+  EXPECT_TRUE(IsSafe(gap(Sequence(0, 1), Sequence(0, 1000))));
+  EXPECT_FALSE(IsSafe(gap(Sequence(0, 1), Sequence(1, 0)))) << "it would be counted one by one";
+  EXPECT_FALSE(IsSafe(gap(Sequence(0, 9), Sequence(0, 1))));
+  const auto acknowledgement = [](const Bytes& bits) {
+    return Submessage(0x06, 1, kEntities + Sequence(0, 0) + bits + kCount);
+  };
+  EXPECT_TRUE(IsSafe(acknowledgement({0, 0, 0, 0})));
+  EXPECT_TRUE(IsSafe(acknowledgement({33, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8})));
+  EXPECT_FALSE(IsSafe(acknowledgement({0xff, 0xff, 0xff, 0xff})));
+}
+
+TEST(SafeParts, AnnouncementsKeepTheParametersThatAreKnown) {
+  const auto announcement = [](const Bytes& parameters) {
+    const Bytes body = kToAnnouncement + Bytes{0, 3, 0, 0} + parameters;
+    return Header(0x0f) + Submessage(0x15, 5, body);
+  };
+  const Bytes version = {0x15, 0, 4, 0, 2, 3, 0, 0};
+  const Bytes end = {1, 0, 0, 0};
+  EXPECT_EQ(SafeParts(announcement(version + kTag + end)),
+            announcement(version + Bytes{0, 0, 8, 0, 3, 0, 0, 0, 'm', 'e', 0, 0} + end));
+  const Bytes udp = Bytes{0x32, 0, 24, 0, 1, 0, 0, 0, 0xf2, 0x1c, 0, 0} + Bytes(16, 9);
+  EXPECT_EQ(SafeParts(announcement(udp + end)), announcement(udp + end));
+  EXPECT_EQ(SafeParts(announcement(version)), std::nullopt) << "without an end";
+  EXPECT_EQ(SafeParts(announcement(Bytes{0x05, 0, 200, 0, 1, 0, 0, 0, 0, 0, 0, 0} + end)), std::nullopt);
+  const Bytes name = {0x05, 0, 8, 0, 4, 0, 0, 0, 'a', 'b', 'c', 0};
+  EXPECT_EQ(SafeParts(announcement(name + end)), announcement(name + end));
+  const Bytes malformed[] = {{0x15, 0, 8, 0, 2, 3, 0, 0, 0, 0, 0, 0},
+                             {0x05, 0, 8, 0, 4, 0, 0, 0, 'a', 'b', 'c', 'd'},
+                             {0x05, 0, 8, 0, 0xff, 0xff, 0xff, 0xff, 'a', 0, 0, 0},
+                             {0x29, 0, 8, 0, 2, 0, 0, 0, 9, 0, 0, 0},
+                             {0x32, 0, 8, 0, 1, 0, 0, 0, 0xf2, 0x1c, 0, 0}};
+  for (const Bytes& parameter : malformed) {
+    Bytes padding = parameter;
+    padding[0] = 0;
+    EXPECT_EQ(SafeParts(announcement(parameter + end)), announcement(padding + end));
+  }
+}
+
+TEST(SafeParts, SamplesOfUsersAreInTheEncodingOfRos) {
+  const Bytes head = Bytes{0, 0, 16, 0} + kEntities + Sequence(0, 1);
+  EXPECT_TRUE(IsSafe(Submessage(0x15, 5, head + Bytes{0, 1, 0, 0, 7, 0, 0, 0})));
+  EXPECT_FALSE(IsSafe(Submessage(0x15, 5, head + Bytes{0, 3, 0, 0, 7, 0, 0, 0}))) << "a list of parameters";
+  EXPECT_FALSE(IsSafe(Submessage(0x15, 5, head)));
+  const Bytes identity = Bytes{0x0f, 0x80, 24, 0} + Bytes(24, 7);
+  EXPECT_TRUE(IsSafe(Submessage(0x15, 7, head + identity + Bytes{1, 0, 0, 0} + Bytes{0, 1, 0, 0, 7, 0, 0, 0})));
+  Bytes far = head;
+  far[2] = 0xf0;
+  EXPECT_FALSE(IsSafe(Submessage(0x15, 5, far + Bytes{0, 1, 0, 0})));
+  const auto fragment = [](std::uint8_t first, std::uint8_t size, std::uint8_t sample, std::size_t payload) {
+    const Bytes fields = {first, 0, 0, 0, 1, 0, size, 0, sample, 0, 0, 0};
+    return Submessage(0x16, 1, Bytes{0, 0, 28, 0} + kEntities + Sequence(0, 1) + fields + Bytes(payload, 0));
+  };
+  EXPECT_TRUE(IsSafe(fragment(1, 32, 40, 32)));
+  EXPECT_TRUE(IsSafe(fragment(2, 32, 40, 8)));
+  EXPECT_FALSE(IsSafe(fragment(3, 32, 40, 8)));
+  EXPECT_FALSE(IsSafe(fragment(1, 0, 40, 32)));
+  EXPECT_FALSE(IsSafe(fragment(1, 32, 40, 16)));
+}
+
 // Every prefix, for bounds: sanitizers find a read beyond it.
 TEST(RtpsDatagram, ATruncatedOneIsNotReadBeyondItsEnd) {
   for (const std::uint8_t flags : {5, 7}) {
     const Bytes whole = Header(0x0f) + kTimestamp + Bytes{0x15, flags, 36, 0} + kToAnnouncement + kParameters;
     for (std::size_t size = 0; size <= whole.size(); ++size) {
       const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+      SafeParts(part);
       const std::optional<Bytes> tagged = WithDomainTag(part, "me");
       if (tagged) {
         EXPECT_EQ(tagged->size(), size + kTag.size());

@@ -115,7 +115,7 @@ TEST_F(HostConnectionTest, EndpointsReturnWithANewParticipant) {
   EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
   RosReader<String> events = Reader<String>("/a/events", Stream(10));
   EXPECT_TRUE(Eventually([&] { return stream.wanted(); }));
-  const std::uint64_t readers = connection->reader_count();
+  const auto before = std::chrono::steady_clock::now();
 
   host_.End();
   EXPECT_TRUE(Eventually([&] { return !stream.wanted(); }));
@@ -123,7 +123,8 @@ TEST_F(HostConnectionTest, EndpointsReturnWithANewParticipant) {
   Write(stream, "lost");
   host_.Start();
   EXPECT_TRUE(Eventually([&] { return stream.wanted(); }));
-  EXPECT_GT(connection->reader_count(), readers) << "the robot's topics are repeated in a pause";
+  connection->AddressReadersSince(before);
+  EXPECT_TRUE(stream.is_addressed()) << "the robot's topics are repeated in a pause";
   EXPECT_TRUE(Eventually([&] { return graph.HasNode("/a/robot"); }));
   Write(stream, "kept");
   connection->Flush();
@@ -268,13 +269,15 @@ TEST_F(HostConnectionTest, LateReadersGetNoSampleOfAnAgentThatHasEnded) {
   EXPECT_EQ(Next(early), "old");
   writer.reset();
   connection.reset();
+  const auto before = std::chrono::steady_clock::now();
   connection = Connect();
+  connection->AddressReadersSince(before);
   writer = std::make_unique<RosWriter<String>>(MakeNode(*connection, "/a", "robot"), "status", Latched());
   connection->Announce();
   EXPECT_TRUE(Eventually([&] { return writer->wanted(); })) << "the early reader still matches";
-  const std::uint64_t readers = connection->reader_count();
+  EXPECT_FALSE(writer->is_addressed()) << "it has the samples of a pause";
   RosReader<String> late = Reader<String>("/a/status", Latched());
-  EXPECT_TRUE(Eventually([&] { return connection->reader_count() > readers; }));
+  EXPECT_TRUE(Eventually([&] { return writer->is_addressed(); }));
   Write(*writer, "new");
   connection->Flush();
   std::vector<std::string> texts;
@@ -333,6 +336,32 @@ TEST_F(HostConnectionTest, APublisherOfAnotherTypeIsReportedToAnAgentThatComesLa
   b->Announce();
   EXPECT_THAT(mismatches_of(*b), ElementsAre(HasSubstr("/b/text: cannot read another program's publisher")));
   EXPECT_THAT(a->DrainMismatches(), IsEmpty());
+}
+
+TEST_F(HostConnectionTest, ASecondRunInTheDomainIsReportedToBothOnce) {
+  const test::HostParticipant other_host(network_);
+  const std::unique_ptr<HostConnection> runs[] = {Connect(), other_host.Connect()};
+  const std::unique_ptr<HostConnection> without_clock = Connect();
+  std::vector<std::unique_ptr<RosWriter<Clock>>> clocks;
+  const auto start = [&](HostConnection& connection) {
+    connection.WatchDistributions();
+    clocks.push_back(std::make_unique<RosWriter<Clock>>(MakeNode(connection, "/", "world"), "/clock", Stream(10)));
+    connection.Announce();
+  };
+  start(*runs[0]);
+  test::RosGraph graph(network_);
+  EXPECT_TRUE(Eventually([&] { return graph.HasNode("/world"); }));
+  EXPECT_THAT(runs[0]->DrainMismatches(), IsEmpty()) << "its own clock";
+  start(*runs[1]);
+  for (const auto& run : runs) {
+    std::vector<std::string> reports;
+    EXPECT_TRUE(Eventually([&] {
+      for (std::string& line : run->DrainMismatches()) reports.push_back(std::move(line));
+      return !reports.empty();
+    }));
+    EXPECT_THAT(reports, ElementsAre(HasSubstr("another program in the ROS domain writes /clock")));
+  }
+  EXPECT_THAT(without_clock->DrainMismatches(), IsEmpty());
 }
 
 TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {

@@ -24,7 +24,7 @@ TEST(RosName, KeepsOnlyCharactersThatRosAllows) {
 TEST(RobotNames, StayDistinctWhenRosNamesCollide) {
   SmallWorld world;
   for (const char* name : {"r:0", "r_0", "r-0", "r_0_1"}) world.AddRobot(name, {});
-  EXPECT_THAT(RobotNames(world.world()), ElementsAre("r_0", "r_0_1", "r_0_2", "r_0_1_1"));
+  EXPECT_THAT(RobotNames(world.world()), ElementsAre("r_0_2", "r_0", "r_0_3", "r_0_1"));
 }
 
 TEST(FramesOf, HaveThePrefixOfTheRobotIfAsked) {

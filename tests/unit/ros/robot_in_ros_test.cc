@@ -64,6 +64,29 @@ TEST(RobotInRos, ARemovedRobotIsNowhere) {
   EXPECT_TRUE(CheckDomains(world, 7, {}, 42).ok());
 }
 
+TEST(NoticesOfNames, NameEachRobotWithOtherTopicsThanItsName) {
+  SmallWorld made;
+  for (const char* name : {"0", "a-b", "a_b", "anna"}) made.AddRobot(name, {});
+  WorldDescription world = made.world();
+  EXPECT_THAT(
+      NoticesOfNames(world, 7, {}),
+      testing::ElementsAre("the topics of robot '0' are below /n0: names in ROS have letters, digits and single "
+                           "underscores",
+                           "the topics of robot 'a-b' are below /a_b_1: another robot has its name as ROS "
+                           "would spell it"));
+  world.robots[0].ros.domain = 9;  // where it has plain names
+  world.robots[1].ros.name_space = "/fleet/a";
+  EXPECT_THAT(NoticesOfNames(world, 7, {}), testing::IsEmpty());
+}
+
+TEST(NoticesOfNames, AreFewInAFleet) {
+  SmallWorld world;
+  for (int i = 0; i < 30; ++i) world.AddRobot("position:" + std::to_string(i), {});
+  const std::vector<std::string> notices = NoticesOfNames(world.world(), 7, {});
+  ASSERT_EQ(notices.size(), 11u);
+  EXPECT_EQ(notices.back(), "20 more robots have other names in ROS than in the world");
+}
+
 TEST(IsNamespace, FollowsTheRulesOfRos) {
   for (const char* good : {"/a", "/fleet/anna", "/a_b/c1"}) EXPECT_TRUE(IsNamespace(good)) << good;
   for (const char* bad : {"", "/", "a", "/a/", "//a", "/1", "/a b", "/a__b", "/a//b", "/\xc3\xa4"}) {

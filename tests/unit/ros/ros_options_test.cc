@@ -15,9 +15,9 @@ class RosEnvironment : public testing::Test {
   void SetUp() override { Clear(); }
   void TearDown() override { Clear(); }
   void Clear() {
-    for (const char* name :
-         {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
-          "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"}) {
+    for (const char* name : {"ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE",
+                             "ROS_STATIC_PEERS", "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY",
+                             "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE", "RMW_IMPLEMENTATION"}) {
       unsetenv(name);
     }
   }
@@ -35,6 +35,8 @@ TEST_F(RosEnvironment, SetsTheOptions) {
   setenv("ROS_DISTRO", "humble", 1);
   EXPECT_EQ(OptionsFromEnvironment().network.domain, 17u);
   EXPECT_EQ(OptionsFromEnvironment().network.distribution, Distribution::kHumble);
+  setenv("ROS_DISTRO", "lyrical", 1);
+  EXPECT_EQ(OptionsFromEnvironment().network.distribution, Distribution::kLyrical);
 }
 
 TEST_F(RosEnvironment, SetsTheRangeOfDiscovery) {
@@ -67,9 +69,21 @@ TEST_F(RosEnvironment, NamesValuesThatAreNotValid) {
   }
   setenv("ROS_DISTRO", "noetic", 1);
   EXPECT_EQ(OptionsFromEnvironment().faults.distribution,
-            "ROS_DISTRO: found 'noetic', expected humble, iron, jazzy, kilted or rolling (--ros-distro overrides it)");
+            "ROS_DISTRO: found 'noetic', expected humble, iron, jazzy, kilted, lyrical or rolling (--ros-distro "
+            "overrides it)");
   setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", 1);
   EXPECT_NE(OptionsFromEnvironment().faults.discovery, "");
+}
+
+TEST_F(RosEnvironment, NamesAnRmwWhoseProgramsDoNotFindTheRun) {
+  for (const char* rmw : {"", "rmw_cyclonedds_cpp", "rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp"}) {
+    setenv("RMW_IMPLEMENTATION", rmw, 1);
+    EXPECT_EQ(OptionsFromEnvironment().faults.rmw, "") << rmw;
+  }
+  setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp", 1);
+  EXPECT_EQ(OptionsFromEnvironment().faults.rmw,
+            "RMW_IMPLEMENTATION: found 'rmw_zenoh_cpp', expected rmw_cyclonedds_cpp or rmw_fastrtps_cpp: programs on "
+            "another one do not find this run");
 }
 
 TEST_F(RosEnvironment, ReadsADomainAsRosDoes) {

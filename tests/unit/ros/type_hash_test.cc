@@ -23,6 +23,18 @@ TEST(TypeHash, IsInTheUserDataOfEndpointsFromIronOn) {
   EXPECT_EQ(TypeMark(Distribution::kHumble, "std_msgs::msg::dds_::String_"), "");
 }
 
+TEST(TypeHash, EndpointsOfServicesHaveThatOfTheServiceFromLyricalOn) {
+  const std::string request = "std_srvs::srv::dds_::SetBool_Request_";
+  const std::string mark = "typehash=" + TypeHash(request) + ";";
+  EXPECT_EQ(TypeMark(Distribution::kKilted, request), mark);
+  for (const Distribution distribution : {Distribution::kLyrical, Distribution::kRolling}) {
+    EXPECT_EQ(TypeMark(distribution, request), mark + "sertypehash=" + HashOfRosType("std_srvs/srv/SetBool") + ";");
+    EXPECT_THAT(TypeMark(distribution, "control_msgs::action::dds_::GripperCommand_SendGoal_Response_"),
+                testing::HasSubstr("sertypehash=RIHS01_6bf8cc4c"));
+    EXPECT_THAT(TypeMark(distribution, "std_msgs::msg::dds_::String_"), testing::Not(testing::HasSubstr("sertype")));
+  }
+}
+
 TEST(TypeHash, IsEmptyForATypeUnknownToRos) {
   for (const char* name : {"", "troupe::wire::Frame", "std_msgs::msg::dds_::NoSuch_", "dds_::", "::dds_::x"}) {
     EXPECT_EQ(TypeHash(name), "") << name;
@@ -56,6 +68,8 @@ TEST(FindTopicType, HasTheLayoutOfTheDistribution) {
   using Usual = simulation_interfaces_srv_dds__SetEntityState_Request_;
   using Rolling = rolling_simulation_interfaces_srv_dds__SetEntityState_Request_;
   EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kJazzy), dds::TopicTraits<Usual>::descriptor());
+  EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kKilted), dds::TopicTraits<Usual>::descriptor());
+  EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kLyrical), dds::TopicTraits<Rolling>::descriptor());
   EXPECT_EQ(FindTopicType(NameOnDds<Usual>(), Distribution::kRolling), dds::TopicTraits<Rolling>::descriptor());
   EXPECT_EQ(FindTopicType("x", Distribution::kJazzy), nullptr);
 }

@@ -1,29 +1,29 @@
-#include "world-service/observers/ros/entity_edits.h"
-
+// The services that change entities: those that move and delete them, and those that spawn them, one or several.
+#include <functional>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "ros/messages/robot_in_ros.h"
 #include "world-service/observers/ros/request_values.h"
+#include "world-service/observers/ros/simulation_context.h"
 
 namespace troupe {
 namespace {
 
-using ros::RosCaller;
+TROUPE_SIMULATION_SERVICE(DeleteEntity);
+TROUPE_SIMULATION_SERVICE(SetEntityState);
+TROUPE_SIMULATION_SERVICE(SpawnEntity);
+TROUPE_SIMULATION_SERVICE(SpawnEntities);
+using NewSetEntityStateRequest = rolling_simulation_interfaces_srv_dds__SetEntityState_Request_;  // of 2.x
 
 constexpr auto kOk = static_cast<std::uint8_t>(ResultCode::kOk);
-constexpr std::uint8_t kInvalidStatePose = 101;  // of SetEntityState
 constexpr auto kFailed = static_cast<std::uint8_t>(ResultCode::kOperationFailed);
-
-bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
-  return twist.linear.x == 0.0 && twist.linear.y == 0.0 && twist.linear.z == 0.0 && twist.angular.x == 0.0 &&
-         twist.angular.y == 0.0 && twist.angular.z == 0.0;
-}
-
-using ros::RosCaller;
-
-constexpr auto kSpawned = static_cast<std::uint8_t>(ResultCode::kOk);
+constexpr std::uint8_t kInvalidStatePose = 101;  // of SetEntityState
 // Of SpawnEntity.
 constexpr std::uint8_t kNameNotUnique = 101;
+constexpr std::uint8_t kInvalidName = 102;
 constexpr std::uint8_t kUnsupportedFormat = 103;
 constexpr std::uint8_t kNoResource = 104;
 constexpr std::uint8_t kInvalidNamespace = 105;
@@ -32,175 +32,89 @@ constexpr std::uint8_t kInvalidSpawnPose = 109;
 // Of SpawnEntities.
 constexpr std::uint8_t kEntitiesSpawnFailed = 150;
 
-std::uint8_t SpawnCode(const ControlReply& reply, const ControlRequest& request) {
-  if (reply.done) return kSpawned;
-  if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
-  if (HasOtherFormat(request.source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
-  if (reply.problem_code == ErrorCode::kMalformed) return kMalformedResource;
-  return static_cast<std::uint8_t>(ResultCode::kOperationFailed);
+bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
+  return twist.linear.x == 0.0 && twist.linear.y == 0.0 && twist.linear.z == 0.0 && twist.angular.x == 0.0 &&
+         twist.angular.y == 0.0 && twist.angular.z == 0.0;
 }
 
-}  // namespace
-
-void EntityEdits::Open(const ros::RosNode& node, const std::string& prefix, ros::Distribution distribution) {
-  delete_.Open(node, prefix + "delete_entity", Bind(&EntityEdits::OnDelete));
-  if (distribution == ros::Distribution::kRolling) {
-    set_rolling_state_.Open(node, prefix + "set_entity_state", Bind(&EntityEdits::OnSetRollingState));
-  } else {
-    set_state_.Open(node, prefix + "set_entity_state", Bind(&EntityEdits::OnSetState));
-  }
+// Of a state, that a request sets.
+struct Parts {
+  bool pose = false;
+  bool twist = false;
+  bool acceleration = false;
+};
+Parts PartsOf(const SetEntityStateRequest& request) {
+  return {true, !IsZero(request.state.twist), false};
+}
+Parts PartsOf(const NewSetEntityStateRequest& request) {
+  return {request.set_pose, request.set_twist, request.set_acceleration};
 }
 
-void EntityEdits::Close() {
-  delete_.Close();
-  set_state_.Close();
-  set_rolling_state_.Close();
-}
-
-void EntityEdits::OnSetState(const RosCaller& caller,
-                             const simulation_interfaces_srv_dds__SetEntityState_Request_& request) {
-  SetState(caller, request.entity, request.state, {true, !IsZero(request.state.twist), false}, set_state_);
-}
-
-void EntityEdits::OnSetRollingState(const RosCaller& caller,
-                                    const rolling_simulation_interfaces_srv_dds__SetEntityState_Request_& request) {
-  SetState(caller, request.entity, request.state, {request.set_pose, request.set_twist, request.set_acceleration},
-           set_rolling_state_);
-}
-
-template <typename Slot>
-void EntityEdits::SetState(const RosCaller& caller, const char* entity_name,
-                           const simulation_interfaces_msg_dds__EntityState_& state, const Parts& parts, Slot& slot) {
-  const auto answer = [caller, &slot](std::uint8_t code, const std::string& problem) {
-    dds::WireArena arena;
-    simulation_interfaces_srv_dds__SetEntityState_Response_ response{};
-    response.result = MakeResult(code, problem, arena);
-    slot.Respond(caller, response);
-  };
+template <typename Request>
+void OnSetEntityState(SimulationContext& context, const Call<Request, SetEntityStateResponse>& call,
+                      const Request& request) {
+  const Parts parts = PartsOf(request);
   if (parts.acceleration) {
-    return answer(static_cast<std::uint8_t>(ResultCode::kUnsupported), "the acceleration of an entity cannot be set");
+    return call.Answer(ResultCode::kUnsupported, "the acceleration of an entity cannot be set");
   }
-  const Result<Pose> pose = PoseFromRos(state.header.frame_id, state.pose);
-  if (parts.pose && !pose.ok()) return answer(kInvalidStatePose, pose.error().message);
-  const Result<Twist> twist = TwistFromRos(state.twist);
-  if (parts.twist && !twist.ok()) return answer(kFailed, twist.error().message);
-  const std::string name = dds::Text(entity_name);
-  FindEntity(name, [=](EntityEdits& self, const ControlReply&, const EntityReport* entity) {
-    if (entity == nullptr) {
-      return answer(static_cast<std::uint8_t>(ResultCode::kNotFound), "no entity '" + name + "'");
-    }
+  const Result<Pose> pose = PoseFromRos(request.state.header.frame_id, request.state.pose);
+  if (parts.pose && !pose.ok()) return call.Answer(kInvalidStatePose, pose.error().message);
+  const Result<Twist> twist = TwistFromRos(request.state.twist);
+  if (parts.twist && !twist.ok()) return call.Answer(kFailed, twist.error().message);
+  const std::string name = dds::Text(request.entity);
+  context.FindEntity(name, [=](SimulationContext& self, const ControlReply&, const EntityReport* entity) {
+    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + name + "'");
     if (parts.twist && entity->kind != EntityKind::kRobot && !twist.value().IsZero()) {
-      return answer(kFailed, "'" + name + "' is no robot: it has no drive");
+      return call.Answer(kFailed, "'" + name + "' is no robot: it has no drive");
     }
     ControlRequest turn;
     turn.command = ControlCommand::kSetTwist;
     turn.name = entity->name;
     if (parts.twist) turn.twist = twist.value();
     const bool turns = parts.twist && entity->kind == EntityKind::kRobot;
-    const auto set_twist = [turn, answer](EntityEdits& edits) {
-      edits.Ask(turn, [answer](EntityEdits&, const ControlReply& reply) {
-        answer(reply.done ? kOk : kFailed, reply.problem);
-      });
+    const auto set_twist = [turn, call](SimulationContext& of_pose) {
+      of_pose.Ask(turn, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
     };
-    if (!parts.pose) return turns ? set_twist(self) : answer(kOk, "");
+    if (!parts.pose) return turns ? set_twist(self) : call.Answer(kOk, "");
     ControlRequest move;
     move.command = ControlCommand::kSetPose;
     move.name = entity->name;
     move.pose = pose.value();
-    self.Ask(move, [answer, turns, set_twist](EntityEdits& edits, const ControlReply& reply) {
-      if (reply.done && turns) return set_twist(edits);
-      answer(reply.done ? kOk : kInvalidStatePose, reply.problem);
+    self.Ask(move, [call, turns, set_twist](SimulationContext& of_pose, const ControlReply& reply) {
+      if (reply.done && turns) return set_twist(of_pose);
+      call.Answer(reply.done ? kOk : kInvalidStatePose, reply.problem);
     });
   });
 }
 
-void EntityEdits::AnswerDelete(const RosCaller& caller, ResultCode code, const std::string& problem) {
-  dds::WireArena arena;
-  simulation_interfaces_srv_dds__DeleteEntity_Response_ response{};
-  response.result = MakeResult(code, problem, arena);
-  delete_.Respond(caller, response);
-}
-
-void EntityEdits::OnDelete(const RosCaller& caller,
-                           const simulation_interfaces_srv_dds__DeleteEntity_Request_& request) {
+void OnDeleteEntity(SimulationContext& context, const DeleteEntityCall& call, const DeleteEntityRequest& request) {
   const std::string name = dds::Text(request.entity);
-  FindEntity(name, [caller, name](EntityEdits& self, const ControlReply&, const EntityReport* entity) {
-    if (entity == nullptr) return self.AnswerDelete(caller, ResultCode::kNotFound, "no entity '" + name + "'");
+  context.FindEntity(name, [call, name](SimulationContext& self, const ControlReply&, const EntityReport* entity) {
+    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + name + "'");
     ControlRequest removal;
     removal.command = ControlCommand::kDelete;
     removal.name = entity->name;
-    self.Ask(removal, [caller](EntityEdits& edits, const ControlReply& reply) {
-      edits.AnswerDelete(caller, CodeOf(reply), reply.problem);
-    });
+    self.Ask(removal, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
 }
 
-struct EntitySpawns::Orders {
-  RosCaller caller;
-  std::vector<Order> orders;
-  std::vector<Spawned> spawned;
+struct SpawnOrder {
+  std::string name;
+  bool rename = false;
+  std::string uri;
+  std::string text;  // in place of a file
+  std::string name_space;
+  Result<Pose> pose = Pose{};
 };
+struct Spawned {
+  std::uint8_t code = 0;
+  std::string problem;
+  std::string name;
+};
+using OnSpawned = std::function<void(SimulationContext& context, const Spawned& spawned)>;
 
-void EntitySpawns::Open(const ros::RosNode& node, const std::string& prefix) {
-  spawn_.Open(node, prefix + "spawn_entity", Bind(&EntitySpawns::OnSpawn));
-  spawn_several_.Open(node, prefix + "spawn_entities", Bind(&EntitySpawns::OnSpawnSeveral));
-}
-
-void EntitySpawns::Close() {
-  spawn_.Close();
-  spawn_several_.Close();
-}
-
-void EntitySpawns::OnSpawn(const RosCaller& caller,
-                           const simulation_interfaces_srv_dds__SpawnEntity_Request_& request) {
-  const Order order{dds::Text(request.name),
-                    request.allow_renaming,
-                    dds::Text(request.uri),
-                    dds::Text(request.resource_string),
-                    dds::Text(request.entity_namespace),
-                    PoseFromRos(request.initial_pose.header.frame_id, request.initial_pose.pose)};
-  Spawn(order, [caller](EntitySpawns& self, const Spawned& spawned) {
-    dds::WireArena arena;
-    simulation_interfaces_srv_dds__SpawnEntity_Response_ response{};
-    response.result = MakeResult(spawned.code, spawned.problem, arena);
-    response.entity_name = arena.Copy(spawned.name);
-    self.spawn_.Respond(caller, response);
-  });
-}
-
-void EntitySpawns::OnSpawnSeveral(const RosCaller& caller,
-                                  const simulation_interfaces_srv_dds__SpawnEntities_Request_& request) {
-  auto orders = std::make_shared<Orders>();
-  orders->caller = caller;
-  for (const auto& order : dds::Elements(request.spawn_requests)) {
-    orders->orders.push_back({dds::Text(order.name), order.allow_renaming, dds::Text(order.entity_resource.uri),
-                              dds::Text(order.entity_resource.resource_string), dds::Text(order.entity_namespace),
-                              PoseFromRos(order.initial_pose.header.frame_id, order.initial_pose.pose)});
-  }
-  SpawnNext(orders);
-}
-
-void EntitySpawns::SpawnNext(const std::shared_ptr<Orders>& orders) {
-  if (orders->spawned.size() < orders->orders.size()) {
-    return Spawn(orders->orders[orders->spawned.size()], [orders](EntitySpawns& self, const Spawned& spawned) {
-      orders->spawned.push_back(spawned);
-      self.SpawnNext(orders);
-    });
-  }
-  dds::WireArena arena;
-  simulation_interfaces_srv_dds__SpawnEntities_Response_ response{};
-  std::size_t failed = 0;
-  auto* result = arena.Fill(response.results, orders->spawned.size());
-  for (const Spawned& spawned : orders->spawned) {
-    if (spawned.code != kSpawned) ++failed;
-    *result++ = {MakeResult(spawned.code, spawned.problem, arena), arena.Copy(spawned.name)};
-  }
-  const std::string problem = std::to_string(failed) + " of " + std::to_string(orders->spawned.size()) + " failed";
-  response.result = MakeResult(failed == 0 ? kSpawned : kEntitiesSpawnFailed, failed == 0 ? "" : problem, arena);
-  spawn_several_.Respond(orders->caller, response);
-}
-
-Result<std::string> EntitySpawns::NamespaceOf(const std::string& asked, const std::string& name) const {
+// The namespace of a robot called `name`; "" for its name. The error is one that ROS does not allow, or in use.
+Result<std::string> NamespaceOf(const WorldDescription& world, const std::string& asked, const std::string& name) {
   const std::string name_space = asked.empty() || asked.starts_with("/") ? asked : "/" + asked;
   if (name_space.empty() || name_space == "/" + name) return std::string();
   if (!ros::IsNamespace(name_space)) {
@@ -209,7 +123,6 @@ Result<std::string> EntitySpawns::NamespaceOf(const std::string& asked, const st
                      "', expected names of letters, digits and underscores with a "
                      "slash between them"};
   }
-  const WorldDescription& world = context().scene()->world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (!IsThere(world, RobotId(i))) continue;
     if (ros::FindRobotInRos(world, RobotId(i), 0, {}).node_namespace == name_space) {
@@ -219,16 +132,27 @@ Result<std::string> EntitySpawns::NamespaceOf(const std::string& asked, const st
   return name_space;
 }
 
-void EntitySpawns::Spawn(const Order& order, const Answer& answer) {
+std::uint8_t SpawnCode(const ControlReply& reply, const ControlRequest& request) {
+  if (reply.done) return kOk;
+  if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
+  if (HasOtherFormat(request.source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
+  if (reply.problem_code == ErrorCode::kMalformed) return kMalformedResource;
+  return kFailed;
+}
+
+void Spawn(SimulationContext& context, const SpawnOrder& order, const OnSpawned& answer) {
+  const auto refuse = [&](std::uint8_t code, const std::string& problem) { answer(context, {code, problem, ""}); };
+  if (order.name.empty() && !order.rename)
+    return refuse(kInvalidName, "found no name, expected one, or allow_renaming");
   if (order.uri.empty() && order.text.empty()) {
-    return answer(*this, {kNoResource, "found no uri, expected a file or one of the spawnables", ""});
+    return refuse(kNoResource, "found no uri, expected a file or one of the spawnables");
   }
   if (order.uri.empty() && IsOtherText(order.text)) {
-    return answer(*this, {kUnsupportedFormat, "found a text of XML, expected a Stage world or a scenario", ""});
+    return refuse(kUnsupportedFormat, "found a text of XML, expected a Stage world or a scenario");
   }
-  if (!order.pose.ok()) return answer(*this, {kInvalidSpawnPose, order.pose.error().message, ""});
-  Result<std::string> name_space = NamespaceOf(order.name_space, order.name);
-  if (!name_space.ok()) return answer(*this, {kInvalidNamespace, name_space.error().message, ""});
+  if (!order.pose.ok()) return refuse(kInvalidSpawnPose, order.pose.error().message);
+  Result<std::string> name_space = NamespaceOf(context.scene()->world(), order.name_space, order.name);
+  if (!name_space.ok()) return refuse(kInvalidNamespace, name_space.error().message);
   ControlRequest spawn;
   spawn.command = ControlCommand::kSpawn;
   spawn.source = ResourcePath(order.uri.c_str());
@@ -237,15 +161,83 @@ void EntitySpawns::Spawn(const Order& order, const Answer& answer) {
   spawn.rename = order.rename;
   spawn.ros_namespace = std::move(name_space).value();
   spawn.pose = order.pose.value();
-  FindEntity(spawn.name, [spawn, answer](EntitySpawns& self, const ControlReply&, const EntityReport* other) {
-    if (other != nullptr && !spawn.rename) {
-      return answer(self, {kNameNotUnique, "the name '" + spawn.name + "' is in use", ""});
-    }
-    self.Ask(spawn, [spawn, answer](EntitySpawns& spawns, const ControlReply& reply) {
-      const std::string name = reply.entities.empty() ? "" : spawns.context().RosNameOf(reply.entities.front());
-      answer(spawns, {SpawnCode(reply, spawn), reply.problem, name});
-    });
+  context.FindEntity(
+      spawn.name, [spawn, answer](SimulationContext& self, const ControlReply&, const EntityReport* other) {
+        if (other != nullptr && !spawn.rename) {
+          return answer(self, {kNameNotUnique, "the name '" + spawn.name + "' is in use", ""});
+        }
+        self.Ask(spawn, [spawn, answer](SimulationContext& of_spawn, const ControlReply& reply) {
+          const std::string name = reply.entities.empty() ? "" : of_spawn.RosNameOf(reply.entities.front());
+          answer(of_spawn, {SpawnCode(reply, spawn), reply.problem, name});
+        });
+      });
+}
+
+void OnSpawnEntity(SimulationContext& context, const SpawnEntityCall& call, const SpawnEntityRequest& request) {
+  const SpawnOrder order{dds::Text(request.name),
+                         request.allow_renaming,
+                         dds::Text(request.uri),
+                         dds::Text(request.resource_string),
+                         dds::Text(request.entity_namespace),
+                         PoseFromRos(request.initial_pose.header.frame_id, request.initial_pose.pose)};
+  Spawn(context, order, [call](SimulationContext&, const Spawned& spawned) {
+    dds::WireArena arena;
+    SpawnEntityResponse response{};
+    response.result = MakeResult(spawned.code, spawned.problem, arena);
+    response.entity_name = arena.Copy(spawned.name);
+    call.Respond(response);
   });
+}
+
+// Several orders, one after another.
+struct SpawnOrders {
+  SpawnEntitiesCall call;
+  std::vector<SpawnOrder> orders = {};
+  std::vector<Spawned> spawned = {};
+};
+
+void SpawnNext(SimulationContext& context, const std::shared_ptr<SpawnOrders>& orders) {
+  if (orders->spawned.size() < orders->orders.size()) {
+    return Spawn(context, orders->orders[orders->spawned.size()],
+                 [orders](SimulationContext& self, const Spawned& spawned) {
+                   orders->spawned.push_back(spawned);
+                   SpawnNext(self, orders);
+                 });
+  }
+  dds::WireArena arena;
+  SpawnEntitiesResponse response{};
+  std::size_t failed = 0;
+  auto* result = arena.Fill(response.results, orders->spawned.size());
+  for (const Spawned& spawned : orders->spawned) {
+    if (spawned.code != kOk) ++failed;
+    *result++ = {MakeResult(spawned.code, spawned.problem, arena), arena.Copy(spawned.name)};
+  }
+  const std::string problem = std::to_string(failed) + " of " + std::to_string(orders->spawned.size()) + " failed";
+  response.result = MakeResult(failed == 0 ? kOk : kEntitiesSpawnFailed, failed == 0 ? "" : problem, arena);
+  orders->call.Respond(response);
+}
+
+void OnSpawnEntities(SimulationContext& context, const SpawnEntitiesCall& call, const SpawnEntitiesRequest& request) {
+  const auto orders = std::make_shared<SpawnOrders>(SpawnOrders{call});
+  for (const auto& order : dds::Elements(request.spawn_requests)) {
+    orders->orders.push_back({dds::Text(order.name), order.allow_renaming, dds::Text(order.entity_resource.uri),
+                              dds::Text(order.entity_resource.resource_string), dds::Text(order.entity_namespace),
+                              PoseFromRos(order.initial_pose.header.frame_id, order.initial_pose.pose)});
+  }
+  SpawnNext(context, orders);
+}
+
+}  // namespace
+
+void AddEntityEdits(ServiceSet& services) {
+  services.Add("delete_entity", &OnDeleteEntity);
+  if (services.has_interfaces_2()) {
+    services.Add("set_entity_state", &OnSetEntityState<NewSetEntityStateRequest>);
+  } else {
+    services.Add("set_entity_state", &OnSetEntityState<SetEntityStateRequest>);
+  }
+  services.Add("spawn_entity", &OnSpawnEntity);
+  services.Add("spawn_entities", &OnSpawnEntities);
 }
 
 }  // namespace troupe

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "ros/connection/clock_output.h"
@@ -18,6 +20,7 @@
 #include "ros/messages/convert.h"
 #include "ros/messages/convert_world.h"
 #include "ros/messages/messages.h"
+#include "ros/messages/robot_in_ros.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
 #include "world-service/observers/ros/simulation_services.h"
@@ -51,12 +54,9 @@ class RosWorldGateway final : public RunObserver {
   Status OnBegin(const RunStart& start) override {
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, scene_, start.control));
     connection_.Announce();
+    TellNames();
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
-      poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) {
-        fmt::print(stderr, "ROS: {}\n", text);
-        const std::lock_guard lock(log_mutex_);
-        log_.Write(ros::LogLevel::kWarning, "/world", text);
-      });
+      poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     }
     return Status();
   }
@@ -72,6 +72,7 @@ class RosWorldGateway final : public RunObserver {
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
     if (poses_) poses_->ChangeWorld(scene);
+    TellNames();
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
   }
@@ -105,6 +106,18 @@ class RosWorldGateway final : public RunObserver {
   }
 
  private:
+  void Warn(const std::string& text) {
+    fmt::print(stderr, "ROS: {}\n", text);
+    const std::lock_guard lock(log_mutex_);
+    log_.Write(ros::LogLevel::kWarning, "/world", text);
+  }
+  // Each notice once.
+  void TellNames() {
+    for (const std::string& notice : ros::NoticesOfNames(scene_->world(), options_.network.domain, options_.names)) {
+      if (told_names_.insert(notice).second) Warn(notice);
+    }
+  }
+
   // Replaces the services, and ends the ones before.
   void ExchangeServices(std::unique_ptr<SimulationServices> services) {
     {
@@ -122,6 +135,7 @@ class RosWorldGateway final : public RunObserver {
   ros::RosWriter<ros::String> events_;
   ros::RosWriter<ros::MarkerArray> objects_;
   std::vector<ObjectState> shown_objects_;
+  std::set<std::string> told_names_;
   bool objects_replaced_ = false;  // viewers may show markers of the world before
   WorldPictures pictures_;
   ros::ParameterServices parameters_;

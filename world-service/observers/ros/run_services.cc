@@ -1,11 +1,15 @@
-#include "world-service/observers/ros/run_services.h"
-
+// The services that report the simulator's features, and that report and change the state of the run.
 #include <iterator>
+
+#include "world-service/observers/ros/simulation_context.h"
 
 namespace troupe {
 namespace {
 
-using ros::RosCaller;
+TROUPE_SIMULATION_SERVICE(GetSimulatorFeatures);
+TROUPE_SIMULATION_SERVICE(GetSimulationState);
+TROUPE_SIMULATION_SERVICE(SetSimulationState);
+TROUPE_SIMULATION_SERVICE(StepSimulation);
 
 // Of SetSimulationState.
 constexpr std::uint8_t kAlreadyInTargetState = 101;
@@ -39,103 +43,83 @@ std::uint8_t ToState(RunState state) {
   return kStopped;
 }
 
-}  // namespace
-
-void RunServices::Open(const ros::RosNode& node, const std::string& prefix) {
-  get_features_.Open(node, prefix + "get_simulator_features", Bind(&RunServices::OnGetFeatures));
-  get_state_.Open(node, prefix + "get_simulation_state", Bind(&RunServices::OnGetState));
-  set_state_.Open(node, prefix + "set_simulation_state", Bind(&RunServices::OnSetState));
-  step_.Open(node, prefix + "step_simulation", Bind(&RunServices::OnStep));
-}
-
-void RunServices::Close() {
-  get_features_.Close();
-  get_state_.Close();
-  set_state_.Close();
-  step_.Close();
-}
-
-void RunServices::OnGetFeatures(const RosCaller& caller,
-                                const simulation_interfaces_srv_dds__GetSimulatorFeatures_Request_&) {
-  dds::WireArena arena;
-  simulation_interfaces_srv_dds__GetSimulatorFeatures_Response_ response{};
-  std::uint16_t* feature = arena.Fill(response.features.features, std::size(kFeatures));
-  for (const std::uint16_t number : kFeatures) *feature++ = number;
-  arena.FillStrings(response.features.spawn_formats, {"world", "inc", "json"});
-  response.features.custom_info = arena.Copy("Troupe: world " + context().scene()->world().name);
-  get_features_.Respond(caller, response);
-}
-
 // A stopped run is a run that was paused and reset and has not moved since.
-std::uint8_t RunServices::StateOf(const ControlReply& reply) const {
-  if (reply.state != RunState::kOver && !context().has_world()) return kNoWorld;
-  const bool stopped = reply.state == RunState::kPaused && reply.edition == stopped_edition_.load() && reply.tick == 0;
+std::uint8_t StateOf(const SimulationContext& context, const ControlReply& reply) {
+  if (reply.state != RunState::kOver && !context.has_world()) return kNoWorld;
+  const bool stopped =
+      reply.state == RunState::kPaused && reply.edition == context.stopped_edition.load() && reply.tick == 0;
   return stopped ? kStopped : ToState(reply.state);
 }
 
-void RunServices::OnGetState(const RosCaller& caller,
-                             const simulation_interfaces_srv_dds__GetSimulationState_Request_&) {
-  Ask(ControlCommand::kStatus, [caller](RunServices& self, const ControlReply& reply) {
-    dds::WireArena arena;
-    simulation_interfaces_srv_dds__GetSimulationState_Response_ response{};
-    response.state.state = self.StateOf(reply);
-    response.result = MakeResult(ResultCode::kOk, "", arena);
-    self.get_state_.Respond(caller, response);
-  });
-}
-
-void RunServices::AnswerSetState(const RosCaller& caller, std::uint8_t code, const std::string& problem) {
+void OnGetSimulatorFeatures(SimulationContext& context, const GetSimulatorFeaturesCall& call,
+                            const GetSimulatorFeaturesRequest&) {
   dds::WireArena arena;
-  simulation_interfaces_srv_dds__SetSimulationState_Response_ response{};
-  response.result = MakeResult(code, problem, arena);
-  set_state_.Respond(caller, response);
+  GetSimulatorFeaturesResponse response{};
+  std::uint16_t* feature = arena.Fill(response.features.features, std::size(kFeatures));
+  for (const std::uint16_t number : kFeatures) *feature++ = number;
+  arena.FillStrings(response.features.spawn_formats, {"world", "inc", "json"});
+  response.features.custom_info = arena.Copy("Troupe: world " + context.scene()->world().name);
+  call.Respond(response);
 }
 
-void RunServices::AnswerSetState(const RosCaller& caller, const ControlReply& reply) {
-  AnswerSetState(caller, static_cast<std::uint8_t>(CodeOf(reply)), reply.problem);
-}
-
-void RunServices::OnSetState(const RosCaller& caller,
-                             const simulation_interfaces_srv_dds__SetSimulationState_Request_& request) {
-  const std::uint8_t wanted = request.state.state;
-  if (wanted != kPlaying && wanted != kPaused && wanted != kStopped) {
-    return AnswerSetState(caller, static_cast<std::uint8_t>(ResultCode::kUnsupported),
-                          "expected the state stopped (0), playing (1) or paused (2)");
-  }
-  Ask(ControlCommand::kStatus, [caller, wanted](RunServices& self, const ControlReply& status) {
-    if (self.StateOf(status) == wanted) {
-      return self.AnswerSetState(caller, kAlreadyInTargetState, "it is so already");
-    }
-    if (wanted == kStopped) return self.Stop(caller);
-    if (wanted == kPaused && status.state == RunState::kPaused) {
-      return self.AnswerSetState(caller, kIncorrectTransition, "a stopped run can be played, not paused");
-    }
-    self.Ask(wanted == kPlaying ? ControlCommand::kPlay : ControlCommand::kPause,
-             [caller](RunServices& services, const ControlReply& reply) { services.AnswerSetState(caller, reply); });
+void OnGetSimulationState(SimulationContext& context, const GetSimulationStateCall& call,
+                          const GetSimulationStateRequest&) {
+  context.Ask(ControlCommand::kStatus, [call](SimulationContext& self, const ControlReply& reply) {
+    dds::WireArena arena;
+    GetSimulationStateResponse response{};
+    response.state.state = StateOf(self, reply);
+    response.result = MakeResult(ResultCode::kOk, "", arena);
+    call.Respond(response);
   });
 }
 
-void RunServices::Stop(const RosCaller& caller) {
-  Ask(ControlCommand::kPause, [caller](RunServices& self, const ControlReply& paused) {
-    if (!paused.done) return self.AnswerSetState(caller, paused);
-    self.Ask(ControlCommand::kReset, [caller](RunServices& services, const ControlReply& reply) {
-      if (reply.done) services.stopped_edition_ = reply.edition;
-      services.AnswerSetState(caller, reply);
+void StopSimulation(SimulationContext& context, const SetSimulationStateCall& call) {
+  context.Ask(ControlCommand::kPause, [call](SimulationContext& self, const ControlReply& paused) {
+    if (!paused.done) return call.Answer(paused);
+    self.Ask(ControlCommand::kReset, [call](SimulationContext& of_reset, const ControlReply& reply) {
+      if (reply.done) of_reset.stopped_edition = reply.edition;
+      call.Answer(reply);
     });
   });
 }
 
-void RunServices::OnStep(const RosCaller& caller,
-                         const simulation_interfaces_srv_dds__StepSimulation_Request_& request) {
-  ControlRequest step;
-  step.command = ControlCommand::kStep;
-  step.ticks = request.steps;
-  Ask(step, [caller](RunServices& self, const ControlReply& reply) {
-    dds::WireArena arena;
-    simulation_interfaces_srv_dds__StepSimulation_Response_ response{};
-    response.result = MakeResult(reply, arena);
-    self.step_.Respond(caller, response);
+void OnSetSimulationState(SimulationContext& context, const SetSimulationStateCall& call,
+                          const SetSimulationStateRequest& request) {
+  const std::uint8_t wanted = request.state.state;
+  if (wanted != kPlaying && wanted != kPaused && wanted != kStopped) {
+    return call.Answer(ResultCode::kUnsupported, "expected the state stopped (0), playing (1) or paused (2)");
+  }
+  context.Ask(ControlCommand::kStatus, [call, wanted](SimulationContext& self, const ControlReply& status) {
+    if (StateOf(self, status) == wanted) return call.Answer(kAlreadyInTargetState, "it is so already");
+    if (wanted == kStopped) return StopSimulation(self, call);
+    if (wanted == kPaused && status.state == RunState::kPaused) {
+      return call.Answer(kIncorrectTransition, "a stopped run can be played, not paused");
+    }
+    self.Ask(wanted == kPlaying ? ControlCommand::kPlay : ControlCommand::kPause,
+             [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
+}
+
+void OnStepSimulation(SimulationContext& context, const StepSimulationCall& call,
+                      const StepSimulationRequest& request) {
+  if (context.is_stepping()) return call.Answer(ResultCode::kOperationFailed, kIsStepping);
+  context.Ask(
+      ControlCommand::kStatus, [call, ticks = request.steps](SimulationContext& self, const ControlReply& status) {
+        const std::uint8_t state = StateOf(self, status);
+        if (state == kPlaying || (state == kStopped && status.state == RunState::kPaused)) {  // not: it is starting
+          return call.Answer(ResultCode::kOperationFailed, "the run is not paused; only a paused one can step");
+        }
+        self.AskToStep(ticks, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
+      });
+}
+
+}  // namespace
+
+void AddRunServices(ServiceSet& services) {
+  services.Add("get_simulator_features", &OnGetSimulatorFeatures);
+  services.Add("get_simulation_state", &OnGetSimulationState);
+  services.Add("set_simulation_state", &OnSetSimulationState);
+  services.Add("step_simulation", &OnStepSimulation);
 }
 
 }  // namespace troupe

@@ -6,19 +6,11 @@
 #include <string>
 
 #include "common/spatial/scene.h"
-#include "ros/connection/ros_participant.h"
+#include "world-service/observers/ros/simulation_context.h"
 #include "world-service/observers/ros/step_action.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
-
-class EntityEdits;
-class EntityQueries;
-class EntitySpawns;
-class RunServices;
-class SimulationContext;
-class WorldQueries;
-class WorldServices;
 
 class SimulationServices {
  public:
@@ -26,7 +18,7 @@ class SimulationServices {
   SimulationServices(const ros::RosNode& node, const std::string& name, const std::shared_ptr<const Scene>& scene,
                      WorldControl& control);
   // After it no call into the control runs; open requests are dropped.
-  ~SimulationServices();
+  ~SimulationServices() = default;
 
   // An edit has replaced the world.
   void ChangeWorld(const std::shared_ptr<const Scene>& scene);
@@ -34,14 +26,8 @@ class SimulationServices {
   void Publish(const FrameMessage& frame) { step_action_.Publish(frame); }
 
  private:
-  // All are shared with requests that wait for their answer.
-  std::shared_ptr<SimulationContext> context_;
-  std::shared_ptr<RunServices> run_;
-  std::shared_ptr<WorldServices> world_;
-  std::shared_ptr<EntityQueries> queries_;
-  std::shared_ptr<EntityEdits> edits_;
-  std::shared_ptr<EntitySpawns> spawns_;
-  std::shared_ptr<WorldQueries> world_queries_;
+  std::shared_ptr<SimulationContext> context_;  // shared with requests that wait for their answer
+  ServiceSet services_;
   StepAction step_action_;
 };
 

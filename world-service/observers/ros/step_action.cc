@@ -8,7 +8,7 @@
 
 #include "ros/connection/action_server.h"
 #include "ros/connection/simulation_types.h"
-#include "world-service/observers/ros/service_group.h"
+#include "world-service/observers/ros/simulation_context.h"
 
 namespace troupe {
 namespace {
@@ -36,9 +36,9 @@ struct StepGoal : ros::ActionGoal {
 
 // The control calls Begin, Finish and Publish with its own mutex locked. So the server sends it no request while mutex_
 // is locked.
-class StepAction::Server : public ServiceGroup<Server> {
+class StepAction::Server : public std::enable_shared_from_this<Server> {
  public:
-  explicit Server(std::shared_ptr<SimulationContext> context) : ServiceGroup(std::move(context)) {}
+  explicit Server(std::shared_ptr<SimulationContext> context) : context_(std::move(context)) {}
 
   void Open(const ros::RosNode& node, const std::string& name) {
     auto made = std::make_unique<ActionServer>(
@@ -89,6 +89,18 @@ class StepAction::Server : public ServiceGroup<Server> {
  private:
   using ActionServer = ros::ActionServer<SimulateStepsTypes>;
 
+  // An answer that is dropped after the end of the action.
+  template <typename Answered>
+  auto UntilTheEnd(Answered answered) {
+    return [weak = weak_from_this(), answered](SimulationContext&, const ControlReply& reply) {
+      if (const auto self = weak.lock()) answered(*self, reply);
+    };
+  }
+  template <typename Answered>
+  void Ask(ControlCommand command, Answered answered) {
+    context_->Ask(command, UntilTheEnd(answered));
+  }
+
   void SendGoal(const RosCaller& caller, const SimulateStepsTypes::SendGoalRequest& request) {
     StepGoal goal;
     goal.id = ros::ToGoalId(request.goal_id);
@@ -100,7 +112,7 @@ class StepAction::Server : public ServiceGroup<Server> {
   void Begin(const RosCaller& caller, StepGoal goal, const ControlReply& status) {
     {
       const std::lock_guard lock(mutex_);
-      goal.stamp = static_cast<std::int64_t>(status.tick) * context().scene()->world().interval_ns;
+      goal.stamp = static_cast<std::int64_t>(status.tick) * context_->scene()->world().interval_ns;
       goal.status = GoalStatus::kExecuting;
       const bool accepted = FindOpen() == nullptr && goals_.Add(goal);
       if (action_) action_->AnswerGoal(caller, accepted, goal.stamp);
@@ -113,10 +125,8 @@ class StepAction::Server : public ServiceGroup<Server> {
       }
       PublishChanges();
     }
-    ControlRequest step;
-    step.command = ControlCommand::kStep;
-    step.ticks = goal.steps;
-    Ask(step, [id = goal.id](Server& self, const ControlReply& reply) { self.Finish(id, reply); });
+    context_->AskToStep(
+        goal.steps, UntilTheEnd([id = goal.id](Server& self, const ControlReply& reply) { self.Finish(id, reply); }));
   }
 
   void Finish(const GoalId& id, const ControlReply& reply) {
@@ -180,6 +190,7 @@ class StepAction::Server : public ServiceGroup<Server> {
     });
   }
 
+  const std::shared_ptr<SimulationContext> context_;
   std::mutex mutex_;  // guards the members below
   ros::ActionGoals<StepGoal> goals_;
   Tick tick_ = 0;  // of the last frame

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "ros/connection/ros_participant.h"
+#include "ros/connection/ros_connection.h"
 #include "transport/protocol/messages.h"
 
 namespace troupe {

@@ -1,4 +1,4 @@
-#include "world-service/observers/ros/service_group.h"
+#include "world-service/observers/ros/simulation_context.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "command_line/ros_flags.h"
+#include "ros/flags/ros_flags.h"
 
 #include <fmt/format.h>
 
@@ -91,7 +91,7 @@ void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::Environmen
       ->type_name("HOSTS")
       ->group(group);
   AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
-          {"humble", "iron", "jazzy", "kilted", "rolling"}, [&network, &faults](const std::string& word) {
+          {"humble", "iron", "jazzy", "kilted", "lyrical", "rolling"}, [&network, &faults](const std::string& word) {
             network.distribution = *ros::ParseDistribution(word);
             faults.distribution.clear();
           });
