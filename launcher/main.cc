@@ -1,7 +1,9 @@
 // The program troupe: runs, checks, observes and draws simulations. docs/running.md is its manual.
 #include <CLI/CLI.hpp>
-#include <csignal>
-#include <exception>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string>
 
 #include "command_line/exit_status.h"
 #include "command_line/parse_command_line.h"
@@ -10,6 +12,14 @@
 
 namespace troupe {
 namespace {
+
+// Standard output that is lost, as on a full disk, fails the command. A reader that has seen enough, or none from the
+// start, does not.
+int CheckStandardOutput(int exit_status) {
+  if (std::fflush(stdout) == 0 || errno == EPIPE || errno == EBADF) return exit_status;
+  const int failed = Fail(Failure(std::string("cannot write to standard output: ") + std::strerror(errno)));
+  return exit_status == kExitDone ? failed : exit_status;
+}
 
 int Main(int argc, const char* const* argv) {
   CLI::App app("Troupe, a distributed 2.5D multi-robot simulator", "troupe");
@@ -29,11 +39,7 @@ int Main(int argc, const char* const* argv) {
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
   AddHostCommand(app, exit_status);
-  try {
-    return ParseCommandLine(app, argc, argv).value_or(exit_status);
-  } catch (const std::exception& exception) {
-    return Fail(FailureOf(exception));
-  }
+  return CheckStandardOutput(ParseCommandLine(app, argc, argv).value_or(exit_status));
 }
 
 }  // namespace
@@ -41,6 +47,5 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  std::signal(SIGXFSZ, SIG_IGN);   // a write beyond the limit fails, as on a full disk
-  return troupe::Main(argc, argv);
+  return troupe::RunProgram(troupe::Main, argc, argv);
 }

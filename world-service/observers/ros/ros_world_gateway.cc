@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/print.h"
 #include "ros/connection/clock_output.h"
 #include "ros/connection/parameter_services.h"
 #include "ros/connection/ros_endpoints.h"
@@ -53,7 +54,7 @@ class RosWorldGateway final : public RunObserver {
     connection_.Announce();
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
       poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) {
-        fmt::print(stderr, "ROS: {}\n", text);
+        PrintPlain(stderr, "ROS: {}\n", text);
         const std::lock_guard lock(log_mutex_);
         log_.Write(ros::LogLevel::kWarning, "/world", text);
       });
